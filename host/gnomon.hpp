@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT
+// gnomon: exact hard shadows as OpenCL kernels. The public face of the library.
+//
+//   gnomon::Device device;                                        // or your own cl_context and queue
+//   auto triangles = gnomon::Triangles::upload(device, nine_floats_each);
+//   auto points    = gnomon::Points::upload(device, three_floats_each);
+//   auto technique = gnomon::make_technique("frustum-traced", device);
+//   gnomon::Visibility visibility(device, points.count());
+//   technique->run(triangles, points, gnomon::Light::directional({0, -1, 0}), visibility);
+//   std::vector<float> lit = visibility.read();                   // 1 lit, 0 in shadow
+//
+// What "in shadow" means is the visibility contract in docs/numerics.md: decided in exact real arithmetic on the
+// float32 inputs, the same bits on every device. Objects are cheap handles (shared ownership); one Device and what
+// was made from it may be used from one thread at a time. Failures throw the exceptions below; the library never
+// prints, never exits and has no globals.
+#pragma once
+
+#ifndef CL_TARGET_OPENCL_VERSION
+#define CL_TARGET_OPENCL_VERSION 120
+#endif
+#include <CL/cl.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon {
+
+/// Three float32 coordinates: world space, in the scene's unit (glTF: metres), +Y up, right-handed.
+using Float3 = std::array<float, 3>;
+
+/// Receiver id of a point that lies on no triangle (and, in a view, of a pixel that sees the sky).
+inline constexpr std::uint32_t no_receiver = 0xFFFFFFFFu;
+
+/// "MAJOR.MINOR.PATCH".
+std::string_view version();
+
+// ---- Errors ---------------------------------------------------------------------------------------------------------
+
+/// Root of everything the library throws. what() is one sentence that names the thing and, where there is one, the
+/// remedy.
+class Error : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// An argument outside its stated range (sizes that do not match, a zero direction, an unknown setting).
+class InvalidArgument : public Error {
+public:
+    using Error::Error;
+};
+
+/// No device fits: none installed, none of that name, or the one asked for lacks something gnomon needs.
+class DeviceNotFound : public Error {
+public:
+    using Error::Error;
+};
+
+/// An OpenCL call failed. Carries the call, the error's name ("CL_INVALID_VALUE") and, for builds, the compiler's log.
+class OpenClError : public Error {
+public:
+    OpenClError(std::string_view call, cl_int code, std::string build_log = {});
+    cl_int code() const noexcept { return code_; }
+    const std::string& build_log() const noexcept { return build_log_; }
+
+private:
+    cl_int code_;
+    std::string build_log_;
+};
+
+/// The device has too little memory for what was asked (CL_MEM_OBJECT_ALLOCATION_FAILURE and its kin, or the limit
+/// given to Device). Nothing was half done: the library stays usable.
+class OutOfDeviceMemory : public OpenClError {
+public:
+    using OpenClError::OpenClError;
+};
+
+// ---- Devices --------------------------------------------------------------------------------------------------------
+
+/// One OpenCL device of this machine, as `gnomon devices` lists it.
+struct DeviceDescription {
+    cl_platform_id platform_id = nullptr;
+    cl_device_id device_id = nullptr;
+    std::string selector;  ///< "P:D", platform and device index: what Device and --device accept
+    std::string platform;  ///< platform name, e.g. "Portable Computing Language"
+    std::string name;      ///< device name
+    std::string vendor;
+    std::string driver_version;
+    std::string opencl_version;    ///< CL_DEVICE_VERSION
+    std::string opencl_c_version;  ///< CL_DEVICE_OPENCL_C_VERSION
+    std::string type;              ///< "CPU", "GPU", "accelerator" or "custom"
+    std::uint32_t compute_units = 0;
+    std::uint64_t global_memory_bytes = 0;
+    std::uint64_t largest_allocation_bytes = 0;
+    bool has_fp64 = false;
+    std::string lacks;       ///< empty if the device can be used, else what it lacks
+    bool is_default = false; ///< the one a Device without a selector opens
+    std::string why_default; ///< for the default: the rule that chose it
+};
+
+/// All devices of all platforms; empty if there is no OpenCL at all. Never throws for a broken driver: a platform that
+/// cannot be asked is left out.
+std::vector<DeviceDescription> devices();
+
+/// How a Device is opened.
+struct DeviceOptions {
+    /// Time every kernel by events (Statistics then has device times). Slows small launches: off for wall-clock times.
+    bool profile = false;
+    /// Refuse to allocate more than this many bytes on the device; 0: no limit of ours.
+    std::uint64_t memory_limit_bytes = 0;
+    /// Hide double precision, so that the wide filter is skipped and the exact level is reached sooner. Same bits.
+    bool hide_fp64 = false;
+    /// Work-group size of every kernel, 0: chosen per device. Same bits for every size.
+    std::uint32_t work_group_size = 0;
+};
+
+namespace cl {
+class Session;
+}
+
+/// A device, its context and in-order queue, and the compiled kernels. Building the kernels is the slow part of a
+/// first start; they are cached on disk for the next one.
+class Device {
+public:
+    /// Opens the device that `selector` names: "P:D" (indices as in devices()), or a part of the device's or platform's
+    /// name in any case; empty: the environment variable GNOMON_DEVICE, else the default (the first usable GPU, else
+    /// the first usable CPU). Throws DeviceNotFound with the list of what there is.
+    explicit Device(std::string_view selector = {}, const DeviceOptions& options = {});
+    /// Uses the caller's context and queue (both are retained). The queue must be in-order; kernels and copies are
+    /// enqueued on it, and results are there when the queue has come that far.
+    Device(cl_context context, cl_command_queue queue, const DeviceOptions& options = {});
+
+    const DeviceDescription& description() const;
+    cl_context context() const;
+    cl_command_queue queue() const;
+    /// Bytes of device memory that gnomon's own buffers hold now, and the most they ever held.
+    std::uint64_t memory_bytes() const;
+    std::uint64_t peak_memory_bytes() const;
+    /// For the library's own stages.
+    cl::Session& session() const { return *session_; }
+
+private:
+    std::shared_ptr<cl::Session> session_;
+};
+
+// ---- Inputs and outputs ---------------------------------------------------------------------------------------------
+
+/// Triangles on the device: 9 consecutive float32 each (three world-space vertices). A triangle's id is its position.
+/// One with a NaN or infinite vertex casts nothing and is never seen; Statistics counts it.
+class Triangles {
+public:
+    /// Copies `vertices` (9 floats per triangle) to the device. Throws InvalidArgument if the size is no multiple of 9.
+    static Triangles upload(const Device& device, std::span<const float> vertices);
+    /// Uses the caller's buffer (retained) from float `first_float` on. The caller must not write it during a run.
+    static Triangles wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float = 0);
+
+    std::size_t count() const { return count_; }
+    cl_mem buffer() const;
+    std::size_t first_float() const { return first_float_; }
+
+private:
+    std::shared_ptr<void> buffer_;
+    std::size_t count_ = 0;
+    std::size_t first_float_ = 0;
+};
+
+/// Where coordinate c (0..2) of point i lies in a buffer of floats: first + i * point_stride + c * coordinate_stride.
+/// The default is packed xyz triples; structure of arrays for n points is {0, 1, n}.
+struct PointLayout {
+    std::size_t first = 0;
+    std::size_t point_stride = 3;
+    std::size_t coordinate_stride = 1;
+};
+
+/// Shading points on the device: position, and optionally the id of the triangle each lies on (its receiver, which
+/// never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work.
+class Points {
+public:
+    /// Copies `positions` (3 floats per point) and `receivers` (one per point, or none at all) to the device.
+    static Points upload(const Device& device, std::span<const float> positions,
+                         std::span<const std::uint32_t> receivers = {});
+    /// Uses the caller's buffers (retained). `receivers` may be null: no point has one.
+    static Points wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
+                       cl_mem receivers = nullptr);
+
+    /// From here on, a point whose receiver's plane separates the light from this eye (or contains the light) faces
+    /// away: visibility 0 by definition of shading, decided exactly, and no work. Views made by a Camera have it set.
+    void set_eye(const Float3& eye) { eye_ = eye; }
+    const std::optional<Float3>& eye() const { return eye_; }
+
+    std::size_t count() const { return count_; }
+    cl_mem positions() const;
+    cl_mem receivers() const;  ///< null if no point has a receiver
+    const PointLayout& layout() const { return layout_; }
+
+private:
+    std::shared_ptr<void> positions_;
+    std::shared_ptr<void> receivers_;
+    PointLayout layout_;
+    std::size_t count_ = 0;
+    std::optional<Float3> eye_;
+};
+
+/// Visibility per point, one float32 each: 1 lit, 0 in shadow; filtered techniques write values between.
+class Visibility {
+public:
+    Visibility(const Device& device, std::size_t count);
+    /// Uses the caller's buffer (retained) of at least `count` floats: the result appears there, without a trip
+    /// through the host.
+    Visibility(const Device& device, cl_mem buffer, std::size_t count);
+
+    std::size_t count() const { return count_; }
+    cl_mem buffer() const;
+    /// Waits for the queue and copies to the host.
+    std::vector<float> read() const;
+
+private:
+    Device device_;
+    std::shared_ptr<void> buffer_;
+    std::size_t count_ = 0;
+};
+
+/// A light that is a direction or a point. Float32 as given, never normalised.
+struct Light {
+    std::array<float, 4> xyzw{};  ///< w = 0: minus the direction of travel; w = 1: the position
+    bool is_directional() const { return xyzw[3] == 0.0f; }
+
+    /// A light infinitely far away that travels along `direction`. Throws InvalidArgument if zero or not finite.
+    static Light directional(const Float3& direction);
+    /// A light at `position`. Throws InvalidArgument if not finite.
+    static Light positional(const Float3& position);
+};
+
+// ---- Statistics -----------------------------------------------------------------------------------------------------
+
+/// One stage of one run.
+struct StageStatistics {
+    std::string name;
+    double device_ms = 0;  ///< sum of its kernels by events; 0 unless the device was opened with `profile`
+    double wall_ms = 0;    ///< host time; with `profile` it includes waiting for the stage's end
+    std::string skipped;   ///< why it did not run, empty if it did
+};
+
+/// What one run did. Names are stable, in snake_case, and appear as they are in stats.json.
+struct Statistics {
+    std::vector<StageStatistics> stages;
+    std::vector<std::pair<std::string, std::uint64_t>> counts;
+    double total_wall_ms = 0;
+    std::uint64_t device_memory_bytes = 0;  ///< gnomon's own buffers during the run, beside the caller's
+
+    /// The count of that name, 0 if there is none.
+    std::uint64_t count(std::string_view name) const;
+};
+
+// ---- Camera ---------------------------------------------------------------------------------------------------------
+
+/// A pinhole camera. Pixel (x, y), row 0 on top, looks along
+///   forward + (2 (x + 0.5) / width - 1) aspect t right + (1 - 2 (y + 0.5) / height) t up,  t = tan(fov_y / 2).
+/// There is no near or far plane: everything in front of the eye is seen.
+struct Camera {
+    Float3 eye{};
+    std::array<double, 3> right{1, 0, 0};
+    std::array<double, 3> up{0, 1, 0};
+    std::array<double, 3> forward{0, 0, -1};
+    double fov_y_radians = 1.0;
+
+    /// Looks from `eye` at `target`; `up` is made orthogonal to the view. Throws InvalidArgument if eye and target
+    /// coincide, `up` is parallel to the view, or fov_y_degrees is not between 0 and 180 (both exclusive).
+    static Camera look_at(const Float3& eye, const Float3& target, const Float3& up, double fov_y_degrees);
+};
+
+/// What a camera sees: per pixel (row by row from the top) the nearest triangle and the shading point on it.
+class View {
+public:
+    std::uint32_t width = 0, height = 0;
+    Points points;           ///< width * height; absent (NaN) where the sky is seen
+    Statistics statistics;   ///< of the camera stages
+};
+
+/// Runs the camera stages: visibility buffer, then shading points, lifted off their receiver by a proven bound.
+/// Throws InvalidArgument if width or height is 0 or over 16384.
+View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
+          std::uint32_t height);
+
+/// A view on the host, for pictures and files.
+struct ViewOnHost {
+    std::vector<float> position;          ///< 3 per pixel; sky: 0
+    std::vector<float> normal;            ///< 3 per pixel, unit geometric normal facing the camera; sky: 0
+    std::vector<std::uint32_t> receiver;  ///< sky: no_receiver
+};
+ViewOnHost read(const Device& device, const Triangles& triangles, const View& view);
+
+/// Base colours for shade(): one material id per triangle, and linear RGB per material.
+struct Materials {
+    std::vector<std::uint32_t> triangle_material;
+    std::vector<Float3> base_color;
+};
+/// Lambert with visibility, plus ambient, written as 8-bit sRGB, 4 bytes (RGBA) per pixel.
+std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
+                                const Visibility& visibility, const Materials& materials, const Light& light);
+
+// ---- Techniques -----------------------------------------------------------------------------------------------------
+
+/// A setting of a technique, as `gnomon techniques` lists it and --set changes it.
+struct SettingDescription {
+    std::string name;
+    std::string default_value;
+    std::string meaning;  ///< one line with range and unit
+};
+
+/// One way to compute visibility. All share this interface, so one benchmark, viewer and test harness serve them all.
+class Technique {
+public:
+    virtual ~Technique() = default;
+    /// Writes visibility (points.count() floats) and returns what was done. Waits for the result only as far as it has
+    /// to (buffers that must grow); the visibility is there when the device's queue has come that far.
+    /// Throws InvalidArgument if visibility has fewer entries than there are points.
+    virtual Statistics run(const Triangles& triangles, const Points& points, const Light& light,
+                           const Visibility& visibility) = 0;
+    /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
+    virtual void set(std::string_view name, std::string_view value) = 0;
+};
+
+struct TechniqueDescription {
+    std::string name;
+    std::string summary;  ///< one line
+    bool exact = false;
+    std::vector<SettingDescription> settings;
+};
+/// Every technique this build knows, in the order they are listed.
+std::vector<TechniqueDescription> techniques();
+/// Makes one by name. Throws InvalidArgument with the list of names.
+std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device);
+
+}  // namespace gnomon

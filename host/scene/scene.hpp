@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// A scene as the command uses it: world triangles, colours, cameras and lights, from a glTF 2.0 file or built in.
+// Not part of the core library: this is the only room that knows tinygltf.
+#pragma once
+
+#include <filesystem>
+
+#include "../gnomon.hpp"
+
+namespace gnomon::scene {
+
+/// A file that cannot be used. what() is one sentence that names the file, the thing in it and the remedy.
+class SceneError : public Error {
+public:
+    using Error::Error;
+};
+
+struct NamedCamera {
+    std::string name;  ///< node name, else camera name, else "camera N"
+    Camera camera;     ///< transformed in double; the eye is rounded once
+};
+
+/// KHR_lights_punctual. A spot is positional for visibility: its cone and range are shading.
+struct NamedLight {
+    std::string name;  ///< node name, else light name, else "light N"
+    std::string type;  ///< "directional", "point" or "spot"
+    Light light;       ///< transformed in double, rounded once
+};
+
+struct Scene {
+    std::vector<float> triangles;  ///< 9 per triangle: world space, instances and transforms applied in double, rounded once
+    Materials materials;           ///< base colour factors, linear
+    std::vector<NamedCamera> cameras;
+    std::vector<NamedLight> lights;
+    std::vector<std::string> warnings;  ///< each one sentence; --strict turns them into errors
+
+    std::size_t triangle_count() const { return triangles.size() / 9; }
+};
+
+/// Loads a .glb or .gltf file. Throws SceneError.
+Scene load(const std::filesystem::path& file);
+
+/// The built-in sundial, with a camera and a light.
+Scene sundial();
+
+/// A camera that frames all finite triangles from a three-quarter view (fov_y 50 degrees); for scenes without one.
+Camera framing_camera(const Scene& scene);
+
+/// The light used when a scene has none and none is asked for: directional, travelling along (-0.4, -1, -0.3).
+Light default_light();
+
+}  // namespace gnomon::scene
