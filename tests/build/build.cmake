@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+# Tests of the build itself, included by tests/CMakeLists.txt.
+set(here "${CMAKE_CURRENT_LIST_DIR}")
+
+# A file with everything that a text tool could trip over must arrive unchanged; so must an empty one.
+gnomon_test(embed_kernels_test SOURCES build/embed_kernels_test.cpp)
+target_compile_definitions(embed_kernels_test PRIVATE GNOMON_ROOT="${PROJECT_SOURCE_DIR}")
+gnomon_embed_kernels(embed_kernels_test tests/build/nasty.bin tests/build/empty.bin)
+
+# oclgrind's own exit status says nothing, so see that a kernel with a fault does fail a gnomon_oclgrind_test.
+add_executable(faulty_kernel build/faulty_kernel.cpp)
+target_link_libraries(faulty_kernel PRIVATE gnomon::gnomon gnomon_build_flags)
+set_target_properties(faulty_kernel PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
+gnomon_oclgrind_test(oclgrind_passes_a_good_kernel COMMAND faulty_kernel none)
+foreach(fault out_of_bounds race uninitialized)
+  gnomon_oclgrind_test(oclgrind_catches_${fault} COMMAND faulty_kernel ${fault})
+endforeach()
+if(TEST oclgrind_passes_a_good_kernel)
+  set_tests_properties(oclgrind_catches_out_of_bounds PROPERTIES PASS_REGULAR_EXPRESSION "Invalid write of size 4")
+  set_tests_properties(oclgrind_catches_race PROPERTIES PASS_REGULAR_EXPRESSION "data race")
+  set_tests_properties(oclgrind_catches_uninitialized PROPERTIES PASS_REGULAR_EXPRESSION "Uninitialized value written")
+endif()
+
+add_test(NAME layout COMMAND "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
+add_test(NAME layout_rules_bite COMMAND "${here}/check_layout_test.sh" "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
+
+add_test(NAME readme_shows_the_example
+         COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/README.md
+                 -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/example.cpp -P "${here}/readme_shows_example.cmake")
+
+# The example as a user builds it: against an installed static library, an installed shared one, and as a subproject.
+# A sanitized library is of no use to a program built without the sanitizers.
+if(NOT GNOMON_SANITIZE AND GNOMON_INSTALL)
+  foreach(way installed_static installed_shared subproject)
+    add_test(NAME consumer_${way}
+             COMMAND "${CMAKE_COMMAND}" -D WAY=${way} -D SOURCE_DIR=${PROJECT_SOURCE_DIR}
+                     -D SCRATCH_DIR=${CMAKE_CURRENT_BINARY_DIR}/consumer_${way} -D CXX=${CMAKE_CXX_COMPILER}
+                     -D LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -D GENERATOR=${CMAKE_GENERATOR}
+                     -P "${here}/consumer_test.cmake")
+    set_tests_properties(consumer_${way} PROPERTIES TIMEOUT 900 LABELS consumer
+                         ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
+  endforeach()
+endif()

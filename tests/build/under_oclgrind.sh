@@ -1,0 +1,22 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Runs a program under oclgrind and fails if the program fails or oclgrind reports anything.
+# oclgrind's own exit status is the program's, so what it reports is read from its log: any line there is a finding.
+# usage: under_oclgrind.sh OCLGRIND PROGRAM [ARGUMENTS...]
+set -eu
+oclgrind=$1
+shift
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+# The device must be oclgrind's, else a pass would mean nothing; and a cached program of another run would be checked
+# instead of the kernels as they are now.
+export GNOMON_DEVICE=Oclgrind GNOMON_CACHE_DIR="$scratch/cache"
+status=0
+"$oclgrind" --check-api --data-races --uninitialized --max-errors 5 --log "$scratch/log" "$@" || status=$?
+if [ -s "$scratch/log" ]; then
+    echo "oclgrind reports:"
+    cat "$scratch/log"
+    exit 1
+fi
+exit $status

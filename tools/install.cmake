@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: MIT
+# Install and export rules: afterwards find_package(gnomon) gives gnomon::gnomon, static or shared as it was built.
+# The core library alone is exported; the command, if built, is installed beside it.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/gnomon")
+install(TARGETS gnomon EXPORT gnomonTargets
+        ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+        LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+        RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}"
+        INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(FILES "${PROJECT_SOURCE_DIR}/host/gnomon.hpp" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(EXPORT gnomonTargets NAMESPACE gnomon:: DESTINATION "${package_dir}")
+
+configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/gnomonConfig.cmake.in" "${PROJECT_BINARY_DIR}/gnomonConfig.cmake"
+                              INSTALL_DESTINATION "${package_dir}" NO_SET_AND_CHECK_MACRO)
+# Before 1.0 every minor version may change the interface.
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/gnomonConfig.cmake" "${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake"
+        DESTINATION "${package_dir}")
+
+if(TARGET gnomon_command)
+  install(TARGETS gnomon_command RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
