@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: MIT
+# Builds and runs tests/consumer as a user would, in a folder of its own, and compares what the example prints.
+# cmake -D WAY=installed_static|installed_shared|subproject -D SOURCE_DIR=... -D SCRATCH_DIR=... -P consumer_test.cmake
+# The library is built anew with nothing but its core, so this also shows that the core needs OpenCL alone.
+set(tool_arguments -G "${GENERATOR}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}"
+                   -DCMAKE_BUILD_TYPE=Release)
+
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "failed (${status}): ${command}\n${output}")
+  endif()
+endfunction()
+
+file(REMOVE_RECURSE "${SCRATCH_DIR}")
+set(prefix "${SCRATCH_DIR}/prefix")
+if(WAY STREQUAL "subproject")
+  set(where_gnomon_is "-DGNOMON_SOURCE_DIR=${SOURCE_DIR}")
+else()
+  string(COMPARE EQUAL "${WAY}" "installed_shared" shared)
+  run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}" -B "${SCRATCH_DIR}/core" -DBUILD_SHARED_LIBS=${shared}
+      -DGNOMON_COMMAND=OFF -DGNOMON_TESTS=OFF -DGNOMON_TOOLS=OFF)
+  run("${CMAKE_COMMAND}" --build "${SCRATCH_DIR}/core")
+  run("${CMAKE_COMMAND}" --install "${SCRATCH_DIR}/core" --prefix "${prefix}")
+  # What is installed must stand on its own.
+  file(REMOVE_RECURSE "${SCRATCH_DIR}/core")
+  set(where_gnomon_is "-DCMAKE_PREFIX_PATH=${prefix}")
+endif()
+
+set(build "${SCRATCH_DIR}/consumer")
+run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}/tests/consumer" -B "${build}" "${where_gnomon_is}")
+run("${CMAKE_COMMAND}" --build "${build}")
+if(WAY STREQUAL "subproject" AND EXISTS "${build}/bin")
+  message(FATAL_ERROR "as a subproject, gnomon must not decide where its user's programs go")
+endif()
+
+execute_process(COMMAND "${build}/example" RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "the example failed (${status}): ${errors}")
+endif()
+# Straight above each point: the roof's middle, its edge (closed, so it blocks), and nothing.
+set(expected "point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light\n")
+string(FIND "${output}" "${expected}" at)
+if(NOT at EQUAL 0)
+  message(FATAL_ERROR "the example printed\n${output}instead of\n${expected}")
+endif()
