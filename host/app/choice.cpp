@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// Choosing a camera and a light. Names win over positions, so that a light called "1" can be had.
+#include "choice.hpp"
+
+#include <charconv>
+#include <numbers>
+#include <vector>
+
+namespace gnomon::app {
+namespace {
+
+constexpr double default_fov_y_degrees = 50;
+
+/// "0 \"main\", 1 \"top\"", or a sentence's end that says there are none.
+template <typename Named>
+std::string list_of(const std::vector<Named>& all) {
+    std::string text;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        text += (i == 0 ? "" : ", ") + std::to_string(i) + " \"" + all[i].name + "\"";
+    return text;
+}
+
+/// The entry of that name or position. `kind` is "camera" or "light".
+template <typename Named>
+const Named& find_named(const std::vector<Named>& all, const std::string& name, const std::string& kind) {
+    for (const Named& one : all)
+        if (one.name == name) return one;
+    std::size_t index = 0;
+    const auto [stopped, error] = std::from_chars(name.data(), name.data() + name.size(), index);
+    if (error == std::errc{} && stopped == name.data() + name.size() && index < all.size()) return all[index];
+    const std::string there_is =
+        all.empty() ? "the scene has no " + kind + "s" : "the scene has these: " + list_of(all);
+    throw Error("there is no " + kind + " \"" + name + "\": " + there_is);
+}
+
+Camera camera_of_eye(const RenderOptions& options) {
+    const Float3 up = options.up.value_or(Float3{0, 1, 0});
+    try {
+        return Camera::look_at(*options.eye, *options.target, up, default_fov_y_degrees);
+    } catch (const InvalidArgument& error) {
+        throw UsageError("--eye, --target and --up make no camera: " + std::string(error.what()));
+    }
+}
+
+ChosenCamera camera_with_its_own_view(const RenderOptions& options, const scene::Scene& scene) {
+    if (options.eye) return {camera_of_eye(options), "--eye and --target"};
+    if (options.camera) {
+        const scene::NamedCamera& found = find_named(scene.cameras, *options.camera, "camera");
+        return {found.camera, "the scene's camera \"" + found.name + "\""};
+    }
+    if (!scene.cameras.empty())
+        return {scene.cameras.front().camera, "the scene's first camera, \"" + scene.cameras.front().name + "\""};
+    return {scene::framing_camera(scene), "frames the whole scene"};
+}
+
+}  // namespace
+
+ChosenCamera choose_camera(const RenderOptions& options, const scene::Scene& scene) {
+    ChosenCamera chosen = camera_with_its_own_view(options, scene);
+    if (options.fov_y_degrees) chosen.camera.fov_y_radians = double(*options.fov_y_degrees) * std::numbers::pi / 180;
+    return chosen;
+}
+
+ChosenLight choose_light(const RenderOptions& options, const scene::Scene& scene) {
+    if (options.light_direction) return {Light::directional(*options.light_direction), "--light-direction"};
+    if (options.light_position) return {Light::positional(*options.light_position), "--light-position"};
+    if (options.light) {
+        const scene::NamedLight& found = find_named(scene.lights, *options.light, "light");
+        return {found.light, "the scene's " + found.type + " light \"" + found.name + "\""};
+    }
+    if (!scene.lights.empty()) {
+        const scene::NamedLight& first = scene.lights.front();
+        return {first.light, "the scene's first light, " + first.type + " \"" + first.name + "\""};
+    }
+    return {scene::default_light(), "the default light, as the scene has none"};
+}
+
+Float3 direction_of(const Light& light) { return {-light.xyzw[0], -light.xyzw[1], -light.xyzw[2]}; }
+
+Float3 position_of(const Light& light) { return {light.xyzw[0], light.xyzw[1], light.xyzw[2]}; }
+
+std::string light_option(const Light& light) {
+    return light.is_directional() ? "--light-direction=" + float3_text(direction_of(light))
+                                  : "--light-position=" + float3_text(position_of(light));
+}
+
+}  // namespace gnomon::app

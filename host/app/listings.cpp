@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// The lists of devices and techniques, laid out for a terminal.
+#include "listings.hpp"
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+
+#include "terminal.hpp"
+
+namespace gnomon::app {
+namespace {
+
+std::string text_of(const DeviceDescription& device) {
+    const std::string indent(6, ' ');
+    std::ostringstream out;
+    out << std::left << std::setw(6) << device.selector << device.name << '\n';
+    if (device.is_default) out << indent << "the default: " << device.why_default << '\n';
+    if (!device.lacks.empty()) out << indent << "cannot be used, it lacks " << device.lacks << '\n';
+    out << indent << device.type << " of " << device.vendor << ", " << device.compute_units << " compute units, "
+        << bytes_for_people(device.global_memory_bytes) << " of memory (largest buffer "
+        << bytes_for_people(device.largest_allocation_bytes) << "), "
+        << (device.has_fp64 ? "double precision" : "no double precision (not needed)") << '\n';
+    out << indent << device.platform << ", driver " << device.driver_version << ", " << device.opencl_version << ", "
+        << device.opencl_c_version << '\n';
+    return out.str();
+}
+
+std::string settings_text(const TechniqueDescription& technique) {
+    if (technique.settings.empty()) return "    no settings\n";
+    std::ostringstream out;
+    for (const SettingDescription& setting : technique.settings)
+        out << "    --set " << setting.name << "=" << setting.default_value << '\n'
+            << "        " << setting.meaning << '\n';
+    return out.str();
+}
+
+std::string line_of(const TechniqueDescription& technique) {
+    std::ostringstream out;
+    out << std::left << std::setw(20) << technique.name << (technique.exact ? "exact     " : "not exact ")
+        << technique.summary << '\n';
+    return out.str();
+}
+
+std::string names_of(const std::vector<TechniqueDescription>& all) {
+    std::string names;
+    for (const TechniqueDescription& technique : all) names += (names.empty() ? "" : ", ") + technique.name;
+    return names;
+}
+
+}  // namespace
+
+std::string device_list() {
+    std::string text;
+    for (const DeviceDescription& device : devices()) text += text_of(device);
+    if (text.empty())
+        throw DeviceNotFound(
+            "there is no OpenCL device: install a driver (for the processor, Debian and Ubuntu have "
+            "pocl-opencl-icd)");
+    return text;
+}
+
+std::string technique_list(const ListTechniques& options) {
+    const std::vector<TechniqueDescription> all = techniques();
+    const auto is_asked_for = [&](const TechniqueDescription& technique) {
+        return options.name.empty() || technique.name == options.name;
+    };
+    if (std::none_of(all.begin(), all.end(), is_asked_for))
+        throw Error("there is no technique \"" + options.name + "\": these exist: " + names_of(all));
+    std::string text;
+    for (const TechniqueDescription& technique : all) {
+        if (!is_asked_for(technique)) continue;
+        text += line_of(technique);
+        if (options.verbose || !options.name.empty()) text += settings_text(technique);
+    }
+    return text;
+}
+
+}  // namespace gnomon::app

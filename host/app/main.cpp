@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// The command gnomon. Nothing escapes main: every failure is one sentence on stderr and an exit code,
+// 0 done, 1 something failed, 2 the command line is wrong.
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "listings.hpp"
+#include "options.hpp"
+#include "output_files.hpp"
+#include "render.hpp"
+#include "terminal.hpp"
+
+namespace gnomon::app {
+namespace {
+
+struct Runner {
+    void operator()(const PrintText& command) const { print_result(command.text); }
+    void operator()(const ListDevices&) const { print_result(device_list()); }
+    void operator()(const ListTechniques& command) const { print_result(technique_list(command)); }
+    void operator()(const RenderOptions& command) const { render(command); }
+};
+
+int run(const std::vector<std::string>& arguments) {
+    try {
+        remove_temporaries_on_interrupt();
+        std::visit(Runner{}, parse_command_line(arguments));
+        return 0;
+    } catch (const UsageError& error) {
+        print_error(error.what());
+        return 2;
+    } catch (const std::bad_alloc&) {
+        print_error("this machine has too little memory for the run: try a smaller --size or scene");
+    } catch (const std::exception& error) {
+        print_error(error.what());
+    } catch (...) {
+        print_error("something failed without saying what: please report it with the command line");
+    }
+    return 1;
+}
+
+}  // namespace
+}  // namespace gnomon::app
+
+int main(int argc, char** argv) {
+    // A program can be started without even its own name.
+    std::vector<std::string> arguments(argv, argv + argc);
+    if (arguments.empty()) arguments.emplace_back("gnomon");
+    return gnomon::app::run(arguments);
+}

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+// The command line: what options there are, what they mean, and which go together.
+#include "options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace gnomon::app {
+namespace {
+
+const char* const main_description =
+    "gnomon: exact hard shadows as OpenCL kernels.\n"
+    "Every pixel's shadow is decided in exact arithmetic: the same bits on every device.";
+
+const char* const main_footer =
+    "First steps:\n"
+    "  gnomon render -o sundial.png                       the built-in sundial\n"
+    "  gnomon render scene.glb -o out.png --mask mask.png your scene, and its shadow mask\n"
+    "  gnomon render --help                               every option\n"
+    "\n"
+    "Exit code: 0 done, 1 something failed, 2 the command line is wrong.";
+
+const char* const render_footer =
+    "Options take their value as --option value or --option=value, also where it begins with a minus sign; of an\n"
+    "option given twice the last one counts (--set may be repeated). Numbers are read as float32 and used as they\n"
+    "are. Units and axes are glTF's: metres, +Y up, right-handed. Files appear whole or not at all.\n"
+    "\n"
+    "Examples:\n"
+    "  gnomon render -o sundial.png --size 640x360\n"
+    "  gnomon render room.glb -o room.png --camera 0 --light sun --stats room.json\n"
+    "  gnomon render room.glb --aov room.exr --eye 0,2,8 --target 0,1,0 --light-direction -1,-2,-0.5";
+
+/// CLI11 takes the next argument where "--option=" has nothing behind it, and keeps the "=" of "-o=file". Both are
+/// settled before it sees them.
+std::vector<std::string> settle_equals_signs(const std::vector<std::string>& arguments) {
+    std::vector<std::string> settled;
+    for (const std::string& argument : arguments) {
+        if (argument == "--") {
+            settled.push_back(argument);
+        } else if (argument.starts_with("--") && argument.find('=') == argument.size() - 1) {
+            throw UsageError(argument + " has no value behind its equals sign");
+        } else if (argument.starts_with("-o=")) {
+            settled.emplace_back("-o");
+            settled.push_back(argument.substr(3));
+        } else {
+            settled.push_back(argument);
+        }
+    }
+    return settled;
+}
+
+using Store = std::function<void(const std::string& option, const std::string& text)>;
+
+/// An option with one value. `store` gets the option's long name (for its sentences) and the text.
+void add_value(CLI::App& app, const std::string& group, const std::string& names, const std::string& type,
+               const std::string& meaning, Store store) {
+    const std::string option = names.substr(names.find("--"));
+    app.add_option_function<std::vector<std::string>>(
+           names,
+           [option, store = std::move(store)](const std::vector<std::string>& texts) {
+               for (const std::string& text : texts) store(option, text);
+           },
+           meaning)
+        ->type_name(type)
+        ->group(group)
+        ->allow_extra_args(false);
+}
+
+void add_camera_options(CLI::App& app, RenderOptions& options) {
+    const std::string group = "Camera (default: the scene's first, else one that frames the scene)";
+    add_value(app, group, "--size", "WxH", "Pixels of the picture, each side up to 16384 (default 1920x1080)",
+              [&](const std::string& option, const std::string& text) { options.size = parse_size(option, text); });
+    add_value(app, group, "--camera", "NAME|INDEX", "A camera of the scene, by its name or its position from 0",
+              [&](const std::string& option, const std::string& text) { options.camera = parse_name(option, text); });
+    add_value(app, group, "--eye", "X,Y,Z", "Where the camera stands; needs --target",
+              [&](const std::string& option, const std::string& text) { options.eye = parse_float3(option, text); });
+    add_value(app, group, "--target", "X,Y,Z", "What the camera looks at; needs --eye",
+              [&](const std::string& option, const std::string& text) { options.target = parse_float3(option, text); });
+    add_value(app, group, "--up", "X,Y,Z", "Which way is up for --eye and --target (default 0,1,0)",
+              [&](const std::string& option, const std::string& text) { options.up = parse_float3(option, text); });
+    add_value(app, group, "--fovy", "DEGREES",
+              "Vertical field of view, above 0 and below 180 (default: the camera's own; 50 with --eye)",
+              [&](const std::string& option, const std::string& text) {
+                  options.fov_y_degrees = parse_float(option, text);
+                  if (!(*options.fov_y_degrees > 0 && *options.fov_y_degrees < 180))
+                      throw UsageError(option + " needs degrees above 0 and below 180, not \"" + text + "\"");
+              });
+}
+
+void add_light_options(CLI::App& app, RenderOptions& options) {
+    const std::string group = "Light (default: the scene's first, else a sun that travels along -0.4,-1,-0.3)";
+    add_value(app, group, "--light-direction", "X,Y,Z", "A light infinitely far away: the way it travels",
+              [&](const std::string& option, const std::string& text) {
+                  options.light_direction = parse_float3(option, text);
+                  if (*options.light_direction == Float3{0, 0, 0})
+                      throw UsageError(option + " needs a direction that is not 0,0,0");
+              });
+    add_value(app, group, "--light-position", "X,Y,Z", "A light at a point",
+              [&](const std::string& option, const std::string& text) {
+                  options.light_position = parse_float3(option, text);
+              });
+    add_value(app, group, "--light", "NAME|INDEX", "A light of the scene, by its name or its position from 0",
+              [&](const std::string& option, const std::string& text) { options.light = parse_name(option, text); });
+}
+
+void add_output_options(CLI::App& app, RenderOptions& options) {
+    const std::string group = "Outputs (at least one)";
+    add_value(app, group, "-o,--output", "FILE.png", "The picture, 8-bit sRGB",
+              [&](const std::string& option, const std::string& text) {
+                  options.picture = parse_file("-o (" + option + ")", text, ".png");
+              });
+    add_value(
+        app, group, "--mask", "FILE.png", "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow",
+        [&](const std::string& option, const std::string& text) { options.mask = parse_file(option, text, ".png"); });
+    add_value(
+        app, group, "--aov", "FILE.exr",
+        "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint); "
+        "sky: P = N = 0, visibility 1, receiver 4294967295",
+        [&](const std::string& option, const std::string& text) { options.aov = parse_file(option, text, ".exr"); });
+    add_value(app, group, "--dump-triangles", "FILE",
+              "The world triangles, 9 little-endian float32 each; a receiver is a position in this file",
+              [&](const std::string& option, const std::string& text) {
+                  options.triangle_dump = parse_file(option, text, "");
+              });
+    add_value(
+        app, group, "--stats", "FILE.json",
+        "What was done: times per stage (on the device as well), counts, memory, the exact camera and light",
+        [&](const std::string& option, const std::string& text) { options.statistics = parse_file(option, text, ""); });
+}
+
+void add_technique_options(CLI::App& app, RenderOptions& options) {
+    const std::string group = "Technique (see: gnomon techniques --verbose)";
+    const auto set = [&options](std::string key) -> Store {
+        return [&options, key = std::move(key)](const std::string& option, const std::string& text) {
+            options.settings.emplace_back(key, parse_name(option, text));
+        };
+    };
+    add_value(
+        app, group, "--technique", "NAME", "How visibility is computed (default frustum-traced)",
+        [&](const std::string& option, const std::string& text) { options.technique = parse_name(option, text); });
+    add_value(app, group, "--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
+              [&](const std::string& option, const std::string& text) {
+                  options.settings.push_back(parse_setting(option, text));
+              });
+    add_value(app, group, "--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
+              set("conservative-map"));
+    add_value(app, group, "--map-size", "N", "Short for --set map-size=N", set("map-size"));
+}
+
+void add_device_options(CLI::App& app, RenderOptions& options) {
+    const std::string group = "Device and messages";
+    add_value(app, group, "--device", "P:D|NAME",
+              "The OpenCL device, as gnomon devices lists it or by a part of its name (default: $GNOMON_DEVICE, else "
+              "the first usable GPU, else the first usable CPU)",
+              [&](const std::string& option, const std::string& text) { options.device = parse_name(option, text); });
+    add_value(app, group, "--memory-limit", "BYTES",
+              "Allocate no more than this on the device; K, M, G and T are powers of 1024",
+              [&](const std::string& option, const std::string& text) {
+                  options.memory_limit_bytes = parse_bytes(option, text);
+              });
+    app.add_flag("--strict", options.strict, "Warnings become errors")->group(group);
+    app.add_flag("--quiet", options.quiet, "Print nothing but warnings and errors")->group(group);
+}
+
+void check_camera_options(const RenderOptions& options) {
+    const bool by_eye = options.eye || options.target || options.up;
+    if (options.camera && by_eye)
+        throw UsageError("--camera cannot be used together with --eye, --target or --up: give one or the other");
+    if (options.eye && !options.target) throw UsageError("--eye needs --target as well: the point to look at");
+    if (options.target && !options.eye) throw UsageError("--target needs --eye as well: the point to look from");
+    if (options.up && !options.eye) throw UsageError("--up needs --eye and --target as well");
+}
+
+void check_light_options(const RenderOptions& options) {
+    const int given = int(options.light.has_value()) + int(options.light_direction.has_value()) +
+                      int(options.light_position.has_value());
+    if (given > 1)
+        throw UsageError("--light, --light-direction and --light-position exclude each other: give one of them");
+}
+
+void check_outputs(const RenderOptions& options) {
+    if (!options.picture && !options.mask && !options.aov && !options.triangle_dump && !options.statistics)
+        throw UsageError("nothing to write: give -o FILE.png (or --mask, --aov, --dump-triangles or --stats)");
+}
+
+/// What CLI11 could not place: the first of it, in a sentence.
+void check_nothing_left(const CLI::App& app, const std::string& command) {
+    const std::vector<std::string> left = app.remaining();
+    if (left.empty()) return;
+    const bool is_option = left.front().starts_with("-");
+    throw UsageError(std::string(is_option ? "unknown option " : "unexpected argument ") + left.front() + ": see " +
+                     command + " --help");
+}
+
+CLI::App* add_render(CLI::App& app, RenderOptions& options) {
+    CLI::App* render = app.add_subcommand("render", "Renders a scene with exact hard shadows");
+    // The scene's names could collide with subcommands' names only without an extension; "./devices" says a file.
+    render
+        ->add_option_function<std::string>(
+            "SCENE", [&options](const std::string& text) { options.scene = parse_file("SCENE", text, ""); },
+            "A .glb or .gltf file (default: a built-in sundial)")
+        ->type_name("");
+    add_output_options(*render, options);
+    add_camera_options(*render, options);
+    add_light_options(*render, options);
+    add_technique_options(*render, options);
+    add_device_options(*render, options);
+    render->footer(render_footer);
+    return render;
+}
+
+CLI::App* add_techniques(CLI::App& app, ListTechniques& options) {
+    CLI::App* techniques = app.add_subcommand("techniques", "Lists the techniques, a line each");
+    techniques->add_option("NAME", options.name, "Only this one, with its settings")->type_name("");
+    techniques->add_flag("--verbose", options.verbose, "With the settings of each");
+    return techniques;
+}
+
+RenderOptions checked(RenderOptions options) {
+    check_camera_options(options);
+    check_light_options(options);
+    check_outputs(options);
+    return options;
+}
+
+}  // namespace
+
+Command parse_command_line(const std::vector<std::string>& arguments) {
+    RenderOptions render_options;
+    ListTechniques techniques_options;
+    render_options.command_line = arguments;
+
+    CLI::App app(main_description, "gnomon");
+    app.set_version_flag("--version", "gnomon " + std::string(version()), "Print the version");
+    app.set_help_flag("-h,--help", "Print this help");
+    app.footer(main_footer);
+    app.require_subcommand(0, 1);
+    app.allow_extras();
+    app.get_formatter()->column_width(36);
+    CLI::App* const render = add_render(app, render_options);
+    CLI::App* const devices = app.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
+    CLI::App* const techniques = add_techniques(app, techniques_options);
+    for (CLI::App* command : {render, devices, techniques}) command->allow_extras();
+
+    std::vector<std::string> from_the_back = settle_equals_signs({arguments.begin() + 1, arguments.end()});
+    std::reverse(from_the_back.begin(), from_the_back.end());
+    try {
+        app.parse(from_the_back);
+    } catch (const CLI::CallForHelp&) {
+        return PrintText{app.help()};
+    } catch (const CLI::CallForVersion& call) {
+        return PrintText{std::string(call.what()) + "\n"};
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(error.what());
+    }
+    for (const CLI::App* command : app.get_subcommands()) check_nothing_left(*command, "gnomon " + command->get_name());
+    check_nothing_left(app, "gnomon");
+
+    if (*render) return checked(std::move(render_options));
+    if (*devices) return ListDevices{};
+    if (*techniques) return techniques_options;
+    return PrintText{app.help()};
+}
+
+}  // namespace gnomon::app

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// The command line as a struct. Parsing is all there is here: no file is opened and no device is asked, so a wrong
+// command line is refused at once. CLI11 splits and documents; the values are read by values.hpp.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "values.hpp"
+
+namespace gnomon::app {
+
+/// `gnomon --help`, `gnomon --version` and their like: something to print, and no more.
+struct PrintText {
+    std::string text;
+};
+
+/// `gnomon devices`
+struct ListDevices {};
+
+/// `gnomon techniques [NAME] [--verbose]`
+struct ListTechniques {
+    std::string name;  ///< empty: all of them
+    bool verbose = false;
+};
+
+/// `gnomon render`
+struct RenderOptions {
+    std::optional<std::filesystem::path> scene;  ///< none: the built-in sundial
+    ImageSize size{1920, 1080};
+
+    // Either a camera of the scene, or eye and target; fov_y_degrees goes with both.
+    std::optional<std::string> camera;
+    std::optional<Float3> eye, target, up;
+    std::optional<float> fov_y_degrees;
+
+    // At most one of these.
+    std::optional<std::string> light;
+    std::optional<Float3> light_direction, light_position;
+
+    // At least one of these.
+    std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, statistics;
+
+    std::string technique = "frustum-traced";
+    std::vector<std::pair<std::string, std::string>> settings;  ///< for Technique::set, in this order
+
+    std::string device;
+    std::uint64_t memory_limit_bytes = 0;  ///< 0: none
+
+    bool strict = false;
+    bool quiet = false;
+    std::vector<std::string> command_line;  ///< as given, for the statistics
+};
+
+using Command = std::variant<PrintText, ListDevices, ListTechniques, RenderOptions>;
+
+/// Reads the arguments (the program's name first). Throws UsageError.
+Command parse_command_line(const std::vector<std::string>& arguments);
+
+}  // namespace gnomon::app

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// Files that appear whole or not at all. Opening one is the check that it can be written, so it is done before any long
+// work: a temporary is made beside the target (".gnomon-PID-N.partial"), filled, and renamed over the target by
+// commit(). Without commit() it is removed; so it is when an interrupt (SIGINT, SIGTERM, SIGHUP) ends the program.
+// A target that exists and is no regular file (a device, a pipe) is written directly: there is nothing to rename over.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <list>
+#include <string>
+
+namespace gnomon::app {
+
+class OutputFile {
+public:
+    /// Throws Error if `target` cannot be written.
+    explicit OutputFile(std::filesystem::path target);
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    const std::filesystem::path& target() const { return target_; }
+    /// The file that is really written: links followed.
+    const std::filesystem::path& resolved() const { return resolved_; }
+    bool is_direct() const { return temporary_.empty(); }
+
+    /// Writes at the position and returns how many bytes were written. A failure is kept for check(), since some
+    /// callers are libraries that an exception must not cross.
+    std::size_t write(const void* bytes, std::size_t count) noexcept;
+    bool seek(std::size_t position) noexcept;
+    std::size_t position() const noexcept { return position_; }
+    /// Throws Error with the reason if anything failed so far.
+    void check() const;
+
+    /// Closes the file and puts it in place. Throws Error, like check().
+    void commit();
+
+private:
+    void close() noexcept;
+
+    std::filesystem::path target_;
+    std::filesystem::path resolved_;
+    std::filesystem::path temporary_;  // empty if written directly
+    int descriptor_ = -1;
+    int interrupt_slot_ = -1;
+    int failure_ = 0;  // the first errno
+    std::size_t position_ = 0;
+};
+
+/// The outputs of one run, which must be different files, and none of them the scene that is read.
+class OutputFiles {
+public:
+    /// Opens one more, for as long as this lives. Throws Error.
+    OutputFile& open(const std::filesystem::path& target);
+    /// From here on, no output may be this file.
+    void protect(const std::filesystem::path& input);
+    /// Puts all of them in place, in the order they were opened.
+    void commit();
+
+private:
+    std::list<OutputFile> files_;
+    std::filesystem::path protected_;
+};
+
+/// Has temporaries removed when the program is interrupted. Once, at the start.
+void remove_temporaries_on_interrupt();
+
+}  // namespace gnomon::app

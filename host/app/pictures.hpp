@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Pictures through OpenImageIO, streamed into an OutputFile. The format is chosen here, never by the file's name.
+// Nothing in a file depends on the time or the machine: the same values give the same bytes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "../gnomon.hpp"
+#include "output_files.hpp"
+
+namespace gnomon::app {
+
+/// An 8-bit sRGB PNG from RGBA bytes, row by row from the top. Alpha is left out: the picture is opaque.
+void write_picture(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
+
+/// An 8-bit PNG of one channel: 255 lit (and sky), 0 in shadow, rounded between.
+void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const float> visibility);
+
+/// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z visibility FLOAT, receiver UINT.
+void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
+               std::span<const float> visibility);
+
+}  // namespace gnomon::app

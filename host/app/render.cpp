@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// The outline of a run. render(), at the end, reads top to bottom; the functions above are its steps.
+#include "render.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <span>
+
+#include "choice.hpp"
+#include "output_files.hpp"
+#include "pictures.hpp"
+#include "report.hpp"
+#include "terminal.hpp"
+
+namespace gnomon::app {
+namespace {
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Runs the steps of one command: each is timed, and shown if it takes long.
+class Steps {
+public:
+    explicit Steps(Report& report) : report_(report) {}
+    ~Steps() = default;
+
+    /// `name` is for the statistics, `work_in_words` for the progress line.
+    template <typename Work>
+    auto run(const std::string& name, const std::string& work_in_words, Work&& work) {
+        const ProgressLine progress(work_in_words, !report_.options.quiet);
+        const Timer timer{report_, name, std::chrono::steady_clock::now()};
+        return work();
+    }
+
+private:
+    struct Timer {
+        Report& report;
+        std::string name;
+        std::chrono::steady_clock::time_point start;
+        ~Timer() { report.phases_ms.emplace_back(name, ms_since(start)); }
+    };
+    Report& report_;
+};
+
+/// The files of a run, opened: null where not asked for.
+struct Outputs {
+    explicit Outputs(const RenderOptions& options) {
+        if (options.scene) files.protect(*options.scene);
+        const auto open = [this](const std::optional<std::filesystem::path>& file) {
+            return file ? &files.open(*file) : nullptr;
+        };
+        picture = open(options.picture);
+        mask = open(options.mask);
+        aov = open(options.aov);
+        triangle_dump = open(options.triangle_dump);
+        statistics = open(options.statistics);
+    }
+
+    OutputFiles files;
+    OutputFile *picture = nullptr, *mask = nullptr, *aov = nullptr, *triangle_dump = nullptr, *statistics = nullptr;
+};
+
+Device open_device(const RenderOptions& options) {
+    DeviceOptions device_options;
+    device_options.profile = options.statistics.has_value();
+    device_options.memory_limit_bytes = options.memory_limit_bytes;
+    return Device(options.device, device_options);
+}
+
+std::unique_ptr<Technique> prepare_technique(const RenderOptions& options, const Device& device) {
+    std::unique_ptr<Technique> technique = make_technique(options.technique, device);
+    for (const auto& [key, value] : options.settings) technique->set(key, value);
+    return technique;
+}
+
+std::uint64_t count_non_finite(std::span<const float> triangles) {
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i + 9 <= triangles.size(); i += 9) {
+        const auto vertices = triangles.subspan(i, 9);
+        if (!std::all_of(vertices.begin(), vertices.end(), [](float c) { return std::isfinite(c); })) ++count;
+    }
+    return count;
+}
+
+/// Prints warnings, or makes the first an error.
+void warn(const std::vector<std::string>& warnings, bool strict) {
+    if (strict && !warnings.empty()) throw Error(warnings.front() + " (an error because of --strict)");
+    for (const std::string& warning : warnings) print_warning(warning);
+}
+
+Shares count_shares(std::span<const float> visibility) {
+    Shares shares;
+    for (const float v : visibility) ++(v == 1.0f ? shares.lit : v == 0.0f ? shares.in_shadow : shares.partly);
+    return shares;
+}
+
+void write_triangles(OutputFile& file, std::span<const float> triangles) {
+    static_assert(std::endian::native == std::endian::little, "the file's floats are little-endian");
+    file.write(triangles.data(), triangles.size_bytes());
+    file.check();
+}
+
+void write_statistics(OutputFile& file, const Report& report) {
+    const std::string text =
+        statistics_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    file.write(text.data(), text.size());
+    file.check();
+}
+
+}  // namespace
+
+void render(const RenderOptions& options) {
+    const auto start = std::chrono::steady_clock::now();
+    Report report;
+    report.options = options;
+    Steps steps(report);
+    const auto [width, height] = options.size;
+
+    // Ask for everything that can be refused at once: files first, then the device and the technique.
+    Outputs outputs(options);
+    const Device device = steps.run("open_device", "opening the device", [&] { return open_device(options); });
+    const auto technique =
+        steps.run("prepare_technique", "preparing the technique (the first time, its kernels are compiled)",
+                  [&] { return prepare_technique(options, device); });
+
+    // The scene, its camera and its light.
+    const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] {
+        return options.scene ? scene::load(*options.scene) : scene::sundial();
+    });
+    warn(scene.warnings, options.strict);
+    report.camera = choose_camera(options, scene);
+    report.light = choose_light(options, scene);
+    const Light& light = report.light.light;
+
+    // What the camera sees, and which of it the light reaches.
+    const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device",
+                                          [&] { return Triangles::upload(device, scene.triangles); });
+    const View view = steps.run("camera", "seeing what the camera sees (the first time, kernels are compiled)",
+                                [&] { return look(device, triangles, report.camera.camera, width, height); });
+    const Visibility visibility(device, view.points.count());
+    const std::vector<float> visible =
+        steps.run("shadow", "casting shadows (the first time, kernels are compiled)", [&] {
+            report.shadow_statistics = technique->run(triangles, view.points, light, visibility);
+            return visibility.read();
+        });
+
+    // The files, each complete before the first appears.
+    if (outputs.picture)
+        steps.run("write_picture", "writing the picture", [&] {
+            const auto rgba = shade(device, triangles, view, visibility, scene.materials, light);
+            write_picture(*outputs.picture, width, height, rgba);
+        });
+    if (outputs.mask)
+        steps.run("write_mask", "writing the mask", [&] { write_mask(*outputs.mask, width, height, visible); });
+    if (outputs.aov)
+        steps.run("write_aov", "writing the EXR",
+                  [&] { write_aov(*outputs.aov, width, height, read(device, triangles, view), visible); });
+    if (outputs.triangle_dump)
+        steps.run("write_triangles", "writing the triangles",
+                  [&] { write_triangles(*outputs.triangle_dump, scene.triangles); });
+
+    report.triangles = scene.triangle_count();
+    report.non_finite_triangles = count_non_finite(scene.triangles);
+    report.warnings = scene.warnings;
+    report.device = device.description();
+    report.camera_statistics = view.statistics;
+    report.shares = count_shares(visible);
+    report.device_memory_bytes = device.memory_bytes();
+    report.device_memory_peak_bytes = device.peak_memory_bytes();
+    report.total_ms = ms_since(start);
+    if (outputs.statistics) write_statistics(*outputs.statistics, report);
+    outputs.files.commit();
+    if (!options.quiet) print_result(summary(report));
+}
+
+}  // namespace gnomon::app

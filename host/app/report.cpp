@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+// stats.json and the terminal's table. A float32 becomes a JSON number through double, which holds it exactly.
+#include "report.hpp"
+
+#include <algorithm>
+#include <iomanip>
+#include <numbers>
+#include <sstream>
+
+#include "terminal.hpp"
+
+namespace gnomon::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+// ---- JSON -----------------------------------------------------------------------------------------------------------
+
+ordered_json stages_json(const Statistics& statistics) {
+    ordered_json stages = ordered_json::array();
+    for (const StageStatistics& stage : statistics.stages)
+        stages.push_back({{"name", stage.name},
+                          {"device_ms", stage.device_ms},
+                          {"wall_ms", stage.wall_ms},
+                          {"skipped", stage.skipped}});
+    return stages;
+}
+
+ordered_json statistics_part_json(const Statistics& statistics) {
+    ordered_json counts = ordered_json::object();
+    for (const auto& [name, count] : statistics.counts) counts[name] = count;
+    return {{"wall_ms", statistics.total_wall_ms},
+            {"device_memory_bytes", statistics.device_memory_bytes},
+            {"stages", stages_json(statistics)},
+            {"counts", counts}};
+}
+
+ordered_json camera_json(const ChosenCamera& chosen) {
+    const Camera& camera = chosen.camera;
+    return {{"source", chosen.source},
+            {"eye", camera.eye},
+            {"right", camera.right},
+            {"up", camera.up},
+            {"forward", camera.forward},
+            {"fov_y_radians", camera.fov_y_radians},
+            {"fov_y_degrees", camera.fov_y_radians * 180 / std::numbers::pi}};
+}
+
+ordered_json light_json(const ChosenLight& chosen) {
+    const Light& light = chosen.light;
+    ordered_json result{{"source", chosen.source}, {"option", light_option(light)}};
+    if (light.is_directional())
+        result.update({{"type", "directional"}, {"direction", direction_of(light)}});
+    else
+        result.update({{"type", "positional"}, {"position", position_of(light)}});
+    return result;
+}
+
+ordered_json device_json(const DeviceDescription& device) {
+    return {{"selector", device.selector},
+            {"name", device.name},
+            {"platform", device.platform},
+            {"vendor", device.vendor},
+            {"driver_version", device.driver_version},
+            {"opencl_version", device.opencl_version},
+            {"opencl_c_version", device.opencl_c_version},
+            {"type", device.type},
+            {"compute_units", device.compute_units},
+            {"global_memory_bytes", device.global_memory_bytes},
+            {"largest_allocation_bytes", device.largest_allocation_bytes},
+            {"has_fp64", device.has_fp64}};
+}
+
+ordered_json technique_json(const RenderOptions& options) {
+    ordered_json settings = ordered_json::object();
+    for (const auto& [key, value] : options.settings) settings[key] = value;
+    return {{"name", options.technique}, {"settings", settings}};
+}
+
+ordered_json outputs_json(const RenderOptions& options) {
+    ordered_json outputs = ordered_json::object();
+    for (const auto& [option, file] : outputs_of(options)) outputs[option] = file.string();
+    return outputs;
+}
+
+ordered_json phases_json(const Report& report) {
+    ordered_json phases = ordered_json::object();
+    for (const auto& [name, ms] : report.phases_ms) phases[name] = ms;
+    phases["total"] = report.total_ms;
+    return phases;
+}
+
+// ---- The table ------------------------------------------------------------------------------------------------------
+
+std::string scene_name(const RenderOptions& options) {
+    return options.scene ? options.scene->string() : std::string("the built-in sundial");
+}
+
+/// A line "label   text".
+void add_fact(std::ostream& out, const std::string& label, const std::string& text) {
+    out << std::left << std::setw(9) << label << text << '\n';
+}
+
+void add_stages(std::ostream& out, const std::string& part, const Statistics& statistics, bool profiled) {
+    for (const StageStatistics& stage : statistics.stages) {
+        out << "  " << std::left << std::setw(36) << part + ": " + stage.name << std::right;
+        if (!stage.skipped.empty()) {
+            out << "  skipped: " << stage.skipped << '\n';
+            continue;
+        }
+        if (profiled) out << std::setw(12) << milliseconds(stage.device_ms);
+        out << std::setw(12) << milliseconds(stage.wall_ms) << '\n';
+    }
+}
+
+void add_stage_table(std::ostream& out, const Report& report) {
+    const bool profiled = report.options.statistics.has_value();
+    out << "  " << std::left << std::setw(36) << "stage" << std::right;
+    if (profiled) out << std::setw(12) << "device ms";
+    out << std::setw(12) << "wall ms" << '\n';
+    add_stages(out, "camera", report.camera_statistics, profiled);
+    add_stages(out, "shadow", report.shadow_statistics, profiled);
+}
+
+void add_counts(std::ostream& out, const Statistics& statistics) {
+    for (const auto& [name, count] : statistics.counts) {
+        if (count == 0) continue;
+        std::string words = name;
+        std::replace(words.begin(), words.end(), '_', ' ');
+        out << "  " << std::left << std::setw(36) << words << std::right << std::setw(12) << grouped(count) << '\n';
+    }
+}
+
+std::string shares_text(const Shares& shares) {
+    const std::uint64_t all = std::max<std::uint64_t>(1, shares.lit + shares.in_shadow + shares.partly);
+    const auto percent = [all](std::uint64_t part) {
+        std::ostringstream text;
+        text << std::fixed << std::setprecision(1) << 100.0 * double(part) / double(all) << " %";
+        return text.str();
+    };
+    std::string text = percent(shares.lit) + " of the pixels lit (or sky), " + percent(shares.in_shadow) + " in shadow";
+    if (shares.partly > 0) text += ", " + percent(shares.partly) + " partly";
+    return text;
+}
+
+std::string file_list(const RenderOptions& options) {
+    std::string text;
+    for (const auto& [option, file] : outputs_of(options)) text += (text.empty() ? "" : ", ") + file.string();
+    return text;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options) {
+    std::vector<std::pair<std::string, std::filesystem::path>> outputs;
+    const auto add = [&](const char* option, const std::optional<std::filesystem::path>& file) {
+        if (file) outputs.emplace_back(option, *file);
+    };
+    add("output", options.picture);
+    add("mask", options.mask);
+    add("aov", options.aov);
+    add("dump-triangles", options.triangle_dump);
+    add("stats", options.statistics);
+    return outputs;
+}
+
+nlohmann::ordered_json statistics_json(const Report& report) {
+    return {{"command", report.options.command_line},
+            {"version", std::string(version())},
+            {"scene", scene_name(report.options)},
+            {"triangles", report.triangles},
+            {"non_finite_triangles", report.non_finite_triangles},
+            {"warnings", report.warnings},
+            {"image", {{"width", report.options.size.width}, {"height", report.options.size.height}}},
+            {"camera", camera_json(report.camera)},
+            {"light", light_json(report.light)},
+            {"technique", technique_json(report.options)},
+            {"device", device_json(report.device)},
+            {"camera_stages", statistics_part_json(report.camera_statistics)},
+            {"shadow_stages", statistics_part_json(report.shadow_statistics)},
+            {"pixels",
+             {{"lit", report.shares.lit}, {"in_shadow", report.shares.in_shadow}, {"partly", report.shares.partly}}},
+            {"memory",
+             {{"device_bytes", report.device_memory_bytes}, {"device_peak_bytes", report.device_memory_peak_bytes}}},
+            {"phases_ms", phases_json(report)},
+            {"outputs", outputs_json(report.options)}};
+}
+
+std::string summary(const Report& report) {
+    const RenderOptions& options = report.options;
+    std::ostringstream out;
+    add_fact(out, "device",
+             report.device.name + " (" + report.device.platform + ", " + report.device.driver_version + ")");
+    add_fact(out, "scene", scene_name(options) + ", " + grouped(report.triangles) + " triangles");
+    add_fact(
+        out, "camera",
+        report.camera.source + ", " + std::to_string(options.size.width) + "x" + std::to_string(options.size.height));
+    add_fact(out, "light", light_option(report.light.light) + " (" + report.light.source + ")");
+    out << '\n';
+    add_stage_table(out, report);
+    out << '\n';
+    add_counts(out, report.camera_statistics);
+    add_counts(out, report.shadow_statistics);
+    out << '\n';
+    add_fact(out, "result", shares_text(report.shares));
+    add_fact(out, "memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
+    add_fact(out, "time", milliseconds(report.total_ms / 1000) + " s in all");
+    add_fact(out, "wrote", file_list(options));
+    return out.str();
+}
+
+}  // namespace gnomon::app

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// What a run says about itself: stats.json for programs, a short table for people. Both are made from one struct.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "choice.hpp"
+#include "options.hpp"
+
+namespace gnomon::app {
+
+/// Points by their visibility; "partly" only with techniques that filter.
+struct Shares {
+    std::uint64_t lit = 0, in_shadow = 0, partly = 0;
+};
+
+/// Everything a finished run knows.
+struct Report {
+    RenderOptions options;
+    std::uint64_t triangles = 0;
+    std::uint64_t non_finite_triangles = 0;
+    std::vector<std::string> warnings;
+    ChosenCamera camera;
+    ChosenLight light;
+    DeviceDescription device;
+    Statistics camera_statistics;
+    Statistics shadow_statistics;
+    Shares shares;
+    std::uint64_t device_memory_bytes = 0, device_memory_peak_bytes = 0;
+    std::vector<std::pair<std::string, double>> phases_ms;  ///< wall time of the command's own steps, in order
+    double total_ms = 0;
+};
+
+/// The option and the file of every output asked for, in the order they are written.
+std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options);
+
+/// stats.json: keys keep this order, float32 values are printed exactly.
+nlohmann::ordered_json statistics_json(const Report& report);
+
+/// The table for the terminal.
+std::string summary(const Report& report);
+
+}  // namespace gnomon::app

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Messages, numbers for people, and the progress line (a thread that wakes once a second and is asked to stop).
+#include "terminal.hpp"
+
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+#include "../gnomon.hpp"
+
+namespace gnomon::app {
+namespace {
+
+const char* const clear_line = "\r\033[K";
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), format, values...);
+    return text.data();
+}
+
+void print_message(std::string_view kind, std::string_view sentence) {
+    std::cerr << "gnomon: " << kind << ": " << sentence << '\n' << std::flush;
+}
+
+}  // namespace
+
+void print_warning(std::string_view sentence) { print_message("warning", sentence); }
+
+void print_error(std::string_view sentence) { print_message("error", sentence); }
+
+void print_result(std::string_view text) {
+    std::cout << text << std::flush;
+    if (!std::cout) throw Error("cannot write to the standard output: is the disk behind it full?");
+}
+
+std::string grouped(std::uint64_t number) {
+    std::string digits = std::to_string(number);
+    for (std::size_t place = digits.size(); place > 3;) digits.insert(place -= 3, 1, ',');
+    return digits;
+}
+
+std::string milliseconds(double ms) { return formatted("%.2f", ms); }
+
+std::string bytes_for_people(std::uint64_t bytes) {
+    constexpr std::array<const char*, 5> units{"B", "KiB", "MiB", "GiB", "TiB"};
+    double amount = double(bytes);
+    std::size_t unit = 0;
+    while (amount >= 1024 && unit + 1 < units.size()) {
+        amount /= 1024;
+        ++unit;
+    }
+    return formatted(unit == 0 ? "%.0f %s" : "%.1f %s", amount, units[unit]);
+}
+
+ProgressLine::ProgressLine(std::string work, bool shown) : work_(std::move(work)) {
+    if (shown && isatty(STDERR_FILENO) != 0) thread_ = std::jthread([this](std::stop_token stop) { show(stop); });
+}
+
+ProgressLine::~ProgressLine() = default;
+
+void ProgressLine::show(std::stop_token stop) {
+    std::unique_lock lock(mutex_);
+    const auto stopped_within_a_second = [&] {
+        return wake_.wait_for(lock, stop, std::chrono::seconds(1), [&] { return stop.stop_requested(); });
+    };
+    int seconds = 0;
+    while (!stopped_within_a_second())
+        std::cerr << clear_line << "gnomon: " << work_ << " ... " << ++seconds << " s" << std::flush;
+    if (seconds > 0) std::cerr << clear_line << std::flush;
+}
+
+}  // namespace gnomon::app

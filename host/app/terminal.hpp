@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// What people read. Results go to stdout; warnings, errors and progress to stderr. Progress is one line that appears
+// only if stderr is a terminal and the work has taken a second already, and that is gone when the work is done.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+
+namespace gnomon::app {
+
+/// "gnomon: warning: ..." and "gnomon: error: ..." on stderr.
+void print_warning(std::string_view sentence);
+void print_error(std::string_view sentence);
+
+/// Prints to stdout at once, and throws Error if it cannot (a full disk behind a redirection).
+void print_result(std::string_view text);
+
+/// 1234567 as "1,234,567".
+std::string grouped(std::uint64_t number);
+/// Milliseconds with two places.
+std::string milliseconds(double ms);
+/// 1536000 as "1.5 MiB".
+std::string bytes_for_people(std::uint64_t bytes);
+
+/// Shows "gnomon: WORK ... 3 s" while it lives.
+class ProgressLine {
+public:
+    /// Does nothing at all if `shown` is false or stderr is no terminal.
+    ProgressLine(std::string work, bool shown);
+    ~ProgressLine();
+    ProgressLine(const ProgressLine&) = delete;
+    ProgressLine& operator=(const ProgressLine&) = delete;
+
+private:
+    void show(std::stop_token stop);
+
+    std::string work_;
+    std::mutex mutex_;
+    std::condition_variable_any wake_;
+    std::jthread thread_;  // last: it uses the others
+};
+
+}  // namespace gnomon::app
