@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Install and export rules: afterwards find_package(gnomon) gives gnomon::gnomon, static or shared as it was built.
-# The core library alone is exported; the command, if built, is installed beside it.
+# The core library alone is exported; host/app installs the command beside it.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -19,7 +19,3 @@ configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/gnomonConfig.cmake.in" 
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/gnomonConfig.cmake" "${PROJECT_BINARY_DIR}/gnomonConfigVersion.cmake"
         DESTINATION "${package_dir}")
-
-if(TARGET gnomon_command)
-  install(TARGETS gnomon_command RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-endif()

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # From a fresh Debian or Ubuntu to a picture: installs the packages that are missing, builds the command gnomon
-# (build/bin/gnomon) and renders the built-in sundial to sundial.png. Safe to repeat; what is there is not done again.
+# (build/gnomon) and renders the built-in sundial to sundial.png. Safe to repeat; what is there is not done again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +13,7 @@ if [ ! -f build/CMakeCache.txt ]; then
 fi
 cmake --build build --parallel "$(nproc)" --target gnomon_command
 
-if [ ! sundial.png -nt build/bin/gnomon ]; then
-    build/bin/gnomon render -o sundial.png
+if [ ! sundial.png -nt build/gnomon ]; then
+    build/gnomon render -o sundial.png
 fi
-echo "The picture is $(pwd)/sundial.png. Next: build/bin/gnomon render SCENE.glb -o picture.png"
+echo "The picture is $(pwd)/sundial.png. Next: build/gnomon render SCENE.glb -o picture.png"

@@ -10,7 +10,6 @@ gnomon_embed_kernels(embed_kernels_test tests/build/nasty.bin tests/build/empty.
 # oclgrind's own exit status says nothing, so see that a kernel with a fault does fail a gnomon_oclgrind_test.
 add_executable(faulty_kernel build/faulty_kernel.cpp)
 target_link_libraries(faulty_kernel PRIVATE gnomon::gnomon gnomon_build_flags)
-set_target_properties(faulty_kernel PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
 gnomon_oclgrind_test(oclgrind_passes_a_good_kernel COMMAND faulty_kernel none)
 foreach(fault out_of_bounds race uninitialized)
   gnomon_oclgrind_test(oclgrind_catches_${fault} COMMAND faulty_kernel ${fault})
