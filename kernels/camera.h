@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Contract of the camera stages: what a pixel's ray is, and where a shading point lies.
+//
+// The ray of pixel (x, y) leaves the eye along the EXACT sum  r = column[x] + row[y],  each vector given as two float32
+// vectors (high + low, 48 bits of what the host computed in double). So coverage can be decided exactly, on every
+// device alike, and r differs from the camera's real ray by less than 2^-47 of its length.
+//
+// Visibility buffer: the nearest triangle that the open ray t > 0 meets, closed triangles, both faces, edge-on never.
+// Nearest by 1 / t computed in double from determinants whose relative error is below 2^-29 (exactly evaluated where
+// double alone cannot promise that), ties by the smaller id. So of two hits nearer to each other than 2^-28 of their
+// depth (1 / 16 ulp of float) either may win, and on every device the same one does.
+//
+// Shading point: Q = eye + t r + LIFT_ULPS unit n / |n|_max, n the plane's normal towards the eye, unit = one float32
+// ulp of m = max(|Q|, |eye|) (largest coordinates); then each coordinate is rounded to float towards the sign of n's.
+//   Never under the plane: the rounding moves P only up along n (each coordinate in n's own direction), and the error of
+//   the hit along n is at most t |n . r| / |n| 2^-28 <= |Q - eye| 2^-28 < 2^-2 unit, far less than the lift.
+//   At most 16 ulp away: the lift is at most sqrt(3) LIFT_ULPS unit, the rounding at most sqrt(3) unit, the error of the
+//   hit at most 2^-2 unit: together below 9 units for LIFT_ULPS = 4.
+//   Why 4: a flat floor's vertices are rounded by half an ulp each; two neighbouring triangles then disagree about the
+//   floor by at most sqrt(3) / 2 units each, so 2 units clear a floor whose vertices are no larger than m, and 4 units
+//   one whose vertices are up to twice that.
+#ifndef GN_CAMERA_H
+#define GN_CAMERA_H
+
+#include "prelude.h"
+
+#define LIFT_ULPS 4.0
+
+// A pixel tile is a bin of the camera's projection.
+#define CAMERA_TILE_LOG2 4
+
+// Floats per entry of the ray table: high xyz, low xyz. Entries: width columns, then height rows.
+#define RAY_FLOATS 6
+
+#endif

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+// Light frame: fits the grid to the points that face the light (Mizoguchi and Tokuyoshi, section 3: "the light's
+// frustum is fitted to the bounding box of the shading points"), by a reduction on the device, without a read-back.
+//
+// Conservative by padding: the raw coordinates below are off by at most 4u M (M the largest world coordinate; 4u for
+// ratios), the projected ones by point_error; the fit leaves FRAME_PADDING = 32u M and a quarter of a texel on each
+// side, so every point's computed texel lies inside the grid and the clamp of texel_index never acts.
+#include "light_frame.h"
+
+#define FRAME_PADDING (32.0f * GN_U)
+#define EDGE_TEXELS 0.25f
+// Points spread beyond this, or nearer to the light than its inverse, are not told apart by the grid at all.
+#define LARGEST_EXTENT 1.0e15f
+
+static float along(float3 v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
+
+static PointBounds no_points(void) {
+    PointBounds bounds;
+    for (int i = 0; i < 2; ++i) bounds.grid_low[i] = INFINITY, bounds.grid_high[i] = -INFINITY;
+    for (int i = 0; i < 3; ++i) bounds.world_low[i] = INFINITY, bounds.world_high[i] = -INFINITY;
+    bounds.count = 0;
+    bounds.padding[0] = 0;
+    return bounds;
+}
+
+static void include_point(PointBounds* bounds, LightFrame frame, float3 p) {
+    float3 world = p;
+    float x, y;
+    if (frame.perspective) {
+        float3 d = p - (float3)(frame.light[0], frame.light[1], frame.light[2]);
+        float w = along(d, frame.axis_z) * frame.sign_z;
+        x = along(d, frame.axis_x) / w;
+        y = along(d, frame.axis_y) / w;
+        world.z = w;
+    } else {
+        float z = along(p, frame.axis_z);
+        x = along(p, frame.axis_x) - frame.shear_x * z;
+        y = along(p, frame.axis_y) - frame.shear_y * z;
+    }
+    bounds->grid_low[0] = fmin(bounds->grid_low[0], x);
+    bounds->grid_high[0] = fmax(bounds->grid_high[0], x);
+    bounds->grid_low[1] = fmin(bounds->grid_low[1], y);
+    bounds->grid_high[1] = fmax(bounds->grid_high[1], y);
+    bounds->world_low[0] = fmin(bounds->world_low[0], world.x);
+    bounds->world_high[0] = fmax(bounds->world_high[0], world.x);
+    bounds->world_low[1] = fmin(bounds->world_low[1], world.y);
+    bounds->world_high[1] = fmax(bounds->world_high[1], world.y);
+    bounds->world_low[2] = fmin(bounds->world_low[2], world.z);
+    bounds->world_high[2] = fmax(bounds->world_high[2], world.z);
+    ++bounds->count;
+}
+
+static PointBounds merged(PointBounds a, PointBounds b) {
+    for (int i = 0; i < 2; ++i) {
+        a.grid_low[i] = fmin(a.grid_low[i], b.grid_low[i]);
+        a.grid_high[i] = fmax(a.grid_high[i], b.grid_high[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        a.world_low[i] = fmin(a.world_low[i], b.world_low[i]);
+        a.world_high[i] = fmax(a.world_high[i], b.world_high[i]);
+    }
+    a.count += b.count;
+    return a;
+}
+
+// Merges the work-group's bounds into element 0 of `shared`. For any work-group size.
+static void merge_group(PointBounds mine, __local PointBounds* shared) {
+    size_t item = get_local_id(0);
+    shared[item] = mine;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (size_t count = get_local_size(0); count > 1;) {
+        size_t half_count = (count + 1) / 2;
+        if (item + half_count < count) shared[item] = merged(shared[item], shared[item + half_count]);
+        count = half_count;
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}
+
+__kernel void light_frame_bounds(LightFrame frame, PointsLayout layout, __global const float* positions,
+                                 __global const float* visibility, __global PointBounds* group_bounds,
+                                 __local PointBounds* shared) {
+    PointBounds bounds = no_points();
+    GN_FOR_EACH(i, layout.count) {
+        if (visibility[i] != 1.0f) continue;
+        float3 p = load_point(positions, layout, i);
+        if (is_present(p) && is_in_frame(frame, p)) include_point(&bounds, frame, p);
+    }
+    merge_group(bounds, shared);
+    if (get_local_id(0) == 0) group_bounds[get_group_id(0)] = shared[0];
+}
+
+// Texels per unit and the offset that brings [low, high] inside [EDGE_TEXELS, texels - EDGE_TEXELS].
+static float fitted_scale(float low, float high, float padding, float texels) {
+    float extent = fmax((high - low) + 2.0f * padding, 1.0e-18f);
+    return (texels - 2.0f * EDGE_TEXELS) / extent;
+}
+
+static void set_row(float* row, uint axis_a, float a, uint axis_b, float b, float offset) {
+    for (int i = 0; i < 4; ++i) row[i] = 0.0f;
+    row[axis_a] = a;
+    row[axis_b] = b;
+    row[3] = offset;
+}
+
+static void fit_parallel(LightFrame frame, PointBounds bounds, Projection* projection) {
+    float largest = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+        projection->center[i] = 0.5f * bounds.world_low[i] + 0.5f * bounds.world_high[i];
+        largest = fmax(largest, fmax(fabs(bounds.world_low[i]), fabs(bounds.world_high[i])));
+    }
+    float padding = FRAME_PADDING * largest;
+    float scale_x = fitted_scale(bounds.grid_low[0], bounds.grid_high[0], padding, (float)frame.width);
+    float scale_y = fitted_scale(bounds.grid_low[1], bounds.grid_high[1], padding, (float)frame.height);
+    float c_x = projection->center[frame.axis_x], c_y = projection->center[frame.axis_y];
+    float c_z = projection->center[frame.axis_z];
+    float offset_x = EDGE_TEXELS - scale_x * ((bounds.grid_low[0] - padding) - (c_x - frame.shear_x * c_z));
+    float offset_y = EDGE_TEXELS - scale_y * ((bounds.grid_low[1] - padding) - (c_y - frame.shear_y * c_z));
+    set_row(projection->row_x, frame.axis_x, scale_x, frame.axis_z, -scale_x * frame.shear_x, offset_x);
+    set_row(projection->row_y, frame.axis_y, scale_y, frame.axis_z, -scale_y * frame.shear_y, offset_y);
+    set_row(projection->row_z, frame.axis_z, frame.sign_z, 3u, 0.0f, 0.0f);
+
+    float reach[3];
+    for (int i = 0; i < 3; ++i)
+        reach[i] = 1.01f * fmax(fabs(bounds.world_high[i] - projection->center[i]),
+                                fabs(bounds.world_low[i] - projection->center[i]));
+    float size_x = scale_x * (reach[frame.axis_x] + fabs(frame.shear_x) * reach[frame.axis_z]) + fabs(offset_x);
+    float size_y = scale_y * (reach[frame.axis_y] + fabs(frame.shear_y) * reach[frame.axis_z]) + fabs(offset_y);
+    projection->point_error = 1.01f * PROJECTION_ERROR * fmax(size_x, size_y);
+    projection->height_error = 1.01f * PROJECTION_ERROR * reach[frame.axis_z];
+    projection->indistinct = !(largest < LARGEST_EXTENT);
+}
+
+static void fit_perspective(LightFrame frame, PointBounds bounds, Projection* projection) {
+    for (int i = 0; i < 3; ++i) projection->center[i] = frame.light[i];
+    float scale_x = fitted_scale(bounds.grid_low[0], bounds.grid_high[0], FRAME_PADDING, (float)frame.width);
+    float scale_y = fitted_scale(bounds.grid_low[1], bounds.grid_high[1], FRAME_PADDING, (float)frame.height);
+    float offset_x = EDGE_TEXELS - scale_x * (bounds.grid_low[0] - FRAME_PADDING);
+    float offset_y = EDGE_TEXELS - scale_y * (bounds.grid_low[1] - FRAME_PADDING);
+    set_row(projection->row_x, frame.axis_x, scale_x, frame.axis_z, offset_x * frame.sign_z, 0.0f);
+    set_row(projection->row_y, frame.axis_y, scale_y, frame.axis_z, offset_y * frame.sign_z, 0.0f);
+    set_row(projection->row_z, frame.axis_z, frame.sign_z, 3u, 0.0f, 0.0f);
+    // |x| <= (scale + |offset|) W, since the other coordinates of a face's points are at most W; the quotient by W
+    // adds W's own error times X and the division's 3 ulp.
+    float texels = (float)max(frame.width, frame.height);
+    float size = fmax(scale_x + fabs(offset_x), scale_y + fabs(offset_y));
+    projection->point_error = 1.01f * (PROJECTION_ERROR * (size + texels) + 4.0f * GN_U * texels);
+    projection->height_error = PROJECTION_ERROR + 4.0f * GN_U;
+    projection->indistinct = !(bounds.world_low[2] > 1.0f / LARGEST_EXTENT && bounds.world_high[2] < LARGEST_EXTENT);
+}
+
+// One work-group: merges the groups' bounds and makes the projection.
+__kernel void light_frame_fit(LightFrame frame, uint group_count, __global const PointBounds* group_bounds,
+                              __global Projection* projection_out, __local PointBounds* shared) {
+    PointBounds bounds = no_points();
+    for (uint i = get_local_id(0); i < group_count; i += get_local_size(0)) bounds = merged(bounds, group_bounds[i]);
+    merge_group(bounds, shared);
+    if (get_local_id(0) != 0) return;
+
+    Projection projection;
+    bounds = shared[0];
+    for (int i = 0; i < 4; ++i) {
+        projection.row_x[i] = projection.row_y[i] = projection.row_z[i] = projection.center[i] = 0.0f;
+        projection.light[i] = frame.light[i];
+    }
+    projection.width = frame.width;
+    projection.height = frame.height;
+    projection.bin_log2 = frame.bin_log2;
+    projection.bins_x = frame.bins_x;
+    projection.bins_y = frame.bins_y;
+    projection.perspective = frame.perspective;
+    projection.point_error = projection.height_error = 0.0f;
+    projection.handedness = frame.sign_z;
+    projection.active_points = bounds.count;
+    for (int i = 0; i < 5; ++i) projection.padding[i] = 0;
+    if (bounds.count == 0)
+        projection.indistinct = 1;
+    else if (frame.perspective)
+        fit_perspective(frame, bounds, &projection);
+    else
+        fit_parallel(frame, bounds, &projection);
+    *projection_out = projection;
+}

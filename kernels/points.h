@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Shading points as the caller or the camera stage lays them out, and triangles as nine floats each.
+#ifndef GN_POINTS_H
+#define GN_POINTS_H
+
+#include "prelude.h"
+
+// Coordinate c of point i: positions[first + i * point_stride + c * coordinate_stride].
+GN_STRUCT_BEGIN(PointsLayout)
+uint first;
+uint point_stride;
+uint coordinate_stride;
+uint count;
+uint has_receivers;  // 0: the receivers buffer is a dummy
+uint has_eye;        // 1: points facing away from the light are decided by the facing stage
+float eye[2 + 1];
+uint padding[3];
+GN_STRUCT_END(PointsLayout, 48)
+
+#ifdef __OPENCL_VERSION__
+
+static float3 load_point(__global const float* positions, PointsLayout layout, size_t i) {
+    size_t at = layout.first + i * layout.point_stride;
+    return (float3)(positions[at], positions[at + layout.coordinate_stride],
+                    positions[at + 2 * (size_t)layout.coordinate_stride]);
+}
+
+// An absent point (NaN or infinite): the sky of a view, or a caller's hole.
+static bool is_present(float3 p) { return GN_FINITE(p.x) && GN_FINITE(p.y) && GN_FINITE(p.z); }
+
+typedef struct Triangle {
+    float3 a, b, c;
+} Triangle;
+
+static Triangle load_triangle(__global const float* vertices, size_t id) {
+    __global const float* v = vertices + 9 * id;
+    Triangle triangle;
+    triangle.a = (float3)(v[0], v[1], v[2]);
+    triangle.b = (float3)(v[3], v[4], v[5]);
+    triangle.c = (float3)(v[6], v[7], v[8]);
+    return triangle;
+}
+
+static bool is_finite_triangle(Triangle t) { return is_present(t.a) && is_present(t.b) && is_present(t.c); }
+
+#endif
+#endif

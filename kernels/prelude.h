@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// What every kernel and every contract starts from: names that both compilers know, the rounding rules, and the loop
+// over a device-sized range.
+//
+// Rounding: every float operation rounds once, to nearest even. OpenCL C contracts a * b + c by default; the pragma
+// below forbids it for all that includes this header (checked at start-up, see self_check.cl). Where a fused product is
+// wanted, fma() says so. No relaxed-math build option is ever passed.
+//
+// Host-given macros: GN_FP64 (the device has double precision), GN_CPU (work-items run one after the other, so each
+// takes a contiguous piece), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU).
+#ifndef GN_PRELUDE_H
+#define GN_PRELUDE_H
+
+#ifdef __OPENCL_VERSION__
+
+#pragma OPENCL FP_CONTRACT OFF
+#ifdef GN_FP64
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#endif
+
+#define GN_STRUCT_BEGIN(name) typedef struct name {
+#define GN_STRUCT_END(name, bytes) \
+    }                              \
+    name;                          \
+    typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
+
+// for (i over [0, n)) shared out over all work-items: neighbours on a GPU (coalesced), pieces on a CPU (cached).
+#ifdef GN_CPU
+#define GN_PIECE(n) (((size_t)(n) + get_global_size(0) - 1) / get_global_size(0))
+#define GN_FOR_EACH(i, n)                                                                       \
+    for (size_t i = get_global_id(0) * GN_PIECE(n),                                             \
+                i##_end = min((size_t)(get_global_id(0) + 1) * GN_PIECE(n), (size_t)(n));       \
+         i < i##_end; ++i)
+#else
+#define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
+#endif
+
+// Order-preserving map of floats to unsigned integers (no NaN), so that integer atomics find float minima.
+static uint float_to_key(float x) {
+    uint bits = as_uint(x);
+    return (bits & 0x80000000u) ? ~bits : bits | 0x80000000u;
+}
+static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key & 0x7FFFFFFFu : ~key); }
+
+#define GN_FINITE(x) (fabs(x) <= FLT_MAX)  // false for NaN too
+
+#else  // C++
+
+#include <cstdint>
+
+namespace gnomon {
+using uint = std::uint32_t;
+}
+
+#define GN_STRUCT_BEGIN(name) \
+    namespace gnomon {        \
+    struct name {
+#define GN_STRUCT_END(name, bytes)         \
+    }                                      \
+    ;                                      \
+    static_assert(sizeof(name) == (bytes)); \
+    }
+
+#endif
+
+// Half an ulp of 1: the relative error of one rounding to nearest.
+#define GN_U 5.9604645e-8f
+
+#define GN_NO_ID 0xFFFFFFFFu
+
+#endif

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// How light space (or the camera's pixels) is reached from world space, and how far off the floats may be.
+//
+// A Projection maps a world position p, with d = p - center, to a grid of texels:
+//
+//     h = (row_x . d + row_x.w,  row_y . d + row_y.w)     W = row_z . d  (perspective)  or 1  (parallel)
+//     (X, Y) = h / W    in texels, [0, width) x [0, height)
+//     Z = 1 / W  (perspective)  or  row_z . d  (parallel)
+//
+// Z is height towards the light: of two points on one ray the one with the larger Z is nearer to the light. The map is
+// linear before the division, so lines stay lines, triangles stay triangles, and nothing is ever clipped.
+//
+// Directional light D = -d: a shear instead of a rotation. With k the coordinate in which |D| is largest,
+//     X = sx ((p - c)_i - (D_i / D_k) (p - c)_k) + offset,   Y likewise,   Z = sign(D_k) (p - c)_k.
+// In real arithmetic X and Y are exactly constant along the light's rays, and Z is exact but for the rounding of p - c,
+// which is monotone: comparisons of Z are never wrong, only sometimes undecided.
+// Positional light: one projection per face of a cube around it, center = S (exactly), W = +-(p - S)_k.
+// Camera: center = eye, rows = the inverse of the pixel-to-ray matrix.
+//
+// Error bounds (u = 2^-24). Each d_i is rounded once (u |d_i|); a row entry differs from the real map's by at most
+// 4u of itself (quotient and product on the host or device; in perspective any float map is exact by definition);
+// three fma round at most 3u of the sum of magnitudes. With g = |row| . |d| + |row.w| this is below 8.1u g; we use
+// PROJECTION_ERROR = 10u, which also covers second-order terms and the rounding of g itself.
+#ifndef GN_PROJECTION_H
+#define GN_PROJECTION_H
+
+#include "prelude.h"
+
+#define PROJECTION_ERROR (10.0f * GN_U)
+
+// Bins: squares of texels, the unit of triangle lists and point lists. bin = (X >> bin_log2) + (Y >> bin_log2) * bins_x
+GN_STRUCT_BEGIN(Projection)
+float row_x[4];
+float row_y[4];
+float row_z[4];
+float center[4];     // world; [3] unused
+uint width;          // texels
+uint height;         // texels
+uint bin_log2;       // texels per bin side, as a power of two
+uint bins_x;         // bins per row
+uint bins_y;
+uint perspective;    // 1: W = row_z . d; 0: W = 1
+uint indistinct;     // 1: extents beyond what floats resolve: everything shares bin 0 and every test is exact
+float point_error;   // texels: how far a point's computed X or Y may be from the real one (camera pixels: 0)
+float height_error;  // how far a point's computed Z may be off: absolute (parallel) or relative to Z (perspective)
+float handedness;    // sign of the map's determinant: +1 keeps the orientation of triangles, -1 turns it
+float light[4];      // homogeneous light (or eye): w = 0 minus the direction of travel, w = 1 a position
+uint active_points;  // points this projection was fitted to
+uint padding[5];
+GN_STRUCT_END(Projection, 144)
+
+#ifdef __OPENCL_VERSION__
+
+// A projected position before the division, and the bound of the error of each of its coordinates.
+typedef struct Projected {
+    float x, y, w, z;
+    float error;         // of x and y
+    float error_w;       // of w
+    float error_z;       // of z (parallel only; in perspective z is made from w)
+} Projected;
+
+static float row_dot(__constant const float* row, float3 d) {
+    return fma(row[0], d.x, fma(row[1], d.y, fma(row[2], d.z, row[3])));
+}
+static float row_size(__constant const float* row, float3 d) {
+    return fabs(row[0] * d.x) + fabs(row[1] * d.y) + fabs(row[2] * d.z) + fabs(row[3]);
+}
+static float3 center_of(__constant const Projection* projection) {
+    return (float3)(projection->center[0], projection->center[1], projection->center[2]);
+}
+
+// Height towards the light of a world position, from its W or directly.
+static float height_of(__constant const Projection* projection, float row_z) {
+    return projection->perspective ? 1.0f / row_z : row_z;
+}
+
+static Projected project(__constant const Projection* projection, float3 p_world) {
+    float3 d = p_world - center_of(projection);
+    Projected h;
+    h.x = row_dot(projection->row_x, d);
+    h.y = row_dot(projection->row_y, d);
+    float size = fmax(row_size(projection->row_x, d), row_size(projection->row_y, d));
+    h.error = PROJECTION_ERROR * size;
+    float depth = row_dot(projection->row_z, d);
+    float depth_error = PROJECTION_ERROR * row_size(projection->row_z, d);
+    if (projection->perspective) {
+        h.w = depth;
+        h.error_w = depth_error;
+        h.z = 1.0f / depth;
+        h.error_z = 0.0f;
+    } else {
+        h.w = 1.0f;
+        h.error_w = 0.0f;
+        h.z = depth;
+        h.error_z = depth_error;
+    }
+    return h;
+}
+
+// A shading point in the grid: X, Y in texels and Z. In perspective the division may be off by 3 ulp.
+static float3 project_point(__constant const Projection* projection, float3 p_world) {
+    float3 d = p_world - center_of(projection);
+    float x = row_dot(projection->row_x, d);
+    float y = row_dot(projection->row_y, d);
+    float z = row_dot(projection->row_z, d);
+    if (projection->perspective) {
+        x = x / z;
+        y = y / z;
+        z = 1.0f / z;
+    }
+    if (projection->indistinct) return (float3)(0.5f, 0.5f, 0.0f);
+    return (float3)(x, y, z);
+}
+
+// Points are fitted inside the grid with a margin above their error; the clamp only guards the index.
+static uint texel_index(float coordinate, uint count) {
+    return (uint)clamp((int)coordinate, 0, (int)count - 1);
+}
+static uint bin_of(__constant const Projection* projection, float3 point) {
+    uint x = texel_index(point.x, projection->width) >> projection->bin_log2;
+    uint y = texel_index(point.y, projection->height) >> projection->bin_log2;
+    return y * projection->bins_x + x;
+}
+
+#endif
+#endif

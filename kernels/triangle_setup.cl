@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: MIT
+// Triangle setup: projects every triangle, drops those that cannot matter, and makes the float filter of the rest.
+//
+// Dropped, each counted: a NaN or infinite vertex; behind the light or outside the grid; farther from the light than
+// every point it could cover (a pyramid of farthest heights); exactly edge-on to the rays (never blocks, by contract).
+//
+// Error bounds. Let a, b, c be the projected vertices, p = (X, Y, 1) a point of the grid, and r_a = a - a_w p the first
+// two coordinates of a relative to p. Then (Mizoguchi's and everybody's) edge function is
+//     e_ab = det(a, b, p) = cross(r_a, r_b).
+// a is off by at most E_a = error + R error_w in r_a, where R bounds |X|, |Y|. With |r_a| <= rho_a over the triangle's
+// bins,    |cross error| <= 2 (rho_a E_b + rho_b E_a + E_a E_b).
+// The coefficients a x (b - a) round once for the difference and twice for products and sum, the evaluation twice:
+// at most 6u Q, Q = R (|a_y d_w| + |a_w d_y|) + R (|a_w d_x| + |a_x d_w|) + |a_x d_y| + |a_y d_x|, d = b - a.
+// The point itself is off by point_error in X and Y: (|edge_x| + |edge_y|) point_error.
+//
+// Height of the plane, z(X, Y). Parallel: n = (b - a) x (c - a) in (X, Y, Z), z = a_z - (n_x (X - a_x) + n_y (Y - a_y))
+// / n_z. An error delta_n of n, E of X, Y and E_z of Z moves z by at most
+//     (delta_nx rho + delta_ny rho + delta_nz rho_z + (|n_x| + |n_y|) E) / |n_z| + E_z,
+// rho and rho_z bounding X - a_x and z - a_z over the bins; n_z itself is off by delta_nz, so we divide by |n_z| -
+// delta_nz. Perspective: z = N . p / det(a, b, c), N = (b - a) x (c - a) in (x, y, w); N . p = cross(r_b - r_a,
+// r_c - r_a) is bounded as an edge, and det(a, b, c) = N . a.
+// Every bound is computed in float with all terms positive, and inflated by BOUND_INFLATION (1 %), which covers the
+// roundings of its own computation (fewer than 100, each under 2^-23) many times over.
+#include "exact/det3.h"
+#include "points.h"
+#include "projection.h"
+#include "triangle_setup.h"
+
+#define BOUND_INFLATION 1.01f
+// Beyond this (texels) a projected vertex no longer says anything useful: every test of the triangle is exact.
+#define WILD_TEXELS 1.0e12f
+
+typedef struct Edge {
+    float x, y, c;    // coefficients
+    float size_x, size_y, size_c;  // sums of the magnitudes of the products that make them
+} Edge;
+
+// a x (b - a), as d = b - a.
+static Edge make_edge(Projected a, float d_x, float d_y, float d_w) {
+    Edge edge;
+    edge.x = fma(a.y, d_w, -(a.w * d_y));
+    edge.y = fma(a.w, d_x, -(a.x * d_w));
+    edge.c = fma(a.x, d_y, -(a.y * d_x));
+    edge.size_x = fabs(a.y * d_w) + fabs(a.w * d_y);
+    edge.size_y = fabs(a.w * d_x) + fabs(a.x * d_w);
+    edge.size_c = fabs(a.x * d_y) + fabs(a.y * d_x);
+    return edge;
+}
+
+// Largest coordinate difference between vertex a and any point of the rectangle (x0, y0, x1, y1), times a.w.
+static float largest_offset(Projected a, float4 rectangle) {
+    float x = fmax(fabs(a.x - a.w * rectangle.x), fabs(a.x - a.w * rectangle.z));
+    float y = fmax(fabs(a.y - a.w * rectangle.y), fabs(a.y - a.w * rectangle.w));
+    return fmax(x, y);
+}
+
+// The orientation of the triangle as the light sees it, for certain: 0 means exactly edge-on.
+static int orientation_from_light(Triangle t, __constant const Projection* projection, int* level) {
+    float3 light = (float3)(projection->light[0], projection->light[1], projection->light[2]);
+    if (projection->light[3] != 0.0f) return det3_sign(t.a, light, t.b, light, t.c, light, level);
+    return det3_sign(t.b, t.a, t.c, t.a, light, (float3)(0.0f), level);
+}
+
+// A record under which every test is uncertain.
+static TriangleRecord undecided_record(void) {
+    TriangleRecord record;
+    for (int i = 0; i < 3; ++i) record.edge_x[i] = record.edge_y[i] = record.edge_0[i] = 0.0f;
+    record.plane_x = record.plane_y = record.plane_0 = 0.0f;
+    record.margin_edge = record.margin_plane = INFINITY;
+    record.z_low = -INFINITY;
+    record.z_high = INFINITY;
+    return record;
+}
+
+// Texel rectangle that holds everything the triangle can cover; whole grid if it reaches behind the light.
+// Returns false if it covers nothing of the grid.
+static bool covered_rectangle(const Projected* v, __constant const Projection* projection, bool straddles,
+                              float4* rectangle) {
+    float width = (float)projection->width, height = (float)projection->height;
+    *rectangle = (float4)(0.0f, 0.0f, width, height);
+    if (straddles) return true;
+    float4 box = (float4)(INFINITY, INFINITY, -INFINITY, -INFINITY);
+    for (int i = 0; i < 3; ++i) {
+        // x / w with w known up to error_w: the quotient is off by at most (error + |x/w| error_w) / (w - error_w),
+        // and the division by at most 3 ulp.
+        float x = v[i].x / v[i].w, y = v[i].y / v[i].w;
+        float size = fmax(fabs(x), fabs(y));
+        float slack =
+            BOUND_INFLATION * ((v[i].error + size * v[i].error_w) / (v[i].w - v[i].error_w) + 8.0f * GN_U * size);
+        box.x = fmin(box.x, x - slack);
+        box.y = fmin(box.y, y - slack);
+        box.z = fmax(box.z, x + slack);
+        box.w = fmax(box.w, y + slack);
+    }
+    float point_error = projection->point_error;
+    box = (float4)(box.x - point_error, box.y - point_error, box.z + point_error, box.w + point_error);
+    if (!(box.z >= 0.0f && box.w >= 0.0f && box.x < width && box.y < height)) return false;
+    rectangle->xy = fmax(box.xy, (float2)(0.0f));
+    rectangle->zw = fmin(box.zw, (float2)(width, height));
+    return true;
+}
+
+// Sets plane and its margin; leaves them undecided where the triangle is too near to edge-on for floats.
+static void set_plane_parallel(TriangleRecord* record, const Projected* v, float4 rectangle, float orientation,
+                               float point_error, float height_error) {
+    float error_1 = v[0].error + v[1].error, error_2 = v[0].error + v[2].error;
+    float error_1z = v[0].error_z + v[1].error_z, error_2z = v[0].error_z + v[2].error_z;
+    float x1 = v[1].x - v[0].x, y1 = v[1].y - v[0].y, z1 = v[1].z - v[0].z;
+    float x2 = v[2].x - v[0].x, y2 = v[2].y - v[0].y, z2 = v[2].z - v[0].z;
+    float n_x = fma(y1, z2, -(z1 * y2));
+    float n_y = fma(z1, x2, -(x1 * z2));
+    float n_z = fma(x1, y2, -(y1 * x2));
+    float ax1 = fabs(x1), ay1 = fabs(y1), az1 = fabs(z1), ax2 = fabs(x2), ay2 = fabs(y2), az2 = fabs(z2);
+    float delta_x = ay1 * error_2z + az2 * error_1 + az1 * error_2 + ay2 * error_1z + error_1 * error_2z +
+                    error_1z * error_2 + 4.0f * GN_U * (ay1 * az2 + az1 * ay2);
+    float delta_y = az1 * error_2 + ax2 * error_1z + ax1 * error_2z + az2 * error_1 + error_1 * error_2z +
+                    error_1z * error_2 + 4.0f * GN_U * (az1 * ax2 + ax1 * az2);
+    float delta_z = ax1 * error_2 + ay2 * error_1 + ay1 * error_2 + ax2 * error_1 + 2.0f * error_1 * error_2 +
+                    4.0f * GN_U * (ax1 * ay2 + ay1 * ax2);
+    float safe_n_z = fabs(n_z) - BOUND_INFLATION * delta_z;
+    if (!(safe_n_z > 0.25f * fabs(n_z)) || n_z * orientation <= 0.0f) return;
+
+    float slope_x = -n_x / n_z, slope_y = -n_y / n_z;
+    float height = v[0].z - (slope_x * v[0].x + slope_y * v[0].y);
+    float rho = largest_offset(v[0], rectangle) + v[0].error + point_error;
+    float rho_z = (fabs(n_x) + fabs(n_y)) * rho / safe_n_z;
+    float error = v[0].error + point_error;
+    float margin = (delta_x * rho + delta_y * rho + delta_z * rho_z + (fabs(n_x) + fabs(n_y)) * error) / safe_n_z +
+                   v[0].error_z + height_error;
+    float largest = fabs(slope_x) * fmax(fabs(v[0].x), rectangle.z) + fabs(slope_y) * fmax(fabs(v[0].y), rectangle.w) +
+                    fabs(v[0].z);
+    margin = BOUND_INFLATION * (margin + 12.0f * GN_U * largest);
+    if (!(margin < INFINITY)) return;
+    record->plane_x = slope_x;
+    record->plane_y = slope_y;
+    record->plane_0 = height;
+    record->margin_plane = margin;
+}
+
+static void set_plane_perspective(TriangleRecord* record, const Projected* v, float4 rectangle, float orientation,
+                                  bool straddles, float point_error, float height_error) {
+    float x1 = v[1].x - v[0].x, y1 = v[1].y - v[0].y, w1 = v[1].w - v[0].w;
+    float x2 = v[2].x - v[0].x, y2 = v[2].y - v[0].y, w2 = v[2].w - v[0].w;
+    float n_x = fma(y1, w2, -(w1 * y2));
+    float n_y = fma(w1, x2, -(x1 * w2));
+    float n_w = fma(x1, y2, -(y1 * x2));
+    float size_x = fabs(y1 * w2) + fabs(w1 * y2);
+    float size_y = fabs(w1 * x2) + fabs(x1 * w2);
+    float size_w = fabs(x1 * y2) + fabs(y1 * x2);
+    float determinant = fma(n_x, v[0].x, fma(n_y, v[0].y, n_w * v[0].w));
+    if (determinant * orientation <= 0.0f) return;
+
+    // N . p, as the cross product of the sides relative to p.
+    float reach = fmax(rectangle.z, rectangle.w);
+    float e_a = v[0].error + reach * v[0].error_w;
+    float e_1 = e_a + v[1].error + reach * v[1].error_w, e_2 = e_a + v[2].error + reach * v[2].error_w;
+    Projected side_1 = v[0], side_2 = v[0];
+    side_1.x = x1, side_1.y = y1, side_1.w = w1;
+    side_2.x = x2, side_2.y = y2, side_2.w = w2;
+    float rho_1 = largest_offset(side_1, rectangle), rho_2 = largest_offset(side_2, rectangle);
+    float delta_np = 2.0f * (rho_1 * e_2 + rho_2 * e_1 + e_1 * e_2) +
+                     8.0f * GN_U * (reach * size_x + reach * size_y + size_w);
+    // N . a: at a's own place in the grid it is a_w N . p, inside the rectangle unless the triangle straddles.
+    float e_0 = v[0].error, e_0w = v[0].error_w;
+    float delta_determinant = fabs(n_x) * e_0 + fabs(n_y) * e_0 + fabs(n_w) * e_0w +
+                              4.0f * GN_U * (fabs(n_x * v[0].x) + fabs(n_y * v[0].y) + fabs(n_w * v[0].w));
+    float a_x = fabs(v[0].x) / fabs(v[0].w), a_y = fabs(v[0].y) / fabs(v[0].w);
+    bool a_in_grid = !straddles && a_x <= reach && a_y <= reach;
+    if (a_in_grid) {
+        // The bound above over the rectangle need not hold at a itself when the rectangle was cut to the grid.
+        float4 whole = (float4)(fmin(rectangle.xy, (float2)(v[0].x, v[0].y) / v[0].w),
+                                fmax(rectangle.zw, (float2)(v[0].x, v[0].y) / v[0].w));
+        float rho_1a = largest_offset(side_1, whole), rho_2a = largest_offset(side_2, whole);
+        delta_determinant += v[0].w * (2.0f * (rho_1a * e_2 + rho_2a * e_1 + e_1 * e_2) +
+                                       8.0f * GN_U * (reach * size_x + reach * size_y + size_w));
+    } else {
+        float side_error_1 = v[0].error + v[1].error + v[0].error_w + v[1].error_w;
+        float side_error_2 = v[0].error + v[2].error + v[0].error_w + v[2].error_w;
+        float side_1_size = fabs(x1) + fabs(y1) + fabs(w1), side_2_size = fabs(x2) + fabs(y2) + fabs(w2);
+        float delta_n = side_1_size * side_error_2 + side_2_size * side_error_1 + side_error_1 * side_error_2;
+        delta_determinant += delta_n * (fabs(v[0].x) + fabs(v[0].y) + fabs(v[0].w)) +
+                             4.0f * GN_U * (size_x * fabs(v[0].x) + size_y * fabs(v[0].y) + size_w * fabs(v[0].w));
+    }
+    float safe_determinant = fabs(determinant) - BOUND_INFLATION * delta_determinant;
+    if (!(safe_determinant > 0.25f * fabs(determinant))) return;
+
+    float plane_x = n_x / determinant, plane_y = n_y / determinant, plane_0 = n_w / determinant;
+    float largest = fabs(plane_x) * reach + fabs(plane_y) * reach + fabs(plane_0);
+    float margin = (delta_np + largest * delta_determinant) / safe_determinant;
+    margin = BOUND_INFLATION * (margin + (fabs(n_x) + fabs(n_y)) / safe_determinant * point_error +
+                                16.0f * GN_U * largest + 2.0f * height_error * largest);
+    // A point with Z above 2 largest is nearer than the plane by more than its own relative error only if the margin
+    // is not larger than the heights themselves.
+    if (!(margin < 0.5f * largest)) return;
+    record->plane_x = plane_x;
+    record->plane_y = plane_y;
+    record->plane_0 = plane_0;
+    record->margin_plane = margin;
+}
+
+// Is the triangle large enough to cover a whole texel, at least possibly?
+static bool can_cover_texel(float4 rectangle) {
+    return rectangle.z - rectangle.x >= 1.0f && rectangle.w - rectangle.y >= 1.0f;
+}
+
+// Lowest listed height under the rectangle, from the pyramid: the level at which it spans at most 2 x 2 cells.
+static float lowest_height_under(__global const uint* pyramid, __constant const Projection* projection, uint4 bins) {
+    uint level = 0, width = projection->bins_x, height = projection->bins_y, first = 0;
+    while ((bins.z >> level) - (bins.x >> level) > 1u || (bins.w >> level) - (bins.y >> level) > 1u) {
+        first += width * height;
+        width = (width + 1) / 2;
+        height = (height + 1) / 2;
+        ++level;
+    }
+    uint lowest = 0xFFFFFFFFu;
+    for (uint y = bins.y >> level; y <= bins.w >> level; ++y)
+        for (uint x = bins.x >> level; x <= bins.z >> level; ++x) lowest = min(lowest, pyramid[first + y * width + x]);
+    return lowest == 0xFFFFFFFFu ? INFINITY : key_to_float(lowest);
+}
+
+#define NOT_FINITE 1
+#define EDGE_ON 2
+#define OUTSIDE 3
+#define SURVIVES 0
+
+// The whole setup of one triangle. `pyramid` is ignored unless `has_pyramid`.
+static int set_up_triangle(Triangle t, __constant const Projection* projection, __global const uint* pyramid,
+                           bool has_pyramid, TriangleRecord* record, uint4* bins, bool* for_map, int* level) {
+    *record = undecided_record();
+    *bins = (uint4)(0, 0, projection->bins_x - 1, projection->bins_y - 1);
+    *for_map = false;
+    if (!is_finite_triangle(t)) return NOT_FINITE;
+    if (projection->indistinct) {
+        *bins = (uint4)(0, 0, 0, 0);
+        return SURVIVES;
+    }
+
+    Projected v[3];
+    v[0] = project(projection, t.a);
+    v[1] = project(projection, t.b);
+    v[2] = project(projection, t.c);
+    float wildest = 0.0f;
+    bool behind = true, straddles = false;
+    for (int i = 0; i < 3; ++i) {
+        wildest = fmax(wildest, fmax(fmax(fabs(v[i].x), fabs(v[i].y)), fmax(fabs(v[i].w), v[i].error)));
+        behind = behind && v[i].w < -v[i].error_w;
+        straddles = straddles || !(v[i].w > 2.0f * v[i].error_w);
+    }
+    bool wild = !(wildest < WILD_TEXELS) || !GN_FINITE(v[0].x + v[1].x + v[2].x) ||
+                !GN_FINITE(v[0].y + v[1].y + v[2].y) || !GN_FINITE(v[0].w + v[1].w + v[2].w);
+    if (wild) return SURVIVES;  // undecided record, every bin
+    if (behind) return OUTSIDE;
+
+    float4 rectangle;
+    if (!covered_rectangle(v, projection, straddles, &rectangle)) return OUTSIDE;
+    uint4 range = (uint4)(texel_index(rectangle.x, projection->width), texel_index(rectangle.y, projection->height),
+                          texel_index(rectangle.z, projection->width), texel_index(rectangle.w, projection->height)) >>
+                  projection->bin_log2;
+    *bins = range;
+
+    // Heights: in perspective Z = 1 / W with W off by error_w and the division by 3 ulp.
+    float z_low = INFINITY, z_high = -INFINITY;
+    if (straddles) {
+        z_low = -INFINITY;
+        z_high = INFINITY;
+    } else {
+        for (int i = 0; i < 3; ++i) {
+            float slack = projection->perspective ? BOUND_INFLATION * v[i].z * (v[i].error_w / (v[i].w - v[i].error_w) + 4.0f * GN_U)
+                                                  : v[i].error_z;
+            z_low = fmin(z_low, v[i].z - slack);
+            z_high = fmax(z_high, v[i].z + slack);
+        }
+        // The points' own error: absolute (parallel), or relative to Z (perspective).
+        float height_error = projection->height_error;
+        z_low -= BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_low) : height_error);
+        z_high += BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_high) : height_error);
+    }
+    if (has_pyramid && z_high < lowest_height_under(pyramid, projection, range)) return OUTSIDE;
+
+    float orientation = (float)orientation_from_light(t, projection, level) * projection->handedness;
+    if (orientation == 0.0f) return EDGE_ON;
+
+    // The tests hold for all points of the triangle's bins.
+    float bin_size = (float)(1u << projection->bin_log2);
+    float4 domain = (float4)((float)range.x, (float)range.y, (float)(range.z + 1u), (float)(range.w + 1u)) * bin_size;
+    float reach = fmax(domain.z, domain.w);
+    float rho[3], error[3];
+    for (int i = 0; i < 3; ++i) {
+        error[i] = v[i].error + reach * v[i].error_w;
+        rho[i] = largest_offset(v[i], domain) + error[i] + fabs(v[i].w) * projection->point_error;
+    }
+    float margin = 0.0f;
+    for (int i = 0; i < 3; ++i) {
+        int j = (i + 1) % 3;
+        Edge edge = make_edge(v[i], v[j].x - v[i].x, v[j].y - v[i].y, v[j].w - v[i].w);
+        record->edge_x[i] = orientation * edge.x;
+        record->edge_y[i] = orientation * edge.y;
+        record->edge_0[i] = orientation * edge.c;
+        float bound = 2.0f * (rho[i] * error[j] + rho[j] * error[i] + error[i] * error[j]) +
+                      6.0f * GN_U * (reach * (edge.size_x + edge.size_y) + edge.size_c) +
+                      (fabs(edge.x) + fabs(edge.y)) * projection->point_error;
+        margin = fmax(margin, BOUND_INFLATION * bound);
+    }
+    record->margin_edge = margin + 1.0e-30f;
+    record->z_low = z_low;
+    record->z_high = z_high;
+    if (projection->perspective)
+        set_plane_perspective(record, v, domain, orientation, straddles, projection->point_error,
+                              projection->height_error);
+    else
+        set_plane_parallel(record, v, domain, orientation, projection->point_error, projection->height_error);
+    *for_map = record->margin_plane < INFINITY && can_cover_texel(rectangle);
+    return SURVIVES;
+}
+
+// One work-item per triangle, over the whole scene.
+__kernel void triangle_setup(__constant const Projection* projection, uint triangle_count, ulong first_float,
+                             uint capacity, uint has_pyramid, __global const float* vertices,
+                             __global const uint* pyramid, __global TriangleRecord* records, __global uint* ids,
+                             __global uint4* record_bins, __global uint* large, __global uint* map_candidates,
+                             __global FrameCounters* counters) {
+    uint tally[4] = {0, 0, 0, 0};
+    uint exact = 0;
+    if (projection->active_points == 0u) return;
+    GN_FOR_EACH(id, triangle_count) {
+        TriangleRecord record;
+        uint4 bins;
+        bool for_map;
+        int level = DET3_BY_FLOAT;
+        int verdict = set_up_triangle(load_triangle(vertices + first_float, id), projection, pyramid,
+                                      has_pyramid != 0u, &record, &bins, &for_map, &level);
+        ++tally[verdict];
+        exact += level == DET3_BY_EXACT;
+        if (verdict != SURVIVES) continue;
+        uint slot = atomic_inc(&counters->survivors);
+        if (slot >= capacity) continue;
+        records[slot] = record;
+        ids[slot] = (uint)id;
+        record_bins[slot] = bins;
+        if ((bins.z - bins.x + 1u) * (bins.w - bins.y + 1u) > SMALL_BINS) large[atomic_inc(&counters->large)] = slot;
+        if (for_map) map_candidates[atomic_inc(&counters->map_candidates)] = slot;
+    }
+    if (tally[NOT_FINITE] != 0) atomic_add(&counters->not_finite, tally[NOT_FINITE]);
+    if (tally[EDGE_ON] != 0) atomic_add(&counters->edge_on, tally[EDGE_ON]);
+    if (tally[OUTSIDE] != 0) atomic_add(&counters->outside, tally[OUTSIDE]);
+    if (exact != 0) atomic_add(&counters->setup_exact, exact);
+}
