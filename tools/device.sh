@@ -1,0 +1,84 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Builds, tests and measures gnomon on a machine that has a GPU with its driver, a compiler and CMake, but no network
+# and no packages. What is missing there travels with the source tree in the folder .device/, which git ignores.
+#
+#   tools/device.sh fetch [SCENES]   here: fills .device/ with Debian packages and with the scenes (*.glb, views.json)
+#                                    of the folder SCENES (default ../shared/scenes)
+#   tools/device.sh run [CTEST ARGS] there, as root: unpacks, builds into /tmp/build, runs the tests; what they write
+#                                    and the log of the tests go to $OUT, if that is set
+#
+# The command gnomon needs OpenImageIO and stays behind; the library, scene loader, tests and tools come along.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# Everything of these packages lies under /usr; fetch refuses one where that is not so, because unpacking over / could
+# replace the links /lib and /bin of the machine by folders.
+packages=(
+    ocl-icd-libopencl1 ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers  # OpenCL's loader and headers
+    libglm-dev                                                                   # the core
+    libtinygltf-dev libtinygltf2d libstb0 nlohmann-json3-dev libcli11-dev        # scene loader and tools
+    libgtest-dev libboost1.74-dev                                                # tests and references
+)
+# The whole tree that travels must stay under 64 MiB.
+largest_tree_mib=60
+
+fetch() {
+    local scenes=${1:-../shared/scenes} deb tree_kib
+    rm -rf .device
+    mkdir -p .device/packages .device/scenes
+    (cd .device/packages && apt-get -o APT::Sandbox::User=root download -qq "${packages[@]}")
+    for deb in .device/packages/*.deb; do
+        if dpkg-deb --fsys-tarfile "$deb" | tar -t | grep -vE '^\./(usr/.*|usr)?$'; then
+            echo "$deb holds the files above, outside /usr: it must not be unpacked over a running system" >&2
+            exit 1
+        fi
+    done
+    cp "$scenes"/*.glb "$scenes"/views.json .device/scenes/
+    tree_kib=$({ git ls-files -z --cached --others --exclude-standard; find .device -type f -print0; } |
+        du --files0-from=- --apparent-size --block-size=1K --total | tail -1 | cut -f1)
+    echo "$((tree_kib / 1024)) MiB travel, $(du -sm .device | cut -f1) MiB of them in .device/"
+    if [ $((tree_kib / 1024)) -ge $largest_tree_mib ]; then
+        echo "that is more than $largest_tree_mib MiB: leave out a scene" >&2
+        exit 1
+    fi
+}
+
+unpack() {
+    local deb driver
+    for deb in .device/packages/*.deb; do dpkg-deb -x "$deb" /; done
+    ldconfig
+    # The loader asks the drivers that are named here.
+    mkdir -p /etc/OpenCL/vendors
+    driver=$(find / -name 'libnvidia-opencl.so*' -not -path '/proc/*' 2>/dev/null | sort | head -1 || true)
+    if [ -n "$driver" ]; then
+        echo "$driver" >/etc/OpenCL/vendors/nvidia.icd
+    elif ! ls /etc/OpenCL/vendors/*.icd >/dev/null 2>&1; then
+        echo "There is no OpenCL driver on this machine: no libnvidia-opencl.so, nothing in /etc/OpenCL/vendors" >&2
+        exit 1
+    fi
+}
+
+run() {
+    local out=${OUT:-/tmp/out} status=0
+    mkdir -p "$out"
+    [ -d .device ] || { echo "There is no .device/ here: run tools/device.sh fetch where the network is" >&2; exit 1; }
+    unpack
+    # Compiled kernels of an earlier run are kept there; the first start of this run must compile.
+    export GNOMON_CACHE_DIR=/tmp/gnomon_cache
+    export GNOMON_SHARED_SCENES="$PWD/.device/scenes"
+    cmake -S . -B /tmp/build -D CMAKE_BUILD_TYPE=Release -D GNOMON_COMMAND=OFF -D GNOMON_TESTS=ON -D GNOMON_TOOLS=ON \
+        -D GNOMON_INSTALL=OFF
+    cmake --build /tmp/build --parallel "$(nproc)"
+    # One GPU: tests one after the other, so that a time limit means something.
+    ctest --test-dir /tmp/build --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
+    return $status
+}
+
+case ${1:-} in
+    fetch | run) "$@" ;;
+    *)
+        echo "usage: $0 fetch [SCENES] | run [CTEST ARGUMENTS]" >&2
+        exit 2
+        ;;
+esac
