@@ -61,7 +61,7 @@ void add_value(CLI::App& app, const std::string& group, const std::string& names
                for (const std::string& text : texts) store(option, text);
            },
            meaning)
-        ->type_name(type)
+        ->option_text(type)
         ->group(group)
         ->allow_extra_args(false);
 }
@@ -79,7 +79,7 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
     add_value(app, group, "--up", "X,Y,Z", "Which way is up for --eye and --target (default 0,1,0)",
               [&](const std::string& option, const std::string& text) { options.up = parse_float3(option, text); });
     add_value(app, group, "--fovy", "DEGREES",
-              "Vertical field of view, above 0 and below 180 (default: the camera's own; 50 with --eye)",
+              "Vertical field of view, above 0 and below 180\n(default: the camera's own; 50 with --eye)",
               [&](const std::string& option, const std::string& text) {
                   options.fov_y_degrees = parse_float(option, text);
                   if (!(*options.fov_y_degrees > 0 && *options.fov_y_degrees < 180))
@@ -118,13 +118,14 @@ void add_output_options(CLI::App& app, RenderOptions& options) {
         "sky: P = N = 0, visibility 1, receiver 4294967295",
         [&](const std::string& option, const std::string& text) { options.aov = parse_file(option, text, ".exr"); });
     add_value(app, group, "--dump-triangles", "FILE",
-              "The world triangles, 9 little-endian float32 each; a receiver is a position in this file",
+              "The world triangles, 9 little-endian float32 each;\na receiver is a position in this file",
               [&](const std::string& option, const std::string& text) {
                   options.triangle_dump = parse_file(option, text, "");
               });
     add_value(
         app, group, "--stats", "FILE.json",
-        "What was done: times per stage (on the device as well), counts, memory, the exact camera and light",
+        "What was done: times per stage (measured on the device too),\n"
+        "counts, memory, the exact camera and light",
         [&](const std::string& option, const std::string& text) { options.statistics = parse_file(option, text, ""); });
 }
 
@@ -150,8 +151,8 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
 void add_device_options(CLI::App& app, RenderOptions& options) {
     const std::string group = "Device and messages";
     add_value(app, group, "--device", "P:D|NAME",
-              "The OpenCL device, as gnomon devices lists it or by a part of its name (default: $GNOMON_DEVICE, else "
-              "the first usable GPU, else the first usable CPU)",
+              "The OpenCL device, as gnomon devices lists it or by a part of its\n"
+              "name (default: $GNOMON_DEVICE, else the first usable GPU, else CPU)",
               [&](const std::string& option, const std::string& text) { options.device = parse_name(option, text); });
     add_value(app, group, "--memory-limit", "BYTES",
               "Allocate no more than this on the device; K, M, G and T are powers of 1024",
@@ -183,13 +184,15 @@ void check_outputs(const RenderOptions& options) {
         throw UsageError("nothing to write: give -o FILE.png (or --mask, --aov, --dump-triangles or --stats)");
 }
 
-/// What CLI11 could not place: the first of it, in a sentence.
-void check_nothing_left(const CLI::App& app, const std::string& command) {
+/// CLI11's help with one blank line between groups instead of two.
+std::string help_of(const CLI::App& app) { return CLI::detail::find_and_replace(app.help(), "\n\n\n", "\n\n"); }
+
+/// What CLI11 could not place: the first of it, in a sentence. `kind` is what it is if it is no option.
+void check_nothing_left(const CLI::App& app, const std::string& command, const std::string& kind) {
     const std::vector<std::string> left = app.remaining();
     if (left.empty()) return;
-    const bool is_option = left.front().starts_with("-");
-    throw UsageError(std::string(is_option ? "unknown option " : "unexpected argument ") + left.front() + ": see " +
-                     command + " --help");
+    const std::string& first = left.front();
+    throw UsageError((first.starts_with("-") ? "unknown option" : kind) + " " + first + ": see " + command + " --help");
 }
 
 CLI::App* add_render(CLI::App& app, RenderOptions& options) {
@@ -247,19 +250,24 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     try {
         app.parse(from_the_back);
     } catch (const CLI::CallForHelp&) {
-        return PrintText{app.help()};
+        return PrintText{help_of(app)};
     } catch (const CLI::CallForVersion& call) {
         return PrintText{std::string(call.what()) + "\n"};
+    } catch (const CLI::ArgumentMismatch& error) {
+        // "--mask: 1 required TEXT missing": every option that takes a value takes one.
+        const std::string text = error.what();
+        throw UsageError(text.substr(0, text.find(':')) + " needs a value");
     } catch (const CLI::ParseError& error) {
         throw UsageError(error.what());
     }
-    for (const CLI::App* command : app.get_subcommands()) check_nothing_left(*command, "gnomon " + command->get_name());
-    check_nothing_left(app, "gnomon");
+    for (const CLI::App* command : app.get_subcommands())
+        check_nothing_left(*command, "gnomon " + command->get_name(), "unexpected argument");
+    check_nothing_left(app, "gnomon", "unknown command");
 
     if (*render) return checked(std::move(render_options));
     if (*devices) return ListDevices{};
     if (*techniques) return techniques_options;
-    return PrintText{app.help()};
+    return PrintText{help_of(app)};
 }
 
 }  // namespace gnomon::app

@@ -102,7 +102,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), resolved_(
         return;
     }
     std::error_code unresolved;  // then the path stays as given, and opening says what is wrong with it
-    if (fs::path canonical = fs::weakly_canonical(target_, unresolved); !unresolved) resolved_ = std::move(canonical);
+    if (fs::path canonical = fs::weakly_canonical(fs::absolute(target_), unresolved); !unresolved)
+        resolved_ = std::move(canonical);
     descriptor_ = make_temporary(folder_of(target_, resolved_), temporary_);
     if (descriptor_ < 0) {
         temporary_.clear();

@@ -88,6 +88,7 @@ OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height) {
     spec.channelformats.assign(7, OIIO::TypeFloat);
     spec.channelformats.push_back(OIIO::TypeUInt32);
     spec.attribute("compression", "zip");
+    spec.attribute("DateTime", "");  // else OpenImageIO writes the time of day, and equal values give unequal files
     return spec;
 }
 

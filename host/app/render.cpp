@@ -26,7 +26,6 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 class Steps {
 public:
     explicit Steps(Report& report) : report_(report) {}
-    ~Steps() = default;
 
     /// `name` is for the statistics, `work_in_words` for the progress line.
     template <typename Work>
@@ -123,9 +122,8 @@ void render(const RenderOptions& options) {
     // Ask for everything that can be refused at once: files first, then the device and the technique.
     Outputs outputs(options);
     const Device device = steps.run("open_device", "opening the device", [&] { return open_device(options); });
-    const auto technique =
-        steps.run("prepare_technique", "preparing the technique (the first time, its kernels are compiled)",
-                  [&] { return prepare_technique(options, device); });
+    const auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
+                                     [&] { return prepare_technique(options, device); });
 
     // The scene, its camera and its light.
     const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] {
@@ -139,14 +137,13 @@ void render(const RenderOptions& options) {
     // What the camera sees, and which of it the light reaches.
     const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device",
                                           [&] { return Triangles::upload(device, scene.triangles); });
-    const View view = steps.run("camera", "seeing what the camera sees (the first time, kernels are compiled)",
+    const View view = steps.run("camera", "camera (compiles kernels the first time)",
                                 [&] { return look(device, triangles, report.camera.camera, width, height); });
     const Visibility visibility(device, view.points.count());
-    const std::vector<float> visible =
-        steps.run("shadow", "casting shadows (the first time, kernels are compiled)", [&] {
-            report.shadow_statistics = technique->run(triangles, view.points, light, visibility);
-            return visibility.read();
-        });
+    const std::vector<float> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
+        report.shadow_statistics = technique->run(triangles, view.points, light, visibility);
+        return visibility.read();
+    });
 
     // The files, each complete before the first appears.
     if (outputs.picture)

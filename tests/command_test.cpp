@@ -1,0 +1,699 @@
+// SPDX-License-Identifier: MIT
+// The command gnomon, run as a user runs it: the real binary, in a temporary folder, on whatever OpenCL device there
+// is. Checked are exit codes, sentences, the files and what is in them. The picture's shadows are those of a scene
+// simple enough to know the answer: a square above a floor under a light that falls straight down, where a floor point
+// is in shadow exactly if its x and z lie in the square.
+#include <OpenImageIO/imageio.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Arguments = std::vector<std::string>;
+
+// ---- Running the command --------------------------------------------------------------------------------------------
+
+struct Outcome {
+    int exit_code = -1;  // -1: ended by a signal
+    int signal_number = 0;
+    std::string out, err;
+};
+
+struct RunOptions {
+    std::map<std::string, std::string> environment;
+    std::string stdout_to;  ///< a file instead of `out`
+};
+
+std::string text_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+/// A folder that lives as long as the test, with the command started inside it.
+class Command : public testing::Test {
+protected:
+    void SetUp() override {
+        std::string pattern = (fs::temp_directory_path() / "gnomon_command_XXXXXX").string();
+        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+        root_ = pattern;
+        folder_ = root_ / "here";
+        fs::create_directory(folder_);
+    }
+    void TearDown() override { fs::remove_all(root_); }
+
+    fs::path in_folder(const std::string& name) const { return folder_ / name; }
+
+    std::vector<std::string> files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+
+    pid_t start(const Arguments& arguments, const RunOptions& options = {}) const {
+        std::vector<std::string> words{GNOMON_BINARY};
+        words.insert(words.end(), arguments.begin(), arguments.end());
+        std::vector<char*> argv;
+        for (std::string& word : words) argv.push_back(word.data());
+        argv.push_back(nullptr);
+        const std::string out = options.stdout_to.empty() ? (root_ / "stdout").string() : options.stdout_to;
+        const std::string err = (root_ / "stderr").string();
+        const pid_t child = fork();
+        if (child != 0) return child;
+        for (const auto& [name, value] : options.environment) setenv(name.c_str(), value.c_str(), 1);
+        const bool ready = chdir(folder_.c_str()) == 0 &&
+                           dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO) >= 0 &&
+                           dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO) >= 0;
+        if (ready) execv(argv[0], argv.data());
+        _exit(127);
+    }
+
+    Outcome finish(pid_t child) const {
+        int status = 0;
+        EXPECT_EQ(waitpid(child, &status, 0), child);
+        Outcome outcome;
+        if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
+        if (WIFSIGNALED(status)) outcome.signal_number = WTERMSIG(status);
+        outcome.out = text_of(root_ / "stdout");
+        outcome.err = text_of(root_ / "stderr");
+        return outcome;
+    }
+
+    Outcome run(const Arguments& arguments, const RunOptions& options = {}) const {
+        return finish(start(arguments, options));
+    }
+
+    /// `gnomon render` that must succeed without a word.
+    void render_quietly(Arguments arguments) const {
+        arguments.insert(arguments.begin(), "render");
+        arguments.emplace_back("--quiet");
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(outcome.err, "");
+    }
+
+    /// A failure: this exit code, one line on stderr with this in it, nothing on stdout, no file left or changed.
+    void expect_failure(const Arguments& arguments, int exit_code, const std::string& sentence,
+                        const RunOptions& options = {}) const {
+        const std::vector<std::string> before = files();
+        const Outcome outcome = run(arguments, options);
+        std::string line = "gnomon";
+        for (const std::string& argument : arguments) line += " " + argument;
+        SCOPED_TRACE(line);
+        EXPECT_EQ(outcome.exit_code, exit_code);
+        EXPECT_EQ(outcome.err.rfind("gnomon: error: ", 0), 0u) << outcome.err;
+        EXPECT_NE(outcome.err.find(sentence), std::string::npos) << outcome.err;
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        EXPECT_EQ(outcome.out, "");
+        EXPECT_EQ(files(), before);
+    }
+
+    nlohmann::json statistics(const std::string& name) const { return nlohmann::json::parse(text_of(in_folder(name))); }
+
+    fs::path root_, folder_;
+};
+
+// ---- A scene with a known answer ------------------------------------------------------------------------------------
+
+/// Floor (triangles 0 and 1) with corners at +-4, square (2 and 3) with corners at +-0.5 one above it.
+std::vector<float> floor_and_square() {
+    std::vector<float> vertices;
+    for (const auto& [half, height] : {std::pair{4.0f, 0.0f}, std::pair{0.5f, 1.0f}}) {
+        const std::array<std::array<float, 2>, 6> corners{
+            {{-half, -half}, {-half, half}, {half, half}, {-half, -half}, {half, half}, {half, -half}}};
+        for (const auto& corner : corners) vertices.insert(vertices.end(), {corner[0], height, corner[1]});
+    }
+    return vertices;
+}
+
+/// Writes `vertices` as NAME.gltf and NAME.bin, with the cameras "above" and "aside", and the lights "sun" (falls
+/// straight down) and "lamp" (a point).
+void write_scene(const fs::path& folder, const std::string& name, const std::vector<float>& vertices,
+                 const std::string& alpha_mode = "OPAQUE") {
+    const std::size_t bytes = vertices.size() * sizeof(float);
+    std::ofstream bin(folder / (name + ".bin"), std::ios::binary);
+    bin.write(reinterpret_cast<const char*>(vertices.data()), std::streamsize(bytes));
+    const double half = std::sqrt(0.5);
+    const nlohmann::json down = {-half, 0.0, 0.0, half};  // turns -Z to -Y
+    const nlohmann::json lens = {{"type", "perspective"}, {"perspective", {{"yfov", 0.9}, {"znear", 0.01}}}};
+    const nlohmann::json lights = {{{"name", "sun"}, {"type", "directional"}}, {{"name", "lamp"}, {"type", "point"}}};
+    const auto light = [](int index) { return nlohmann::json{{"KHR_lights_punctual", {{"light", index}}}}; };
+    const nlohmann::json gltf = {
+        {"asset", {{"version", "2.0"}}},
+        {"extensionsUsed", {"KHR_lights_punctual"}},
+        {"extensions", {{"KHR_lights_punctual", {{"lights", lights}}}}},
+        {"scene", 0},
+        {"scenes", {{{"nodes", {0, 1, 2, 3, 4}}}}},
+        {"nodes",
+         {{{"mesh", 0}},
+          {{"name", "above"}, {"camera", 0}, {"translation", {0, 6, 0}}, {"rotation", down}},
+          {{"name", "aside"}, {"camera", 0}, {"translation", {0, 1, 9}}},
+          {{"name", "sun"}, {"rotation", down}, {"extensions", light(0)}},
+          {{"name", "lamp"}, {"translation", {0.25, 3.5, -0.125}}, {"extensions", light(1)}}}},
+        {"cameras", {lens}},
+        {"materials", {{{"alphaMode", alpha_mode}}}},
+        {"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"material", 0}}}}}}},
+        {"buffers", {{{"uri", name + ".bin"}, {"byteLength", bytes}}}},
+        {"bufferViews", {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", bytes}}}},
+        {"accessors",
+         {{{"bufferView", 0},
+           {"componentType", 5126},
+           {"count", vertices.size() / 3},
+           {"type", "VEC3"},
+           {"min", {-4, 0, -4}},
+           {"max", {4, 1, 4}}}}},
+    };
+    std::ofstream(folder / (name + ".gltf")) << gltf.dump(1);
+}
+
+// ---- Reading pictures back ------------------------------------------------------------------------------------------
+
+struct Bytes {
+    OIIO::ImageSpec spec;
+    std::vector<std::uint8_t> values;
+};
+
+Bytes read_bytes(const fs::path& file) {
+    const auto input = OIIO::ImageInput::open(file.string());
+    if (!input) throw std::runtime_error("not a picture: " + file.string());
+    Bytes picture{input->spec(), std::vector<std::uint8_t>(input->spec().image_bytes())};
+    if (!input->read_image(0, 0, 0, picture.spec.nchannels, OIIO::TypeUInt8, picture.values.data()))
+        throw std::runtime_error(input->geterror());
+    return picture;
+}
+
+/// Width, height and channels.
+std::array<int, 3> shape(const OIIO::ImageSpec& spec) { return {spec.width, spec.height, spec.nchannels}; }
+
+struct Pixel {
+    std::array<float, 3> position{}, normal{};
+    float visibility = -1;
+    std::uint32_t receiver = 0;
+};
+
+/// Reads the channels by name, each in its own format, without conversion.
+std::vector<Pixel> read_aov(const fs::path& file) {
+    const auto input = OIIO::ImageInput::open(file.string());
+    if (!input) throw std::runtime_error("not a picture: " + file.string());
+    const OIIO::ImageSpec spec = input->spec();
+    EXPECT_EQ(spec.nchannels, 8);
+    EXPECT_EQ(spec.get_string_attribute("compression"), "zip");
+    std::vector<char> native(spec.image_bytes(true));
+    if (!input->read_image(0, 0, 0, 8, OIIO::TypeUnknown, native.data())) throw std::runtime_error(input->geterror());
+    const std::size_t pixel_bytes = spec.pixel_bytes(true);
+    EXPECT_EQ(pixel_bytes, 32u);
+    std::vector<Pixel> pixels(std::size_t(spec.width) * std::size_t(spec.height));
+    const auto take = [&](const std::string& channel, OIIO::TypeDesc type, auto&& place_of) {
+        const int index = spec.channelindex(channel);
+        ASSERT_GE(index, 0) << channel;
+        EXPECT_EQ(spec.channelformat(index), type) << channel;
+        for (std::size_t i = 0; i < pixels.size(); ++i)
+            std::memcpy(place_of(pixels[i]), &native[i * pixel_bytes + std::size_t(index) * 4], 4);
+    };
+    const std::array<std::string, 3> axes{"X", "Y", "Z"};
+    for (std::size_t c = 0; c < 3; ++c) {
+        take("P." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.position[c]; });
+        take("N." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.normal[c]; });
+    }
+    take("visibility", OIIO::TypeFloat, [](Pixel& pixel) { return &pixel.visibility; });
+    take("receiver", OIIO::TypeUInt32, [](Pixel& pixel) { return &pixel.receiver; });
+    return pixels;
+}
+
+constexpr std::uint32_t sky = 4294967295u;
+
+double dot(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+    return double(a[0]) * b[0] + double(a[1]) * b[1] + double(a[2]) * b[2];
+}
+
+// ---- Help, version, lists -------------------------------------------------------------------------------------------
+
+TEST_F(Command, WithoutArgumentsItPrintsTheHelp) {
+    const Outcome bare = run({}), help = run({"--help"});
+    EXPECT_EQ(bare.exit_code, 0);
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_EQ(bare.out, help.out);
+    for (const char* command : {"render", "devices", "techniques"})
+        EXPECT_NE(help.out.find(command), std::string::npos) << command;
+}
+
+TEST_F(Command, HelpNamesEveryOption) {
+    const Outcome help = run({"render", "--help"});
+    EXPECT_EQ(help.exit_code, 0);
+    for (const char* option : {"-o,",
+                               "--size",
+                               "--camera",
+                               "--eye",
+                               "--target",
+                               "--up",
+                               "--fovy",
+                               "--light-direction",
+                               "--light-position",
+                               "--light ",
+                               "--mask",
+                               "--aov",
+                               "--dump-triangles",
+                               "--technique",
+                               "--set",
+                               "--conservative-map",
+                               "--map-size",
+                               "--device",
+                               "--memory-limit",
+                               "--strict",
+                               "--stats",
+                               "--quiet"})
+        EXPECT_NE(help.out.find(option), std::string::npos) << option;
+}
+
+TEST_F(Command, VersionIsThreeNumbers) {
+    const Outcome version = run({"--version"});
+    EXPECT_EQ(version.exit_code, 0);
+    int major = -1, minor = -1, patch = -1, read = 0;
+    EXPECT_EQ(std::sscanf(version.out.c_str(), "gnomon %d.%d.%d\n%n", &major, &minor, &patch, &read), 3) << version.out;
+    EXPECT_EQ(std::size_t(read), version.out.size());
+}
+
+TEST_F(Command, DevicesSaysWhichIsTheDefault) {
+    const Outcome devices = run({"devices"});
+    EXPECT_EQ(devices.exit_code, 0) << devices.err;
+    EXPECT_EQ(devices.out.find("0:0"), 0u) << devices.out;
+    EXPECT_NE(devices.out.find("the default: "), std::string::npos) << devices.out;
+}
+
+TEST_F(Command, TechniquesAreALineEachAndTellTheirSettings) {
+    const Outcome list = run({"techniques"});
+    EXPECT_EQ(list.exit_code, 0) << list.err;
+    EXPECT_EQ(list.out.find("frustum-traced"), 0u) << list.out;
+    EXPECT_EQ(list.out.find("--set"), std::string::npos) << list.out;
+    for (const Arguments& arguments :
+         {Arguments{"techniques", "--verbose"}, Arguments{"techniques", "frustum-traced"}}) {
+        const Outcome settings = run(arguments);
+        EXPECT_EQ(settings.exit_code, 0) << settings.err;
+        EXPECT_NE(settings.out.find("--set map-size="), std::string::npos) << settings.out;
+        EXPECT_NE(settings.out.find("--set conservative-map="), std::string::npos) << settings.out;
+    }
+}
+
+TEST_F(Command, SaysSoWhenTheStandardOutputIsFull) {
+    for (const Arguments& arguments : {Arguments{"--help"}, Arguments{"techniques"}}) {
+        const Outcome outcome = run(arguments, {{}, "/dev/full"});
+        EXPECT_EQ(outcome.exit_code, 1);
+        EXPECT_NE(outcome.err.find("gnomon: error: cannot write to the standard output"), std::string::npos);
+    }
+}
+
+// ---- Wrong command lines (exit code 2) ------------------------------------------------------------------------------
+
+TEST_F(Command, WrongCommandLines) {
+    struct Wrong {
+        Arguments arguments;
+        const char* sentence;
+    };
+    const std::vector<Wrong> all{
+        {{"paint"}, "unknown command paint"},
+        {{"--paint"}, "unknown option --paint"},
+        {{"devices", "now"}, "unexpected argument now"},
+        {{"render"}, "nothing to write"},
+        {{"render", "-o"}, "--output needs a value"},
+        {{"render", "-o", "a.bmp"}, "-o (--output) needs a file name that ends in .png, not \"a.bmp\""},
+        {{"render", "-o", "a"}, "ends in .png"},
+        {{"render", "-o", "a.png", "--mask", "m.exr"}, "--mask needs a file name that ends in .png"},
+        {{"render", "-o", "a.png", "--aov", "m.png"}, "--aov needs a file name that ends in .exr"},
+        {{"render", "-o", "a.png", "--mask", "--quiet"}, "--mask needs a file name"},
+        {{"render", "-o", "a.png", "--stats="}, "--stats= has no value"},
+        {{"render", "-o", "a.png", "--paint"}, "unknown option --paint"},
+        {{"render", "-o", "a.png", "one.glb", "two.glb"}, "unexpected argument two.glb"},
+        {{"render", "-o", "a.png", "--size", "0x0"}, "--size needs"},
+        {{"render", "-o", "a.png", "--size", "0x5"}, "--size needs"},
+        {{"render", "-o", "a.png", "--size", "16385x1"}, "from 1 to 16384"},
+        {{"render", "-o", "a.png", "--size", "1x16385"}, "from 1 to 16384"},
+        {{"render", "-o", "a.png", "--size", "64"}, "--size needs"},
+        {{"render", "-o", "a.png", "--size", "64x64x64"}, "--size needs"},
+        {{"render", "-o", "a.png", "--size", "64x64 "}, "--size needs"},
+        {{"render", "-o", "a.png", "--size", "-64x64"}, "--size needs"},
+        {{"render", "-o", "a.png", "--size", "99999999999999999999x1"}, "--size needs"},
+        {{"render", "-o", "a.png", "--eye", "1,2,3"}, "--eye needs --target"},
+        {{"render", "-o", "a.png", "--target", "1,2,3"}, "--target needs --eye"},
+        {{"render", "-o", "a.png", "--up", "1,2,3"}, "--up needs --eye and --target"},
+        {{"render", "-o", "a.png", "--eye", "1,2,3", "--target", "1,2,3"}, "eye and target coincide"},
+        {{"render", "-o", "a.png", "--eye", "1,2,3", "--target", "1,0,3"}, "up is parallel"},
+        {{"render", "-o", "a.png", "--camera", "0", "--eye", "1,2,3"}, "--camera cannot be used together with --eye"},
+        {{"render", "-o", "a.png", "--fovy", "0"}, "--fovy needs degrees above 0 and below 180"},
+        {{"render", "-o", "a.png", "--fovy", "180"}, "--fovy needs degrees above 0 and below 180"},
+        {{"render", "-o", "a.png", "--fovy", "5o"}, "--fovy needs a finite number, not \"5o\""},
+        {{"render", "-o", "a.png", "--fovy", "nan"}, "--fovy needs a finite number"},
+        {{"render", "-o", "a.png", "--light-direction", "0,-0,0"}, "--light-direction needs a direction"},
+        {{"render", "-o", "a.png", "--light-direction", "1,2"}, "--light-direction needs three finite numbers"},
+        {{"render", "-o", "a.png", "--light-direction", "1,2,3,4"}, "--light-direction needs three finite numbers"},
+        {{"render", "-o", "a.png", "--light-direction", "1,2,"}, "--light-direction needs three finite numbers"},
+        {{"render", "-o", "a.png", "--light-direction", "1,2,3x"}, "--light-direction needs three finite numbers"},
+        {{"render", "-o", "a.png", "--light-direction", "1,2,1e99"}, "--light-direction needs three finite numbers"},
+        {{"render", "-o", "a.png", "--light-direction", "1, 2,3"}, "--light-direction needs three finite numbers"},
+        {{"render", "-o", "a.png", "--light-position", "inf,0,0"}, "--light-position needs three finite numbers"},
+        {{"render", "-o", "a.png", "--light", "0", "--light-position", "1,2,3"}, "exclude each other"},
+        {{"render", "-o", "a.png", "--light-direction", "1,2,3", "--light-position", "1,2,3"}, "exclude each other"},
+        {{"render", "-o", "a.png", "--set", "map-size"}, "--set needs key=value"},
+        {{"render", "-o", "a.png", "--set", "=5"}, "--set needs key=value"},
+        {{"render", "-o", "a.png", "--memory-limit", "0"}, "--memory-limit needs a number of bytes"},
+        {{"render", "-o", "a.png", "--memory-limit", "5Q"}, "--memory-limit needs a number of bytes"},
+        {{"render", "-o", "a.png", "--memory-limit", "-5"}, "--memory-limit needs a number of bytes"},
+        {{"render", "-o", "a.png", "--memory-limit", "18446744073709551615K"}, "--memory-limit needs"},
+        {{"render", "-o", "a.png", "--device", ""}, "--device needs a value"},
+    };
+    for (const Wrong& wrong : all) expect_failure(wrong.arguments, 2, wrong.sentence);
+}
+
+// ---- Requests that cannot be met (exit code 1) ----------------------------------------------------------------------
+
+TEST_F(Command, OutputsThatCannotBeWrittenAreRefusedBeforeTheWork) {
+    fs::create_directory(in_folder("folder.png"));
+    std::ofstream(in_folder("file")) << "text";
+    expect_failure({"render", "-o", "missing/a.png"}, 1, "the folder missing does not exist");
+    expect_failure({"render", "-o", "file/a.png"}, 1, "cannot write file/a.png");
+    expect_failure({"render", "-o", "folder.png"}, 1, "cannot write folder.png: it is a folder");
+    expect_failure({"render", "-o", "a.png", "--stats", "."}, 1, "cannot write .: it is a folder");
+    // No one can make files there, not even root.
+    expect_failure({"render", "-o", "/sys/a.png"}, 1, "cannot write /sys/a.png: ");
+    // All that, before a scene is even looked for.
+    expect_failure({"render", "missing.glb", "-o", "missing/a.png"}, 1, "the folder missing does not exist");
+}
+
+TEST_F(Command, OutputsMustDiffer) {
+    expect_failure({"render", "-o", "a.png", "--mask", "a.png"}, 1, "cannot write a.png: another output");
+    expect_failure({"render", "-o", "a.png", "--mask", "../here/a.png"}, 1, "another output has the same name");
+    write_scene(folder_, "square", floor_and_square());
+    const std::string before = text_of(in_folder("square.gltf"));
+    expect_failure({"render", "square.gltf", "--dump-triangles", "./square.gltf"}, 1, "it is the scene that is read");
+    EXPECT_EQ(text_of(in_folder("square.gltf")), before);
+}
+
+TEST_F(Command, AFullDiskIsNamedAndLeavesNothing) {
+    fs::create_symlink("/dev/full", in_folder("full.png"));
+    fs::create_symlink("/dev/full", in_folder("full.exr"));
+    for (const Arguments& output :
+         {Arguments{"-o", "full.png"}, Arguments{"--mask", "full.png"}, Arguments{"--aov", "full.exr"},
+          Arguments{"--dump-triangles", "/dev/full"}, Arguments{"--stats", "/dev/full"}}) {
+        Arguments arguments{"render", "--size", "96x64", "--quiet"};
+        arguments.insert(arguments.end(), output.begin(), output.end());
+        expect_failure(arguments, 1, "cannot write " + output[1] + ": no space is left");
+    }
+    // The others of the same run do not appear either.
+    expect_failure({"render", "--size", "96x64", "-o", "a.png", "--stats", "/dev/full"}, 1, "no space is left");
+    EXPECT_TRUE(fs::is_character_file("/dev/full"));
+}
+
+TEST_F(Command, BrokenScenes) {
+    std::ofstream(in_folder("text.glb")) << "this is no scene";
+    std::ofstream(in_folder("empty.glb"));
+    std::ofstream(in_folder("cut.gltf")) << "{ \"asset\": { \"version\": ";
+    fs::create_directory(in_folder("folder.glb"));
+    write_scene(folder_, "no_bin", floor_and_square());
+    fs::remove(in_folder("no_bin.bin"));
+    for (const char* scene : {"missing.glb", "text.glb", "empty.glb", "cut.gltf", "folder.glb", "no_bin.gltf"})
+        expect_failure({"render", scene, "-o", "a.png", "--size", "16x16"}, 1, scene);
+}
+
+TEST_F(Command, UnknownNamesAreAnsweredWithTheListOfWhatExists) {
+    write_scene(folder_, "square", floor_and_square());
+    const Arguments render{"render", "square.gltf", "-o", "a.png", "--size", "16x16"};
+    const auto with = [&](const Arguments& more) {
+        Arguments all = render;
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    expect_failure(with({"--camera", "below"}), 1,
+                   "no camera \"below\": the scene has these: 0 \"above\", 1 \"aside\"");
+    expect_failure(with({"--camera", "2"}), 1, "no camera \"2\"");
+    expect_failure(with({"--light", "moon"}), 1, "no light \"moon\": the scene has these: 0 \"sun\", 1 \"lamp\"");
+    expect_failure(with({"--technique", "magic"}), 1, "frustum-traced");
+    expect_failure(with({"--set", "magic=1"}), 1, "magic");
+    expect_failure(with({"--conservative-map", "maybe"}), 1, "conservative-map");
+    expect_failure(with({"--map-size", "many"}), 1, "map-size");
+    expect_failure(with({"--device", "no such device"}), 1, "no such device");
+    expect_failure(with({"--device", "99:0"}), 1, "99:0");
+    expect_failure({"techniques", "magic"}, 1, "these exist: frustum-traced");
+}
+
+TEST_F(Command, NoOpenClAtAll) {
+    const RunOptions none{{{"OCL_ICD_VENDORS", "/nonexistent"}}, {}};
+    expect_failure({"devices"}, 1, "OpenCL", none);
+    expect_failure({"render", "-o", "a.png"}, 1, "OpenCL", none);
+}
+
+TEST_F(Command, TooLittleDeviceMemory) {
+    expect_failure({"render", "-o", "a.png", "--size", "320x240", "--memory-limit", "100K"}, 1, "memory");
+}
+
+TEST_F(Command, AnInterruptLeavesNothing) {
+    for (const int signal_number : {SIGINT, SIGTERM}) {
+        const pid_t child = start({"render", "-o", "a.png", "--aov", "a.exr", "--size", "8192x8192"});
+        // The temporaries are there before the long work begins.
+        while (files().size() < 2 && waitpid(child, nullptr, WNOHANG) == 0)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ASSERT_EQ(kill(child, signal_number), 0);
+        EXPECT_EQ(finish(child).signal_number, signal_number);
+        EXPECT_EQ(files(), std::vector<std::string>{});
+    }
+}
+
+// ---- Rendering ------------------------------------------------------------------------------------------------------
+
+TEST_F(Command, TheDefaultSceneWithEveryOutput) {
+    const Outcome outcome = run({"render", "--size", "96x64", "-o", "a.png", "--mask", "mask.png", "--aov", "a.exr",
+                                 "--dump-triangles", "triangles.bin", "--stats", "stats.json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_EQ(files(), (std::vector<std::string>{"a.exr", "a.png", "mask.png", "stats.json", "triangles.bin"}));
+
+    const nlohmann::json stats = statistics("stats.json");
+    const std::size_t triangles = stats.at("triangles");
+    EXPECT_GT(triangles, 0u);
+    EXPECT_EQ(fs::file_size(in_folder("triangles.bin")), 36 * triangles);
+
+    // The terminal names the light so that it can be given again, and every file.
+    EXPECT_NE(outcome.out.find(std::string(stats.at("light").at("option"))), std::string::npos) << outcome.out;
+    for (const std::string& file : files()) EXPECT_NE(outcome.out.find(file), std::string::npos) << outcome.out;
+
+    const Bytes picture = read_bytes(in_folder("a.png")), mask = read_bytes(in_folder("mask.png"));
+    EXPECT_EQ(shape(picture.spec), (std::array<int, 3>{96, 64, 3}));
+    EXPECT_EQ(shape(mask.spec), (std::array<int, 3>{96, 64, 1}));
+    EXPECT_EQ(mask.spec.format, OIIO::TypeUInt8);
+
+    const std::array<float, 3> eye = stats.at("camera").at("eye");
+    const std::vector<Pixel> pixels = read_aov(in_folder("a.exr"));
+    ASSERT_EQ(pixels.size(), 96u * 64u);
+    std::size_t lit = 0, in_shadow = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const Pixel& pixel = pixels[i];
+        ASSERT_TRUE(pixel.visibility == 0 || pixel.visibility == 1) << i;  // an exact technique knows nothing between
+        ASSERT_EQ(mask.values[i], pixel.visibility == 1 ? 255 : 0) << i;
+        ++(pixel.visibility == 1 ? lit : in_shadow);
+        if (pixel.receiver == sky) {
+            ASSERT_EQ(pixel.position, (std::array<float, 3>{0, 0, 0})) << i;
+            ASSERT_EQ(pixel.normal, (std::array<float, 3>{0, 0, 0})) << i;
+            ASSERT_EQ(pixel.visibility, 1) << i;
+            continue;
+        }
+        ASSERT_LT(pixel.receiver, triangles) << i;
+        const std::array<float, 3> to_eye{eye[0] - pixel.position[0], eye[1] - pixel.position[1],
+                                          eye[2] - pixel.position[2]};
+        ASSERT_GT(dot(pixel.normal, to_eye), 0) << i;  // N faces the camera
+        // Unit length, but for the rounding of three coordinates to float32 (each at most 2^-25).
+        ASSERT_NEAR(dot(pixel.normal, pixel.normal), 1, 4 * std::numeric_limits<float>::epsilon()) << i;
+    }
+    EXPECT_EQ(stats.at("pixels").at("lit"), lit);
+    EXPECT_EQ(stats.at("pixels").at("in_shadow"), in_shadow);
+    EXPECT_GT(lit, 0u);
+    EXPECT_GT(in_shadow, 0u);  // a sundial without a shadow would be none
+}
+
+TEST_F(Command, ShadowsOfASquareOverAFloorUnderAVerticalLight) {
+    const std::vector<float> vertices = floor_and_square();
+    write_scene(folder_, "square", vertices);
+    render_quietly({"square.gltf", "--size", "160x120", "--eye", "2,3,6", "--target", "0,0.5,0", "--light-direction",
+                    "0,-1,0", "--aov", "a.exr", "--dump-triangles", "t.bin"});
+    const std::string dump = text_of(in_folder("t.bin"));
+    EXPECT_EQ(dump, text_of(in_folder("square.bin")));  // identity transforms: the file's own floats
+
+    std::array<std::size_t, 4> seen{};  // floor in shadow, floor lit, square, sky
+    for (const Pixel& pixel : read_aov(in_folder("a.exr"))) {
+        if (pixel.receiver == sky) {
+            ++seen[3];
+            continue;
+        }
+        ASSERT_EQ(pixel.normal, (std::array<float, 3>{0, 1, 0}));
+        const auto [x, y, z] = pixel.position;
+        if (pixel.receiver >= 2) {  // the square's top
+            ASSERT_GE(y, 1);
+            ASSERT_EQ(pixel.visibility, 1);
+            ++seen[2];
+            continue;
+        }
+        // Edges block: the contract's triangles are closed.
+        const bool under_the_square = std::fabs(x) <= 0.5f && std::fabs(z) <= 0.5f;
+        ASSERT_EQ(pixel.visibility, under_the_square ? 0 : 1) << x << ' ' << y << ' ' << z;
+        ++seen[under_the_square ? 0 : 1];
+    }
+    for (const std::size_t count : seen) EXPECT_GT(count, 50u);
+}
+
+TEST_F(Command, SettingsOfTheConservativeMapChangeNoBit) {
+    write_scene(folder_, "square", floor_and_square());
+    const Arguments render{"square.gltf", "--size", "160x120", "--camera", "above", "--light", "lamp"};
+    std::string first;
+    int number = 0;
+    for (const Arguments& settings : {Arguments{"--conservative-map", "on"}, Arguments{"--conservative-map=off"},
+                                      Arguments{"--conservative-map=auto"}, Arguments{"--map-size", "256"},
+                                      Arguments{"--set", "map-size=1024", "--set=conservative-map=on"}}) {
+        const std::string file = "mask" + std::to_string(number++) + ".png";
+        Arguments arguments = render;
+        arguments.insert(arguments.end(), settings.begin(), settings.end());
+        arguments.insert(arguments.end(), {"--mask", file});
+        render_quietly(arguments);
+        const std::string bytes = text_of(in_folder(file));
+        if (first.empty()) first = bytes;
+        EXPECT_FALSE(bytes.empty());
+        EXPECT_EQ(bytes, first) << file;
+    }
+}
+
+TEST_F(Command, BothOptionFormsAlsoForNegativeValues) {
+    const Arguments options{"--eye",  "-3,2.5,-4", "--target", "-0.1,0,-0", "--up",   "-0.2,1,0",
+                            "--fovy", "45",        "--size",   "40x30",     "--mask", "apart.png",
+                            "--aov",  "apart.exr", "--stats",  "apart.json"};
+    Arguments apart = options, joined;
+    for (std::size_t i = 0; i < options.size(); i += 2) {
+        std::string value = options[i + 1];
+        if (const std::size_t at = value.find("apart"); at != std::string::npos) value.replace(at, 5, "joined");
+        joined.push_back(options[i] + "=" + value);
+    }
+    apart.insert(apart.end(), {"--light-direction", "-0.1,-2,-1e-3"});
+    joined.emplace_back("--light-direction=-0.1,-2,-1e-3");
+    render_quietly(apart);
+    render_quietly(joined);
+    EXPECT_EQ(text_of(in_folder("apart.png")), text_of(in_folder("joined.png")));
+    EXPECT_EQ(text_of(in_folder("apart.exr")), text_of(in_folder("joined.exr")));
+    const nlohmann::json a = statistics("apart.json"), b = statistics("joined.json");
+    EXPECT_EQ(a.at("light"), b.at("light"));
+    EXPECT_EQ(a.at("camera"), b.at("camera"));
+    // Float32 as strtof reads it, and nine digits that give it back.
+    EXPECT_EQ(a.at("light").at("type"), "directional");
+    EXPECT_EQ(a.at("light").at("direction"), (nlohmann::json{double(-0.1f), -2.0, double(-1e-3f)}));
+    EXPECT_EQ(a.at("light").at("option"), "--light-direction=-0.100000001,-2,-0.00100000005");
+    EXPECT_EQ(a.at("camera").at("eye"), (nlohmann::json{-3.0, 2.5, -4.0}));
+    EXPECT_EQ(a.at("camera").at("fov_y_radians"), 45 * std::acos(-1.0) / 180);
+}
+
+TEST_F(Command, TheShortOutputOptionTakesBothForms) {
+    render_quietly({"-o", "a.png", "--size", "8x8"});
+    render_quietly({"-o=b.png", "--size=8x8"});
+    render_quietly({"--output=c.png", "--size", "9x9", "--size", "8x8"});  // the last one counts
+    EXPECT_EQ(files(), (std::vector<std::string>{"a.png", "b.png", "c.png"}));
+    EXPECT_EQ(text_of(in_folder("a.png")), text_of(in_folder("b.png")));
+    EXPECT_EQ(text_of(in_folder("a.png")), text_of(in_folder("c.png")));
+}
+
+TEST_F(Command, CamerasAndLightsByNameAndByIndex) {
+    write_scene(folder_, "square", floor_and_square());
+    const auto stats_with = [&](Arguments more) {
+        more.insert(more.begin(), {"square.gltf", "--size", "16x12", "--stats", "s.json"});
+        render_quietly(more);
+        return statistics("s.json");
+    };
+    const nlohmann::json plain = stats_with({}), named = stats_with({"--camera", "aside", "--light", "lamp"}),
+                         numbered = stats_with({"--camera", "1", "--light=1"}), wide = stats_with({"--fovy", "90"});
+    EXPECT_EQ(plain.at("camera").at("eye"), (nlohmann::json{0.0, 6.0, 0.0}));  // the scene's first
+    EXPECT_EQ(plain.at("light").at("type"), "directional");
+    EXPECT_EQ(named.at("camera").at("eye"), (nlohmann::json{0.0, 1.0, 9.0}));
+    EXPECT_EQ(named.at("camera").at("fov_y_radians"), 0.9);
+    EXPECT_EQ(named.at("light").at("type"), "positional");
+    EXPECT_EQ(named.at("light").at("position"), (nlohmann::json{0.25, 3.5, -0.125}));
+    EXPECT_EQ(numbered.at("camera"), named.at("camera"));
+    EXPECT_EQ(numbered.at("light"), named.at("light"));
+    EXPECT_EQ(wide.at("camera").at("forward"), plain.at("camera").at("forward"));
+    EXPECT_EQ(wide.at("camera").at("fov_y_radians"), std::acos(0.0));
+}
+
+TEST_F(Command, StatisticsHaveEveryField) {
+    write_scene(folder_, "square", floor_and_square());
+    render_quietly({"square.gltf", "--size", "32x24", "-o", "a.png", "--stats", "s.json", "--set", "map-size=512"});
+    const nlohmann::json stats = statistics("s.json");
+    EXPECT_EQ(stats.at("command").at(1), "render");
+    EXPECT_EQ("gnomon " + std::string(stats.at("version")) + "\n", run({"--version"}).out);
+    EXPECT_EQ(stats.at("scene"), "square.gltf");
+    EXPECT_EQ(stats.at("triangles"), 4);
+    EXPECT_EQ(stats.at("image"), (nlohmann::json{{"width", 32}, {"height", 24}}));
+    EXPECT_EQ(stats.at("technique"), (nlohmann::json{{"name", "frustum-traced"}, {"settings", {{"map-size", "512"}}}}));
+    EXPECT_EQ(stats.at("outputs"), (nlohmann::json{{"output", "a.png"}, {"stats", "s.json"}}));
+    EXPECT_EQ(stats.at("warnings"), nlohmann::json::array());
+    for (const char* field : {"name", "platform", "vendor", "driver_version"})
+        EXPECT_FALSE(std::string(stats.at("device").at(field)).empty()) << field;
+    EXPECT_GT(stats.at("memory").at("device_peak_bytes"), 4 * 36);  // the triangles alone
+    EXPECT_GE(stats.at("memory").at("device_peak_bytes"), stats.at("memory").at("device_bytes"));
+    double device_ms = 0;
+    for (const char* part : {"camera_stages", "shadow_stages"}) {
+        EXPECT_TRUE(stats.at(part).at("counts").is_object());
+        EXPECT_FALSE(stats.at(part).at("stages").empty()) << part;
+        for (const nlohmann::json& stage : stats.at(part).at("stages")) {
+            EXPECT_FALSE(std::string(stage.at("name")).empty());
+            EXPECT_TRUE(stage.at("skipped").is_string());
+            EXPECT_GE(stage.at("wall_ms"), 0);
+            device_ms += double(stage.at("device_ms"));
+        }
+    }
+    EXPECT_GT(device_ms, 0);  // --stats turns the device's own clock on
+}
+
+TEST_F(Command, AnExistingFileIsReplacedWholeAndALinkIsFollowed) {
+    std::ofstream(in_folder("old.png")) << "old";
+    fs::permissions(in_folder("old.png"), fs::perms::owner_read | fs::perms::owner_write);
+    fs::create_symlink("old.png", in_folder("link.png"));
+    render_quietly({"-o", "link.png", "--size", "8x8"});
+    EXPECT_TRUE(fs::is_symlink(in_folder("link.png")));
+    EXPECT_EQ(fs::status(in_folder("old.png")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+    EXPECT_EQ(read_bytes(in_folder("old.png")).spec.width, 8);
+    render_quietly({"--stats", "/dev/null", "--size", "8x8"});
+    EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(Command, WarningsAreErrorsUnderStrict) {
+    write_scene(folder_, "glass", floor_and_square(), "BLEND");
+    std::vector<float> broken = floor_and_square();
+    broken[20] = std::numeric_limits<float>::quiet_NaN();
+    write_scene(folder_, "broken", broken);
+    for (const std::string scene : {"glass", "broken"}) {
+        const std::string file = scene + ".gltf";
+        const Outcome warned = run({"render", file, "--size", "16x12", "--stats", scene + ".json", "--quiet"});
+        EXPECT_EQ(warned.exit_code, 0) << warned.err;
+        EXPECT_EQ(warned.err.rfind("gnomon: warning: ", 0), 0u) << warned.err;
+        EXPECT_EQ(std::count(warned.err.begin(), warned.err.end(), '\n'), 1) << warned.err;
+        EXPECT_EQ(warned.err,
+                  "gnomon: warning: " + std::string(statistics(scene + ".json").at("warnings").at(0)) + "\n");
+        expect_failure({"render", file, "--size", "16x12", "-o", "b.png", "--strict"}, 1, "--strict");
+    }
+    EXPECT_EQ(statistics("glass.json").at("non_finite_triangles"), 0);
+    EXPECT_EQ(statistics("broken.json").at("non_finite_triangles"), 1);
+}
+
+}  // namespace
