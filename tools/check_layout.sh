@@ -94,4 +94,12 @@ files_matching '^kernels/' |
         [[ $(sed -n 2p "$file") =~ ^(//|/\*).*[[:alpha:]] ]] || echo "$file"
     done | complain 'a kernel file says in a comment, right after the licence line, what it promises'
 
+# The README is true: what it names is there.
+if [ -f README.md ]; then
+    { grep -oE '`(kernels|host|tests|tools|docs|scenes)/[^` ]+`' README.md | tr -d '`'
+      grep -oE '\]\((kernels|host|tests|tools|docs|scenes)/[^) ]+\)' README.md | sed -E 's/^..(.*).$/\1/'; } |
+        sort -u | while IFS= read -r path; do [ -e "$path" ] || echo "$path"; done |
+        complain 'README.md names files that are not there'
+fi
+
 exit $broken

@@ -18,6 +18,7 @@ make_good_tree() {
     printf '%s\n' "$licence" '// A stage.' '#include "exact/sum.h"' 'float half_width, nomad(int);' >"$tree/kernels/stage.cl"
     printf '%s\n' "$licence" '// The door.' '#include <CL/cl.h>' >"$tree/host/cl/session.cpp"
     printf '%s\n' "$licence" '// The face.' '#include <CL/cl.h>' >"$tree/host/gnomon.hpp"
+    printf '%s\n' '# See `kernels/stage.cl`, [the face](host/gnomon.hpp)' >"$tree/README.md"
     printf '%s\n' "$licence" '// Exact.' >"$tree/tests/reference/exact.hpp"
     printf '%s\n' "$licence" '// Truth.' '#include <gmp.h>' '#include "exact.hpp"' >"$tree/tests/reference/truth.cpp"
 }
@@ -63,6 +64,8 @@ must_catch kernels/prelude.h '#include <cstdint>'
 must_catch tests/reference/truth.cpp '#include "../../kernels/prelude.h"'
 must_catch tests/reference/truth.cpp '#include "gnomon.hpp"'
 must_catch tests/reference/truth.cpp '#include <gnomon.hpp>'
+must_catch README.md 'The promise is in `kernels/missing.h`.'
+must_catch README.md '![a picture](docs/missing.png)'
 
 make_good_tree
 echo 'int no_licence;' >"$tree/host/no_licence.cpp"
