@@ -28,8 +28,10 @@ struct NamedLight {
 };
 
 struct Scene {
-    std::vector<float> triangles;  ///< 9 per triangle: world space, instances and transforms applied in double, rounded once
-    Materials materials;           ///< base colour factors, linear
+    /// 9 per triangle: world space. Node transforms and instances are applied in double and rounded once; under an
+    /// identity transform these are the file's own bits.
+    std::vector<float> triangles;
+    Materials materials;  ///< base colour factors, linear; textures are not read
     std::vector<NamedCamera> cameras;
     std::vector<NamedLight> lights;
     std::vector<std::string> warnings;  ///< each one sentence; --strict turns them into errors

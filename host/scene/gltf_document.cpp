@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: MIT
+// The way in: container -> JSON -> our checks -> tinygltf -> our checks of what refers to what.
+// tinygltf gets a JSON without images, textures, animations and skins (nothing of them is used, image files need not
+// exist and are never decoded), and reads every buffer through a callback of ours, under a name of ours: a .glb's chunk
+// goes straight from the file into its buffer, a buffer file may be longer than byteLength (as glTF allows and tinygltf
+// does not), and each failure gets a sentence.
+#include "gltf_document.hpp"
+
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "gltf_container.hpp"
+#include "gltf_json_checks.hpp"
+#include "messages.hpp"
+
+namespace gnomon::scene {
+namespace {
+
+using nlohmann::json;
+
+// ---- Buffers --------------------------------------------------------------------------------------------------------
+
+constexpr std::string_view buffer_name_prefix = "gnomon-buffer-";
+
+struct BufferSource {
+    std::string uri;  ///< empty: the .glb's binary chunk
+    std::uint64_t byte_length = 0;
+};
+
+struct BufferReader {
+    const std::filesystem::path& file;
+    const GltfContainer& container;
+    std::vector<BufferSource> sources;
+
+    std::vector<unsigned char> read(std::size_t index) const;
+
+private:
+    std::vector<unsigned char> decode(std::size_t index) const;
+};
+
+std::string buffer_text(std::size_t index) { return "buffers[" + std::to_string(index) + "]"; }
+
+/// %41 becomes A (RFC 3986); what is no escape stays.
+std::string percent_decoded(std::string_view uri) {
+    const auto digit = [](char c) {
+        if (c >= '0' && c <= '9') return c - '0';
+        if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+        if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+        return -1;
+    };
+    std::string out;
+    for (std::size_t i = 0; i < uri.size(); ++i) {
+        const bool escape = uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0;
+        out += escape ? static_cast<char>(digit(uri[i + 1]) * 16 + digit(uri[i + 2])) : uri[i];
+        if (escape) i += 2;
+    }
+    return out;
+}
+
+std::vector<unsigned char> BufferReader::decode(std::size_t index) const {
+    const std::string& uri = sources[index].uri;
+    constexpr std::string_view marker = ";base64,";
+    const std::size_t comma = uri.find(',');
+    if (comma == std::string::npos || !std::string_view(uri).substr(0, comma + 1).ends_with(marker))
+        fail(file, buffer_text(index) + " has a data URI that is not base64");
+    // tinygltf counts characters in an int.
+    if (uri.size() > std::size_t(std::numeric_limits<int>::max()))
+        fail(file, buffer_text(index) + " has a data URI over 2 GiB; put the buffer into a file of its own");
+    std::vector<unsigned char> bytes;
+    std::string mime_type;
+    // tinygltf knows a few media types only; which one it is does not matter here.
+    tinygltf::DecodeDataURI(&bytes, mime_type, "data:application/octet-stream;base64," + uri.substr(comma + 1), 0,
+                            false);
+    if (bytes.size() < sources[index].byte_length)
+        fail(file, buffer_text(index) + " needs " + counted(sources[index].byte_length, "byte") +
+                       ", but its data URI holds only " + std::to_string(bytes.size()) + " (broken or cut off)");
+    bytes.resize(sources[index].byte_length);
+    return bytes;
+}
+
+std::vector<unsigned char> BufferReader::read(std::size_t index) const {
+    const BufferSource& source = sources[index];
+    if (source.uri.empty()) {
+        if (container.binary_chunk->size < source.byte_length)
+            fail(file, buffer_text(index) + " needs " + counted(source.byte_length, "byte") +
+                           ", but the .glb's binary chunk has only " + std::to_string(container.binary_chunk->size));
+        return read_bytes(file, {container.binary_chunk->offset, source.byte_length}, file);
+    }
+    if (source.uri.starts_with("data:")) return decode(index);
+    if (source.uri.find("://") != std::string::npos)
+        fail(file,
+             buffer_text(index) + " lies at " + in_quotes(source.uri) + "; only files beside the scene can be read");
+    const std::string name = percent_decoded(source.uri);
+    if (name.find('\0') != std::string::npos) fail(file, buffer_text(index) + ".uri contains a zero byte");
+    const std::filesystem::path path = file.parent_path() / std::filesystem::path(name);
+    const std::uint64_t size = file_size(path, file);
+    if (size < source.byte_length)
+        fail(file, buffer_text(index) + " needs " + counted(source.byte_length, "byte") + ", but its file " +
+                       in_quotes(path.string()) + " has only " + std::to_string(size));
+    return read_bytes(path, {0, source.byte_length}, file);
+}
+
+/// Takes the buffers' addresses out of the JSON and puts our names in.
+std::vector<BufferSource> take_buffer_sources(const std::filesystem::path& file, const GltfContainer& container,
+                                              json& root) {
+    std::vector<BufferSource> sources;
+    if (!root.contains("buffers")) return sources;
+    for (json& buffer : root["buffers"]) {
+        const std::size_t index = sources.size();
+        BufferSource source;
+        source.byte_length = buffer["byteLength"].get<std::uint64_t>();
+        if (buffer.contains("uri")) source.uri = std::move(buffer["uri"].get_ref<std::string&>());
+        const bool is_chunk = index == 0 && container.binary_chunk && !buffer.contains("uri");
+        if (source.uri.empty() && !is_chunk) {
+            const bool compressed =
+                buffer.contains("extensions") && buffer["extensions"].contains("EXT_meshopt_compression");
+            fail(file, buffer_text(index) +
+                           (compressed ? " is compressed with EXT_meshopt_compression and has no uncompressed data; "
+                                         "export without compression"
+                                       : " has no data: neither a uri nor a binary chunk"));
+        }
+        buffer["uri"] = std::string(buffer_name_prefix) + std::to_string(index);
+        sources.push_back(std::move(source));
+    }
+    return sources;
+}
+
+tinygltf::FsCallbacks callbacks(BufferReader& reader) {
+    tinygltf::FsCallbacks fs{};
+    fs.FileExists = [](const std::string&, void*) { return true; };
+    fs.ExpandFilePath = [](const std::string& name, void*) { return name; };
+    fs.ReadWholeFile = [](std::vector<unsigned char>* out, std::string*, const std::string& name, void* user) {
+        const std::size_t prefix = name.find(buffer_name_prefix);
+        *out = static_cast<BufferReader*>(user)->read(std::stoul(name.substr(prefix + buffer_name_prefix.size())));
+        return true;
+    };
+    fs.user_data = &reader;
+    return fs;
+}
+
+// ---- tinygltf -------------------------------------------------------------------------------------------------------
+
+/// tinygltf refuses index accessors without a bufferView, which glTF allows (zeros, or sparse): such references are
+/// kept back and put into the model afterwards.
+struct KeptIndices {
+    std::size_t mesh, primitive;
+    int accessor;
+};
+
+std::vector<KeptIndices> take_indices_without_view(json& root) {
+    std::vector<KeptIndices> kept;
+    if (!root.contains("meshes")) return kept;
+    for (std::size_t mesh = 0; mesh < root["meshes"].size(); ++mesh) {
+        json& primitives = root["meshes"][mesh]["primitives"];
+        for (std::size_t i = 0; i < primitives.size(); ++i) {
+            const auto indices = primitives[i].find("indices");
+            if (indices == primitives[i].end()) continue;
+            const int accessor = indices->get<int>();
+            if (root["accessors"][accessor].contains("bufferView")) continue;
+            kept.push_back({mesh, i, accessor});
+            primitives[i].erase("indices");
+        }
+    }
+    return kept;
+}
+
+std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& container, json& root) {
+    BufferReader reader{file, container, take_buffer_sources(file, container, root)};
+    for (const char* unused : {"images", "textures", "samplers", "animations", "skins", "extras"}) root.erase(unused);
+    const std::vector<KeptIndices> kept = take_indices_without_view(root);
+    const std::string text = root.dump();
+    root = nullptr;
+    if (text.size() > std::numeric_limits<unsigned>::max()) fail(file, "the JSON is larger than 4 GiB");
+
+    tinygltf::TinyGLTF loader;
+    loader.SetFsCallbacks(callbacks(reader));
+    tinygltf::Model model;
+    std::string error, warning;
+    const bool success = loader.LoadASCIIFromString(&model, &error, &warning, text.c_str(), unsigned(text.size()), "");
+    // An error beside success: something was left out. That is no success.
+    if (!success || !error.empty()) fail(file, "tinygltf cannot read it: " + first_line(error));
+    for (const KeptIndices& k : kept) model.meshes[k.mesh].primitives[k.primitive].indices = k.accessor;
+    return model;
+}
+
+// ---- What refers to what --------------------------------------------------------------------------------------------
+
+std::string view_text(int index) { return "bufferViews[" + std::to_string(index) + "]"; }
+
+/// `count` elements of `bytes` each, `stride` apart, from `offset` on, within `available` bytes. Written with
+/// divisions: products and sums of the file's own numbers could overflow.
+bool fits(std::uint64_t available, std::uint64_t offset, std::uint64_t count, std::uint64_t stride,
+          std::uint64_t bytes) {
+    if (count == 0) return offset <= available;
+    return offset <= available && bytes <= available - offset && count - 1 <= (available - offset - bytes) / stride;
+}
+
+void check_extent(const std::filesystem::path& file, const tinygltf::Model& model, const std::string& what, int view,
+                  std::uint64_t offset, std::uint64_t count, std::uint64_t bytes) {
+    const tinygltf::BufferView& v = model.bufferViews[view];
+    const std::uint64_t stride = v.byteStride == 0 ? bytes : v.byteStride;
+    if (stride < bytes)
+        fail(file, what + " has elements of " + counted(bytes, "byte") + ", but " + view_text(view) +
+                       ".byteStride is only " + std::to_string(stride));
+    if (!fits(v.byteLength, offset, count, stride, bytes))
+        fail(file, what + " reads beyond its bufferView: " + std::to_string(count) + " elements of " +
+                       counted(bytes, "byte") + ", " + std::to_string(stride) + " apart, from byte " +
+                       std::to_string(offset) + " on, but " + view_text(view) + " has " +
+                       counted(v.byteLength, "byte"));
+}
+
+void check_extents(const std::filesystem::path& file, const tinygltf::Model& model) {
+    for (std::size_t i = 0; i < model.bufferViews.size(); ++i) {
+        const tinygltf::BufferView& view = model.bufferViews[i];
+        const std::size_t available = model.buffers[view.buffer].data.size();
+        if (!fits(available, view.byteOffset, 1, 1, view.byteLength))
+            fail(file, view_text(int(i)) + " reads beyond its buffer: " + counted(view.byteLength, "byte") +
+                           " from byte " + std::to_string(view.byteOffset) + " on, but " +
+                           buffer_text(std::size_t(view.buffer)) + " has " + counted(available, "byte"));
+    }
+    for (std::size_t i = 0; i < model.accessors.size(); ++i) {
+        const tinygltf::Accessor& accessor = model.accessors[i];
+        const std::string what = "accessors[" + std::to_string(i) + "]";
+        const std::size_t bytes = element_bytes(accessor);
+        if (accessor.bufferView >= 0)
+            check_extent(file, model, what, accessor.bufferView, accessor.byteOffset, accessor.count, bytes);
+        if (!accessor.sparse.isSparse) continue;
+        const auto& sparse = accessor.sparse;
+        const std::size_t index_bytes = tinygltf::GetComponentSizeInBytes(std::uint32_t(sparse.indices.componentType));
+        check_extent(file, model, what + ".sparse.indices", sparse.indices.bufferView,
+                     std::uint64_t(sparse.indices.byteOffset), std::uint64_t(sparse.count), index_bytes);
+        check_extent(file, model, what + ".sparse.values", sparse.values.bufferView,
+                     std::uint64_t(sparse.values.byteOffset), std::uint64_t(sparse.count), bytes);
+    }
+}
+
+std::string node_text(const tinygltf::Model& model, int index) {
+    const std::string& name = model.nodes[index].name;
+    return "nodes[" + std::to_string(index) + "]" + (name.empty() ? "" : " " + in_quotes(name));
+}
+
+/// A node has one parent at most, so it is enough to walk up from each node until a walk meets an earlier one (sound)
+/// or itself (a cycle). Linear, no recursion.
+std::vector<int> check_hierarchy(const std::filesystem::path& file, const tinygltf::Model& model) {
+    const int none = -1;
+    std::vector<int> parent(model.nodes.size(), none);
+    for (int i = 0; i < int(model.nodes.size()); ++i)
+        for (const int child : model.nodes[i].children) {
+            if (parent[child] != none)
+                fail(file, node_text(model, child) + " is a child twice: of " + node_text(model, parent[child]) +
+                               " and of " + node_text(model, i) + "; a node may have one parent only");
+            parent[child] = i;
+        }
+    std::vector<int> walk_of(model.nodes.size(), none);
+    for (int walk = 0; walk < int(model.nodes.size()); ++walk)
+        for (int node = walk; node != none && walk_of[node] != walk; node = parent[node]) {
+            if (walk_of[node] != none) break;
+            walk_of[node] = walk;
+            if (parent[node] != none && walk_of[parent[node]] == walk)
+                fail(file, node_text(model, node) + " is its own ancestor: the node hierarchy has a cycle");
+        }
+    return parent;
+}
+
+std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::Model& model,
+                            const std::vector<int>& parent) {
+    std::vector<int> roots;
+    if (model.scenes.empty()) {
+        for (int i = 0; i < int(parent.size()); ++i)
+            if (parent[i] < 0) roots.push_back(i);
+        return roots;
+    }
+    const int shown = model.defaultScene >= 0 ? model.defaultScene : 0;
+    std::vector<bool> seen(parent.size(), false);
+    for (const int node : model.scenes[shown].nodes) {
+        const std::string scene = "scenes[" + std::to_string(shown) + "]";
+        if (seen[node]) fail(file, scene + " lists " + node_text(model, node) + " twice");
+        if (parent[node] >= 0)
+            fail(file, scene + " lists " + node_text(model, node) + " as a root, but it is a child of " +
+                           node_text(model, parent[node]));
+        seen[node] = true;
+        roots.push_back(node);
+    }
+    return roots;
+}
+
+/// Extensions with a phrase of their own are named where they matter: at the node, mesh or buffer that uses them.
+bool is_named_elsewhere(std::string_view extension) {
+    for (const std::string_view name : {"KHR_lights_punctual", "KHR_draco_mesh_compression", "KHR_mesh_quantization",
+                                        "EXT_mesh_gpu_instancing", "EXT_meshopt_compression"})
+        if (extension == name) return true;
+    return false;
+}
+
+std::set<std::string> not_supported(const json& root) {
+    std::set<std::string> phrases;
+    if (root.contains("animations") && !root["animations"].empty()) phrases.insert("animations (the pose at rest)");
+    if (!root.contains("extensionsUsed")) return phrases;
+    for (const json& entry : root["extensionsUsed"]) {
+        const auto& name = entry.get_ref<const std::string&>();
+        if (name == "EXT_meshopt_compression")
+            phrases.insert("EXT_meshopt_compression (the uncompressed data is read)");
+        if (!is_named_elsewhere(name) && !concerns_shading_only(name))
+            phrases.insert("the extension " + in_quotes(name) + " (ignored)");
+    }
+    return phrases;
+}
+
+}  // namespace
+
+std::size_t element_bytes(const tinygltf::Accessor& accessor) {
+    return std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(accessor.componentType))) *
+           std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)));
+}
+
+GltfDocument read_document(const std::filesystem::path& file) {
+    GltfContainer container = read_container(file);
+    json root = parse_json(file, container.json);
+    container.json = {};
+    check_json(file, root);
+    GltfDocument document;
+    document.not_supported = not_supported(root);
+    document.model = parse(file, container, root);
+    check_extents(file, document.model);
+    document.root_nodes = root_nodes(file, document.model, check_hierarchy(file, document.model));
+    return document;
+}
+
+}  // namespace gnomon::scene

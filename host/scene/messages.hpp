@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// How the scene room speaks: every failure is one sentence that begins with the file and names the thing in it.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gnomon::scene {
+
+/// Throws SceneError "FILE: what".
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what);
+
+/// A text of the file in quotes, fit for one line of a terminal: control characters replaced, cut after 60 bytes.
+std::string in_quotes(std::string_view text);
+
+/// "3 triangles", "1 triangle".
+std::string counted(std::size_t count, std::string_view thing);
+
+/// "a, b, c and 4 more": at most `most` entries, so that a scene of a thousand such things stays one readable line.
+std::string listed(const std::vector<std::string>& entries, std::size_t most = 8);
+
+}  // namespace gnomon::scene
