@@ -59,12 +59,13 @@ std::string reason_of(int error) {
     return error == ENOSPC ? "no space is left on its disk" : std::generic_category().message(error);
 }
 
-/// The folder that the temporary goes into. Throws if there is none.
+/// The folder that the temporary goes into. Throws, with the folder as the user wrote it, if there is none.
 fs::path folder_of(const fs::path& target, const fs::path& resolved) {
-    const fs::path folder = resolved.has_parent_path() ? resolved.parent_path() : fs::path(".");
+    const fs::path folder = resolved.parent_path();
+    const std::string name = "the folder " + target.parent_path().string();
     std::error_code ignored;
-    if (!fs::exists(folder, ignored)) fail(target, "the folder " + folder.string() + " does not exist, make it first");
-    if (!fs::is_directory(folder, ignored)) fail(target, folder.string() + " is not a folder");
+    if (!fs::exists(folder, ignored)) fail(target, name + " does not exist, make it first");
+    if (!fs::is_directory(folder, ignored)) fail(target, name + " is a file");
     return folder;
 }
 
@@ -101,9 +102,9 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), resolved_(
         if (descriptor_ < 0) fail(target_, reason_of(errno));
         return;
     }
-    std::error_code unresolved;  // then the path stays as given, and opening says what is wrong with it
-    if (fs::path canonical = fs::weakly_canonical(fs::absolute(target_), unresolved); !unresolved)
-        resolved_ = std::move(canonical);
+    std::error_code unresolved;  // then the path stays as it is, and opening says what is wrong with it
+    resolved_ = fs::absolute(target_);
+    if (fs::path canonical = fs::weakly_canonical(resolved_, unresolved); !unresolved) resolved_ = std::move(canonical);
     descriptor_ = make_temporary(folder_of(target_, resolved_), temporary_);
     if (descriptor_ < 0) {
         temporary_.clear();
