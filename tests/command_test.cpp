@@ -7,6 +7,8 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <stdlib.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,7 +17,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -41,7 +42,7 @@ struct Outcome {
 
 struct RunOptions {
     std::map<std::string, std::string> environment;
-    std::string stdout_to;  ///< a file instead of `out`
+    std::string stdout_to, stderr_to;  ///< a file instead of `out` and `err`
 };
 
 std::string text_of(const fs::path& file) {
@@ -77,7 +78,7 @@ protected:
         for (std::string& word : words) argv.push_back(word.data());
         argv.push_back(nullptr);
         const std::string out = options.stdout_to.empty() ? (root_ / "stdout").string() : options.stdout_to;
-        const std::string err = (root_ / "stderr").string();
+        const std::string err = options.stderr_to.empty() ? (root_ / "stderr").string() : options.stderr_to;
         const pid_t child = fork();
         if (child != 0) return child;
         for (const auto& [name, value] : options.environment) setenv(name.c_str(), value.c_str(), 1);
@@ -317,7 +318,7 @@ TEST_F(Command, TechniquesAreALineEachAndTellTheirSettings) {
 
 TEST_F(Command, SaysSoWhenTheStandardOutputIsFull) {
     for (const Arguments& arguments : {Arguments{"--help"}, Arguments{"techniques"}}) {
-        const Outcome outcome = run(arguments, {{}, "/dev/full"});
+        const Outcome outcome = run(arguments, {{}, "/dev/full", ""});
         EXPECT_EQ(outcome.exit_code, 1);
         EXPECT_NE(outcome.err.find("gnomon: error: cannot write to the standard output"), std::string::npos);
     }
@@ -456,13 +457,14 @@ TEST_F(Command, UnknownNamesAreAnsweredWithTheListOfWhatExists) {
 }
 
 TEST_F(Command, NoOpenClAtAll) {
-    const RunOptions none{{{"OCL_ICD_VENDORS", "/nonexistent"}}, {}};
+    const RunOptions none{{{"OCL_ICD_VENDORS", "/nonexistent"}}, "", ""};
     expect_failure({"devices"}, 1, "OpenCL", none);
     expect_failure({"render", "-o", "a.png"}, 1, "OpenCL", none);
 }
 
 TEST_F(Command, TooLittleDeviceMemory) {
-    expect_failure({"render", "-o", "a.png", "--size", "320x240", "--memory-limit", "100K"}, 1, "memory");
+    expect_failure({"render", "-o", "a.png", "--size", "320x240", "--memory-limit", "100K"}, 1,
+                   "out of device memory: ");
 }
 
 TEST_F(Command, AnInterruptLeavesNothing) {
@@ -675,6 +677,62 @@ TEST_F(Command, AnExistingFileIsReplacedWholeAndALinkIsFollowed) {
     EXPECT_EQ(read_bytes(in_folder("old.png")).spec.width, 8);
     render_quietly({"--stats", "/dev/null", "--size", "8x8"});
     EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+// The dump goes to a pipe that nobody empties, so that writing it takes as long as the test wants.
+TEST_F(Command, ProgressIsShownOnATerminalAfterASecondAndGoesAway) {
+    std::vector<float> many;
+    while (many.size() * sizeof(float) <= 1 << 20) {  // more than a pipe holds
+        const std::vector<float> more = floor_and_square();
+        many.insert(many.end(), more.begin(), more.end());
+    }
+    write_scene(folder_, "many", many);
+    for (const bool quiet : {false, true}) {
+        const std::string pipe = in_folder("pipe").string();
+        ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+        const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+        const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+        ASSERT_TRUE(reader >= 0 && terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+        const std::string terminal_name = ptsname(terminal);
+        // Kept open: what was written to a terminal is lost when its last user closes it.
+        const int keeper = open(terminal_name.c_str(), O_RDWR | O_NOCTTY);
+        Arguments arguments{"render", "many.gltf", "--size", "8x8", "--dump-triangles", "pipe"};
+        if (quiet) arguments.emplace_back("--quiet");
+        const pid_t child = start(arguments, {{}, "", terminal_name});
+
+        std::string shown;
+        const auto read_terminal = [&] {
+            std::array<char, 4096> buffer{};
+            for (ssize_t count = 0; (count = read(terminal, buffer.data(), buffer.size())) > 0;)
+                shown.append(buffer.data(), std::size_t(count));
+        };
+        const auto is_shown = [&] { return shown.find("gnomon: writing the triangles ... 2 s") != std::string::npos; };
+        std::size_t dumped = 0;
+        const auto read_pipe = [&] {
+            std::array<char, 65536> buffer{};
+            const ssize_t count = read(reader, buffer.data(), buffer.size());
+            if (count > 0) dumped += std::size_t(count);
+        };
+        // The first bytes say that the dump has begun; from there on three seconds must be enough, and quiet is quiet.
+        const auto sleep = [] { std::this_thread::sleep_for(std::chrono::milliseconds(10)); };
+        for (; dumped == 0 && waitpid(child, nullptr, WNOHANG) == 0; sleep()) read_pipe();
+        const auto begin = std::chrono::steady_clock::now();
+        for (; !is_shown() && std::chrono::steady_clock::now() - begin < std::chrono::seconds(3); sleep())
+            read_terminal();
+        EXPECT_EQ(is_shown(), !quiet) << shown;
+        while (dumped < many.size() * sizeof(float) &&
+               std::chrono::steady_clock::now() - begin < std::chrono::minutes(1))
+            read_pipe();
+        EXPECT_EQ(finish(child).exit_code, 0);
+        read_terminal();
+        if (quiet) {
+            EXPECT_EQ(shown, "");
+        } else {
+            EXPECT_EQ(shown.substr(shown.size() - 4), "\r\033[K") << shown;  // the line is cleared
+        }
+        for (const int descriptor : {reader, terminal, keeper}) close(descriptor);
+        fs::remove(pipe);
+    }
 }
 
 TEST_F(Command, WarningsAreErrorsUnderStrict) {

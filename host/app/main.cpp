@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../gnomon.hpp"
 #include "listings.hpp"
 #include "options.hpp"
 #include "output_files.hpp"
@@ -30,6 +31,8 @@ int run(const std::vector<std::string>& arguments) {
     } catch (const UsageError& error) {
         print_error(error.what());
         return 2;
+    } catch (const OutOfDeviceMemory& error) {
+        print_error("out of device memory: " + std::string(error.what()));
     } catch (const std::bad_alloc&) {
         print_error("this machine has too little memory for the run: try a smaller --size or scene");
     } catch (const std::exception& error) {
