@@ -110,6 +110,61 @@ void write_statistics(OutputFile& file, const Report& report) {
     file.check();
 }
 
+/// What the device computed for one camera and one light.
+struct Seen {
+    Triangles triangles;
+    View view;
+    Visibility visibility;
+    std::vector<float> visible;  ///< visibility, on the host
+};
+
+Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices) {
+    const auto [width, height] = report.options.size;
+    const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device",
+                                          [&] { return Triangles::upload(device, vertices); });
+    const View view = steps.run("camera", "camera (compiles kernels the first time)",
+                                [&] { return look(device, triangles, report.camera.camera, width, height); });
+    report.camera_statistics = view.statistics;
+    const Visibility visibility(device, view.points.count());
+    const std::vector<float> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
+        report.shadow_statistics = technique.run(triangles, view.points, report.light.light, visibility);
+        return visibility.read();
+    });
+    return {triangles, view, visibility, visible};
+}
+
+/// Fills every file but the statistics.
+void write_files(Steps& steps, const Outputs& outputs, const Device& device, const scene::Scene& scene,
+                 const Light& light, const Seen& seen) {
+    const std::uint32_t width = seen.view.width, height = seen.view.height;
+    if (outputs.picture)
+        steps.run("write_picture", "writing the picture", [&] {
+            const auto rgba = shade(device, seen.triangles, seen.view, seen.visibility, scene.materials, light);
+            write_picture(*outputs.picture, width, height, rgba);
+        });
+    if (outputs.mask)
+        steps.run("write_mask", "writing the mask", [&] { write_mask(*outputs.mask, width, height, seen.visible); });
+    if (outputs.aov)
+        steps.run("write_aov", "writing the EXR", [&] {
+            const ViewOnHost view = read(device, seen.triangles, seen.view);
+            write_aov(*outputs.aov, width, height, view, seen.visible);
+        });
+    if (outputs.triangle_dump)
+        steps.run("write_triangles", "writing the triangles",
+                  [&] { write_triangles(*outputs.triangle_dump, scene.triangles); });
+}
+
+/// What the report still lacks when the work is done.
+void complete(Report& report, const Device& device, const scene::Scene& scene, std::span<const float> visible) {
+    report.triangles = scene.triangle_count();
+    report.non_finite_triangles = count_non_finite(scene.triangles);
+    report.warnings = scene.warnings;
+    report.device = device.description();
+    report.shares = count_shares(visible);
+    report.device_memory_bytes = device.memory_bytes();
+    report.device_memory_peak_bytes = device.peak_memory_bytes();
+}
+
 }  // namespace
 
 void render(const RenderOptions& options) {
@@ -117,7 +172,6 @@ void render(const RenderOptions& options) {
     Report report;
     report.options = options;
     Steps steps(report);
-    const auto [width, height] = options.size;
 
     // Ask for everything that can be refused at once: files first, then the device and the technique.
     Outputs outputs(options);
@@ -132,42 +186,13 @@ void render(const RenderOptions& options) {
     warn(scene.warnings, options.strict);
     report.camera = choose_camera(options, scene);
     report.light = choose_light(options, scene);
-    const Light& light = report.light.light;
 
     // What the camera sees, and which of it the light reaches.
-    const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device",
-                                          [&] { return Triangles::upload(device, scene.triangles); });
-    const View view = steps.run("camera", "camera (compiles kernels the first time)",
-                                [&] { return look(device, triangles, report.camera.camera, width, height); });
-    const Visibility visibility(device, view.points.count());
-    const std::vector<float> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
-        report.shadow_statistics = technique->run(triangles, view.points, light, visibility);
-        return visibility.read();
-    });
+    const Seen seen = see(steps, report, device, *technique, scene.triangles);
 
     // The files, each complete before the first appears.
-    if (outputs.picture)
-        steps.run("write_picture", "writing the picture", [&] {
-            const auto rgba = shade(device, triangles, view, visibility, scene.materials, light);
-            write_picture(*outputs.picture, width, height, rgba);
-        });
-    if (outputs.mask)
-        steps.run("write_mask", "writing the mask", [&] { write_mask(*outputs.mask, width, height, visible); });
-    if (outputs.aov)
-        steps.run("write_aov", "writing the EXR",
-                  [&] { write_aov(*outputs.aov, width, height, read(device, triangles, view), visible); });
-    if (outputs.triangle_dump)
-        steps.run("write_triangles", "writing the triangles",
-                  [&] { write_triangles(*outputs.triangle_dump, scene.triangles); });
-
-    report.triangles = scene.triangle_count();
-    report.non_finite_triangles = count_non_finite(scene.triangles);
-    report.warnings = scene.warnings;
-    report.device = device.description();
-    report.camera_statistics = view.statistics;
-    report.shares = count_shares(visible);
-    report.device_memory_bytes = device.memory_bytes();
-    report.device_memory_peak_bytes = device.peak_memory_bytes();
+    write_files(steps, outputs, device, scene, report.light.light, seen);
+    complete(report, device, scene, seen.visible);
     report.total_ms = ms_since(start);
     if (outputs.statistics) write_statistics(*outputs.statistics, report);
     outputs.files.commit();
