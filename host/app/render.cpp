@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "choice.hpp"
 #include "output_files.hpp"
@@ -126,11 +127,11 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
                                 [&] { return look(device, triangles, report.camera.camera, width, height); });
     report.camera_statistics = view.statistics;
     const Visibility visibility(device, view.points.count());
-    const std::vector<float> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
+    std::vector<float> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
         report.shadow_statistics = technique.run(triangles, view.points, report.light.light, visibility);
         return visibility.read();
     });
-    return {triangles, view, visibility, visible};
+    return {triangles, view, visibility, std::move(visible)};
 }
 
 /// Fills every file but the statistics.
