@@ -25,7 +25,7 @@ uint count;
 uint padding[1];
 GN_STRUCT_END(PointBounds, 48)
 
-#ifdef __OPENCL_VERSION__
+#ifndef __cplusplus
 
 #include "points.h"
 

@@ -17,7 +17,7 @@ float eye[2 + 1];
 uint padding[3];
 GN_STRUCT_END(PointsLayout, 48)
 
-#ifdef __OPENCL_VERSION__
+#ifndef __cplusplus
 
 static float3 load_point(__global const float* positions, PointsLayout layout, size_t i) {
     size_t at = layout.first + i * layout.point_stride;

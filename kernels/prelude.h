@@ -11,7 +11,7 @@
 #ifndef GN_PRELUDE_H
 #define GN_PRELUDE_H
 
-#ifdef __OPENCL_VERSION__
+#ifndef __cplusplus
 
 #pragma OPENCL FP_CONTRACT OFF
 #ifdef GN_FP64

@@ -20,7 +20,9 @@
 // Error bounds (u = 2^-24). Each d_i is rounded once (u |d_i|); a row entry differs from the real map's by at most
 // 4u of itself (quotient and product on the host or device; in perspective any float map is exact by definition);
 // three fma round at most 3u of the sum of magnitudes. With g = |row| . |d| + |row.w| this is below 8.1u g; we use
-// PROJECTION_ERROR = 10u, which also covers second-order terms and the rounding of g itself.
+// PROJECTION_ERROR = 10u, which also covers second-order terms and the rounding of g itself. A camera's rows come from
+// products and sums in double, whose error is relative to the row's largest entry, not to each: 2^-20 |row|_1 |d|_1 is
+// added to g for it (10u 2^-20 = 5.7e-13, thousands of double roundings).
 #ifndef GN_PROJECTION_H
 #define GN_PROJECTION_H
 
@@ -49,7 +51,7 @@ uint active_points;  // points this projection was fitted to
 uint padding[5];
 GN_STRUCT_END(Projection, 144)
 
-#ifdef __OPENCL_VERSION__
+#ifndef __cplusplus
 
 // A projected position before the division, and the bound of the error of each of its coordinates.
 typedef struct Projected {
@@ -63,7 +65,8 @@ static float row_dot(__constant const float* row, float3 d) {
     return fma(row[0], d.x, fma(row[1], d.y, fma(row[2], d.z, row[3])));
 }
 static float row_size(__constant const float* row, float3 d) {
-    return fabs(row[0] * d.x) + fabs(row[1] * d.y) + fabs(row[2] * d.z) + fabs(row[3]);
+    float row_sum = fabs(row[0]) + fabs(row[1]) + fabs(row[2]), d_sum = fabs(d.x) + fabs(d.y) + fabs(d.z);
+    return fabs(row[0] * d.x) + fabs(row[1] * d.y) + fabs(row[2] * d.z) + fabs(row[3]) + 0x1p-20f * row_sum * d_sum;
 }
 static float3 center_of(__constant const Projection* projection) {
     return (float3)(projection->center[0], projection->center[1], projection->center[2]);

@@ -24,6 +24,7 @@ static bool is_receiver(const TraceOutput* out, uint point, uint id) {
 
 static void hand_over(const TraceOutput* out, uint point, uint id) {
     uint slot = atomic_inc(&out->counters->uncertain);
+    if (slot >= 0xC0000000u) atomic_dec(&out->counters->uncertain);  // never wraps: the host must see the overflow
     if (slot < out->queue_capacity) out->queue[slot] = (uint2)(point, id);
 }
 

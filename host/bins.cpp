@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "bins.hpp"
+
+#include <algorithm>
+
+namespace gnomon {
+namespace {
+// Groups that share one large triangle's rows.
+constexpr cl_uint splits = 16;
+}  // namespace
+
+void Bins::pass(cl::Session& session, const cl::Buffer& projection, const TriangleSetup& setup, const cl::Buffer* farthest,
+                const cl::Buffer& counters, std::uint32_t fill) {
+    const cl_uint has_heights = farthest != nullptr;
+    const cl::Buffer& heights = farthest != nullptr ? *farthest : cursors_;
+    session.launch("bins.cl", "bins_small", cl::Range::items(setup.capacity()), projection, setup.capacity(), has_heights,
+                   fill, capacity_, setup.records(), setup.record_bins(), heights, offsets_, cursors_, references_,
+                   counters);
+    const std::size_t groups = (session.many_groups() + splits - 1) / splits * splits;
+    session.launch("bins.cl", "bins_large", cl::Range::groups(groups), projection, setup.capacity(), splits, has_heights,
+                   fill, capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_, cursors_,
+                   references_, counters);
+}
+
+void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t bin_count, const TriangleSetup& setup,
+               const cl::Buffer* farthest, const cl::Buffer& counters) {
+    const std::size_t cursor_bytes = bin_count * sizeof(cl_uint);
+    cursors_.reserve(session, cursor_bytes);
+    offsets_.reserve(session, cursor_bytes + sizeof(cl_uint));
+    if (capacity_ == 0) {
+        references_.reserve(session, std::size_t(first_capacity_) * sizeof(cl_uint));
+        capacity_ = first_capacity_;
+    }
+    session.fill(cursors_, 0, cursor_bytes);
+    pass(session, projection, setup, farthest, counters, 0);
+    scan_.run(session, bin_count, 1, cursors_, offsets_);
+    session.launch("bins.cl", "bins_total", cl::Range::items(1), bin_count, offsets_, counters);
+    session.fill(cursors_, 0, cursor_bytes);
+    pass(session, projection, setup, farthest, counters, 1);
+}
+
+bool Bins::fitted(cl::Session& session, const FrameCounters& counted) {
+    if (counted.references <= capacity_) return true;
+    if (counted.references == 0xFFFFFFFFu)
+        throw OutOfDeviceMemory("listing triangles: more than 2^32 (triangle, bin) pairs; use a smaller map size;",
+                                CL_MEM_OBJECT_ALLOCATION_FAILURE);
+    capacity_ = 0;
+    // A quarter more than asked, so that a slowly changing scene does not grow every frame.
+    const std::size_t wanted = std::min<std::size_t>(counted.references + std::size_t(counted.references) / 4, 0xFFFFFFFEu);
+    references_.reserve(session, wanted * sizeof(cl_uint));
+    capacity_ = static_cast<std::uint32_t>(wanted);
+    return false;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+#include "camera.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "../kernels/camera.h"
+#include "bins.hpp"
+
+namespace gnomon {
+namespace {
+
+using Double3 = std::array<double, 3>;
+
+// A double as the sum of two floats, to 48 bits.
+void append_split(std::vector<float>& rays, const Double3& v) {
+    std::array<float, 3> high, low;
+    for (int i = 0; i < 3; ++i) {
+        high[i] = static_cast<float>(v[i]);
+        low[i] = static_cast<float>(v[i] - double(high[i]));
+    }
+    rays.insert(rays.end(), high.begin(), high.end());
+    rays.insert(rays.end(), low.begin(), low.end());
+}
+
+void set_row(float* row, double a, const Double3& u, double b, const Double3& v) {
+    for (int i = 0; i < 3; ++i) row[i] = static_cast<float>(a * u[i] + b * v[i]);
+    row[3] = 0.0f;
+}
+
+constexpr std::uint32_t largest_side = 16384;
+
+Float4 eye_of(const View& view) {
+    const Float3& eye = *view.points.eye();
+    return {eye[0], eye[1], eye[2], 0.0f};
+}
+
+// Survivors and references of the view's triangles, grown until they fit.
+struct CameraLists {
+    TriangleSetup setup;
+    Bins bins;
+};
+
+void run_visibility(cl::Session& session, const TriangleInputs& triangles, const CameraTables& tables,
+                    const cl::Buffer& projection, const cl::Buffer& rays, cl_mem visible, Statistics& statistics) {
+    const std::uint32_t bin_count = tables.projection.bins_x * tables.projection.bins_y;
+    const std::size_t pixels = std::size_t(tables.projection.width) * tables.projection.height;
+    CameraLists lists;
+    cl::Buffer counters(session, sizeof(FrameCounters));
+    FrameCounters counted;
+    do {
+        session.fill(counters, 0, sizeof(FrameCounters));
+        {
+            cl::StageTimer timer(session, statistics, "camera_setup");
+            lists.setup.run(session, projection, triangles, nullptr, counters);
+        }
+        {
+            cl::StageTimer timer(session, statistics, "camera_bins");
+            lists.bins.run(session, projection, bin_count, lists.setup, nullptr, counters);
+        }
+        {
+            cl::StageTimer timer(session, statistics, "camera_visibility");
+            session.launch("camera.cl", "camera_visibility", cl::Range::items(pixels / session.lanes() + 1), projection,
+                           triangles.first_float, lists.setup.capacity(), lists.bins.capacity(), triangles.vertices, rays,
+                           lists.setup.records(), lists.setup.ids(), lists.bins.offsets(), lists.bins.references(),
+                           counters, visible);
+        }
+        session.read(counters.get(), &counted, sizeof(counted));
+        // Both are asked, so that both grow at once.
+    } while (!(int(lists.setup.fitted(session, counted)) & int(lists.bins.fitted(session, counted))));
+    statistics.counts = {{"pixels", pixels},
+                         {"triangles", triangles.count},
+                         {"triangles_not_finite", counted.not_finite},
+                         {"triangles_edge_on", counted.edge_on},
+                         {"triangles_outside", counted.outside},
+                         {"triangles_kept", counted.survivors},
+                         {"references", counted.references}};
+}
+
+}  // namespace
+
+CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    const double t = std::tan(camera.fov_y_radians / 2);
+    const double half_width = width / 2.0, half_height = height / 2.0;
+    const double pixel = t / half_height;  // pixels are square: aspect t / half_width is the same
+
+    CameraTables tables{};
+    Projection& p = tables.projection;
+    std::copy(camera.eye.begin(), camera.eye.end(), p.center);
+    std::copy(camera.eye.begin(), camera.eye.end(), p.light);
+    p.light[3] = 1.0f;
+    // X = right / (pixel forward) + half_width,  Y = half_height - up / (pixel forward),  W = forward
+    set_row(p.row_x, 1 / pixel, camera.right, half_width, camera.forward);
+    set_row(p.row_y, -1 / pixel, camera.up, half_height, camera.forward);
+    set_row(p.row_z, 1, camera.forward, 0, camera.forward);
+    // Sign of the map's determinant: that of right . (-up x forward) = up . (right x forward)...
+    const Double3& r = camera.right;
+    const Double3& u = camera.up;
+    const Double3& f = camera.forward;
+    const double determinant = f[0] * (r[1] * u[2] - r[2] * u[1]) + f[1] * (r[2] * u[0] - r[0] * u[2]) +
+                               f[2] * (r[0] * u[1] - r[1] * u[0]);
+    p.handedness = determinant > 0 ? -1.0f : 1.0f;  // the rows hold -up
+    p.width = width;
+    p.height = height;
+    p.bin_log2 = CAMERA_TILE_LOG2;
+    p.bins_x = (width + (1u << p.bin_log2) - 1) >> p.bin_log2;
+    p.bins_y = (height + (1u << p.bin_log2) - 1) >> p.bin_log2;
+    p.perspective = 1;
+    p.active_points = 1;
+
+    tables.rays.reserve((std::size_t(width) + height) * RAY_FLOATS);
+    for (std::uint32_t x = 0; x < width; ++x) {
+        Double3 column;
+        for (int i = 0; i < 3; ++i) column[i] = camera.forward[i] + (x + 0.5 - half_width) * pixel * camera.right[i];
+        append_split(tables.rays, column);
+    }
+    for (std::uint32_t y = 0; y < height; ++y) {
+        Double3 row;
+        for (int i = 0; i < 3; ++i) row[i] = (half_height - (y + 0.5)) * pixel * camera.up[i];
+        append_split(tables.rays, row);
+    }
+    return tables;
+}
+
+View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
+          std::uint32_t height) {
+    if (width == 0 || height == 0 || width > largest_side || height > largest_side)
+        throw InvalidArgument("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
+                              " pixels: each side must be from 1 to " + std::to_string(largest_side));
+    cl::Session& session = device.session();
+    if (!session.has_fp64())
+        throw DeviceNotFound("the device " + device.description().name +
+                             " lacks double precision, which the camera stage needs: choose another with --device");
+    const auto start = std::chrono::steady_clock::now();
+    const std::uint64_t before = session.memory_bytes();
+    session.reset_peak();
+    const std::size_t pixels = std::size_t(width) * height;
+    const CameraTables tables = camera_tables(camera, width, height);
+    cl::Buffer projection(session, sizeof(Projection)), rays(session, tables.rays.size() * sizeof(float));
+    session.write(projection.get(), &tables.projection, sizeof(Projection));
+    session.write(rays.get(), tables.rays.data(), tables.rays.size() * sizeof(float));
+
+    cl::Buffer positions(session, pixels * 3 * sizeof(float)), visible(session, pixels * sizeof(cl_uint));
+    const TriangleInputs inputs = triangle_inputs(triangles);
+    View view;
+    view.width = width;
+    view.height = height;
+    if (triangles.count() == 0)
+        session.fill(visible, no_receiver, pixels * sizeof(cl_uint));
+    else
+        run_visibility(session, inputs, tables, projection, rays, visible.get(), view.statistics);
+    {
+        cl::StageTimer timer(session, view.statistics, "camera_points");
+        session.launch("camera.cl", "camera_points", cl::Range::items(pixels), width, height,
+                       Float4{camera.eye[0], camera.eye[1], camera.eye[2], 0.0f}, inputs.first_float, inputs.vertices, rays,
+                       visible, positions);
+    }
+    view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, visible.get());
+    view.points.set_eye(camera.eye);
+    session.finish();
+    view.statistics.device_memory_bytes = session.peak_memory_bytes() - before;
+    view.statistics.total_wall_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return view;
+}
+
+namespace {
+
+cl::Buffer normals_of(const Device& device, const Triangles& triangles, const View& view) {
+    cl::Session& session = device.session();
+    const TriangleInputs inputs = triangle_inputs(triangles);
+    cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
+    session.launch("camera.cl", "camera_normals", cl::Range::items(view.points.count()), cl_uint(view.points.count()),
+                   eye_of(view), inputs.first_float, inputs.vertices, view.points.receivers(), normals);
+    return normals;
+}
+
+std::vector<std::uint8_t> srgb_table() {
+    std::vector<std::uint8_t> table(4096);
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const double linear = double(i) / double(table.size() - 1);
+        const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+        table[i] = static_cast<std::uint8_t>(encoded * 255 + 0.5);
+    }
+    return table;
+}
+
+}  // namespace
+
+ViewOnHost read(const Device& device, const Triangles& triangles, const View& view) {
+    cl::Session& session = device.session();
+    const std::size_t pixels = view.points.count();
+    ViewOnHost host;
+    host.receiver.resize(pixels);
+    host.normal.resize(pixels * 3);
+    host.position.resize(pixels * 3);
+    session.read(view.points.receivers(), host.receiver.data(), pixels * sizeof(cl_uint));
+    const cl::Buffer normals = normals_of(device, triangles, view);
+    session.read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
+    std::vector<float> planes(pixels * 3);
+    session.read(view.points.positions(), planes.data(), planes.size() * sizeof(float));
+    for (std::size_t i = 0; i < pixels; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            host.position[3 * i + c] = host.receiver[i] == no_receiver ? 0.0f : planes[i + c * pixels];
+    return host;
+}
+
+std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
+                                const Visibility& visibility, const Materials& materials, const Light& light) {
+    cl::Session& session = device.session();
+    const std::size_t pixels = view.points.count();
+    if (visibility.count() < pixels) throw InvalidArgument("the visibility buffer has fewer entries than the view has pixels");
+    if (materials.triangle_material.size() != triangles.count())
+        throw InvalidArgument("there are " + std::to_string(materials.triangle_material.size()) + " material ids for " +
+                              std::to_string(triangles.count()) + " triangles");
+    for (std::uint32_t id : materials.triangle_material)
+        if (id >= materials.base_color.size())
+            throw InvalidArgument("a triangle names material " + std::to_string(id) + " of " +
+                                  std::to_string(materials.base_color.size()));
+    const std::vector<std::uint8_t> table = srgb_table();
+    cl::Buffer ids(session, materials.triangle_material.size() * sizeof(cl_uint));
+    cl::Buffer colors(session, materials.base_color.size() * sizeof(Float3)), table_buffer(session, table.size());
+    session.write(ids.get(), materials.triangle_material.data(), materials.triangle_material.size() * sizeof(cl_uint));
+    session.write(colors.get(), materials.base_color.data(), materials.base_color.size() * sizeof(Float3));
+    session.write(table_buffer.get(), table.data(), table.size());
+    const cl::Buffer normals = normals_of(device, triangles, view);
+    const PointInputs points = point_inputs(view.points);
+    cl::Buffer picture(session, pixels * 4);
+    session.launch("shade.cl", "shade", cl::Range::items(pixels), points.layout, float4_of(light.xyzw), points.positions,
+                   points.receivers, normals, visibility.buffer(), ids, colors, table_buffer, picture);
+    std::vector<std::uint8_t> rgba(pixels * 4);
+    session.read(picture.get(), rgba.data(), rgba.size());
+    return rgba;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+// Programs: one per kernel file, its headers pasted in with #line so that a compiler error names the true file and line;
+// compiled when first used, and kept on disk as binaries where the platform has no cache of its own.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "embedded_kernels.hpp"
+#include "session.hpp"
+
+namespace gnomon::cl {
+namespace {
+
+std::string text_of(const std::string& file) {
+    const std::string path = "kernels/" + file;
+    if (const char* directory = std::getenv("GNOMON_KERNELS_DIR"); directory != nullptr && *directory != '\0') {
+        std::ifstream stream(std::filesystem::path(directory) / file, std::ios::binary);
+        if (!stream) throw Error("cannot read " + file + " in GNOMON_KERNELS_DIR (" + directory + ")");
+        std::ostringstream text;
+        text << stream.rdbuf();
+        return text.str();
+    }
+    for (const EmbeddedKernel& kernel : embedded_kernels())
+        if (kernel.path == path) return std::string(kernel.text);
+    throw Error("no kernel file named " + path + " was built in");
+}
+
+// Pastes each header where it is first included.
+void paste(const std::string& file, std::set<std::string>& pasted, std::string& out) {
+    std::istringstream lines(text_of(file));
+    out += "#line 1 \"kernels/" + file + "\"\n";
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number) {
+        constexpr std::string_view include = "#include \"";
+        if (line.starts_with(include)) {
+            const std::string header = line.substr(include.size(), line.find('"', include.size()) - include.size());
+            if (pasted.insert(header).second) paste(header, pasted, out);
+            out += "#line " + std::to_string(number + 1) + " \"kernels/" + file + "\"\n";
+        } else {
+            out += line + '\n';
+        }
+    }
+}
+
+// FNV-1a, twice with different starts: a name for a cache file, not a proof of anything.
+std::string hash_of(const std::string& text) {
+    std::uint64_t a = 14695981039346656037ull, b = 1099511628211ull * 31;
+    for (unsigned char c : text) {
+        a = (a ^ c) * 1099511628211ull;
+        b = (b ^ c) * 1099511628211ull + 0x9E3779B97F4A7C15ull;
+    }
+    char name[40];
+    std::snprintf(name, sizeof(name), "%016llx%016llx", static_cast<unsigned long long>(a), static_cast<unsigned long long>(b));
+    return name;
+}
+
+std::filesystem::path cache_directory() {
+    const auto from = [](const char* variable) -> std::filesystem::path {
+        const char* value = std::getenv(variable);
+        return value != nullptr ? value : "";
+    };
+    if (auto own = from("GNOMON_CACHE_DIR"); !own.empty()) return own;
+    if (auto xdg = from("XDG_CACHE_HOME"); !xdg.empty()) return xdg / "gnomon";
+    if (auto home = from("HOME"); !home.empty()) return home / ".cache" / "gnomon";
+    return {};
+}
+
+std::string build_log(cl_program program, cl_device_id device) {
+    std::size_t size = 0;
+    clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
+    std::string log(size, '\0');
+    if (size != 0) clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, size, log.data(), nullptr);
+    while (!log.empty() && (log.back() == '\0' || log.back() == '\n')) log.pop_back();
+    return log;
+}
+
+}  // namespace
+
+std::string kernel_source(const std::string& file) {
+    std::set<std::string> pasted;
+    std::string source;
+    paste(file, pasted, source);
+    return source;
+}
+
+std::string Session::build_options() const {
+    std::string options = "-cl-std=CL1.2 -D GN_LANES=" + std::to_string(lanes());
+    if (is_cpu_) options += " -D GN_CPU";
+    if (has_fp64_) options += " -D GN_FP64";
+    cl_device_fp_config config = 0;
+    clGetDeviceInfo(description_.device_id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof(config), &config, nullptr);
+    if (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) options += " -cl-fp32-correctly-rounded-divide-sqrt";
+    if (const char* extra = std::getenv("GNOMON_BUILD_OPTIONS")) {
+        for (const char* relaxing : {"fast-relaxed-math", "unsafe-math", "finite-math-only", "no-signed-zeros", "mad-enable",
+                                     "denorms-are-zero"})
+            if (std::string_view(extra).find(relaxing) != std::string_view::npos)
+                throw InvalidArgument(std::string("GNOMON_BUILD_OPTIONS asks for -cl-") + relaxing +
+                                      ", under which no answer could be exact: remove it");
+        options += std::string(" ") + extra;
+    }
+    return options;
+}
+
+std::string Session::cache_key(const std::string& source) const {
+    return hash_of(source + '\0' + build_options() + '\0' + description_.platform + '\0' + description_.name + '\0' +
+                   description_.driver_version + '\0' + description_.opencl_version + '\0' + std::string(version()));
+}
+
+cl_program Session::load_cached(const std::string& key) {
+    const std::filesystem::path file = cache_directory() / key;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) return nullptr;
+    std::ostringstream content;
+    content << stream.rdbuf();
+    const std::string binary = content.str();
+    const std::size_t size = binary.size();
+    const auto* bytes = reinterpret_cast<const unsigned char*>(binary.data());
+    cl_int status = CL_SUCCESS, code = CL_SUCCESS;
+    cl_program program = clCreateProgramWithBinary(context_, 1, &description_.device_id, &size, &bytes, &status, &code);
+    if (code != CL_SUCCESS || status != CL_SUCCESS) return nullptr;
+    if (clBuildProgram(program, 1, &description_.device_id, "", nullptr, nullptr) == CL_SUCCESS) return program;
+    clReleaseProgram(program);  // made by another driver, or damaged: build from source
+    return nullptr;
+}
+
+void Session::store_cached(const std::string& key, cl_program program) {
+    std::size_t size = 0;
+    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, nullptr) != CL_SUCCESS || size == 0) return;
+    std::string binary(size, '\0');
+    auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
+    if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(bytes), &bytes, nullptr) != CL_SUCCESS) return;
+    // A cache that cannot be written costs time, nothing else.
+    std::error_code ignored;
+    const std::filesystem::path directory = cache_directory();
+    if (directory.empty()) return;
+    std::filesystem::create_directories(directory, ignored);
+    const std::filesystem::path temporary = directory / (key + ".part" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
+    {
+        std::ofstream stream(temporary, std::ios::binary);
+        stream.write(binary.data(), std::streamsize(binary.size()));
+        if (!stream) {
+            stream.close();
+            std::filesystem::remove(temporary, ignored);
+            return;
+        }
+    }
+    std::filesystem::rename(temporary, directory / key, ignored);
+}
+
+cl_program Session::build(const std::string& file, const std::string& source) {
+    const char* text = source.c_str();
+    const std::size_t size = source.size();
+    cl_int code;
+    cl_program program = clCreateProgramWithSource(context_, 1, &text, &size, &code);
+    check(code, "reading kernels/" + file);
+    code = clBuildProgram(program, 1, &description_.device_id, build_options().c_str(), nullptr, nullptr);
+    if (code == CL_SUCCESS) return program;
+    const std::string log = build_log(program, description_.device_id);
+    clReleaseProgram(program);
+    throw OpenClError("compiling kernels/" + file, code, log);
+}
+
+cl_program Session::program_of(const std::string& file) {
+    if (auto found = programs_.find(file); found != programs_.end()) return found->second;
+    const std::string source = kernel_source(file);
+    const std::string key = caches_binaries_ ? cache_key(source) : "";
+    cl_program program = caches_binaries_ ? load_cached(key) : nullptr;
+    if (program == nullptr) {
+        program = build(file, source);
+        if (caches_binaries_) store_cached(key, program);
+    }
+    programs_.emplace(file, program);
+    return program;
+}
+
+}  // namespace gnomon::cl

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "session.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+#include "description.hpp"
+
+namespace gnomon::cl {
+
+void check(cl_int code, std::string_view call) {
+    if (code == CL_SUCCESS) return;
+    if (code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES || code == CL_OUT_OF_HOST_MEMORY ||
+        code == CL_INVALID_BUFFER_SIZE)
+        throw OutOfDeviceMemory(call, code);
+    throw OpenClError(call, code);
+}
+
+// ---- Buffer ---------------------------------------------------------------------------------------------------------
+
+void Buffer::reserve(Session& session, std::size_t bytes) {
+    bytes = std::max<std::size_t>(bytes, 16);
+    if (memory_ != nullptr && bytes <= bytes_) return;
+    release();
+    memory_ = session.allocate(bytes);
+    session_ = &session;
+    bytes_ = bytes;
+}
+
+void Buffer::swap(Buffer& other) noexcept {
+    std::swap(session_, other.session_);
+    std::swap(memory_, other.memory_);
+    std::swap(bytes_, other.bytes_);
+}
+
+void Buffer::release() noexcept {
+    if (memory_ != nullptr) session_->deallocate(memory_, bytes_);
+    memory_ = nullptr;
+    bytes_ = 0;
+}
+
+cl_mem Session::allocate(std::size_t bytes) {
+    const std::string what = "allocating " + std::to_string(bytes) + " bytes on the device";
+    if (memory_limit_bytes_ != 0 && memory_bytes_ + bytes > memory_limit_bytes_)
+        throw OutOfDeviceMemory(what + " beside the " + std::to_string(memory_bytes_) + " in use, under a limit of " +
+                                    std::to_string(memory_limit_bytes_) + ": raise the limit or render fewer pixels;",
+                                CL_MEM_OBJECT_ALLOCATION_FAILURE);
+    if (bytes > description_.largest_allocation_bytes)
+        throw OutOfDeviceMemory(what + ", more than its largest allocation of " +
+                                    std::to_string(description_.largest_allocation_bytes) +
+                                    ": render fewer pixels or use another device;",
+                                CL_INVALID_BUFFER_SIZE);
+    cl_int code;
+    cl_mem memory = clCreateBuffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
+    check(code, what);
+    memory_bytes_ += bytes;
+    peak_memory_bytes_ = std::max(peak_memory_bytes_, memory_bytes_);
+    return memory;
+}
+
+void Session::deallocate(cl_mem memory, std::size_t bytes) noexcept {
+    clReleaseMemObject(memory);
+    memory_bytes_ -= bytes;
+}
+
+// ---- Session --------------------------------------------------------------------------------------------------------
+
+Session::Session(const DeviceDescription& description, const DeviceOptions& options) : description_(description) {
+    cl_int code;
+    const cl_context_properties properties[] = {
+        CL_CONTEXT_PLATFORM, reinterpret_cast<cl_context_properties>(description.platform_id), 0};
+    context_ = clCreateContext(properties, 1, &description_.device_id, nullptr, nullptr, &code);
+    check(code, "opening device " + description.name);
+    queue_ = clCreateCommandQueue(context_, description_.device_id, options.profile ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
+    if (code != CL_SUCCESS) clReleaseContext(context_);
+    check(code, "making a command queue on " + description.name);
+    configure(options);
+}
+
+Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions& options) {
+    if (context == nullptr || queue == nullptr) throw InvalidArgument("the OpenCL context and queue must not be null");
+    cl_device_id device = nullptr;
+    check(clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof(device), &device, nullptr), "asking the queue for its device");
+    cl_command_queue_properties properties = 0;
+    check(clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof(properties), &properties, nullptr),
+          "asking the queue for its properties");
+    if (properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
+        throw InvalidArgument("the command queue runs out of order: gnomon needs an in-order queue");
+    description_ = describe(device);
+    if (!description_.lacks.empty())
+        throw DeviceNotFound("the device " + description_.name + " cannot be used: it lacks " + description_.lacks);
+    check(clRetainContext(context), "retaining the context");
+    context_ = context;
+    check(clRetainCommandQueue(queue), "retaining the queue");
+    queue_ = queue;
+    DeviceOptions adjusted = options;
+    adjusted.profile = (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
+    configure(adjusted);
+}
+
+void Session::configure(const DeviceOptions& options) {
+    is_cpu_ = description_.type == "CPU";
+    has_fp64_ = description_.has_fp64 && !options.hide_fp64;
+    profiles_ = options.profile;
+    memory_limit_bytes_ = options.memory_limit_bytes;
+    traces_ = std::getenv("GNOMON_TRACE") != nullptr;
+    // PoCL keeps a cache of its own, and asking it for binaries costs an extra build.
+    caches_binaries_ = description_.platform.find("Portable Computing Language") == std::string::npos;
+    std::size_t largest = 1;
+    clGetDeviceInfo(description_.device_id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof(largest), &largest, nullptr);
+    const std::size_t wanted = options.work_group_size != 0 ? options.work_group_size : is_cpu_ ? 1 : 128;
+    work_group_size_ = std::min(wanted, largest);
+}
+
+Session::~Session() {
+    if (queue_ != nullptr) clFinish(queue_);
+    for (cl_event event : events_) clReleaseEvent(event);
+    for (auto& [name, cached] : kernels_) clReleaseKernel(cached.kernel);
+    for (auto& [file, program] : programs_) clReleaseProgram(program);
+    if (queue_ != nullptr) clReleaseCommandQueue(queue_);
+    if (context_ != nullptr) clReleaseContext(context_);
+}
+
+std::size_t Session::many_groups() const {
+    // A CPU takes pieces: enough of them to even out, few enough to cost nothing. A GPU wants its lanes full.
+    return is_cpu_ ? compute_units() * 64 : std::max<std::size_t>(1, compute_units() * 2048 / work_group_size_);
+}
+
+// ---- Launches -------------------------------------------------------------------------------------------------------
+
+void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index, std::size_t bytes, const void* value) {
+    const cl_int code = clSetKernelArg(kernel, index, bytes, value);
+    if (code != CL_SUCCESS) check(code, "setting argument " + std::to_string(index) + " of kernel " + name);
+}
+
+cl_kernel Session::kernel_of(const char* file, const char* name, std::size_t argument_count) {
+    auto found = kernels_.find(name);
+    if (found == kernels_.end()) {
+        cl_int code;
+        cl_kernel kernel = clCreateKernel(program_of(file), name, &code);
+        check(code, std::string("making kernel ") + name + " of " + file);
+        cl_uint count = 0;
+        check(clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof(count), &count, nullptr), "counting kernel arguments");
+        found = kernels_.emplace(name, CachedKernel{kernel, count}).first;
+    }
+    if (found->second.argument_count != argument_count)
+        throw Error(std::string("kernel ") + name + " takes " + std::to_string(found->second.argument_count) +
+                    " arguments and was given " + std::to_string(argument_count));
+    return found->second.kernel;
+}
+
+void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
+    const std::size_t local = work_group_size_;
+    std::size_t groups = range.count;
+    if (range.kind == Range::Kind::items)
+        groups = std::min((range.count + local - 1) / local, many_groups());
+    const std::size_t global = std::max<std::size_t>(groups, 1) * local;
+    cl_event event = nullptr;
+    const auto start = std::chrono::steady_clock::now();
+    check(clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr, profiles_ ? &event : nullptr),
+          std::string("launching kernel ") + name);
+    if (event != nullptr) note_event(event);
+    if (traces_) {
+        finish();
+        const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        std::fprintf(stderr, "gnomon: trace: %-28s %9zu x %-4zu %10.3f ms\n", name, global / local, local, ms);
+    }
+}
+
+void Session::note_event(cl_event event) { events_.push_back(event); }
+
+void Session::fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) {
+    cl_event event = nullptr;
+    check(clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr, profiles_ ? &event : nullptr),
+          "filling a buffer");
+    if (event != nullptr) note_event(event);
+}
+
+void Session::write(cl_mem buffer, const void* data, std::size_t bytes) {
+    if (bytes != 0)
+        check(clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr), "writing to the device");
+}
+
+void Session::read(cl_mem buffer, void* data, std::size_t bytes) {
+    if (bytes != 0)
+        check(clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr), "reading from the device");
+}
+
+void Session::finish() { check(clFinish(queue_), "waiting for the device"); }
+
+double Session::take_device_ms() {
+    if (events_.empty()) return 0;
+    finish();
+    double ms = 0;
+    for (cl_event event : events_) {
+        cl_ulong start = 0, end = 0;
+        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof(start), &start, nullptr);
+        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof(end), &end, nullptr);
+        ms += double(end - start) * 1e-6;
+        clReleaseEvent(event);
+    }
+    events_.clear();
+    return ms;
+}
+
+StageTimer::~StageTimer() {
+    StageStatistics stage;
+    stage.name = name_;
+    try {
+        stage.device_ms = session_.take_device_ms();
+    } catch (const Error&) {  // the stage's own failure is already on its way up
+    }
+    stage.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    statistics_.stages.push_back(stage);
+}
+
+}  // namespace gnomon::cl

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// OpenCL plumbing: one device, its in-order queue, buffers with accounting, kernels by name, and the one place where
+// kernels are launched (argument counts checked, times taken, launches printed under GNOMON_TRACE).
+#pragma once
+
+#include <chrono>
+#include <type_traits>
+#include <unordered_map>
+
+#include "../gnomon.hpp"
+
+namespace gnomon::cl {
+
+/// Throws OutOfDeviceMemory or OpenClError unless code is CL_SUCCESS.
+void check(cl_int code, std::string_view call);
+
+class Session;
+
+/// Device memory of gnomon's own. Grows by being made anew: contents are not kept.
+class Buffer {
+public:
+    Buffer() = default;
+    Buffer(Session& session, std::size_t bytes) { reserve(session, bytes); }
+    Buffer(Buffer&& other) noexcept { swap(other); }
+    Buffer& operator=(Buffer&& other) noexcept {
+        swap(other);
+        return *this;
+    }
+    ~Buffer() { release(); }
+
+    /// At least `bytes` (and at least 16, so that every kernel argument is a buffer).
+    void reserve(Session& session, std::size_t bytes);
+    cl_mem get() const { return memory_; }
+    std::size_t bytes() const { return bytes_; }
+
+private:
+    void swap(Buffer& other) noexcept;
+    void release() noexcept;
+
+    Session* session_ = nullptr;
+    cl_mem memory_ = nullptr;
+    std::size_t bytes_ = 0;
+};
+
+/// A kernel argument: so many bytes of local memory.
+struct LocalBytes {
+    std::size_t bytes;
+};
+
+/// How many work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups.
+struct Range {
+    enum class Kind { items, groups } kind;
+    std::size_t count;
+    static Range items(std::size_t count) { return {Kind::items, count}; }
+    static Range groups(std::size_t count) { return {Kind::groups, count}; }
+};
+
+/// Kernel files as they were embedded at build time, or as they are on disk under GNOMON_KERNELS_DIR.
+std::string kernel_source(const std::string& file);
+
+class Session {
+public:
+    Session(const DeviceDescription& description, const DeviceOptions& options);
+    Session(cl_context context, cl_command_queue queue, const DeviceOptions& options);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    const DeviceDescription& description() const { return description_; }
+    cl_context context() const { return context_; }
+    cl_command_queue queue() const { return queue_; }
+    bool is_cpu() const { return is_cpu_; }
+    bool has_fp64() const { return has_fp64_; }
+    bool profiles() const { return profiles_; }
+    /// Points or pixels per work-item of the vector kernels.
+    std::uint32_t lanes() const { return is_cpu_ ? 16 : 1; }
+    std::size_t compute_units() const { return description_.compute_units; }
+    std::size_t work_group_size() const { return work_group_size_; }
+    /// Work-groups that fill the device a few times over.
+    std::size_t many_groups() const;
+
+    std::uint64_t memory_bytes() const { return memory_bytes_; }
+    std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }
+    void reset_peak() { peak_memory_bytes_ = memory_bytes_; }
+
+    /// Enqueues kernel `name` of kernels/<file>. Arguments: Buffer, cl_mem, LocalBytes or plain values, all of them.
+    template <typename... Arguments>
+    void launch(const char* file, const char* name, Range range, const Arguments&... arguments) {
+        cl_kernel kernel = kernel_of(file, name, sizeof...(Arguments));
+        cl_uint index = 0;
+        (set_argument(kernel, name, index++, arguments), ...);
+        enqueue(kernel, name, range);
+    }
+
+    void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes);
+    void write(cl_mem buffer, const void* data, std::size_t bytes);
+    void read(cl_mem buffer, void* data, std::size_t bytes);
+    void finish();
+
+    /// Device time of what was enqueued since the last call, in ms (waits); 0 without profiling.
+    double take_device_ms();
+
+private:
+    friend class Buffer;
+    cl_mem allocate(std::size_t bytes);
+    void deallocate(cl_mem memory, std::size_t bytes) noexcept;
+    cl_kernel kernel_of(const char* file, const char* name, std::size_t argument_count);
+    cl_program program_of(const std::string& file);
+    cl_program build(const std::string& file, const std::string& source);
+    cl_program load_cached(const std::string& key);
+    void store_cached(const std::string& key, cl_program program);
+    std::string build_options() const;
+    std::string cache_key(const std::string& source) const;
+    void enqueue(cl_kernel kernel, const char* name, Range range);
+    void note_event(cl_event event);
+    void configure(const DeviceOptions& options);
+
+    void set_argument(cl_kernel kernel, const char* name, cl_uint index, const Buffer& buffer) {
+        set_argument(kernel, name, index, buffer.get());
+    }
+    void set_argument(cl_kernel kernel, const char* name, cl_uint index, LocalBytes local) {
+        set_raw_argument(kernel, name, index, local.bytes, nullptr);
+    }
+    template <typename Value>
+    void set_argument(cl_kernel kernel, const char* name, cl_uint index, const Value& value) {
+        static_assert(std::is_trivially_copyable_v<Value>);
+        set_raw_argument(kernel, name, index, sizeof(value), &value);
+    }
+    static void set_raw_argument(cl_kernel kernel, const char* name, cl_uint index, std::size_t bytes, const void* value);
+
+    DeviceDescription description_;
+    cl_context context_ = nullptr;
+    cl_command_queue queue_ = nullptr;
+    bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false, caches_binaries_ = false;
+    std::size_t work_group_size_ = 1;
+    std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, memory_limit_bytes_ = 0;
+    std::unordered_map<std::string, cl_program> programs_;
+    struct CachedKernel {
+        cl_kernel kernel;
+        cl_uint argument_count;
+    };
+    std::unordered_map<std::string, CachedKernel> kernels_;
+    std::vector<cl_event> events_;
+};
+
+/// Times one stage into Statistics: wall time, and device time where the session profiles.
+class StageTimer {
+public:
+    StageTimer(Session& session, Statistics& statistics, std::string name)
+        : session_(session), statistics_(statistics), name_(std::move(name)), start_(std::chrono::steady_clock::now()) {}
+    ~StageTimer();
+
+private:
+    Session& session_;
+    Statistics& statistics_;
+    std::string name_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace gnomon::cl

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Stage conservative_map: per texel, a height below which points are in shadow for certain
+// (kernels/conservative_map.cl).
+#pragma once
+
+#include "light_frame.hpp"
+#include "triangle_setup.hpp"
+
+namespace gnomon {
+
+enum class CoverTest { tight, circle };
+
+class ConservativeMap {
+public:
+    void run(cl::Session& session, const LightFrame& frame, const cl::Buffer& projection, const TriangleSetup& setup,
+             CoverTest cover_test, const cl::Buffer& counters);
+    const cl::Buffer& map() const { return map_; }
+
+private:
+    cl::Buffer map_;
+};
+
+}  // namespace gnomon

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+// The pipeline of exact shadows. Each stage is a room of its own (kernels/<stage>.cl, host/<stage>.cpp); only this file
+// knows their order:
+//
+//   facing            points that face away are decided
+//   light_frame       grid fitted to the others; one for a direction, up to six for a position
+//   farthest_height   how far from the light points reach, per bin
+//   triangle_setup    triangles that can matter, each with a float filter
+//   conservative_map  where one triangle covers a whole texel
+//   izb               points below that are decided; the others are listed by bin
+//   bins              triangles are listed by bin
+//   trace             points against triangles by the filter
+//   exact_trace       what the filter left open
+//
+// Lists are filled optimistically: a list that turns out too small is grown and the frame is run again. What a frame
+// decided before is true all the same, so the second run only has less to do.
+#include "frustum_traced.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "facing.hpp"
+
+namespace gnomon {
+
+struct FrustumTraced::Run {
+    cl::Session& session;
+    TriangleInputs triangles;
+    PointInputs points;
+    Light light;
+    cl_mem visibility;
+    Statistics statistics;
+    FrameCounters total{};  ///< over the frames
+    std::uint64_t tests = 0;
+    std::uint64_t frames = 0, grown = 0;
+};
+
+namespace {
+
+constexpr std::uint32_t smallest_map = 16, largest_map = 8192;
+
+void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
+
+FrameCounters read_counters(cl::Session& session, const cl::Buffer& counters) {
+    FrameCounters counted;
+    session.read(counters.get(), &counted, sizeof(counted));
+    return counted;
+}
+
+void add(FrameCounters& total, const FrameCounters& frame) {
+    // The struct is 32-bit counters and nothing else.
+    auto* sums = reinterpret_cast<uint*>(&total);
+    const auto* terms = reinterpret_cast<const uint*>(&frame);
+    for (std::size_t i = 0; i < sizeof(FrameCounters) / sizeof(uint); ++i) sums[i] += terms[i];
+}
+
+// Stages that had nothing to do say why.
+void mark_skipped(Statistics& statistics, std::string_view stage, const std::string& why) {
+    for (StageStatistics& s : statistics.stages)
+        if (s.name == stage && s.skipped.empty()) s.skipped = why;
+}
+
+// One line per stage, whatever the number of frames.
+void merge_stages(Statistics& statistics) {
+    std::vector<StageStatistics> merged;
+    for (const StageStatistics& stage : statistics.stages) {
+        auto found = std::find_if(merged.begin(), merged.end(), [&](const auto& m) { return m.name == stage.name; });
+        if (found == merged.end()) {
+            merged.push_back(stage);
+            continue;
+        }
+        found->device_ms += stage.device_ms;
+        found->wall_ms += stage.wall_ms;
+        if (stage.skipped.empty()) found->skipped.clear();
+    }
+    statistics.stages = std::move(merged);
+}
+
+}  // namespace
+
+FrameGrid FrustumTraced::grid(std::size_t point_count) const {
+    const bool is_cpu = device_.session().is_cpu();
+    FrameGrid grid{};
+    grid.size = map_size_;
+    if (grid.size == 0) {
+        // About one texel per two points (the seed's 1024^2 at 2K); docs/performance.md has the measurements.
+        grid.size = 64;
+        while (grid.size < 1024 && std::size_t(grid.size) * grid.size * 2 < point_count) grid.size *= 2;
+    }
+    const std::uint32_t most_bins = is_cpu ? 128 : 512;
+    while (grid.bins() > most_bins) ++grid.bin_log2;
+    return grid;
+}
+
+bool FrustumTraced::draws_map(const PointInputs& points) const {
+    if (map_mode_ != MapMode::automatic) return map_mode_ == MapMode::on;
+    return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
+}
+
+FrameCounters FrustumTraced::run_frame_once(Run& run, const LightFrame& frame) {
+    cl::Session& session = run.session;
+    Statistics& statistics = run.statistics;
+    clear(session, counters_);
+    {
+        cl::StageTimer timer(session, statistics, "light_frame");
+        light_frame_.run(session, frame, run.points, run.visibility);
+    }
+    const cl::Buffer& projection = light_frame_.projection();
+    // A face of a positional light without points costs nothing more.
+    if (frame.perspective && light_frame_.read_active_points(session) == 0) return {};
+    ++run.frames;
+    {
+        cl::StageTimer timer(session, statistics, "farthest_height");
+        farthest_height_.run(session, frame, run.points, projection, run.visibility);
+    }
+    {
+        cl::StageTimer timer(session, statistics, "triangle_setup");
+        setup_.run(session, projection, run.triangles, &farthest_height_.pyramid(), counters_);
+    }
+    const bool with_map = draws_map(run.points);
+    if (with_map) {
+        cl::StageTimer timer(session, statistics, "conservative_map");
+        map_.run(session, frame, projection, setup_, cover_test_, counters_);
+    }
+    {
+        cl::StageTimer timer(session, statistics, "izb");
+        izb_.run(session, frame, run.triangles, run.points, projection, with_map ? &map_.map() : nullptr, run.visibility,
+                 counters_);
+    }
+    {
+        cl::StageTimer timer(session, statistics, "bins");
+        bins_.run(session, projection, frame.bins_x * frame.bins_y, setup_, &izb_.farthest(), counters_);
+    }
+    {
+        cl::StageTimer timer(session, statistics, "trace");
+        trace_.run(session, frame, run.points, izb_, bins_, setup_, run.visibility, counters_);
+    }
+    {
+        cl::StageTimer timer(session, statistics, "exact_trace");
+        run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
+    }
+    return read_counters(session, counters_);
+}
+
+bool FrustumTraced::fitted(const FrameCounters& counted) {
+    cl::Session& session = device_.session();
+    const bool records = setup_.fitted(session, counted), references = bins_.fitted(session, counted),
+               pairs = trace_.fitted(session, counted);
+    return records && references && pairs;
+}
+
+void FrustumTraced::run_frame(Run& run, const LightFrame& frame) {
+    for (;;) {
+        FrameCounters counted = run_frame_once(run, frame);
+        run.tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
+        if (fitted(counted)) {
+            add(run.total, counted);
+            return;
+        }
+        // Of a run that is repeated only its decisions count.
+        ++run.grown;
+        run.total.decided_by_map += counted.decided_by_map;
+        run.total.decided_by_trace += counted.decided_by_trace;
+        run.total.decided_by_exact += counted.decided_by_exact;
+    }
+}
+
+Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
+                              const Visibility& visibility) {
+    if (visibility.count() < points.count())
+        throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
+                              std::to_string(points.count()) + " points");
+    const auto start = std::chrono::steady_clock::now();
+    cl::Session& session = device_.session();
+    session.reset_peak();
+    const std::uint64_t before = session.memory_bytes();
+    Run run{session, triangle_inputs(triangles), point_inputs(points), light, visibility.buffer(), {}};
+    counters_.reserve(session, sizeof(FrameCounters));
+
+    FrameCounters facing{};
+    if (points.count() != 0) {
+        {
+            cl::StageTimer timer(session, run.statistics, "facing");
+            clear(session, counters_);
+            run_facing(session, run.triangles, run.points, light, run.visibility, counters_);
+        }
+        facing = read_counters(session, counters_);
+        const bool anything = triangles.count() != 0 && facing.absent + facing.facing_away < points.count();
+        if (anything)
+            for (const LightFrame& frame : light_frames(light, grid(points.count()))) run_frame(run, frame);
+    }
+
+    Statistics& s = run.statistics;
+    merge_stages(s);
+    if (!draws_map(run.points))
+        s.stages.push_back({"conservative_map", 0, 0, map_mode_ == MapMode::off ? "switched off" : "few points"});
+    else if (run.total.map_candidates == 0)
+        mark_skipped(s, "conservative_map", "no triangle can cover a texel");
+    if (run.total.uncertain == 0) mark_skipped(s, "exact_trace", "the filter decided every pair");
+    if (run.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
+    const FrameCounters& t = run.total;
+    s.counts = {{"points", points.count()},
+                {"points_absent", facing.absent},
+                {"points_facing_away", facing.facing_away},
+                {"points_decided_by_map", t.decided_by_map},
+                {"points_listed", t.listed},
+                {"points_decided_by_trace", t.decided_by_trace},
+                {"points_decided_by_exact", t.decided_by_exact},
+                {"points_in_shadow", std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace + t.decided_by_exact},
+                {"triangles", triangles.count()},
+                {"frames", run.frames},
+                {"triangles_not_finite", t.not_finite},
+                {"triangles_edge_on", t.edge_on},
+                {"triangles_outside", t.outside},
+                {"triangles_kept", t.survivors},
+                {"map_candidates", t.map_candidates},
+                {"map_texels_written", t.map_texels},
+                {"references", t.references},
+                {"tests", run.tests},
+                {"uncertain_pairs", t.uncertain},
+                {"decided_by_float", t.exact_float},
+                {"decided_by_double", t.exact_double},
+                {"decided_by_integers", t.exact_exact},
+                {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
+                {"lists_grown", run.grown}};
+    s.device_memory_bytes = session.peak_memory_bytes() - std::min(before, session.peak_memory_bytes());
+    s.device_memory_bytes = std::max(s.device_memory_bytes, session.memory_bytes() - std::min(before, session.memory_bytes()));
+    s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return s;
+}
+
+void FrustumTraced::set(std::string_view name, std::string_view value) {
+    if (name == "conservative-map") {
+        if (value == "auto") map_mode_ = MapMode::automatic;
+        else if (value == "on") map_mode_ = MapMode::on;
+        else if (value == "off") map_mode_ = MapMode::off;
+        else throw InvalidArgument("conservative-map is on, off or auto, not \"" + std::string(value) + "\"");
+    } else if (name == "cover-test") {
+        if (value == "tight") cover_test_ = CoverTest::tight;
+        else if (value == "circle") cover_test_ = CoverTest::circle;
+        else throw InvalidArgument("cover-test is tight or circle, not \"" + std::string(value) + "\"");
+    } else if (name == "map-size") {
+        std::uint32_t size = 0;
+        const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), size);
+        if (value == "auto") size = 0;
+        else if (error != std::errc() || end != value.data() + value.size() || size < smallest_map || size > largest_map)
+            throw InvalidArgument("map-size is auto or a whole number of texels from 16 to 8192, not \"" + std::string(value) + "\"");
+        map_size_ = size;
+    } else if (name == "first-capacity") {
+        std::uint32_t capacity = 0;
+        const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), capacity);
+        if (error != std::errc() || end != value.data() + value.size() || capacity == 0)
+            throw InvalidArgument("first-capacity is a whole number from 1, not \"" + std::string(value) + "\"");
+        setup_.limit_initial_capacity(capacity);
+        bins_.limit_initial_capacity(capacity);
+        trace_.limit_initial_capacity(capacity);
+    } else {
+        throw InvalidArgument("frustum-traced has no setting \"" + std::string(name) +
+                              "\": it has conservative-map, cover-test, map-size and first-capacity");
+    }
+}
+
+TechniqueDescription FrustumTraced::describe() {
+    return {"frustum-traced",
+            "exact hard shadows: frustum tracing over an irregular z-buffer, with a conservative map",
+            true,
+            {{"conservative-map", "auto", "on, off or auto: decide points behind triangles that cover a whole texel at once"},
+             {"cover-test", "tight", "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+             {"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
+             {"first-capacity", "262144", "entries that growing lists start with, from 1: for tests"}}};
+}
+
+}  // namespace gnomon

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+// Technique frustum-traced: exact hard shadows by frustum tracing over an irregular z-buffer, with a conservative map.
+// The order of the stages is in frustum_traced.cpp, top to bottom.
+#pragma once
+
+#include "conservative_map.hpp"
+#include "farthest_height.hpp"
+#include "light_frame.hpp"
+#include "trace.hpp"
+
+namespace gnomon {
+
+class FrustumTraced final : public Technique {
+public:
+    explicit FrustumTraced(const Device& device) : device_(device) {}
+    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
+                   const Visibility& visibility) override;
+    void set(std::string_view name, std::string_view value) override;
+
+    static TechniqueDescription describe();
+
+private:
+    enum class MapMode { automatic, on, off };
+    struct Run;
+
+    FrameGrid grid(std::size_t point_count) const;
+    bool draws_map(const PointInputs& points) const;
+    void run_frame(Run& run, const LightFrame& frame);
+    FrameCounters run_frame_once(Run& run, const LightFrame& frame);
+    bool fitted(const FrameCounters& counted);
+
+    Device device_;
+    MapMode map_mode_ = MapMode::automatic;
+    CoverTest cover_test_ = CoverTest::tight;
+    std::uint32_t map_size_ = 0;  ///< 0: chosen by the device and the number of points
+
+    cl::Buffer counters_;
+    LightFrameFit light_frame_;
+    FarthestHeight farthest_height_;
+    TriangleSetup setup_;
+    ConservativeMap map_;
+    Izb izb_;
+    Bins bins_;
+    Trace trace_;
+};
+
+}  // namespace gnomon

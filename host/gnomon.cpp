@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// The public face: devices and the register of techniques. A new technique is one line in `registered`.
+#include "gnomon.hpp"
+
+#include "cl/description.hpp"
+#include "cl/session.hpp"
+#include "frustum_traced.hpp"
+
+namespace gnomon {
+
+std::string_view version() { return GNOMON_VERSION; }
+
+// ---- Device ---------------------------------------------------------------------------------------------------------
+
+Device::Device(std::string_view selector, const DeviceOptions& options)
+    : session_(std::make_shared<cl::Session>(cl::select_device(selector), options)) {}
+
+Device::Device(cl_context context, cl_command_queue queue, const DeviceOptions& options)
+    : session_(std::make_shared<cl::Session>(context, queue, options)) {}
+
+const DeviceDescription& Device::description() const { return session_->description(); }
+cl_context Device::context() const { return session_->context(); }
+cl_command_queue Device::queue() const { return session_->queue(); }
+std::uint64_t Device::memory_bytes() const { return session_->memory_bytes(); }
+std::uint64_t Device::peak_memory_bytes() const { return session_->peak_memory_bytes(); }
+
+std::uint64_t Statistics::count(std::string_view name) const {
+    for (const auto& [key, value] : counts)
+        if (key == name) return value;
+    return 0;
+}
+
+// ---- Techniques -----------------------------------------------------------------------------------------------------
+
+namespace {
+
+struct Registered {
+    TechniqueDescription description;
+    std::unique_ptr<Technique> (*make)(const Device&);
+};
+
+template <typename T>
+Registered entry() {
+    return {T::describe(), [](const Device& device) -> std::unique_ptr<Technique> { return std::make_unique<T>(device); }};
+}
+
+std::vector<Registered> registered() {
+    return {
+        entry<FrustumTraced>(),
+    };
+}
+
+}  // namespace
+
+std::vector<TechniqueDescription> techniques() {
+    std::vector<TechniqueDescription> all;
+    for (Registered& r : registered()) all.push_back(std::move(r.description));
+    return all;
+}
+
+std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device) {
+    std::string names;
+    for (const Registered& r : registered()) {
+        if (r.description.name == name) return r.make(device);
+        names += (names.empty() ? "" : ", ") + r.description.name;
+    }
+    throw InvalidArgument("no technique is named \"" + std::string(name) + "\": there are " + names);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// Triangles, points and visibility buffers: uploading, wrapping, and what the kernels are told of them.
+#include "inputs.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace gnomon {
+namespace {
+
+constexpr std::size_t largest_index = std::numeric_limits<cl_uint>::max();
+
+std::shared_ptr<void> retained(cl_mem memory, const char* what) {
+    if (memory == nullptr) throw InvalidArgument(std::string("the ") + what + " buffer must not be null");
+    cl::check(clRetainMemObject(memory), std::string("retaining the ") + what + " buffer");
+    return {memory, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
+}
+
+std::size_t size_of(cl_mem memory) {
+    std::size_t bytes = 0;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr), "asking a buffer for its size");
+    return bytes;
+}
+
+void require_floats(cl_mem memory, std::size_t floats, const char* what) {
+    if (size_of(memory) / sizeof(float) < floats)
+        throw InvalidArgument(std::string("the ") + what + " buffer holds " + std::to_string(size_of(memory)) +
+                              " bytes, fewer than the " + std::to_string(floats * sizeof(float)) + " its layout needs");
+}
+
+// A buffer of gnomon's own that lives as long as anyone holds it, and its device with it.
+struct OwnedBuffer {
+    Device device;
+    cl::Buffer buffer;
+};
+std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size_t bytes) {
+    auto owned = std::make_shared<OwnedBuffer>(OwnedBuffer{device, cl::Buffer(device.session(), bytes)});
+    device.session().write(owned->buffer.get(), data, bytes);
+    return {owned, owned->buffer.get()};
+}
+
+void require_count(std::size_t count, const char* what) {
+    if (count >= largest_index)
+        throw InvalidArgument(std::to_string(count) + " " + what + " are too many: ids are 32 bits wide");
+}
+
+}  // namespace
+
+// ---- Triangles ------------------------------------------------------------------------------------------------------
+
+Triangles Triangles::upload(const Device& device, std::span<const float> vertices) {
+    if (vertices.size() % 9 != 0)
+        throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+    require_count(vertices.size() / 9, "triangles");
+    Triangles triangles;
+    triangles.buffer_ = uploaded(device, vertices.data(), vertices.size_bytes());
+    triangles.count_ = vertices.size() / 9;
+    return triangles;
+}
+
+Triangles Triangles::wrap(const Device&, cl_mem vertices, std::size_t count, std::size_t first_float) {
+    require_count(count, "triangles");
+    Triangles triangles;
+    triangles.buffer_ = retained(vertices, "triangle");
+    require_floats(vertices, first_float + 9 * count, "triangle");
+    triangles.count_ = count;
+    triangles.first_float_ = first_float;
+    return triangles;
+}
+
+cl_mem Triangles::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
+
+// ---- Points ---------------------------------------------------------------------------------------------------------
+
+Points Points::upload(const Device& device, std::span<const float> positions, std::span<const std::uint32_t> receivers) {
+    if (positions.size() % 3 != 0)
+        throw InvalidArgument("points take 3 floats each, and " + std::to_string(positions.size()) + " were given");
+    require_count(positions.size() / 3, "points");
+    if (!receivers.empty() && receivers.size() != positions.size() / 3)
+        throw InvalidArgument("there are " + std::to_string(receivers.size()) + " receivers for " +
+                              std::to_string(positions.size() / 3) + " points: give one each, or none at all");
+    Points points;
+    points.count_ = positions.size() / 3;
+    points.positions_ = uploaded(device, positions.data(), positions.size_bytes());
+    if (!receivers.empty()) points.receivers_ = uploaded(device, receivers.data(), receivers.size_bytes());
+    return points;
+}
+
+Points Points::wrap(const Device&, cl_mem positions, const PointLayout& layout, std::size_t count, cl_mem receivers) {
+    require_count(count, "points");
+    if (layout.first > largest_index || layout.point_stride > largest_index || layout.coordinate_stride > largest_index)
+        throw InvalidArgument("the point layout's offset and strides must fit 32 bits");
+    Points points;
+    points.count_ = count;
+    points.layout_ = layout;
+    points.positions_ = retained(positions, "point");
+    if (count != 0)
+        require_floats(positions, layout.first + (count - 1) * layout.point_stride + 2 * layout.coordinate_stride + 1, "point");
+    if (receivers != nullptr) {
+        points.receivers_ = retained(receivers, "receiver");
+        require_floats(receivers, count, "receiver");
+    }
+    return points;
+}
+
+cl_mem Points::positions() const { return static_cast<cl_mem>(positions_.get()); }
+cl_mem Points::receivers() const { return static_cast<cl_mem>(receivers_.get()); }
+
+// ---- Visibility -----------------------------------------------------------------------------------------------------
+
+Visibility::Visibility(const Device& device, std::size_t count) : device_(device), count_(count) {
+    auto owned = std::make_shared<OwnedBuffer>(OwnedBuffer{device, cl::Buffer(device.session(), count * sizeof(float))});
+    buffer_ = {owned, owned->buffer.get()};
+}
+
+Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
+    : device_(device), buffer_(retained(buffer, "visibility")), count_(count) {
+    require_floats(buffer, count, "visibility");
+}
+
+cl_mem Visibility::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
+
+std::vector<float> Visibility::read() const {
+    std::vector<float> values(count_);
+    device_.session().read(buffer(), values.data(), values.size() * sizeof(float));
+    return values;
+}
+
+// ---- For the stages -------------------------------------------------------------------------------------------------
+
+TriangleInputs triangle_inputs(const Triangles& triangles) {
+    return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count())};
+}
+
+PointInputs point_inputs(const Points& points) {
+    PointsLayout layout{};
+    layout.first = static_cast<cl_uint>(points.layout().first);
+    layout.point_stride = static_cast<cl_uint>(points.layout().point_stride);
+    layout.coordinate_stride = static_cast<cl_uint>(points.layout().coordinate_stride);
+    layout.count = static_cast<cl_uint>(points.count());
+    layout.has_receivers = points.receivers() != nullptr;
+    layout.has_eye = points.eye().has_value();
+    if (points.eye()) std::copy(points.eye()->begin(), points.eye()->end(), layout.eye);
+    return {layout, points.positions(), points.receivers() != nullptr ? points.receivers() : points.positions()};
+}
+
+}  // namespace gnomon

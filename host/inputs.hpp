@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// A run's inputs as the kernels take them.
+#pragma once
+
+#include "../kernels/points.h"
+#include "cl/session.hpp"
+
+namespace gnomon {
+
+/// The kernels' float4.
+struct Float4 {
+    float x, y, z, w;
+};
+inline Float4 float4_of(const std::array<float, 4>& v) { return {v[0], v[1], v[2], v[3]}; }
+
+struct TriangleInputs {
+    cl_mem vertices;
+    cl_ulong first_float;
+    cl_uint count;
+};
+TriangleInputs triangle_inputs(const Triangles& triangles);
+
+struct PointInputs {
+    PointsLayout layout;
+    cl_mem positions;
+    cl_mem receivers;  ///< any buffer if there are none
+};
+PointInputs point_inputs(const Points& points);
+
+}  // namespace gnomon

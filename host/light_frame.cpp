@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "light_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon {
+namespace {
+
+LightFrame make_frame(const Light& light, const FrameGrid& grid, int axis_z, float sign_z) {
+    LightFrame frame{};
+    std::copy(light.xyzw.begin(), light.xyzw.end(), frame.light);
+    frame.axis_z = static_cast<cl_uint>(axis_z);
+    frame.axis_x = (frame.axis_z + 1) % 3;  // x, y, z stay a cyclic order: the grid's handedness is sign_z
+    frame.axis_y = (frame.axis_z + 2) % 3;
+    frame.sign_z = sign_z;
+    frame.width = frame.height = grid.size;
+    frame.bin_log2 = grid.bin_log2;
+    frame.bins_x = frame.bins_y = grid.bins();
+    return frame;
+}
+
+LightFrame parallel_frame(const Light& light, const FrameGrid& grid) {
+    const auto& d = light.xyzw;
+    int axis = 0;
+    for (int i = 1; i < 3; ++i)
+        if (std::fabs(d[i]) > std::fabs(d[axis])) axis = i;
+    LightFrame frame = make_frame(light, grid, axis, d[axis] > 0 ? 1.0f : -1.0f);
+    // Quotients in double, rounded once: within u of the real slopes (the bound in projection.h allows 4u).
+    frame.shear_x = static_cast<float>(double(d[frame.axis_x]) / double(d[axis]));
+    frame.shear_y = static_cast<float>(double(d[frame.axis_y]) / double(d[axis]));
+    return frame;
+}
+
+}  // namespace
+
+std::vector<LightFrame> light_frames(const Light& light, const FrameGrid& grid) {
+    if (light.is_directional()) return {parallel_frame(light, grid)};
+    std::vector<LightFrame> faces;
+    for (int axis = 0; axis < 3; ++axis)
+        for (float sign : {1.0f, -1.0f}) {
+            faces.push_back(make_frame(light, grid, axis, sign));
+            faces.back().perspective = 1;
+        }
+    return faces;
+}
+
+void LightFrameFit::run(cl::Session& session, const LightFrame& frame, const PointInputs& points, cl_mem visibility) {
+    const std::size_t local = session.work_group_size();
+    const auto groups = static_cast<cl_uint>(std::clamp<std::size_t>((points.layout.count + local - 1) / local, 1,
+                                                                     std::min<std::size_t>(session.many_groups(), 1024)));
+    const cl::LocalBytes shared{local * sizeof(PointBounds)};
+    group_bounds_.reserve(session, groups * sizeof(PointBounds));
+    projection_.reserve(session, sizeof(Projection));
+    session.launch("light_frame.cl", "light_frame_bounds", cl::Range::groups(groups), frame, points.layout,
+                   points.positions, visibility, group_bounds_, shared);
+    session.launch("light_frame.cl", "light_frame_fit", cl::Range::groups(1), frame, groups, group_bounds_, projection_,
+                   shared);
+}
+
+std::uint32_t LightFrameFit::read_active_points(cl::Session& session) const {
+    Projection projection;
+    session.read(projection_.get(), &projection, sizeof(projection));
+    return projection.active_points;
+}
+
+}  // namespace gnomon
