@@ -137,12 +137,10 @@ std::optional<std::uint32_t> nearest_triangle(const Bvh& bvh, const Ray& ray, Ef
     return nearest;
 }
 
-std::optional<std::array<long double, 3>> meeting_point(const Ray& ray, const Triangle& triangle, Effort& effort) {
+std::optional<std::array<long double, 3>> meeting_point(const Ray& ray, const Triangle& triangle) {
     const ParameterBounds bounds = parameter_bounds(ray, triangle);
     long double parameter = (static_cast<long double>(bounds.earliest) + bounds.latest) / 2;
-    ++effort.signs;
     if (!(bounds.latest - bounds.earliest <= 0x1p-40 * bounds.earliest)) {
-        ++effort.exact_signs;
         const Quotient exact = exact_parameter(ray, triangle);
         if (exact.denominator.is_zero()) return std::nullopt;
         parameter = exact.value();
@@ -182,7 +180,7 @@ CameraVerdict judge_pixel(const Bvh& bvh, std::span<const float> triangles, cons
     const Triangle plane = triangle_at(triangles, receiver);
     const int eye_side = side_of_point(ray.origin, plane, effort);
     verdict.is_on_side = eye_side != 0 && eye_side * side_of_point(point, plane, effort) >= 0;
-    const auto hit = meeting_point(ray, plane, effort);
+    const auto hit = meeting_point(ray, plane);
     if (hit) verdict.distance_ulp = length({point[0] - (*hit)[0], point[1] - (*hit)[1], point[2] - (*hit)[2]}) / ulp;
     verdict.is_close = hit && verdict.distance_ulp <= CAMERA_ULP;
     return verdict;

@@ -67,7 +67,7 @@ std::optional<std::uint32_t> nearest_triangle(const Bvh& bvh, const Ray& ray, Ef
 
 /// Where the ray's line meets the triangle's plane, with an error below 2^-38 of the distance from the eye; nothing if
 /// edge-on.
-std::optional<std::array<long double, 3>> meeting_point(const Ray& ray, const Triangle& triangle, Effort& effort);
+std::optional<std::array<long double, 3>> meeting_point(const Ray& ray, const Triangle& triangle);
 
 /// float32's spacing at the largest coordinate, in magnitude, of the two.
 long double ulp_at(const Float3& a, const Float3& b);

@@ -128,7 +128,7 @@ TEST_F(CheckView, FlippedVisibilityIsFound) {
     const Outcome outcome = judge();
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.count("WRONG visibility"), 1);
-    char place[32];
+    char place[64];
     std::snprintf(place, sizeof place, "(%zu,%zu)", pixel % camera.width, pixel / camera.width);
     EXPECT_NE(outcome.output.find(place), std::string::npos) << outcome.output;
 }

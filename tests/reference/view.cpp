@@ -214,7 +214,7 @@ View make_view(std::span<const float> triangles, const PinholeCamera& camera, co
             const auto receiver = nearest_triangle(bvh, ray, effort);
             if (!receiver) continue;
             const Triangle triangle = triangle_at(triangles, *receiver);
-            const Float3 point = shading_point(*meeting_point(ray, triangle, effort), triangle, camera.eye);
+            const Float3 point = shading_point(*meeting_point(ray, triangle), triangle, camera.eye);
             const Vector normal = normal_towards(triangle, camera.eye);
             view.receiver[i] = *receiver;
             for (int k = 0; k < 3; ++k) {
