@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The built-in scene: a horizontal sundial for latitude 50 degrees north on a fluted pedestal, in a round paved court.
-// +X east, +Y up, -Z north, metres. The sun stands where it would at half past two in May, so the style's shadow falls
-// half-way between the second and the third afternoon hour line: tan(line) = sin(latitude) tan(hour angle).
-// Every solid is a loft (rings of points, joined by quads and closed by caps), wound outwards, and closed also after
-// rounding: a shared point is rounded from the same double. Solids stand a little in one another instead of touching,
-// so no two faces are coplanar.
+// +X east, +Y up, -Z north, metres. The sun stands where it would at half past three in May, so the style's shadow
+// falls between the third and the fourth afternoon hour line: tan(line) = sin(latitude) tan(hour angle). Every solid is
+// a loft (rings of points, joined by quads and closed by caps), wound outwards, and closed also after rounding: a
+// shared point is rounded from the same double. Solids stand a little in one another instead of touching, so no two
+// faces are coplanar.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -19,7 +19,7 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double degree = pi / 180;
 constexpr double latitude = 50 * degree;
 constexpr double declination = 19 * degree;
-constexpr double hour_angle = 37.5 * degree;  // half past two
+constexpr double hour_angle = 52.5 * degree;  // half past three
 
 // ---- Building solids ------------------------------------------------------------------------------------------------
 
@@ -233,7 +233,7 @@ void paving(Mason& mason) {
 
 /// A low wall of two courses around the north, with coping stones.
 void wall(Mason& mason) {
-    constexpr double from = 112 * degree, to = 248 * degree, inner = 5.55, outer = 5.95;
+    constexpr double from = 114 * degree, to = 246 * degree, inner = 5.55, outer = 5.95;
     const auto course = [&](int blocks, double shift, double in, double out, double bottom, double top,
                             std::uint32_t seed) {
         for (int i = 0; i < blocks; ++i) {
@@ -252,7 +252,7 @@ void wall(Mason& mason) {
 
 void bollards(Mason& mason) {
     for (int i = 0; i < 14; ++i) {
-        const double angle = (-100 + 200.0 * i / 13) * degree;
+        const double angle = (-104 + 208.0 * i / 13) * degree;
         const Axis axis{5.2 * std::sin(angle), 5.2 * std::cos(angle), 24};
         turn(mason, limestone, axis,
              {{0.17, -0.1},
@@ -274,8 +274,8 @@ void obelisk(Mason& mason, double x, double z) {
     };
     mason.prism(limestone, {square(0.50, -0.1), square(0.50, 0.16), square(0.48, 0.18)});
     mason.prism(marble, {square(0.38, 0.17), square(0.38, 0.52), square(0.34, 0.56), square(0.30, 0.58)});
-    mason.prism(sandstone, {square(0.24, 0.57), square(0.15, 2.55), square(0.03, 2.75)});
-    sphere(mason, gold, {x, z, 32}, 2.86, 0.13);
+    mason.prism(sandstone, {square(0.24, 0.57), square(0.15, 1.70), square(0.03, 1.86)});
+    sphere(mason, gold, {x, z, 32}, 1.95, 0.12);
 }
 
 // ---- The dial -------------------------------------------------------------------------------------------------------
@@ -385,12 +385,12 @@ Scene sundial() {
     paving(mason);
     wall(mason);
     bollards(mason);
-    obelisk(mason, -3.1, -3.4);
+    obelisk(mason, -4.1, -0.55);
     pedestal(mason);
     plate(mason);
     hour_lines(mason);
     blade(mason);
-    scene.cameras.push_back({"default", Camera::look_at({2.0f, 2.75f, 2.3f}, {-0.1f, 0.95f, -0.25f}, {0, 1, 0}, 40)});
+    scene.cameras.push_back({"default", Camera::look_at({2.45f, 2.95f, 1.75f}, {-0.3f, 1.0f, -0.3f}, {0, 1, 0}, 45)});
     const Double3 sun = toward_sun();
     scene.lights.push_back({"sun", "directional", Light::directional(rounded({-sun[0], -sun[1], -sun[2]}))});
     return scene;
