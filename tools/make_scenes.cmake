@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: MIT
+# The scene maker, as build/tools/make_scenes. It needs CLI11 and nlohmann-json, and nothing of gnomon itself.
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+
+add_executable(gnomon_make_scenes
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/city.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/colonnade.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/edge_scenes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/foliage.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/glb.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/pipes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/recipes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/shapes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/small_scenes.cpp
+)
+target_link_libraries(gnomon_make_scenes PRIVATE gnomon_build_flags CLI11::CLI11 nlohmann_json::nlohmann_json)
+set_target_properties(gnomon_make_scenes PROPERTIES OUTPUT_NAME make_scenes)
