@@ -167,6 +167,16 @@ TEST(Contract, FarEndsOfFloat) {
     EXPECT_FALSE(in_shadow(huge, {0, 1, 0}));
 }
 
+/// The light is off the plane through point and edge by 2^-60, far below what the filter can tell beside terms of 1.
+TEST(Contract, LightFinerThanEverythingElse) {
+    const std::vector<float> roof{-1, 1, -1, 1, 1, 1, 1, 1, -1};
+    EXPECT_TRUE(in_shadow(roof, {0, 0, 0}, {0, 2, 0, 1}));
+    EXPECT_TRUE(in_shadow(roof, {0, 0, 0}, {0x1p-60f, 2, 0, 1}));
+    EXPECT_FALSE(in_shadow(roof, {0, 0, 0}, {-0x1p-60f, 2, 0, 1}));
+    EXPECT_TRUE(in_shadow(roof, {0, 0, 0}, {0x1p-60f, 2, 0, 0}));
+    EXPECT_FALSE(in_shadow(roof, {0, 0, 0}, {-0x1p-60f, 2, 0, 0}));
+}
+
 TEST(Contract, TiesFarFromTheOrigin) {
     const float far = 1e6f, step = std::nextafter(far, 2e6f) - far;
     const std::vector<float> roof{far, far, far, far + 8 * step, far, far, far, far, far + 8 * step};
@@ -267,6 +277,32 @@ TEST_P(RandomScenes, NearestTriangleIsTheBruteForces) {
     EXPECT_GT(hits, 5);
 }
 
+TEST_P(RandomScenes, ParameterBoundsHoldTheExactParameter) {
+    const TestScene& scene = GetParam();
+    Random random(78);
+    int ahead = 0;
+    for (std::size_t id = 0; id < scene.triangles.size() / 9; ++id) {
+        const Triangle triangle = triangle_at(scene.triangles, id);
+        // Nearly along an edge from a point nearly in the plane: numerator and denominator both cancel.
+        const Float3 origin = point_at(scene.points, random.below(static_cast<std::uint32_t>(scene.points.size() / 3)));
+        std::array<std::int64_t, 3> direction;
+        int largest = FINEST_EXPONENT;
+        for (std::size_t k = 0; k < 3; ++k)
+            largest = std::max(largest, std::ilogb(double(triangle[1][k]) - triangle[0][k]));
+        for (std::size_t k = 0; k < 3; ++k)
+            direction[k] = std::llrint(std::ldexp(double(triangle[1][k]) - triangle[0][k], 59 - largest)) +
+                           std::int64_t(random.below(1u << (random.below(31) + 1)));
+        const Ray ray = Ray::through_pixel(origin, direction);
+        const Quotient exact = exact_parameter(ray, triangle);
+        if (exact.denominator.is_zero() || exact.numerator.sign() < 0) continue;
+        ++ahead;
+        const ParameterBounds bounds = parameter_bounds(ray, triangle);
+        EXPECT_LE(bounds.earliest, exact.value());
+        EXPECT_GE(bounds.latest, exact.value());
+    }
+    EXPECT_GT(ahead, 10);
+}
+
 class ViewsOfRandomScenes : public testing::TestWithParam<TestScene> {};
 
 TEST_P(ViewsOfRandomScenes, KeepEveryPromise) {
@@ -311,6 +347,25 @@ TEST(Bvh, CoincidentTrianglesAndManyOfThem) {
         const Float3 below{std::ldexp(1.0f, i), 0, 0}, beside{std::ldexp(1.5f, i), 0, 0};
         EXPECT_EQ(shadowed(doubling, below, {}, FROM_ABOVE).at(0), 1);
         EXPECT_EQ(shadowed(doubling, beside, {}, FROM_ABOVE).at(0), 0);
+    }
+}
+
+/// Rays that meet a triangle's box in one corner alone, where a vertex is: on one axis the ray enters exactly when it
+/// leaves on another, and only the slack of the box test keeps the box.
+TEST(Bvh, BoxesMetInOneCornerAreKept) {
+    Random random(5);
+    for (int i = 0; i < 2000; ++i) {
+        Float3 direction, vertex;
+        const float steps = float(1 + random.below(2000));
+        for (int k = 0; k < 3; ++k) {
+            direction[k] = float(1 + random.below(4000));
+            vertex[k] = steps * direction[k];  // below 2^24: exact
+        }
+        const std::vector<float> triangle{vertex[0],     vertex[1],     vertex[2],  //
+                                          vertex[0] + 1, vertex[1] - 1, vertex[2],  //
+                                          vertex[0] + 1, vertex[1] - 2, vertex[2] + 1};
+        const Light light{direction[0], direction[1], direction[2], 0};
+        ASSERT_TRUE(in_shadow(triangle, {0, 0, 0}, light)) << steps << ": " << direction[0] << ' ' << direction[1];
     }
 }
 
