@@ -145,7 +145,7 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
               });
     add_value(app, group, "--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
               set("conservative-map"));
-    add_value(app, group, "--map-size", "N", "Short for --set map-size=N", set("map-size"));
+    add_value(app, group, "--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));
 }
 
 void add_device_options(CLI::App& app, RenderOptions& options) {

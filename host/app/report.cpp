@@ -101,9 +101,13 @@ void add_fact(std::ostream& out, const std::string& label, const std::string& te
     out << std::left << std::setw(9) << label << text << '\n';
 }
 
+/// "  name   device ms   wall ms" for each stage of a part, under its heading.
 void add_stages(std::ostream& out, const std::string& part, const Statistics& statistics, bool profiled) {
+    out << std::left << std::setw(30) << part << std::right;
+    if (profiled) out << std::setw(12) << "device ms";
+    out << std::setw(12) << "wall ms" << '\n';
     for (const StageStatistics& stage : statistics.stages) {
-        out << "  " << std::left << std::setw(36) << part + ": " + stage.name << std::right;
+        out << "  " << std::left << std::setw(28) << stage.name << std::right;
         if (!stage.skipped.empty()) {
             out << "  skipped: " << stage.skipped << '\n';
             continue;
@@ -113,22 +117,21 @@ void add_stages(std::ostream& out, const std::string& part, const Statistics& st
     }
 }
 
-void add_stage_table(std::ostream& out, const Report& report) {
-    const bool profiled = report.options.statistics.has_value();
-    out << "  " << std::left << std::setw(36) << "stage" << std::right;
-    if (profiled) out << std::setw(12) << "device ms";
-    out << std::setw(12) << "wall ms" << '\n';
-    add_stages(out, "camera", report.camera_statistics, profiled);
-    add_stages(out, "shadow", report.shadow_statistics, profiled);
-}
-
+/// All counts but zeros, as running text in lines that fit a terminal.
 void add_counts(std::ostream& out, const Statistics& statistics) {
+    constexpr std::size_t line_length = 100;
+    std::string line;
     for (const auto& [name, count] : statistics.counts) {
         if (count == 0) continue;
-        std::string words = name;
-        std::replace(words.begin(), words.end(), '_', ' ');
-        out << "  " << std::left << std::setw(36) << words << std::right << std::setw(12) << grouped(count) << '\n';
+        std::string item = name + " " + grouped(count);
+        std::replace(item.begin(), item.end(), '_', ' ');
+        if (!line.empty() && line.size() + item.size() > line_length) {
+            out << "  " << line << '\n';
+            line.clear();
+        }
+        line += (line.empty() ? "" : " | ") + item;
     }
+    if (!line.empty()) out << "  " << line << '\n';
 }
 
 std::string shares_text(const Shares& shares) {
@@ -196,11 +199,13 @@ std::string summary(const Report& report) {
         out, "camera",
         report.camera.source + ", " + std::to_string(options.size.width) + "x" + std::to_string(options.size.height));
     add_fact(out, "light", light_option(report.light.light) + " (" + report.light.source + ")");
-    out << '\n';
-    add_stage_table(out, report);
-    out << '\n';
-    add_counts(out, report.camera_statistics);
-    add_counts(out, report.shadow_statistics);
+    const bool profiled = options.statistics.has_value();
+    for (const auto& [part, statistics] :
+         {std::pair{"camera", &report.camera_statistics}, std::pair{"shadow", &report.shadow_statistics}}) {
+        out << '\n';
+        add_stages(out, part, *statistics, profiled);
+        add_counts(out, *statistics);
+    }
     out << '\n';
     add_fact(out, "result", shares_text(report.shares));
     add_fact(out, "memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
