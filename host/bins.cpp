@@ -9,17 +9,17 @@ namespace {
 constexpr cl_uint splits = 16;
 }  // namespace
 
-void Bins::pass(cl::Session& session, const cl::Buffer& projection, const TriangleSetup& setup, const cl::Buffer* farthest,
-                const cl::Buffer& counters, std::uint32_t fill) {
+void Bins::pass(cl::Session& session, const cl::Buffer& projection, const TriangleSetup& setup,
+                const cl::Buffer* farthest, const cl::Buffer& counters, std::uint32_t fill) {
     const cl_uint has_heights = farthest != nullptr;
     const cl::Buffer& heights = farthest != nullptr ? *farthest : cursors_;
-    session.launch("bins.cl", "bins_small", cl::Range::items(setup.capacity()), projection, setup.capacity(), has_heights,
-                   fill, capacity_, setup.records(), setup.record_bins(), heights, offsets_, cursors_, references_,
-                   counters);
-    const std::size_t groups = (session.many_groups() + splits - 1) / splits * splits;
-    session.launch("bins.cl", "bins_large", cl::Range::groups(groups), projection, setup.capacity(), splits, has_heights,
-                   fill, capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_, cursors_,
+    session.launch("bins.cl", "bins_small", cl::Range::items(setup.capacity()), projection, setup.capacity(),
+                   has_heights, fill, capacity_, setup.records(), setup.record_bins(), heights, offsets_, cursors_,
                    references_, counters);
+    const std::size_t groups = (session.many_groups() + splits - 1) / splits * splits;
+    session.launch("bins.cl", "bins_large", cl::Range::groups(groups), projection, setup.capacity(), splits,
+                   has_heights, fill, capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_,
+                   cursors_, references_, counters);
 }
 
 void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t bin_count, const TriangleSetup& setup,
@@ -46,7 +46,8 @@ bool Bins::fitted(cl::Session& session, const FrameCounters& counted) {
                                 CL_MEM_OBJECT_ALLOCATION_FAILURE);
     capacity_ = 0;
     // A quarter more than asked, so that a slowly changing scene does not grow every frame.
-    const std::size_t wanted = std::min<std::size_t>(counted.references + std::size_t(counted.references) / 4, 0xFFFFFFFEu);
+    const std::size_t wanted =
+        std::min<std::size_t>(counted.references + std::size_t(counted.references) / 4, 0xFFFFFFFEu);
     references_.reserve(session, wanted * sizeof(cl_uint));
     capacity_ = static_cast<std::uint32_t>(wanted);
     return false;

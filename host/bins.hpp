@@ -24,8 +24,8 @@ public:
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
-    void pass(cl::Session& session, const cl::Buffer& projection, const TriangleSetup& setup, const cl::Buffer* farthest,
-              const cl::Buffer& counters, std::uint32_t fill);
+    void pass(cl::Session& session, const cl::Buffer& projection, const TriangleSetup& setup,
+              const cl::Buffer* farthest, const cl::Buffer& counters, std::uint32_t fill);
 
     Scan scan_;
     cl::Buffer cursors_, offsets_, references_;

@@ -12,8 +12,9 @@ namespace {
 
 using Double3 = std::array<double, 3>;
 
-// A double as the sum of two floats, to 48 bits. The volatile is needed: g++ 12 at -O2 and above vectorizes the loop and
-// drops the rounding of double(float(v)), so that `low` became 0 (seen here: two pixels of Sponza moved by 600 ulp).
+// A double as the sum of two floats, to 48 bits. The volatile is needed: g++ 12 at -O2 and above vectorizes the loop
+// and drops the rounding of double(float(v)), so that `low` became 0 (seen here: two pixels of Sponza moved by 600
+// ulp).
 void append_split(std::vector<float>& rays, const Double3& v) {
     std::array<float, 3> high, low;
     for (int i = 0; i < 3; ++i) {
@@ -63,9 +64,9 @@ void run_visibility(cl::Session& session, const TriangleInputs& triangles, const
         {
             cl::StageTimer timer(session, statistics, "camera_visibility");
             session.launch("camera.cl", "camera_visibility", cl::Range::items(pixels / session.lanes() + 1), projection,
-                           triangles.first_float, lists.setup.capacity(), lists.bins.capacity(), triangles.vertices, rays,
-                           lists.setup.records(), lists.setup.ids(), lists.bins.offsets(), lists.bins.references(),
-                           counters, visible);
+                           triangles.first_float, lists.setup.capacity(), lists.bins.capacity(), triangles.vertices,
+                           rays, lists.setup.records(), lists.setup.ids(), lists.bins.offsets(),
+                           lists.bins.references(), counters, visible);
         }
         session.read(counters.get(), &counted, sizeof(counted));
         // Both are asked, so that both grow at once.
@@ -99,8 +100,8 @@ CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint3
     const Double3& r = camera.right;
     const Double3& u = camera.up;
     const Double3& f = camera.forward;
-    const double determinant = f[0] * (r[1] * u[2] - r[2] * u[1]) + f[1] * (r[2] * u[0] - r[0] * u[2]) +
-                               f[2] * (r[0] * u[1] - r[1] * u[0]);
+    const double determinant =
+        f[0] * (r[1] * u[2] - r[2] * u[1]) + f[1] * (r[2] * u[0] - r[0] * u[2]) + f[2] * (r[0] * u[1] - r[1] * u[0]);
     p.handedness = determinant > 0 ? -1.0f : 1.0f;  // the rows hold -up
     p.width = width;
     p.height = height;
@@ -154,8 +155,8 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     {
         cl::StageTimer timer(session, view.statistics, "camera_points");
         session.launch("camera.cl", "camera_points", cl::Range::items(pixels), width, height,
-                       Float4{camera.eye[0], camera.eye[1], camera.eye[2], 0.0f}, inputs.first_float, inputs.vertices, rays,
-                       visible, positions);
+                       Float4{camera.eye[0], camera.eye[1], camera.eye[2], 0.0f}, inputs.first_float, inputs.vertices,
+                       rays, visible, positions);
     }
     view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, visible.get());
     view.points.set_eye(camera.eye);
@@ -211,7 +212,8 @@ std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles
                                 const Visibility& visibility, const Materials& materials, const Light& light) {
     cl::Session& session = device.session();
     const std::size_t pixels = view.points.count();
-    if (visibility.count() < pixels) throw InvalidArgument("the visibility buffer has fewer entries than the view has pixels");
+    if (visibility.count() < pixels)
+        throw InvalidArgument("the visibility buffer has fewer entries than the view has pixels");
     if (materials.triangle_material.size() != triangles.count())
         throw InvalidArgument("there are " + std::to_string(materials.triangle_material.size()) + " material ids for " +
                               std::to_string(triangles.count()) + " triangles");
@@ -228,8 +230,9 @@ std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles
     const cl::Buffer normals = normals_of(device, triangles, view);
     const PointInputs points = point_inputs(view.points);
     cl::Buffer picture(session, pixels * 4);
-    session.launch("shade.cl", "shade", cl::Range::items(pixels), points.layout, float4_of(light.xyzw), points.positions,
-                   points.receivers, normals, visibility.buffer(), ids, colors, table_buffer, picture);
+    session.launch("shade.cl", "shade", cl::Range::items(pixels), points.layout, float4_of(light.xyzw),
+                   points.positions, points.receivers, normals, visibility.buffer(), ids, colors, table_buffer,
+                   picture);
     std::vector<std::uint8_t> rgba(pixels * 4);
     session.read(picture.get(), rgba.data(), rgba.size());
     return rgba;

@@ -124,8 +124,8 @@ FrameCounters FrustumTraced::run_frame_once(Run& run, const LightFrame& frame) {
     }
     {
         cl::StageTimer timer(session, statistics, "izb");
-        izb_.run(session, frame, run.triangles, run.points, projection, with_map ? &map_.map() : nullptr, run.visibility,
-                 counters_);
+        izb_.run(session, frame, run.triangles, run.points, projection, with_map ? &map_.map() : nullptr,
+                 run.visibility, counters_);
     }
     {
         cl::StageTimer timer(session, statistics, "bins");
@@ -206,7 +206,8 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                 {"points_listed", t.listed},
                 {"points_decided_by_trace", t.decided_by_trace},
                 {"points_decided_by_exact", t.decided_by_exact},
-                {"points_in_shadow", std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace + t.decided_by_exact},
+                {"points_in_shadow",
+                 std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace + t.decided_by_exact},
                 {"triangles", triangles.count()},
                 {"frames", run.frames},
                 {"triangles_not_finite", t.not_finite},
@@ -224,27 +225,38 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                 {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
                 {"lists_grown", run.grown}};
     s.device_memory_bytes = session.peak_memory_bytes() - std::min(before, session.peak_memory_bytes());
-    s.device_memory_bytes = std::max(s.device_memory_bytes, session.memory_bytes() - std::min(before, session.memory_bytes()));
+    s.device_memory_bytes =
+        std::max(s.device_memory_bytes, session.memory_bytes() - std::min(before, session.memory_bytes()));
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
 }
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {
     if (name == "conservative-map") {
-        if (value == "auto") map_mode_ = MapMode::automatic;
-        else if (value == "on") map_mode_ = MapMode::on;
-        else if (value == "off") map_mode_ = MapMode::off;
-        else throw InvalidArgument("conservative-map is on, off or auto, not \"" + std::string(value) + "\"");
+        if (value == "auto")
+            map_mode_ = MapMode::automatic;
+        else if (value == "on")
+            map_mode_ = MapMode::on;
+        else if (value == "off")
+            map_mode_ = MapMode::off;
+        else
+            throw InvalidArgument("conservative-map is on, off or auto, not \"" + std::string(value) + "\"");
     } else if (name == "cover-test") {
-        if (value == "tight") cover_test_ = CoverTest::tight;
-        else if (value == "circle") cover_test_ = CoverTest::circle;
-        else throw InvalidArgument("cover-test is tight or circle, not \"" + std::string(value) + "\"");
+        if (value == "tight")
+            cover_test_ = CoverTest::tight;
+        else if (value == "circle")
+            cover_test_ = CoverTest::circle;
+        else
+            throw InvalidArgument("cover-test is tight or circle, not \"" + std::string(value) + "\"");
     } else if (name == "map-size") {
         std::uint32_t size = 0;
         const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), size);
-        if (value == "auto") size = 0;
-        else if (error != std::errc() || end != value.data() + value.size() || size < smallest_map || size > largest_map)
-            throw InvalidArgument("map-size is auto or a whole number of texels from 16 to 8192, not \"" + std::string(value) + "\"");
+        if (value == "auto")
+            size = 0;
+        else if (error != std::errc() || end != value.data() + value.size() || size < smallest_map ||
+                 size > largest_map)
+            throw InvalidArgument("map-size is auto or a whole number of texels from 16 to 8192, not \"" +
+                                  std::string(value) + "\"");
         map_size_ = size;
     } else if (name == "first-capacity") {
         std::uint32_t capacity = 0;
@@ -264,8 +276,10 @@ TechniqueDescription FrustumTraced::describe() {
     return {"frustum-traced",
             "exact hard shadows: frustum tracing over an irregular z-buffer, with a conservative map",
             true,
-            {{"conservative-map", "auto", "on, off or auto: decide points behind triangles that cover a whole texel at once"},
-             {"cover-test", "tight", "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+            {{"conservative-map", "auto",
+              "on, off or auto: decide points behind triangles that cover a whole texel at once"},
+             {"cover-test", "tight",
+              "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
              {"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
              {"first-capacity", "262144", "entries that growing lists start with, from 1: for tests"}}};
 }

@@ -41,7 +41,8 @@ struct Registered {
 
 template <typename T>
 Registered entry() {
-    return {T::describe(), [](const Device& device) -> std::unique_ptr<Technique> { return std::make_unique<T>(device); }};
+    return {T::describe(),
+            [](const Device& device) -> std::unique_ptr<Technique> { return std::make_unique<T>(device); }};
 }
 
 std::vector<Registered> registered() {

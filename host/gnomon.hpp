@@ -101,9 +101,9 @@ struct DeviceDescription {
     std::uint64_t global_memory_bytes = 0;
     std::uint64_t largest_allocation_bytes = 0;
     bool has_fp64 = false;
-    std::string lacks;       ///< empty if the device can be used, else what it lacks
-    bool is_default = false; ///< the one a Device without a selector opens
-    std::string why_default; ///< for the default: the rule that chose it
+    std::string lacks;        ///< empty if the device can be used, else what it lacks
+    bool is_default = false;  ///< the one a Device without a selector opens
+    std::string why_default;  ///< for the default: the rule that chose it
 };
 
 /// All devices of all platforms; empty if there is no OpenCL at all. Never throws for a broken driver: a platform that
@@ -281,8 +281,8 @@ struct Camera {
 class View {
 public:
     std::uint32_t width = 0, height = 0;
-    Points points;           ///< width * height; absent (NaN) where the sky is seen
-    Statistics statistics;   ///< of the camera stages
+    Points points;          ///< width * height; absent (NaN) where the sky is seen
+    Statistics statistics;  ///< of the camera stages
 };
 
 /// Runs the camera stages: visibility buffer, then shading points, lifted off their receiver by a proven bound.

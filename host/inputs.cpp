@@ -72,7 +72,8 @@ cl_mem Triangles::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
 
 // ---- Points ---------------------------------------------------------------------------------------------------------
 
-Points Points::upload(const Device& device, std::span<const float> positions, std::span<const std::uint32_t> receivers) {
+Points Points::upload(const Device& device, std::span<const float> positions,
+                      std::span<const std::uint32_t> receivers) {
     if (positions.size() % 3 != 0)
         throw InvalidArgument("points take 3 floats each, and " + std::to_string(positions.size()) + " were given");
     require_count(positions.size() / 3, "points");
@@ -95,7 +96,8 @@ Points Points::wrap(const Device&, cl_mem positions, const PointLayout& layout, 
     points.layout_ = layout;
     points.positions_ = retained(positions, "point");
     if (count != 0)
-        require_floats(positions, layout.first + (count - 1) * layout.point_stride + 2 * layout.coordinate_stride + 1, "point");
+        require_floats(positions, layout.first + (count - 1) * layout.point_stride + 2 * layout.coordinate_stride + 1,
+                       "point");
     if (receivers != nullptr) {
         points.receivers_ = retained(receivers, "receiver");
         require_floats(receivers, count, "receiver");
@@ -109,7 +111,8 @@ cl_mem Points::receivers() const { return static_cast<cl_mem>(receivers_.get());
 // ---- Visibility -----------------------------------------------------------------------------------------------------
 
 Visibility::Visibility(const Device& device, std::size_t count) : device_(device), count_(count) {
-    auto owned = std::make_shared<OwnedBuffer>(OwnedBuffer{device, cl::Buffer(device.session(), count * sizeof(float))});
+    auto owned =
+        std::make_shared<OwnedBuffer>(OwnedBuffer{device, cl::Buffer(device.session(), count * sizeof(float))});
     buffer_ = {owned, owned->buffer.get()};
 }
 

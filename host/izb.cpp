@@ -21,9 +21,9 @@ void Izb::run(cl::Session& session, const LightFrame& frame, const TriangleInput
     session.fill(cursors_, 0, bin_bytes);
     session.fill(farthest_, 0xFFFFFFFFu, bin_bytes);
     const cl_uint has_map = map != nullptr;
-    session.launch("izb.cl", "izb_count", cl::Range::items(points.layout.count), frame, points.layout, projection, has_map,
-                   triangles.first_float, triangles.count, points.positions, points.receivers, triangles.vertices,
-                   map != nullptr ? *map : cursors_, visibility, cursors_, farthest_, counters);
+    session.launch("izb.cl", "izb_count", cl::Range::items(points.layout.count), frame, points.layout, projection,
+                   has_map, triangles.first_float, triangles.count, points.positions, points.receivers,
+                   triangles.vertices, map != nullptr ? *map : cursors_, visibility, cursors_, farthest_, counters);
     scan_.run(session, bin_count, session.lanes(), cursors_, offsets_);
     session.fill(cursors_, 0, bin_bytes);
     if (session.lanes() > 1) session.fill(order_, GN_NO_ID, slots * sizeof(cl_uint));

@@ -47,8 +47,8 @@ std::vector<LightFrame> light_frames(const Light& light, const FrameGrid& grid) 
 
 void LightFrameFit::run(cl::Session& session, const LightFrame& frame, const PointInputs& points, cl_mem visibility) {
     const std::size_t local = session.work_group_size();
-    const auto groups = static_cast<cl_uint>(std::clamp<std::size_t>((points.layout.count + local - 1) / local, 1,
-                                                                     std::min<std::size_t>(session.many_groups(), 1024)));
+    const auto groups = static_cast<cl_uint>(std::clamp<std::size_t>(
+        (points.layout.count + local - 1) / local, 1, std::min<std::size_t>(session.many_groups(), 1024)));
     const cl::LocalBytes shared{local * sizeof(PointBounds)};
     group_bounds_.reserve(session, groups * sizeof(PointBounds));
     projection_.reserve(session, sizeof(Projection));

@@ -26,7 +26,7 @@ private:
     std::uint32_t capacity_ = 0, first_capacity_ = initial_capacity;
 };
 
-void run_exact_trace(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points, const Light& light,
-                     const Trace& trace, cl_mem visibility, const cl::Buffer& counters);
+void run_exact_trace(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points,
+                     const Light& light, const Trace& trace, cl_mem visibility, const cl::Buffer& counters);
 
 }  // namespace gnomon

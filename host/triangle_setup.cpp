@@ -21,9 +21,9 @@ void TriangleSetup::run(cl::Session& session, const cl::Buffer& projection, cons
                         const cl::Buffer* pyramid, const cl::Buffer& counters) {
     reserve(session, std::min(triangles.count, first_capacity_));
     const cl_uint has_pyramid = pyramid != nullptr;
-    session.launch("triangle_setup.cl", "triangle_setup", cl::Range::items(triangles.count), projection, triangles.count,
-                   triangles.first_float, capacity_, has_pyramid, triangles.vertices, pyramid ? *pyramid : ids_, records_,
-                   ids_, record_bins_, large_, map_candidates_, counters);
+    session.launch("triangle_setup.cl", "triangle_setup", cl::Range::items(triangles.count), projection,
+                   triangles.count, triangles.first_float, capacity_, has_pyramid, triangles.vertices,
+                   pyramid ? *pyramid : ids_, records_, ids_, record_bins_, large_, map_candidates_, counters);
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {

@@ -11,8 +11,8 @@ class TriangleSetup {
 public:
     /// Fills records(), ids(), record_bins(), large() and map_candidates(), and their counts in `counters`. `pyramid`
     /// (farthest_height) may be null: then nothing is dropped for being too far.
-    void run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles, const cl::Buffer* pyramid,
-             const cl::Buffer& counters);
+    void run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+             const cl::Buffer* pyramid, const cl::Buffer& counters);
     /// True if all survivors fitted; else grows, and the run must be repeated.
     bool fitted(cl::Session& session, const FrameCounters& counted);
 

@@ -117,9 +117,10 @@ DeviceDescription select_device(std::string_view selector) {
         }
     const std::string part = lowered(wanted);
     for (const DeviceDescription& device : all) {
-        const bool fits = wanted.empty() ? device.is_default
-                                         : device.selector == wanted || lowered(device.name).find(part) != std::string::npos ||
-                                               lowered(device.platform).find(part) != std::string::npos;
+        const bool fits = wanted.empty()
+                              ? device.is_default
+                              : device.selector == wanted || lowered(device.name).find(part) != std::string::npos ||
+                                    lowered(device.platform).find(part) != std::string::npos;
         if (!fits) continue;
         if (!device.lacks.empty())
             throw DeviceNotFound("the device " + device.name + " cannot be used: it lacks " + device.lacks);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Programs: one per kernel file, its headers pasted in with #line so that a compiler error names the true file and line;
-// compiled when first used, and kept on disk as binaries where the platform has no cache of its own.
+// Programs: one per kernel file, its headers pasted in with #line so that a compiler error names the true file and
+// line; compiled when first used, and kept on disk as binaries where the platform has no cache of its own.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -29,15 +29,15 @@ std::string text_of(const std::string& file) {
 }
 
 // Pastes each header where it is first included.
-void paste(const std::string& file, std::set<std::string>& pasted, std::string& out) {
-    std::istringstream lines(text_of(file));
+void paste(const std::string& file, const std::string& text, std::set<std::string>& pasted, std::string& out) {
+    std::istringstream lines(text);
     out += "#line 1 \"kernels/" + file + "\"\n";
     std::string line;
     for (int number = 1; std::getline(lines, line); ++number) {
         constexpr std::string_view include = "#include \"";
         if (line.starts_with(include)) {
             const std::string header = line.substr(include.size(), line.find('"', include.size()) - include.size());
-            if (pasted.insert(header).second) paste(header, pasted, out);
+            if (pasted.insert(header).second) paste(header, text_of(header), pasted, out);
             out += "#line " + std::to_string(number + 1) + " \"kernels/" + file + "\"\n";
         } else {
             out += line + '\n';
@@ -53,7 +53,8 @@ std::string hash_of(const std::string& text) {
         b = (b ^ c) * 1099511628211ull + 0x9E3779B97F4A7C15ull;
     }
     char name[40];
-    std::snprintf(name, sizeof(name), "%016llx%016llx", static_cast<unsigned long long>(a), static_cast<unsigned long long>(b));
+    std::snprintf(name, sizeof(name), "%016llx%016llx", static_cast<unsigned long long>(a),
+                  static_cast<unsigned long long>(b));
     return name;
 }
 
@@ -79,10 +80,11 @@ std::string build_log(cl_program program, cl_device_id device) {
 
 }  // namespace
 
-std::string kernel_source(const std::string& file) {
+std::string Session::source_of(const std::string& file) const {
+    const auto added = added_sources_.find(file);
     std::set<std::string> pasted;
     std::string source;
-    paste(file, pasted, source);
+    paste(file, added != added_sources_.end() ? added->second : text_of(file), pasted, source);
     return source;
 }
 
@@ -94,8 +96,8 @@ std::string Session::build_options() const {
     clGetDeviceInfo(description_.device_id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof(config), &config, nullptr);
     if (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) options += " -cl-fp32-correctly-rounded-divide-sqrt";
     if (const char* extra = std::getenv("GNOMON_BUILD_OPTIONS")) {
-        for (const char* relaxing : {"fast-relaxed-math", "unsafe-math", "finite-math-only", "no-signed-zeros", "mad-enable",
-                                     "denorms-are-zero"})
+        for (const char* relaxing : {"fast-relaxed-math", "unsafe-math", "finite-math-only", "no-signed-zeros",
+                                     "mad-enable", "denorms-are-zero"})
             if (std::string_view(extra).find(relaxing) != std::string_view::npos)
                 throw InvalidArgument(std::string("GNOMON_BUILD_OPTIONS asks for -cl-") + relaxing +
                                       ", under which no answer could be exact: remove it");
@@ -128,7 +130,8 @@ cl_program Session::load_cached(const std::string& key) {
 
 void Session::store_cached(const std::string& key, cl_program program) {
     std::size_t size = 0;
-    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, nullptr) != CL_SUCCESS || size == 0) return;
+    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof(size), &size, nullptr) != CL_SUCCESS || size == 0)
+        return;
     std::string binary(size, '\0');
     auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
     if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(bytes), &bytes, nullptr) != CL_SUCCESS) return;
@@ -137,7 +140,8 @@ void Session::store_cached(const std::string& key, cl_program program) {
     const std::filesystem::path directory = cache_directory();
     if (directory.empty()) return;
     std::filesystem::create_directories(directory, ignored);
-    const std::filesystem::path temporary = directory / (key + ".part" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
+    const std::filesystem::path temporary =
+        directory / (key + ".part" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
     {
         std::ofstream stream(temporary, std::ios::binary);
         stream.write(binary.data(), std::streamsize(binary.size()));
@@ -165,7 +169,7 @@ cl_program Session::build(const std::string& file, const std::string& source) {
 
 cl_program Session::program_of(const std::string& file) {
     if (auto found = programs_.find(file); found != programs_.end()) return found->second;
-    const std::string source = kernel_source(file);
+    const std::string source = source_of(file);
     const std::string key = caches_binaries_ ? cache_key(source) : "";
     cl_program program = caches_binaries_ ? load_cached(key) : nullptr;
     if (program == nullptr) {

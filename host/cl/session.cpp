@@ -69,11 +69,12 @@ void Session::deallocate(cl_mem memory, std::size_t bytes) noexcept {
 
 Session::Session(const DeviceDescription& description, const DeviceOptions& options) : description_(description) {
     cl_int code;
-    const cl_context_properties properties[] = {
-        CL_CONTEXT_PLATFORM, reinterpret_cast<cl_context_properties>(description.platform_id), 0};
+    const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
+                                                reinterpret_cast<cl_context_properties>(description.platform_id), 0};
     context_ = clCreateContext(properties, 1, &description_.device_id, nullptr, nullptr, &code);
     check(code, "opening device " + description.name);
-    queue_ = clCreateCommandQueue(context_, description_.device_id, options.profile ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
+    queue_ =
+        clCreateCommandQueue(context_, description_.device_id, options.profile ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
     if (code != CL_SUCCESS) clReleaseContext(context_);
     check(code, "making a command queue on " + description.name);
     configure(options);
@@ -82,7 +83,8 @@ Session::Session(const DeviceDescription& description, const DeviceOptions& opti
 Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions& options) {
     if (context == nullptr || queue == nullptr) throw InvalidArgument("the OpenCL context and queue must not be null");
     cl_device_id device = nullptr;
-    check(clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof(device), &device, nullptr), "asking the queue for its device");
+    check(clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof(device), &device, nullptr),
+          "asking the queue for its device");
     cl_command_queue_properties properties = 0;
     check(clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof(properties), &properties, nullptr),
           "asking the queue for its properties");
@@ -130,7 +132,8 @@ std::size_t Session::many_groups() const {
 
 // ---- Launches -------------------------------------------------------------------------------------------------------
 
-void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index, std::size_t bytes, const void* value) {
+void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index, std::size_t bytes,
+                               const void* value) {
     const cl_int code = clSetKernelArg(kernel, index, bytes, value);
     if (code != CL_SUCCESS) check(code, "setting argument " + std::to_string(index) + " of kernel " + name);
 }
@@ -154,8 +157,7 @@ cl_kernel Session::kernel_of(const char* file, const char* name, std::size_t arg
 void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     const std::size_t local = work_group_size_;
     std::size_t groups = range.count;
-    if (range.kind == Range::Kind::items)
-        groups = std::min((range.count + local - 1) / local, many_groups());
+    if (range.kind == Range::Kind::items) groups = std::min((range.count + local - 1) / local, many_groups());
     const std::size_t global = std::max<std::size_t>(groups, 1) * local;
     cl_event event = nullptr;
     const auto start = std::chrono::steady_clock::now();
@@ -173,19 +175,22 @@ void Session::note_event(cl_event event) { events_.push_back(event); }
 
 void Session::fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) {
     cl_event event = nullptr;
-    check(clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr, profiles_ ? &event : nullptr),
+    check(clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr,
+                              profiles_ ? &event : nullptr),
           "filling a buffer");
     if (event != nullptr) note_event(event);
 }
 
 void Session::write(cl_mem buffer, const void* data, std::size_t bytes) {
     if (bytes != 0)
-        check(clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr), "writing to the device");
+        check(clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
+              "writing to the device");
 }
 
 void Session::read(cl_mem buffer, void* data, std::size_t bytes) {
     if (bytes != 0)
-        check(clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr), "reading from the device");
+        check(clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
+              "reading from the device");
 }
 
 void Session::finish() { check(clFinish(queue_), "waiting for the device"); }

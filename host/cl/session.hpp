@@ -55,9 +55,6 @@ struct Range {
     static Range groups(std::size_t count) { return {Kind::groups, count}; }
 };
 
-/// Kernel files as they were embedded at build time, or as they are on disk under GNOMON_KERNELS_DIR.
-std::string kernel_source(const std::string& file);
-
 class Session {
 public:
     Session(const DeviceDescription& description, const DeviceOptions& options);
@@ -97,6 +94,10 @@ public:
     void read(cl_mem buffer, void* data, std::size_t bytes);
     void finish();
 
+    /// Makes a kernel file of this text known under `file`; it may include those of kernels/. For tests, which put the
+    /// functions of the headers under kernels of their own.
+    void add_source(const std::string& file, std::string text) { added_sources_[file] = std::move(text); }
+
     /// Device time of what was enqueued since the last call, in ms (waits); 0 without profiling.
     double take_device_ms();
 
@@ -104,6 +105,7 @@ private:
     friend class Buffer;
     cl_mem allocate(std::size_t bytes);
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
+    std::string source_of(const std::string& file) const;
     cl_kernel kernel_of(const char* file, const char* name, std::size_t argument_count);
     cl_program program_of(const std::string& file);
     cl_program build(const std::string& file, const std::string& source);
@@ -126,7 +128,8 @@ private:
         static_assert(std::is_trivially_copyable_v<Value>);
         set_raw_argument(kernel, name, index, sizeof(value), &value);
     }
-    static void set_raw_argument(cl_kernel kernel, const char* name, cl_uint index, std::size_t bytes, const void* value);
+    static void set_raw_argument(cl_kernel kernel, const char* name, cl_uint index, std::size_t bytes,
+                                 const void* value);
 
     DeviceDescription description_;
     cl_context context_ = nullptr;
@@ -134,6 +137,7 @@ private:
     bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false, caches_binaries_ = false;
     std::size_t work_group_size_ = 1;
     std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, memory_limit_bytes_ = 0;
+    std::unordered_map<std::string, std::string> added_sources_;
     std::unordered_map<std::string, cl_program> programs_;
     struct CachedKernel {
         cl_kernel kernel;
@@ -147,7 +151,10 @@ private:
 class StageTimer {
 public:
     StageTimer(Session& session, Statistics& statistics, std::string name)
-        : session_(session), statistics_(statistics), name_(std::move(name)), start_(std::chrono::steady_clock::now()) {}
+        : session_(session),
+          statistics_(statistics),
+          name_(std::move(name)),
+          start_(std::chrono::steady_clock::now()) {}
     ~StageTimer();
 
 private:
