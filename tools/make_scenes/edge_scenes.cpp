@@ -109,7 +109,8 @@ Scene make_light_in_plane(const Request&) {
     Scene scene;
     floor_quad(scene.part("floor", stone), -8, -8, 8, 8, 0);
 
-    // Fins whose planes contain the sun's direction (1, -2, 0): they cast nothing. The last two differ in tilt only.
+    // Fins whose planes contain the sun's direction (1, -2, 0): they cast nothing. Some have an edge along it, too; the
+    // last, askew to all axes, has none.
     Part& fins = scene.part("edge_on_to_sun", red);
     for (int i = 0; i < 6; ++i) {
         const double z = -6 + i;
@@ -118,6 +119,7 @@ Scene make_light_in_plane(const Request&) {
     triangle(fins, {-3, 4, -6}, {-1, 0, -6}, {-3, 4, -2});
     triangle(fins, {-1, 0, -6}, {-1, 0, -2}, {-3, 4, -2});
     triangle(fins, {-2, 4, 0}, {-1, 2, 0}, {-1, 3, 2});
+    triangle(fins, {-3, 1, 1}, {-1, 0, 3}, {-2, 5, 5});
 
     // Fins whose planes contain the lamp at (4, 4, 0): each is lamp + u, lamp + v, lamp + u + v.
     Part& rays = scene.part("edge_on_to_lamp", blue);
