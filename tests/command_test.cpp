@@ -468,7 +468,7 @@ TEST_F(Command, TooLittleDeviceMemory) {
 }
 
 TEST_F(Command, AnInterruptLeavesNothing) {
-    for (const int signal_number : {SIGINT, SIGTERM}) {
+    for (const int signal_number : {SIGINT, SIGTERM, SIGABRT}) {
         const pid_t child = start({"render", "-o", "a.png", "--aov", "a.exr", "--size", "8192x8192"});
         // The temporaries are there before the long work begins.
         while (files().size() < 2 && waitpid(child, nullptr, WNOHANG) == 0)
