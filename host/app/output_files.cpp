@@ -82,8 +82,8 @@ int make_temporary(const fs::path& folder, fs::path& temporary) {
 }  // namespace
 
 void remove_temporaries_on_interrupt() {
-    // SIGABRT: drivers have been seen to end the program so (PoCL 3.1, when the machine has no memory left).
-    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGABRT}) {
+    // Not SIGABRT: the LLVM inside OpenCL drivers takes it over. A driver that aborts leaves the (hidden) temporary.
+    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction action {};
         if (::sigaction(signal_number, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
         action = {};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Files that appear whole or not at all. Opening one is the check that it can be written, so it is done before any long
 // work: a temporary is made beside the target (".gnomon-PID-N.partial"), filled, and renamed over the target by
-// commit(). Without commit() it is removed; so it is when SIGINT, SIGTERM, SIGHUP or SIGABRT ends the program.
+// commit(). Without commit() it is removed; so it is when an interrupt (SIGINT, SIGTERM, SIGHUP) ends the program.
 // A target that exists and is no regular file (a device, a pipe) is written directly: there is nothing to rename over.
 #pragma once
 
