@@ -6,9 +6,9 @@
 #     CMakeLists.txt.
 #
 #   gnomon_oclgrind_test(name COMMAND program [arguments ...] [TIMEOUT seconds])
-#     Runs a program (a path or a target) under oclgrind, with all its checks. Fails when the program fails or
-#     oclgrind reports anything at all. Label `oclgrind`. GNOMON_DEVICE is set, so a program that opened another
-#     device fails instead of passing unchecked.
+#     Runs a program (a path or a target) under oclgrind (memory accesses, races, API calls). Fails when the program
+#     fails or oclgrind reports anything at all. Label `oclgrind`. GNOMON_DEVICE is set, so a program that opened
+#     another device fails instead of passing unchecked.
 find_package(GTest REQUIRED)
 include(GoogleTest)
 

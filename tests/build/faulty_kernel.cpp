@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs a tiny kernel with the fault named on the command line (none, out_of_bounds, race or uninitialized), so that
+// Runs a tiny kernel with the fault named on the command line (none, out_of_bounds or race), so that
 // the tests can see that oclgrind's findings do fail a test. Plain OpenCL: it must work when gnomon does not.
 #include <iostream>
 #include <string>
@@ -12,12 +12,7 @@ namespace {
 const char* kernel_source = R"(
 kernel void none(global float* out) { out[get_global_id(0)] = 1.0f; }
 kernel void out_of_bounds(global float* out) { out[get_global_id(0) + 1] = 1.0f; }
-kernel void race(global float* out) { out[0] += get_global_id(0); }
-kernel void uninitialized(global float* out) {
-    float values[2];
-    values[get_global_id(0) & 1] = 1.0f;
-    out[get_global_id(0)] = values[1] > 0.0f ? 2.0f : 3.0f;
-})";
+kernel void race(global float* out) { out[0] += get_global_id(0); })";
 
 void check(cl_int error, const char* call) {
     if (error != CL_SUCCESS) throw gnomon::OpenClError(call, error);
