@@ -4,11 +4,6 @@
 #include <algorithm>
 
 namespace gnomon {
-namespace {
-// Groups that share one large triangle's rows.
-constexpr cl_uint splits = 16;
-}  // namespace
-
 void Bins::pass(cl::Session& session, const cl::Buffer& projection, const TriangleSetup& setup,
                 const cl::Buffer* farthest, const cl::Buffer& counters, std::uint32_t fill) {
     const cl_uint has_heights = farthest != nullptr;
@@ -16,10 +11,12 @@ void Bins::pass(cl::Session& session, const cl::Buffer& projection, const Triang
     session.launch("bins.cl", "bins_small", cl::Range::items(setup.capacity()), projection, setup.capacity(),
                    has_heights, fill, capacity_, setup.records(), setup.record_bins(), heights, offsets_, cursors_,
                    references_, counters);
-    const std::size_t groups = (session.many_groups() + splits - 1) / splits * splits;
-    session.launch("bins.cl", "bins_large", cl::Range::groups(groups), projection, setup.capacity(), splits,
-                   has_heights, fill, capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_,
-                   cursors_, references_, counters);
+    session.launch("bins.cl", "bins_large", session.small_groups(), projection, setup.capacity(), has_heights, fill,
+                   capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_, cursors_,
+                   references_, counters);
+    session.launch("bins.cl", "bins_huge", session.all_items(), projection, setup.capacity(), has_heights, fill,
+                   capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_, cursors_,
+                   references_, counters);
 }
 
 void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t bin_count, const TriangleSetup& setup,
@@ -42,8 +39,8 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t
 bool Bins::fitted(cl::Session& session, const FrameCounters& counted) {
     if (counted.references <= capacity_) return true;
     if (counted.references == 0xFFFFFFFFu)
-        throw OutOfDeviceMemory("listing triangles: more than 2^32 (triangle, bin) pairs; use a smaller map size;",
-                                CL_MEM_OBJECT_ALLOCATION_FAILURE);
+        throw OutOfDeviceMemory("listing more than 2^32 (triangle, bin) pairs", CL_MEM_OBJECT_ALLOCATION_FAILURE,
+                                "set a smaller map-size");
     capacity_ = 0;
     // A quarter more than asked, so that a slowly changing scene does not grow every frame.
     const std::size_t wanted =

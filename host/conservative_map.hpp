@@ -12,8 +12,9 @@ enum class CoverTest { tight, circle };
 
 class ConservativeMap {
 public:
+    /// `pyramid` (farthest_height) tells which bins hold points, and how far they lie.
     void run(cl::Session& session, const LightFrame& frame, const cl::Buffer& projection, const TriangleSetup& setup,
-             CoverTest cover_test, const cl::Buffer& counters);
+             const cl::Buffer& pyramid, CoverTest cover_test, const cl::Buffer& counters);
     const cl::Buffer& map() const { return map_; }
 
 private:

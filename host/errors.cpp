@@ -62,18 +62,19 @@ const char* error_name(cl_int code) {
 }
 #undef GN_CASE
 
-std::string message(std::string_view call, cl_int code, const std::string& build_log) {
+std::string message(std::string_view call, cl_int code, const std::string& build_log, std::string_view remedy) {
     std::string text(call);
     text += " failed with ";
     text += error_name(code);
     text += " (" + std::to_string(code) + ")";
+    if (!remedy.empty()) text += ": " + std::string(remedy);
     if (!build_log.empty()) text += ":\n" + build_log;
     return text;
 }
 
 }  // namespace
 
-OpenClError::OpenClError(std::string_view call, cl_int code, std::string build_log)
-    : Error(message(call, code, build_log)), code_(code), build_log_(std::move(build_log)) {}
+OpenClError::OpenClError(std::string_view call, cl_int code, std::string build_log, std::string_view remedy)
+    : Error(message(call, code, build_log, remedy)), code_(code), build_log_(std::move(build_log)) {}
 
 }  // namespace gnomon

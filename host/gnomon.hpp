@@ -67,7 +67,8 @@ public:
 /// An OpenCL call failed. Carries the call, the error's name ("CL_INVALID_VALUE") and, for builds, the compiler's log.
 class OpenClError : public Error {
 public:
-    OpenClError(std::string_view call, cl_int code, std::string build_log = {});
+    /// what(): "CALL failed with NAME (CODE): REMEDY", then the build log.
+    OpenClError(std::string_view call, cl_int code, std::string build_log = {}, std::string_view remedy = {});
     cl_int code() const noexcept { return code_; }
     const std::string& build_log() const noexcept { return build_log_; }
 
@@ -80,7 +81,8 @@ private:
 /// given to Device). Nothing was half done: the library stays usable.
 class OutOfDeviceMemory : public OpenClError {
 public:
-    using OpenClError::OpenClError;
+    OutOfDeviceMemory(std::string_view call, cl_int code, std::string_view remedy = "ask for fewer points at once")
+        : OpenClError(call, code, {}, remedy) {}
 };
 
 // ---- Devices --------------------------------------------------------------------------------------------------------

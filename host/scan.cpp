@@ -7,7 +7,7 @@ namespace gnomon {
 
 void Scan::run(cl::Session& session, std::uint32_t count, std::uint32_t alignment, const cl::Buffer& counts,
                const cl::Buffer& offsets) {
-    const std::uint32_t pieces = (count + SCAN_PIECE - 1) / SCAN_PIECE;
+    const std::uint32_t pieces = (count + scan_piece(session.is_cpu()) - 1) / scan_piece(session.is_cpu());
     piece_sums_.reserve(session, pieces * sizeof(std::uint32_t));
     session.launch("scan.cl", "scan_sums", cl::Range::items(pieces), count, alignment, counts, piece_sums_);
     session.launch("scan.cl", "scan_pieces", cl::Range::groups(1), count, piece_sums_, offsets,

@@ -13,7 +13,7 @@ void TriangleSetup::reserve(cl::Session& session, std::uint32_t capacity) {
     ids_.reserve(session, std::size_t(capacity) * sizeof(cl_uint));
     record_bins_.reserve(session, std::size_t(capacity) * 4 * sizeof(cl_uint));
     large_.reserve(session, std::size_t(capacity) * sizeof(cl_uint));
-    map_candidates_.reserve(session, std::size_t(capacity) * sizeof(cl_uint));
+    map_small_.reserve(session, std::size_t(capacity) * sizeof(cl_uint));
     capacity_ = capacity;
 }
 
@@ -23,7 +23,7 @@ void TriangleSetup::run(cl::Session& session, const cl::Buffer& projection, cons
     const cl_uint has_pyramid = pyramid != nullptr;
     session.launch("triangle_setup.cl", "triangle_setup", cl::Range::items(triangles.count), projection,
                    triangles.count, triangles.first_float, capacity_, has_pyramid, triangles.vertices,
-                   pyramid ? *pyramid : ids_, records_, ids_, record_bins_, large_, map_candidates_, counters);
+                   pyramid ? *pyramid : ids_, records_, ids_, record_bins_, large_, map_small_, counters);
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {

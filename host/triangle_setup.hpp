@@ -9,7 +9,7 @@ namespace gnomon {
 
 class TriangleSetup {
 public:
-    /// Fills records(), ids(), record_bins(), large() and map_candidates(), and their counts in `counters`. `pyramid`
+    /// Fills records(), ids(), record_bins(), large() and map_small(), and their counts in `counters`. `pyramid`
     /// (farthest_height) may be null: then nothing is dropped for being too far.
     void run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
              const cl::Buffer* pyramid, const cl::Buffer& counters);
@@ -21,7 +21,7 @@ public:
     const cl::Buffer& ids() const { return ids_; }
     const cl::Buffer& record_bins() const { return record_bins_; }
     const cl::Buffer& large() const { return large_; }
-    const cl::Buffer& map_candidates() const { return map_candidates_; }
+    const cl::Buffer& map_small() const { return map_small_; }
 
     /// Room for this many records at first; tests start with 1.
     static constexpr std::uint32_t initial_capacity = 1u << 18;
@@ -30,7 +30,7 @@ public:
 private:
     void reserve(cl::Session& session, std::uint32_t capacity);
 
-    cl::Buffer records_, ids_, record_bins_, large_, map_candidates_;
+    cl::Buffer records_, ids_, record_bins_, large_, map_small_;
     std::uint32_t capacity_ = 0, first_capacity_ = initial_capacity;
 };
 

@@ -10,8 +10,7 @@
 // parallel light's Z, so the same formula is the perspective form for a positional light.
 // All comparisons leave the record's margins, so rounding cannot shadow a lit point. A receiver never shadows its own
 // points: see izb.cl.
-#include "projection.h"
-#include "triangle_setup.h"
+#include "bin_test.h"
 
 #define HALF_DIAGONAL 0.70710685f  // above sqrt(1/2)
 
@@ -40,45 +39,78 @@ static bool covers_circle(const TriangleRecord* record, float x, float y) {
     return true;
 }
 
-// The range of texels of row y whose centre the triangle could cover; saves looking at most of a bounding box.
-static uint2 span_of_row(const TriangleRecord* record, float y, uint first, uint last) {
-    float low = (float)first, high = (float)last;
-    for (int i = 0; i < 3; ++i) {
-        // edge_x X > -(edge_y y + edge_0): a bound on X, widened by a texel for its rounding.
-        float rest = fmax(fma(record->edge_y[i], y, record->edge_0[i]), fma(record->edge_y[i], y + 1.0f, record->edge_0[i]));
-        float bound = -rest / record->edge_x[i];
-        if (record->edge_x[i] > 0.0f && bound > low + 2.0f) low = fmin(bound - 2.0f, high);
-        if (record->edge_x[i] < 0.0f && bound < high - 2.0f) high = fmax(bound + 2.0f, low);
-    }
-    return (uint2)((uint)low, (uint)high);
+// Draws one triangle into the texels of one bin; returns how many it covers.
+static uint draw_bin(const TriangleRecord* record, __constant const Projection* projection, uint bin_x, uint bin_y,
+                     uint circle_cover, __global uint* map) {
+    uint size = 1u << projection->bin_log2, written = 0;
+    uint last_x = min((bin_x + 1) * size, projection->width), last_y = min((bin_y + 1) * size, projection->height);
+    for (uint y = bin_y * size; y < last_y; ++y)
+        for (uint x = bin_x * size; x < last_x; ++x) {
+            bool covers = circle_cover ? covers_circle(record, (float)x, (float)y)
+                                       : covers_tight(record, (float)x, (float)y);
+            if (!covers) continue;
+            float lowest = lowest_at_corners(record->plane_x, record->plane_y, record->plane_0, (float)x, (float)y) -
+                           record->margin_plane * (1.0f + 4.0f * GN_U);
+            lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), record->z_low);
+            atomic_max(&map[y * projection->width + x], float_to_key(lowest));
+            ++written;
+        }
+    return written;
 }
 
-// Work-group g draws rows g % splits, g % splits + splits, ... of candidates g / splits, ...: large triangles are shared
-// out over groups, small ones cost a group a handful of texels.
-__kernel void conservative_map(__constant const Projection* projection, uint capacity, uint splits, uint circle_cover,
-                               __global const TriangleRecord* records, __global const uint4* record_bins,
-                               __global const uint* candidates, __global uint* map, __global FrameCounters* counters) {
-    uint candidate_count = min(counters->map_candidates, capacity);
+static uint draw_if_matters(const TriangleRecord* record, __constant const Projection* projection, uint2 bin,
+                            uint circle_cover, __global const uint* pyramid, __global uint* map) {
+    return may_matter(record, projection, bin.x, bin.y, 1u, pyramid)
+               ? draw_bin(record, projection, bin.x, bin.y, circle_cover, map)
+               : 0u;
+}
+
+__kernel void conservative_map_small(__constant const Projection* projection, uint capacity, uint circle_cover,
+                                     __global const TriangleRecord* records, __global const uint4* record_bins,
+                                     __global const uint* map_small, __global const uint* pyramid,
+                                     __global uint* map, __global FrameCounters* counters) {
+    uint count = min(counters->map_small, capacity);
     uint written = 0;
-    uint split = (uint)get_group_id(0) % splits;
-    for (uint c = (uint)get_group_id(0) / splits; c < candidate_count; c += (uint)get_num_groups(0) / splits) {
-        uint slot = candidates[c];
-        TriangleRecord record = records[slot];
-        uint4 bins = record_bins[slot] << projection->bin_log2;
-        uint last_x = min(bins.z + (1u << projection->bin_log2), projection->width) - 1;
-        uint last_y = min(bins.w + (1u << projection->bin_log2), projection->height) - 1;
-        for (uint y = bins.y + split; y <= last_y; y += splits) {
-            uint2 span = span_of_row(&record, (float)y, bins.x, last_x);
-            for (uint x = span.x + (uint)get_local_id(0); x <= span.y; x += (uint)get_local_size(0)) {
-                bool covers = circle_cover ? covers_circle(&record, (float)x, (float)y)
-                                           : covers_tight(&record, (float)x, (float)y);
-                if (!covers) continue;
-                float lowest = lowest_at_corners(record.plane_x, record.plane_y, record.plane_0, (float)x, (float)y) -
-                               record.margin_plane * (1.0f + 4.0f * GN_U);
-                lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), record.z_low);
-                atomic_max(&map[y * projection->width + x], float_to_key(lowest));
-                ++written;
-            }
+    GN_FOR_EACH(i, count) {
+        TriangleRecord record = records[map_small[i]];
+        uint4 bins = record_bins[map_small[i]];
+        uint bin_count = bins_of_rectangle(bins);
+        for (uint b = 0; b < bin_count; ++b)
+            written += draw_if_matters(&record, projection, bin_of_rectangle(bins, b), circle_cover, pyramid, map);
+    }
+    if (written != 0) atomic_add(&counters->map_texels, written);
+}
+
+__kernel void conservative_map_large(__constant const Projection* projection, uint capacity, uint circle_cover,
+                                     __global const TriangleRecord* records, __global const uint4* record_bins,
+                                     __global const uint* large, __global const uint* pyramid, __global uint* map,
+                                     __global FrameCounters* counters) {
+    uint count = min(counters->large, capacity);
+    uint written = 0;
+    for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
+        if (!LARGE_ENTRY_FOR_MAP(large[i])) continue;
+        TriangleRecord record = records[LARGE_ENTRY_SLOT(large[i])];
+        uint4 bins = record_bins[LARGE_ENTRY_SLOT(large[i])];
+        uint bin_count = bins_of_rectangle(bins);
+        for (uint b = (uint)get_local_id(0); b < bin_count; b += (uint)get_local_size(0))
+            written += draw_if_matters(&record, projection, bin_of_rectangle(bins, b), circle_cover, pyramid, map);
+    }
+    if (written != 0) atomic_add(&counters->map_texels, written);
+}
+
+__kernel void conservative_map_huge(__constant const Projection* projection, uint capacity, uint circle_cover,
+                                    __global const TriangleRecord* records, __global const uint4* record_bins,
+                                    __global const uint* large, __global const uint* pyramid, __global uint* map,
+                                    __global FrameCounters* counters) {
+    uint count = min(counters->huge, capacity);
+    uint written = 0;
+    for (uint i = 0; i < count; ++i) {
+        uint entry = large[capacity - 1 - i];
+        if (!LARGE_ENTRY_FOR_MAP(entry)) continue;
+        TriangleRecord record = records[LARGE_ENTRY_SLOT(entry)];
+        uint4 bins = record_bins[LARGE_ENTRY_SLOT(entry)];
+        GN_FOR_EACH(b, bins_of_rectangle(bins)) {
+            written += draw_if_matters(&record, projection, bin_of_rectangle(bins, (uint)b), circle_cover, pyramid, map);
         }
     }
     if (written != 0) atomic_add(&counters->map_texels, written);

@@ -13,11 +13,20 @@ static int side_of_light(Triangle t, float4 light, int* level) {
                            : det3_sign(t.b, t.a, t.c, t.a, light.xyz, (float3)(0.0f), level);
 }
 
+static bool faces_away(Triangle receiver, float4 light, float3 eye, int* level) {
+    if (!is_finite_triangle(receiver)) return false;
+    int side = side_of_light(receiver, light, level);
+    return side == 0 || side * det3_sign(receiver.b, receiver.a, receiver.c, receiver.a, eye, receiver.a, level) <= 0;
+}
+
 __kernel void facing(PointsLayout layout, float4 light, ulong first_float, uint triangle_count,
                      __global const float* positions, __global const uint* receivers, __global const float* vertices,
                      __global float* visibility, __global FrameCounters* counters) {
     uint absent = 0, away = 0, exact = 0;
     float3 eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
+    // Neighbours often share a receiver, and its answer.
+    uint known_receiver = GN_NO_ID;
+    bool known_away = false;
     GN_FOR_EACH(i, layout.count) {
         visibility[i] = 1.0f;
         if (!is_present(load_point(positions, layout, i))) {
@@ -25,13 +34,13 @@ __kernel void facing(PointsLayout layout, float4 light, ulong first_float, uint 
             continue;
         }
         if (!layout.has_eye || !layout.has_receivers || receivers[i] >= triangle_count) continue;
-        Triangle receiver = load_triangle(vertices + first_float, receivers[i]);
-        if (!is_finite_triangle(receiver)) continue;
-        int level = DET3_BY_FLOAT;
-        int side_light = side_of_light(receiver, light, &level);
-        int side_eye = side_light == 0 ? 0 : det3_sign(receiver.b, receiver.a, receiver.c, receiver.a, eye, receiver.a, &level);
-        exact += level == DET3_BY_EXACT;
-        if (side_light * side_eye > 0) continue;
+        if (receivers[i] != known_receiver) {
+            known_receiver = receivers[i];
+            int level = DET3_BY_FLOAT;
+            known_away = faces_away(load_triangle(vertices + first_float, known_receiver), light, eye, &level);
+            exact += level == DET3_BY_EXACT;
+        }
+        if (!known_away) continue;
         visibility[i] = 0.0f;
         ++away;
     }

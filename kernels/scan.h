@@ -5,6 +5,15 @@
 
 #include "prelude.h"
 
+// A CPU likes long pieces; a GPU many.
+#ifdef __cplusplus
+namespace gnomon {
+constexpr uint scan_piece(bool is_cpu) { return is_cpu ? 256 : 32; }
+}
+#elif defined(GN_CPU)
 #define SCAN_PIECE 256
+#else
+#define SCAN_PIECE 32
+#endif
 
 #endif

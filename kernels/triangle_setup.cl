@@ -198,9 +198,15 @@ static void set_plane_perspective(TriangleRecord* record, const Projected* v, fl
     record->margin_plane = margin;
 }
 
-// Is the triangle large enough to cover a whole texel, at least possibly?
-static bool can_cover_texel(float4 rectangle) {
-    return rectangle.z - rectangle.x >= 1.0f && rectangle.w - rectangle.y >= 1.0f;
+// Can the triangle cover a whole texel? Only if the texel's incircle, of radius 1/2, fits: 2 area / perimeter >= 1/2. A
+// matter of speed alone: an answer that is off by rounding costs a look or a texel, never a wrong shadow.
+static bool can_cover_texel(const Projected* v) {
+    float2 a = (float2)(v[0].x, v[0].y) / v[0].w, b = (float2)(v[1].x, v[1].y) / v[1].w;
+    float2 c = (float2)(v[2].x, v[2].y) / v[2].w;
+    float2 ab = b - a, ac = c - a, bc = c - b;
+    float twice_area = fabs(ab.x * ac.y - ab.y * ac.x);
+    float perimeter = sqrt(dot(ab, ab)) + sqrt(dot(ac, ac)) + sqrt(dot(bc, bc));
+    return twice_area >= 0.5f * perimeter;
 }
 
 // Lowest listed height under the rectangle, from the pyramid: the level at which it spans at most 2 x 2 cells.
@@ -309,7 +315,7 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
                               projection->height_error);
     else
         set_plane_parallel(record, v, domain, orientation, projection->point_error, projection->height_error);
-    *for_map = record->margin_plane < INFINITY && can_cover_texel(rectangle);
+    *for_map = record->margin_plane < INFINITY && (straddles || can_cover_texel(v));
     return SURVIVES;
 }
 
@@ -317,7 +323,7 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
 __kernel void triangle_setup(__constant const Projection* projection, uint triangle_count, ulong first_float,
                              uint capacity, uint has_pyramid, __global const float* vertices,
                              __global const uint* pyramid, __global TriangleRecord* records, __global uint* ids,
-                             __global uint4* record_bins, __global uint* large, __global uint* map_candidates,
+                             __global uint4* record_bins, __global uint* large, __global uint* map_small,
                              __global FrameCounters* counters) {
     uint tally[4] = {0, 0, 0, 0};
     uint exact = 0;
@@ -337,8 +343,14 @@ __kernel void triangle_setup(__constant const Projection* projection, uint trian
         records[slot] = record;
         ids[slot] = (uint)id;
         record_bins[slot] = bins;
-        if ((bins.z - bins.x + 1u) * (bins.w - bins.y + 1u) > SMALL_BINS) large[atomic_inc(&counters->large)] = slot;
-        if (for_map) map_candidates[atomic_inc(&counters->map_candidates)] = slot;
+        if (for_map) atomic_inc(&counters->map_candidates);
+        uint bin_count = (bins.z - bins.x + 1u) * (bins.w - bins.y + 1u);
+        if (bin_count > LARGE_BINS)
+            large[capacity - 1 - atomic_inc(&counters->huge)] = LARGE_ENTRY(slot, for_map);
+        else if (bin_count > SMALL_BINS)
+            large[atomic_inc(&counters->large)] = LARGE_ENTRY(slot, for_map);
+        else if (for_map)
+            map_small[atomic_inc(&counters->map_small)] = slot;
     }
     if (tally[NOT_FINITE] != 0) atomic_add(&counters->not_finite, tally[NOT_FINITE]);
     if (tally[EDGE_ON] != 0) atomic_add(&counters->edge_on, tally[EDGE_ON]);

@@ -26,8 +26,10 @@ GN_STRUCT_END(TriangleRecord, 64)
 // Counters of one projection's run, zeroed at its start, written by the stages named.
 GN_STRUCT_BEGIN(FrameCounters)
 uint survivors;            // triangle_setup: records wanted (may exceed the capacity: grow and re-run)
-uint large;                // triangle_setup: of those, covering more than SMALL_BINS bins
-uint map_candidates;       // triangle_setup: of those, able to cover a whole texel
+uint large;                // triangle_setup: of those, in more than SMALL_BINS and at most LARGE_BINS bins
+uint huge;                 // triangle_setup: of those, in more than LARGE_BINS bins
+uint map_small;            // triangle_setup: of those, able to cover a whole texel, in at most SMALL_BINS bins
+uint map_candidates;       // triangle_setup: of those, able to cover a whole texel, of any size
 uint not_finite;           // triangle_setup: left out for a NaN or infinite vertex
 uint edge_on;              // triangle_setup: left out, exactly edge-on to the light or of zero area
 uint outside;              // triangle_setup: left out, outside the fitted frustum or farther than every point there
@@ -47,10 +49,16 @@ uint absent;               // facing: points
 uint facing_exact;         // facing: points whose facing needed the exact level
 uint tests_low;            // trace: (point, triangle) tests, 64 bits in two words
 uint tests_high;
-uint padding[2];
 GN_STRUCT_END(FrameCounters, 96)
 
-// A triangle in at most this many bins is put into their lists by one work-item, others by a whole work-group each.
+// Size classes: how a triangle's bins are walked. At most SMALL_BINS: by one work-item. At most LARGE_BINS: by one
+// work-group. More: by all work-items together.
 #define SMALL_BINS 16
+#define LARGE_BINS 4096
+
+// Entries of the list of large triangles (from its front) and huge ones (from its back).
+#define LARGE_ENTRY(slot, for_map) ((slot) * 2u + ((for_map) ? 1u : 0u))
+#define LARGE_ENTRY_SLOT(entry) ((entry) >> 1)
+#define LARGE_ENTRY_FOR_MAP(entry) (((entry) & 1u) != 0u)
 
 #endif

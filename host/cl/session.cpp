@@ -44,14 +44,13 @@ void Buffer::release() noexcept {
 cl_mem Session::allocate(std::size_t bytes) {
     const std::string what = "allocating " + std::to_string(bytes) + " bytes on the device";
     if (memory_limit_bytes_ != 0 && memory_bytes_ + bytes > memory_limit_bytes_)
-        throw OutOfDeviceMemory(what + " beside the " + std::to_string(memory_bytes_) + " in use, under a limit of " +
-                                    std::to_string(memory_limit_bytes_) + ": raise the limit or render fewer pixels;",
-                                CL_MEM_OBJECT_ALLOCATION_FAILURE);
+        throw OutOfDeviceMemory(what + " beside the " + std::to_string(memory_bytes_) + " in use, under the limit of " +
+                                    std::to_string(memory_limit_bytes_) + " that was set,",
+                                CL_MEM_OBJECT_ALLOCATION_FAILURE, "raise the limit or ask for fewer points");
     if (bytes > description_.largest_allocation_bytes)
         throw OutOfDeviceMemory(what + ", more than its largest allocation of " +
-                                    std::to_string(description_.largest_allocation_bytes) +
-                                    ": render fewer pixels or use another device;",
-                                CL_INVALID_BUFFER_SIZE);
+                                    std::to_string(description_.largest_allocation_bytes) + ",",
+                                CL_INVALID_BUFFER_SIZE, "ask for fewer points at once, or use another device");
     cl_int code;
     cl_mem memory = clCreateBuffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
     check(code, what);
@@ -130,6 +129,11 @@ std::size_t Session::many_groups() const {
     return is_cpu_ ? compute_units() * 64 : std::max<std::size_t>(1, compute_units() * 2048 / work_group_size_);
 }
 
+Range Session::small_groups() const {
+    const std::size_t local = std::min<std::size_t>(work_group_size_, 32);
+    return Range::groups(many_groups() * work_group_size_ / local, local);
+}
+
 // ---- Launches -------------------------------------------------------------------------------------------------------
 
 void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index, std::size_t bytes,
@@ -155,7 +159,7 @@ cl_kernel Session::kernel_of(const char* file, const char* name, std::size_t arg
 }
 
 void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
-    const std::size_t local = work_group_size_;
+    const std::size_t local = range.local != 0 ? range.local : work_group_size_;
     std::size_t groups = range.count;
     if (range.kind == Range::Kind::items) groups = std::min((range.count + local - 1) / local, many_groups());
     const std::size_t global = std::max<std::size_t>(groups, 1) * local;

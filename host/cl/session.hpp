@@ -47,12 +47,13 @@ struct LocalBytes {
     std::size_t bytes;
 };
 
-/// How many work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups.
+/// How many work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of `local` items if not 0).
 struct Range {
     enum class Kind { items, groups } kind;
     std::size_t count;
+    std::size_t local = 0;
     static Range items(std::size_t count) { return {Kind::items, count}; }
-    static Range groups(std::size_t count) { return {Kind::groups, count}; }
+    static Range groups(std::size_t count, std::size_t local = 0) { return {Kind::groups, count, local}; }
 };
 
 class Session {
@@ -75,6 +76,10 @@ public:
     std::size_t work_group_size() const { return work_group_size_; }
     /// Work-groups that fill the device a few times over.
     std::size_t many_groups() const;
+    /// All the work-items that are worth having, for a range whose length only the device knows.
+    Range all_items() const { return Range::groups(many_groups()); }
+    /// As many work-items in groups of at most 32 (a GPU's warp): for groups that share out a few dozen things.
+    Range small_groups() const;
 
     std::uint64_t memory_bytes() const { return memory_bytes_; }
     std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }
