@@ -1079,9 +1079,10 @@ TEST(Defaults, FramingCameraSeesEveryVertex) {
         {{0, 0, 0}, 1.0f}, {{1e6f, -2e6f, 3e5f}, 10.0f}, {{1e6f, 0, 0}, 0.0f}, {{0, 0, 0}, 1e-20f}, {{5, 5, 5}, 1e30f}};
     for (const auto& [center, size] : boxes) {
         Scene scene;
-        const std::vector<Float3> points{{-size, -size, -size}, {size, size / 2, -size}, {-size / 3, size, size}};
-        for (const Float3& p : points)
-            for (std::size_t i = 0; i < 3; ++i) scene.triangles.push_back(center[i] + p[i]);
+        // Nine corners (one twice) of the box, so the bound is met and not only kept.
+        for (int v = 0; v < 9; ++v)
+            for (int i = 0; i < 3; ++i)
+                scene.triangles.push_back(center[std::size_t(i)] + ((v >> i & 1) != 0 ? size : -size));
         const std::vector<float> finite = scene.triangles;
         scene.triangles.insert(scene.triangles.end(), {infinity, 0, 0, 1e35f, 0, 0, 0, 0, 0});  // must not count
         const gnomon::Camera camera = gnomon::scene::framing_camera(scene);
