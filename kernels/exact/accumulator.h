@@ -3,9 +3,9 @@
 //
 // Method: Kulisch's long accumulator (1971), cut to what three float32 factors need. A finite float is m * 2^(e - 150)
 // with 0 <= m < 2^24 and 1 <= e <= 254, so a product of three is an integer of at most 72 bits times 2^(s - 447) with
-// 0 <= s <= 759. Products are added, shifted into place, to a two's-complement integer of 28 words whose unit is 2^-447;
-// up to 2^50 of them cannot overflow its 896 bits. No float operation takes part: rounding modes, contraction, flushed
-// denormals and missing double precision cannot touch it.
+// 0 <= s <= 759. Products are added, shifted into place, to a two's-complement integer of 28 words whose unit is
+// 2^-447; up to 2^50 of them cannot overflow its 896 bits. No float operation takes part: rounding modes, contraction,
+// flushed denormals and missing double precision cannot touch it.
 #ifndef GN_EXACT_ACCUMULATOR_H
 #define GN_EXACT_ACCUMULATOR_H
 
@@ -42,7 +42,7 @@ static void accumulator_add_product(Accumulator* sum, float x, float y, float z,
     uint high = (uint)mul_hi(product_xy, (ulong)significand_z);  // the product is high * 2^64 + low, below 2^72
 
     uint shift = exponent_x + exponent_y + exponent_z - 3;  // 0 .. 759
-    uint first = shift >> 5;                                 // at most 23, so first + 3 < ACCUMULATOR_WORDS
+    uint first = shift >> 5;                                // at most 23, so first + 3 < ACCUMULATOR_WORDS
     uint by = shift & 31u;
     // The 72 bits moved up by 0..31 span four words. 64-bit shifts, so that by = 0 needs no case of its own.
     ulong piece[3];
@@ -92,7 +92,9 @@ static double accumulator_to_double(const Accumulator* sum) {
         if (word != 0u) top = i;
     }
     if (top < 0) return 0.0;
-    // Three words hold at least 65 bits from the leading one on; what lies below is under 2^-64 of the value.
+    // Three words: at least 65 bits, so what lies below them is under 2^-64 of the value. If the first two fit 53 bits,
+    // only the last sum rounds. Else they may round by half an ulp; all that is below them is less than another half
+    // and is lost: together less than one ulp of a number that is at least 2^52 ulps.
     double value = (double)magnitude.word[top];
     value = value * 4294967296.0 + (double)(top >= 1 ? magnitude.word[top - 1] : 0u);
     value = value * 4294967296.0 + (double)(top >= 2 ? magnitude.word[top - 2] : 0u);

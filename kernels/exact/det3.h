@@ -5,15 +5,27 @@
 //
 // Side of a plane, side of an edge seen along a ray, orientation seen from a light: all are this. Three levels:
 //
-//   float   Evaluated in float. Each of the six products of three differences meets at most 8 roundings (3 differences,
-//           2 products, 3 sums), so the error is at most gamma_8 = 8u / (1 - 8u) times the permanent (the same sum with
-//           every sign positive), u = 2^-24. The permanent computed in float is off by at most the same factor. Hence
-//           |error| <= 8.00001 u * permanent_computed * 1.00001 < 5.0e-7 * permanent_computed (8u = 4.77e-7).
-//           Underflow adds at most 2^-126 a step (flushed denormals included). With every difference at most 2^20 it
-//           grows to at most 20 * 2^-126 * 2^40 < 2^-81, while the bound is at least 5.0e-7 * 2^-40 > 2^-61 where the
-//           level is used (permanent >= 2^-40): the gap between 4.77e-7 and 5.0e-7 covers it.
-//   double  The same in double (where the device has it): u = 2^-53, 8u = 8.9e-16, bound 1.0e-15. Differences of
-//           floats, their products and sums stay between 2^-447 and 2^390: neither underflow nor overflow exists.
+// Coordinates must be finite.
+//
+//   float   Let u = 2^-24, P the permanent (the determinant with every sign positive) and Q the permanent as computed.
+//           Rounding. Each of the six terms meets at most 8 roundings: 3 differences, the product of two, the minor's
+//           sum, the product with w, 2 sums. So |value - det| <= ((1 + u)^8 - 1) P and Q >= (1 - u)^8 P, which makes
+//           the error at most 8u (1 + 12u) Q < 4.769e-7 Q. (Fused products round less often; they keep the bound.)
+//           Underflow, with denormals kept or flushed: every operation may err by another h = 2^-126 in its result, and
+//           take each operand for another that is h away. The level is used only if the computed differences are at
+//           most M = 2^20. A difference is off by 3h; as an operand by 4h. A product of two: 4hM + 4hM + h. A minor:
+//           twice that and 3h more, below 17hM. A product with w, the minor being at most 2M^2: 17hM M + 4h 2M^2 and
+//           less than hM^2 more: 26hM^2. Three of them, added: 79hM^2, with room for later roundings below 128hM^2 =
+//           2^-79. The same holds for Q. So |value - det| < 4.769e-7 (Q + 2^-79) + 2^-79 < 4.769e-7 Q + 2^-78. Bound.
+//           The level is used only if Q >= 2^-40. Then 5.0e-7 Q, rounded, exceeds 4.769e-7 Q by more than 2^-26 Q >=
+//           2^-66 > 2^-78: the bound holds, and it is itself a normal number. Overflow. Finite coordinates make no NaN
+//           difference; an infinite one is above M, and the level is not used. Below M nothing exceeds 2^63.
+//   double  Let u = 2^-53. The same 8 roundings: the error is at most 8u (1 + 12u) Q < 8.89e-16 Q, and 1.0e-15 Q,
+//   rounded,
+//           is more. Nothing underflows: coordinates are multiples of 2^-149 (a device that flushes denormals when it
+//           widens them has its double precision hidden, see self_check.cl), so differences, products of two and of
+//           three are multiples of 2^-149, 2^-298 and 2^-447, rounded or not; the bound is 0 or above 2^-497. Nothing
+//           overflows: all is below 2^390. A bound of 0 means that every product is exactly 0.
 //   exact   48 products in the accumulator.
 //
 // Source of the method: Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates"
@@ -31,10 +43,8 @@
 #define DET3_BY_DOUBLE 1
 #define DET3_BY_EXACT 2
 
-static int sign_of_float(float x) { return (x > 0.0f) - (x < 0.0f); }
-
-// Returns true and the sign if the float level is certain.
-static bool det3_sign_float(float3 u, float3 v, float3 w, int* sign) {
+// The determinant in float; *bound is at least its error, infinite where the level must not be used.
+static float det3_float(float3 u, float3 v, float3 w, float* bound) {
     float minor_x_plus = u.y * v.z, minor_x_minus = u.z * v.y;
     float minor_y_plus = u.z * v.x, minor_y_minus = u.x * v.z;
     float minor_z_plus = u.x * v.y, minor_z_minus = u.y * v.x;
@@ -45,13 +55,22 @@ static bool det3_sign_float(float3 u, float3 v, float3 w, int* sign) {
                       fabs(w.z) * (fabs(minor_z_plus) + fabs(minor_z_minus));
     float3 largest = fmax(fmax(fabs(u), fabs(v)), fabs(w));
     bool in_range = largest.x <= 0x1p20f && largest.y <= 0x1p20f && largest.z <= 0x1p20f && permanent >= 0x1p-40f;
-    *sign = sign_of_float(value);
-    return in_range && fabs(value) > DET3_FLOAT_BOUND * permanent;
+    *bound = in_range ? DET3_FLOAT_BOUND * permanent : INFINITY;
+    return value;
+}
+
+// True, and the sign, if the float level is certain. (A value that is infinite or NaN exceeds no bound.)
+static bool det3_sign_float(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0, int* sign) {
+    float bound;
+    float value = det3_float(u1 - u0, v1 - v0, w1 - w0, &bound);
+    *sign = value > 0.0f ? 1 : -1;
+    return fabs(value) > bound;
 }
 
 #ifdef GN_FP64
 
-// A vector of doubles with, per coordinate, a magnitude that bounds everything that was added up to make it.
+// A vector of doubles; size_* is at least the magnitude of each coordinate, and 2^-53 size_* (up to a factor of
+// 1 + 2^-51) at least its error.
 typedef struct Det3Row {
     double x, y, z;
     double size_x, size_y, size_z;
@@ -78,13 +97,22 @@ static double det3_double(Det3Row u, Det3Row v, Det3Row w, double* bound) {
     return value;
 }
 
+// True, and the sign, if the double level is certain: also where every product is exactly zero, as in axis-aligned
+// geometry under axis-aligned lights.
+static bool det3_sign_double(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0, int* sign) {
+    double bound;
+    double value = det3_double(det3_row(u1, u0), det3_row(v1, v0), det3_row(w1, w0), &bound);
+    *sign = (value > 0.0) - (value < 0.0);
+    return fabs(value) > bound || bound == 0.0;
+}
+
 #endif
 
 static float coordinate_of(float3 v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 
 // sum += det(u1 - u0, v1 - v0, w1 - w0), exactly: six permutations of three binary choices.
 __attribute__((noinline)) static void accumulator_add_det3(Accumulator* sum, float3 u1, float3 u0, float3 v1, float3 v0,
-                                                    float3 w1, float3 w0) {
+                                                           float3 w1, float3 w0) {
     for (int term = 0; term < 48; ++term) {
         int permutation = term >> 3;
         int i = permutation % 3;
@@ -107,14 +135,10 @@ __attribute__((noinline)) static int det3_sign_exact(float3 u1, float3 u0, float
 // The sign, for certain. *level is raised to the level that was needed.
 static int det3_sign(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0, int* level) {
     int sign;
-    if (det3_sign_float(u1 - u0, v1 - v0, w1 - w0, &sign)) return sign;
+    if (det3_sign_float(u1, u0, v1, v0, w1, w0, &sign)) return sign;
 #ifdef GN_FP64
-    double bound;
-    double value = det3_double(det3_row(u1, u0), det3_row(v1, v0), det3_row(w1, w0), &bound);
     *level = max(*level, DET3_BY_DOUBLE);
-    if (fabs(value) > bound) return value > 0.0 ? 1 : -1;
-    // Every product is exactly zero (nothing underflows in double): axis-aligned geometry under axis-aligned lights.
-    if (bound == 0.0) return 0;
+    if (det3_sign_double(u1, u0, v1, v0, w1, w0, &sign)) return sign;
 #endif
     *level = max(*level, DET3_BY_EXACT);
     return det3_sign_exact(u1, u0, v1, v0, w1, w0);

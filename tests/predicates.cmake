@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+# The exact predicates, level by level, and the check of the device's arithmetic at start-up.
+gnomon_test(predicates_test
+  SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/predicates_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/predicates/cases.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/predicates/truth.cpp
+  LIBRARIES gnomon::gnomon gnomon_reference)
+target_compile_definitions(predicates_test PRIVATE
+  PREDICATES_KERNELS="${CMAKE_CURRENT_LIST_DIR}/predicates/predicates.cl")
