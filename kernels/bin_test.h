@@ -27,7 +27,8 @@ static bool may_matter(const TriangleRecord* record, __constant const Projection
     uint key = farthest[y * projection->bins_x + x];
     if (key == 0xFFFFFFFFu) return false;  // no point is listed here
     float lowest = key_to_float(key);
-    float highest = highest_at_corners(record->plane_x, record->plane_y, record->plane_0, square) + record->margin_plane;
+    float highest =
+        highest_at_corners(record->plane_x, record->plane_y, record->plane_0, square) + record->margin_plane;
     return record->z_high >= lowest && !(highest < lowest);
 }
 

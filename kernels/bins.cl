@@ -50,8 +50,8 @@ __kernel void bins_large(__constant const Projection* projection, uint record_ca
         TriangleRecord record = records[slot];
         uint bin_count = bins_of_rectangle(bins);
         for (uint b = (uint)get_local_id(0); b < bin_count; b += (uint)get_local_size(0))
-            refer_if_matters(&record, projection, bin_of_rectangle(bins, b), has_heights, fill, reference_capacity, slot,
-                             farthest, offsets, cursors, references);
+            refer_if_matters(&record, projection, bin_of_rectangle(bins, b), has_heights, fill, reference_capacity,
+                             slot, farthest, offsets, cursors, references);
     }
 }
 
@@ -66,8 +66,8 @@ __kernel void bins_huge(__constant const Projection* projection, uint record_cap
         uint4 bins = record_bins[slot];
         TriangleRecord record = records[slot];
         GN_FOR_EACH(b, bins_of_rectangle(bins)) {
-            refer_if_matters(&record, projection, bin_of_rectangle(bins, (uint)b), has_heights, fill, reference_capacity,
-                             slot, farthest, offsets, cursors, references);
+            refer_if_matters(&record, projection, bin_of_rectangle(bins, (uint)b), has_heights, fill,
+                             reference_capacity, slot, farthest, offsets, cursors, references);
         }
     }
 }

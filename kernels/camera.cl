@@ -133,18 +133,18 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
         for (uint i = reference_offsets[tile]; i < last; ++i) {
             uint slot = references[i];
             __global const TriangleRecord* r = &records[slot];
-            LaneFloat e0 = fma((LaneFloat)(r->edge_x[0]), x, fma((LaneFloat)(r->edge_y[0]), y, (LaneFloat)(r->edge_0[0])));
-            LaneFloat e1 = fma((LaneFloat)(r->edge_x[1]), x, fma((LaneFloat)(r->edge_y[1]), y, (LaneFloat)(r->edge_0[1])));
-            LaneFloat e2 = fma((LaneFloat)(r->edge_x[2]), x, fma((LaneFloat)(r->edge_y[2]), y, (LaneFloat)(r->edge_0[2])));
+            LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], x, y);
+            LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], x, y);
+            LaneFloat e2 = lanes_linear(r->edge_x[2], r->edge_y[2], r->edge_0[2], x, y);
             LaneFloat inside = LANES_MIN(e0, LANES_MIN(e1, e2));
-            LaneFloat z = fma((LaneFloat)(r->plane_x), x, fma((LaneFloat)(r->plane_y), y, (LaneFloat)(r->plane_0)));
+            LaneFloat z = lanes_linear(r->plane_x, r->plane_y, r->plane_0, x, y);
             LaneFloat z_low = z - (LaneFloat)(r->margin_plane), z_high = z + (LaneFloat)(r->margin_plane);
-            LaneInt possible = present & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) &
-                               ~LANE_COMPARE(z_high, <, best_low);
+            LaneInt possible =
+                present & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(z_high, <, best_low);
             if (!LANES_ANY(possible)) continue;
             int id = (int)ids[slot];
-            LaneInt certain = possible & LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge)) &
-                              LANE_COMPARE(z_low, >, best_high);
+            LaneInt certain =
+                possible & LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge)) & LANE_COMPARE(z_low, >, best_high);
             LaneInt open = possible & ~certain;
             if (LANES_ANY(open)) {
                 Triangle triangle = load_triangle(vertices + first_float, (uint)id);
@@ -154,7 +154,8 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
                     uint other = (uint)((int*)&best_id)[lane];
                     bool wins = covers(triangle, eye, ray);
                     if (wins && other != GN_NO_ID)
-                        wins = is_nearer(triangle, (uint)id, load_triangle(vertices + first_float, other), other, eye, ray);
+                        wins = is_nearer(triangle, (uint)id, load_triangle(vertices + first_float, other), other, eye,
+                                         ray);
                     ((int*)&certain)[lane] = wins ? -1 : 0;
                 }
             }

@@ -12,13 +12,12 @@
 //
 // Shading point: Q = eye + t r + LIFT_ULPS unit n / |n|_max, n the plane's normal towards the eye, unit = one float32
 // ulp of m = max(|Q|, |eye|) (largest coordinates); then each coordinate is rounded to float towards the sign of n's.
-//   Never under the plane: the rounding moves P only up along n (each coordinate in n's own direction), and the error of
-//   the hit along n is at most t |n . r| / |n| 2^-28 <= |Q - eye| 2^-28 < 2^-2 unit, far less than the lift.
-//   At most 16 ulp away: the lift is at most sqrt(3) LIFT_ULPS unit, the rounding at most sqrt(3) unit, the error of the
-//   hit at most 2^-2 unit: together below 9 units for LIFT_ULPS = 4.
-//   Why 4: a flat floor's vertices are rounded by half an ulp each; two neighbouring triangles then disagree about the
-//   floor by at most sqrt(3) / 2 units each, so 2 units clear a floor whose vertices are no larger than m, and 4 units
-//   one whose vertices are up to twice that.
+//   Never under the plane: the rounding moves P only up along n (each coordinate in n's own direction), and the error
+//   of the hit along n is at most t |n . r| / |n| 2^-28 <= |Q - eye| 2^-28 < 2^-2 unit, far less than the lift. At most
+//   16 ulp away: the lift is at most sqrt(3) LIFT_ULPS unit, the rounding at most sqrt(3) unit, the error of the hit at
+//   most 2^-2 unit: together below 9 units for LIFT_ULPS = 4. Why 4: a flat floor's vertices are rounded by half an ulp
+//   each; two neighbouring triangles then disagree about the floor by at most sqrt(3) / 2 units each, so 2 units clear
+//   a floor whose vertices are no larger than m, and 4 units one whose vertices are up to twice that.
 #ifndef GN_CAMERA_H
 #define GN_CAMERA_H
 

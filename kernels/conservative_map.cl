@@ -3,9 +3,9 @@
 // is in shadow for certain; the highest such height over all triangles.
 //
 // Method: Mizoguchi and Tokuyoshi, "Accelerating Frustum Traced Shadows Using Conservative Shadow Maps", section 2.
-// Complete cover, tight (their eq. 1): every edge function is positive at its worst corner, i.e. its value at the centre
-// minus half the sum of the magnitudes of its slopes. Hertel et al. 2009, kept for comparison (their table 2): every
-// edge is at least half a texel's DIAGONAL from the centre. Height, tight: the plane at its lowest corner,
+// Complete cover, tight (their eq. 1): every edge function is positive at its worst corner, i.e. its value at the
+// centre minus half the sum of the magnitudes of its slopes. Hertel et al. 2009, kept for comparison (their table 2):
+// every edge is at least half a texel's DIAGONAL from the centre. Height, tight: the plane at its lowest corner,
 // z(centre) - (|dz/dx| + |dz/dy|) / 2  (= their max(|a + b|, |a - b|) / 2). Z = 1 / W is as linear in the grid as a
 // parallel light's Z, so the same formula is the perspective form for a positional light.
 // All comparisons leave the record's margins, so rounding cannot shadow a lit point. A receiver never shadows its own
@@ -46,8 +46,8 @@ static uint draw_bin(const TriangleRecord* record, __constant const Projection* 
     uint last_x = min((bin_x + 1) * size, projection->width), last_y = min((bin_y + 1) * size, projection->height);
     for (uint y = bin_y * size; y < last_y; ++y)
         for (uint x = bin_x * size; x < last_x; ++x) {
-            bool covers = circle_cover ? covers_circle(record, (float)x, (float)y)
-                                       : covers_tight(record, (float)x, (float)y);
+            bool covers =
+                circle_cover ? covers_circle(record, (float)x, (float)y) : covers_tight(record, (float)x, (float)y);
             if (!covers) continue;
             float lowest = lowest_at_corners(record->plane_x, record->plane_y, record->plane_0, (float)x, (float)y) -
                            record->margin_plane * (1.0f + 4.0f * GN_U);
@@ -67,8 +67,8 @@ static uint draw_if_matters(const TriangleRecord* record, __constant const Proje
 
 __kernel void conservative_map_small(__constant const Projection* projection, uint capacity, uint circle_cover,
                                      __global const TriangleRecord* records, __global const uint4* record_bins,
-                                     __global const uint* map_small, __global const uint* pyramid,
-                                     __global uint* map, __global FrameCounters* counters) {
+                                     __global const uint* map_small, __global const uint* pyramid, __global uint* map,
+                                     __global FrameCounters* counters) {
     uint count = min(counters->map_small, capacity);
     uint written = 0;
     GN_FOR_EACH(i, count) {
@@ -110,7 +110,8 @@ __kernel void conservative_map_huge(__constant const Projection* projection, uin
         TriangleRecord record = records[LARGE_ENTRY_SLOT(entry)];
         uint4 bins = record_bins[LARGE_ENTRY_SLOT(entry)];
         GN_FOR_EACH(b, bins_of_rectangle(bins)) {
-            written += draw_if_matters(&record, projection, bin_of_rectangle(bins, (uint)b), circle_cover, pyramid, map);
+            written +=
+                draw_if_matters(&record, projection, bin_of_rectangle(bins, (uint)b), circle_cover, pyramid, map);
         }
     }
     if (written != 0) atomic_add(&counters->map_texels, written);

@@ -15,8 +15,8 @@ __kernel void exact_trace(float4 light, PointsLayout layout, ulong first_float, 
         uint2 pair = queue[i];
         if (atomic_or(&visibility_bits[pair.x], 0u) == 0u) continue;  // 0.0f: another triangle did it
         int level = DET3_BY_FLOAT;
-        bool blocked = blocks(load_triangle(vertices + first_float, pair.y), load_point(positions, layout, pair.x), light,
-                              &level);
+        bool blocked =
+            blocks(load_triangle(vertices + first_float, pair.y), load_point(positions, layout, pair.x), light, &level);
         ++by_level[level];
         if (blocked && atomic_xchg(&visibility_bits[pair.x], 0u) != 0u) ++decided;
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Farthest height: per bin of light space, the height of the point farthest from the light, and a pyramid of minima
-// over it. A triangle that lies wholly below (farther than) every point it could cover blocks none of them (Wyman et al.
-// 2016, "Frustum-Traced Irregular Z-Buffers", section on early-z; the pyramid is ours).
+// over it. A triangle that lies wholly below (farther than) every point it could cover blocks none of them (Wyman et
+// al. 2016, "Frustum-Traced Irregular Z-Buffers", section on early-z; the pyramid is ours).
 //
 // Heights are kept as order-preserving keys, so that integer minima serve; an empty bin holds 0xFFFFFFFF, above all.
 #include "light_frame.h"

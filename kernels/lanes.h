@@ -29,4 +29,9 @@ typedef int16 LaneInt;
 // Minimum without fmin's rules for NaN, which cost instructions: no NaN gets here.
 #define LANES_MIN(a, b) LANES_SELECT(b, a, LANE_COMPARE(a, <, b))
 
+// slope_x x + slope_y y + constant_term, rounded as the records' margins assume.
+static LaneFloat lanes_linear(float slope_x, float slope_y, float constant_term, LaneFloat x, LaneFloat y) {
+    return fma((LaneFloat)(slope_x), x, fma((LaneFloat)(slope_y), y, (LaneFloat)(constant_term)));
+}
+
 #endif

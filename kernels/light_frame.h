@@ -7,22 +7,22 @@
 
 // What the host knows of a frame before the points are looked at.
 GN_STRUCT_BEGIN(LightFrame)
-float light[4];         // homogeneous: w = 0 minus the direction of travel, w = 1 the position
-uint axis_x, axis_y;    // world coordinates that span the grid; axis_x, axis_y, axis_z are a cyclic order
-uint axis_z;            // world coordinate along which heights are measured
-float sign_z;           // +1 or -1: towards the light (parallel); the face's side of the light (perspective)
-float shear_x, shear_y; // D_x / D_z, D_y / D_z of the light direction, each at most 1 in magnitude (parallel)
-uint perspective;       // 1: only points in this face's pyramid belong to the frame
-uint width, height;     // texels
-uint bin_log2, bins_x, bins_y;
+    float light[4];          // homogeneous: w = 0 minus the direction of travel, w = 1 the position
+    uint axis_x, axis_y;     // world coordinates that span the grid; axis_x, axis_y, axis_z are a cyclic order
+    uint axis_z;             // world coordinate along which heights are measured
+    float sign_z;            // +1 or -1: towards the light (parallel); the face's side of the light (perspective)
+    float shear_x, shear_y;  // D_x / D_z, D_y / D_z of the light direction, each at most 1 in magnitude (parallel)
+    uint perspective;        // 1: only points in this face's pyramid belong to the frame
+    uint width, height;      // texels
+    uint bin_log2, bins_x, bins_y;
 GN_STRUCT_END(LightFrame, 64)
 
 // Bounds of the points of a frame; light_frame_bounds writes one per work-group, light_frame_fit reads them.
 GN_STRUCT_BEGIN(PointBounds)
-float grid_low[2], grid_high[2];    // sheared coordinates or, in perspective, ratios; before scaling
-float world_low[3], world_high[3];  // in perspective [2] of both: W
-uint count;
-uint padding[1];
+    float grid_low[2], grid_high[2];    // sheared coordinates or, in perspective, ratios; before scaling
+    float world_low[3], world_high[3];  // in perspective [2] of both: W
+    uint count;
+    uint padding[1];
 GN_STRUCT_END(PointBounds, 48)
 
 #ifndef __cplusplus

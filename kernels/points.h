@@ -7,14 +7,14 @@
 
 // Coordinate c of point i: positions[first + i * point_stride + c * coordinate_stride].
 GN_STRUCT_BEGIN(PointsLayout)
-uint first;
-uint point_stride;
-uint coordinate_stride;
-uint count;
-uint has_receivers;  // 0: the receivers buffer is a dummy
-uint has_eye;        // 1: points facing away from the light are decided by the facing stage
-float eye[2 + 1];
-uint padding[3];
+    uint first;
+    uint point_stride;
+    uint coordinate_stride;
+    uint count;
+    uint has_receivers;  // 0: the receivers buffer is a dummy
+    uint has_eye;        // 1: points facing away from the light are decided by the facing stage
+    float eye[2 + 1];
+    uint padding[3];
 GN_STRUCT_END(PointsLayout, 48)
 
 #ifndef __cplusplus

@@ -27,9 +27,9 @@
 // for (i over [0, n)) shared out over all work-items: neighbours on a GPU (coalesced), pieces on a CPU (cached).
 #ifdef GN_CPU
 #define GN_PIECE(n) (((size_t)(n) + get_global_size(0) - 1) / get_global_size(0))
-#define GN_FOR_EACH(i, n)                                                                       \
-    for (size_t i = get_global_id(0) * GN_PIECE(n),                                             \
-                i##_end = min((size_t)(get_global_id(0) + 1) * GN_PIECE(n), (size_t)(n));       \
+#define GN_FOR_EACH(i, n)                                                                 \
+    for (size_t i = get_global_id(0) * GN_PIECE(n),                                       \
+                i##_end = min((size_t)(get_global_id(0) + 1) * GN_PIECE(n), (size_t)(n)); \
          i < i##_end; ++i)
 #else
 #define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
@@ -55,9 +55,9 @@ using uint = std::uint32_t;
 #define GN_STRUCT_BEGIN(name) \
     namespace gnomon {        \
     struct name {
-#define GN_STRUCT_END(name, bytes)         \
-    }                                      \
-    ;                                      \
+#define GN_STRUCT_END(name, bytes)          \
+    }                                       \
+    ;                                       \
     static_assert(sizeof(name) == (bytes)); \
     }
 

@@ -32,23 +32,23 @@
 
 // Bins: squares of texels, the unit of triangle lists and point lists. bin = (X >> bin_log2) + (Y >> bin_log2) * bins_x
 GN_STRUCT_BEGIN(Projection)
-float row_x[4];
-float row_y[4];
-float row_z[4];
-float center[4];     // world; [3] unused
-uint width;          // texels
-uint height;         // texels
-uint bin_log2;       // texels per bin side, as a power of two
-uint bins_x;         // bins per row
-uint bins_y;
-uint perspective;    // 1: W = row_z . d; 0: W = 1
-uint indistinct;     // 1: extents beyond what floats resolve: everything shares bin 0 and every test is exact
-float point_error;   // texels: how far a point's computed X or Y may be from the real one (camera pixels: 0)
-float height_error;  // how far a point's computed Z may be off: absolute (parallel) or relative to Z (perspective)
-float handedness;    // sign of the map's determinant: +1 keeps the orientation of triangles, -1 turns it
-float light[4];      // homogeneous light (or eye): w = 0 minus the direction of travel, w = 1 a position
-uint active_points;  // points this projection was fitted to
-uint padding[5];
+    float row_x[4];
+    float row_y[4];
+    float row_z[4];
+    float center[4];  // world; [3] unused
+    uint width;       // texels
+    uint height;      // texels
+    uint bin_log2;    // texels per bin side, as a power of two
+    uint bins_x;      // bins per row
+    uint bins_y;
+    uint perspective;    // 1: W = row_z . d; 0: W = 1
+    uint indistinct;     // 1: extents beyond what floats resolve: everything shares bin 0 and every test is exact
+    float point_error;   // texels: how far a point's computed X or Y may be from the real one (camera pixels: 0)
+    float height_error;  // how far a point's computed Z may be off: absolute (parallel) or relative to Z (perspective)
+    float handedness;    // sign of the map's determinant: +1 keeps the orientation of triangles, -1 turns it
+    float light[4];      // homogeneous light (or eye): w = 0 minus the direction of travel, w = 1 a position
+    uint active_points;  // points this projection was fitted to
+    uint padding[5];
 GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus
@@ -56,9 +56,9 @@ GN_STRUCT_END(Projection, 144)
 // A projected position before the division, and the bound of the error of each of its coordinates.
 typedef struct Projected {
     float x, y, w, z;
-    float error;         // of x and y
-    float error_w;       // of w
-    float error_z;       // of z (parallel only; in perspective z is made from w)
+    float error;    // of x and y
+    float error_w;  // of w
+    float error_z;  // of z (parallel only; in perspective z is made from w)
 } Projected;
 
 static float row_dot(__constant const float* row, float3 d) {
@@ -116,9 +116,7 @@ static float3 project_point(__constant const Projection* projection, float3 p_wo
 }
 
 // Points are fitted inside the grid with a margin above their error; the clamp only guards the index.
-static uint texel_index(float coordinate, uint count) {
-    return (uint)clamp((int)coordinate, 0, (int)count - 1);
-}
+static uint texel_index(float coordinate, uint count) { return (uint)clamp((int)coordinate, 0, (int)count - 1); }
 static uint bin_of(__constant const Projection* projection, float3 point) {
     uint x = texel_index(point.x, projection->width) >> projection->bin_log2;
     uint y = texel_index(point.y, projection->height) >> projection->bin_log2;

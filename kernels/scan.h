@@ -9,7 +9,7 @@
 #ifdef __cplusplus
 namespace gnomon {
 constexpr uint scan_piece(bool is_cpu) { return is_cpu ? 256 : 32; }
-}
+}  // namespace gnomon
 #elif defined(GN_CPU)
 #define SCAN_PIECE 256
 #else

@@ -75,19 +75,20 @@ __kernel void trace(uint reference_capacity, uint record_capacity, uint bin_coun
             uint slot = references[i];
             __global const TriangleRecord* r = &records[slot];
             ++tests;
-            LaneFloat e0 = fma((LaneFloat)(r->edge_x[0]), x, fma((LaneFloat)(r->edge_y[0]), y, (LaneFloat)(r->edge_0[0])));
-            LaneFloat e1 = fma((LaneFloat)(r->edge_x[1]), x, fma((LaneFloat)(r->edge_y[1]), y, (LaneFloat)(r->edge_0[1])));
-            LaneFloat e2 = fma((LaneFloat)(r->edge_x[2]), x, fma((LaneFloat)(r->edge_y[2]), y, (LaneFloat)(r->edge_0[2])));
+            LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], x, y);
+            LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], x, y);
+            LaneFloat e2 = lanes_linear(r->edge_x[2], r->edge_y[2], r->edge_0[2], x, y);
             LaneFloat inside = LANES_MIN(e0, LANES_MIN(e1, e2));
-            LaneFloat height = fma((LaneFloat)(r->plane_x), x, fma((LaneFloat)(r->plane_y), y, (LaneFloat)(r->plane_0))) - z;
+            LaneFloat height = lanes_linear(r->plane_x, r->plane_y, r->plane_0, x, y) - z;
             float margin_edge = r->margin_edge, margin_plane = r->margin_plane;
             // height > 0: the plane is nearer to the light than the point.
             LaneInt possible = lit & ~LANE_COMPARE(inside, <, (LaneFloat)(-margin_edge)) &
                                ~LANE_COMPARE(height, <, (LaneFloat)(-margin_plane)) &
                                ~LANE_COMPARE(z, >, (LaneFloat)(r->z_high));
             if (!LANES_ANY(possible)) continue;
-            LaneInt certain = possible & LANE_COMPARE(inside, >, (LaneFloat)(margin_edge)) &
-                              (LANE_COMPARE(height, >, (LaneFloat)(margin_plane)) | LANE_COMPARE(z, <, (LaneFloat)(r->z_low)));
+            LaneInt certain =
+                possible & LANE_COMPARE(inside, >, (LaneFloat)(margin_edge)) &
+                (LANE_COMPARE(height, >, (LaneFloat)(margin_plane)) | LANE_COMPARE(z, <, (LaneFloat)(r->z_low)));
             lit &= ~settle(&out, certain, possible & ~certain, order, ids[slot]);
             if (!LANES_ANY(lit)) break;
         }

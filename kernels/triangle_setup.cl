@@ -31,7 +31,7 @@
 #define WILD_TEXELS 1.0e12f
 
 typedef struct Edge {
-    float x, y, c;    // coefficients
+    float x, y, c;                 // coefficients
     float size_x, size_y, size_c;  // sums of the magnitudes of the products that make them
 } Edge;
 
@@ -158,8 +158,8 @@ static void set_plane_perspective(TriangleRecord* record, const Projected* v, fl
     side_1.x = x1, side_1.y = y1, side_1.w = w1;
     side_2.x = x2, side_2.y = y2, side_2.w = w2;
     float rho_1 = largest_offset(side_1, rectangle), rho_2 = largest_offset(side_2, rectangle);
-    float delta_np = 2.0f * (rho_1 * e_2 + rho_2 * e_1 + e_1 * e_2) +
-                     8.0f * GN_U * (reach * size_x + reach * size_y + size_w);
+    float delta_np =
+        2.0f * (rho_1 * e_2 + rho_2 * e_1 + e_1 * e_2) + 8.0f * GN_U * (reach * size_x + reach * size_y + size_w);
     // N . a: at a's own place in the grid it is a_w N . p, inside the rectangle unless the triangle straddles.
     float e_0 = v[0].error, e_0w = v[0].error_w;
     float delta_determinant = fabs(n_x) * e_0 + fabs(n_y) * e_0 + fabs(n_w) * e_0w +
@@ -271,8 +271,9 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
         z_high = INFINITY;
     } else {
         for (int i = 0; i < 3; ++i) {
-            float slack = projection->perspective ? BOUND_INFLATION * v[i].z * (v[i].error_w / (v[i].w - v[i].error_w) + 4.0f * GN_U)
-                                                  : v[i].error_z;
+            float slack = projection->perspective
+                              ? BOUND_INFLATION * v[i].z * (v[i].error_w / (v[i].w - v[i].error_w) + 4.0f * GN_U)
+                              : v[i].error_z;
             z_low = fmin(z_low, v[i].z - slack);
             z_high = fmax(z_high, v[i].z + slack);
         }
@@ -333,8 +334,8 @@ __kernel void triangle_setup(__constant const Projection* projection, uint trian
         uint4 bins;
         bool for_map;
         int level = DET3_BY_FLOAT;
-        int verdict = set_up_triangle(load_triangle(vertices + first_float, id), projection, pyramid,
-                                      has_pyramid != 0u, &record, &bins, &for_map, &level);
+        int verdict = set_up_triangle(load_triangle(vertices + first_float, id), projection, pyramid, has_pyramid != 0u,
+                                      &record, &bins, &for_map, &level);
         ++tally[verdict];
         exact += level == DET3_BY_EXACT;
         if (verdict != SURVIVES) continue;
