@@ -21,12 +21,18 @@
 // r_c - r_a) is bounded as an edge, and det(a, b, c) = N . a.
 // Every bound is computed in float with all terms positive, and inflated by BOUND_INFLATION (1 %), which covers the
 // roundings of its own computation (fewer than 100, each under 2^-23) many times over.
+//
+// Underflow: relative errors are not all where a product falls below 2^-126. The edges' margin has 1e-30 on top, above
+// what any of their sums can lose. In perspective all coordinates shrink with the distance from the light, so N and the
+// determinant underflow for triangles within about 1e-11 of it; UNDERFLOW is more than what the products of a plane can
+// lose together, flushed denormals included, and swamps the bound there. (Parallel: error_z has 2^-20 |d| in it.)
 #include "exact/det3.h"
 #include "points.h"
 #include "projection.h"
 #include "triangle_setup.h"
 
 #define BOUND_INFLATION 1.01f
+#define UNDERFLOW 1.0e-36f
 // Beyond this (texels) a projected vertex no longer says anything useful: every test of the triangle is exact.
 #define WILD_TEXELS 1.0e12f
 
@@ -163,7 +169,8 @@ static void set_plane_perspective(TriangleRecord* record, const Projected* v, fl
     // N . a: at a's own place in the grid it is a_w N . p, inside the rectangle unless the triangle straddles.
     float e_0 = v[0].error, e_0w = v[0].error_w;
     float delta_determinant = fabs(n_x) * e_0 + fabs(n_y) * e_0 + fabs(n_w) * e_0w +
-                              4.0f * GN_U * (fabs(n_x * v[0].x) + fabs(n_y * v[0].y) + fabs(n_w * v[0].w));
+                              4.0f * GN_U * (fabs(n_x * v[0].x) + fabs(n_y * v[0].y) + fabs(n_w * v[0].w)) +
+                              UNDERFLOW * (1.0f + fabs(v[0].x) + fabs(v[0].y) + fabs(v[0].w));
     float a_x = fabs(v[0].x) / fabs(v[0].w), a_y = fabs(v[0].y) / fabs(v[0].w);
     bool a_in_grid = !straddles && a_x <= reach && a_y <= reach;
     if (a_in_grid) {
