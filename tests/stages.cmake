@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: MIT
+# A program per stage: its laws (equals_reference, order_free, shape_free, survives_degenerates, writes_only_its_own,
+# grows), with the exact predicates as the judge.
+add_library(gnomon_stage_support STATIC ${CMAKE_CURRENT_LIST_DIR}/support/light_stages.cpp)
+target_include_directories(gnomon_stage_support PUBLIC ${CMAKE_CURRENT_LIST_DIR})
+target_link_libraries(gnomon_stage_support PUBLIC gnomon gnomon_reference GTest::gtest PRIVATE gnomon_build_flags)
+
+foreach(stage IN ITEMS triangle_setup)
+  gnomon_test(${stage}_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/${stage}_test.cpp LIBRARIES gnomon_stage_support)
+endforeach()

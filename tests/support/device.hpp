@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Devices for stage tests, buffers up and down, and canaries: words past an output that the stage must leave alone.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "../../host/cl/session.hpp"
+
+namespace support {
+
+/// Work-group sizes that a stage with cheap kernels is run with: one, powers of two, and sizes that divide nothing.
+inline constexpr std::uint32_t WORK_GROUP_SIZES[] = {1, 2, 3, 7, 16, 33, 64, 128};
+/// The same for stages whose kernels take long to compile (a CPU driver compiles them anew for each size).
+inline constexpr std::uint32_t FEW_WORK_GROUP_SIZES[] = {3, 64};
+
+/// Work-group size 0: the library's choice.
+inline gnomon::Device device_with(std::uint32_t work_group_size = 0) {
+    gnomon::DeviceOptions options;
+    options.work_group_size = work_group_size;
+    return gnomon::Device({}, options);
+}
+
+template <typename Value>
+gnomon::cl::Buffer uploaded(gnomon::cl::Session& session, const std::vector<Value>& values) {
+    gnomon::cl::Buffer buffer(session, values.size() * sizeof(Value));
+    session.write(buffer.get(), values.data(), values.size() * sizeof(Value));
+    return buffer;
+}
+
+template <typename Value>
+std::vector<Value> downloaded(gnomon::cl::Session& session, cl_mem buffer, std::size_t count) {
+    std::vector<Value> values(count);
+    session.read(buffer, values.data(), count * sizeof(Value));
+    return values;
+}
+
+inline constexpr std::uint32_t CANARY = 0xDEADC0DEu;
+
+/// Fills the whole buffer with canaries.
+inline void put_canaries(gnomon::cl::Session& session, const gnomon::cl::Buffer& buffer) {
+    session.fill(buffer, CANARY, buffer.bytes() / 4 * 4);
+}
+
+/// Expects every word from byte `first` on to be a canary still, and that there is one to look at.
+inline void expect_canaries(gnomon::cl::Session& session, const gnomon::cl::Buffer& buffer, std::size_t first,
+                            const char* what) {
+    ASSERT_GE(buffer.bytes(), first + 4) << what << " leaves no room for canaries";
+    const auto words = downloaded<std::uint32_t>(session, buffer.get(), buffer.bytes() / 4);
+    for (std::size_t i = first / 4; i < words.size(); ++i)
+        ASSERT_EQ(words[i], CANARY) << what << ": word " << i << " lies past the output and was written";
+}
+
+}  // namespace support

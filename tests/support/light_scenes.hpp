@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// Scenes against which the stages of a light are held: points exactly on the rays through edges and vertices, on
+// planes, and an ulp beside them; near, far, tiny, huge, grazing, and with triangles on all sides of a positional
+// light.
+#pragma once
+
+#include <cmath>
+
+#include "light_stages.hpp"
+#include "scene_makers.hpp"
+
+namespace support {
+
+/// v moved by -1, 0 or 1 ulp per coordinate.
+inline Float3 nudged(Random& random, Float3 v) {
+    for (float& x : v) {
+        const std::uint32_t kind = random.below(3);
+        if (kind == 1) x = std::nextafter(x, INFINITY);
+        if (kind == 2) x = std::nextafter(x, -INFINITY);
+    }
+    return v;
+}
+
+/// A place on the triangle: a vertex, on an edge, or inside.
+inline std::array<double, 3> place_on(Random& random, const Floats& triangles, std::size_t triangle) {
+    const Float3 v[3] = {vertex(triangles, 3 * triangle), vertex(triangles, 3 * triangle + 1),
+                         vertex(triangles, 3 * triangle + 2)};
+    double weight[3] = {1, 0, 0};
+    const std::uint32_t kind = random.below(8);
+    if (kind > 0) {
+        weight[1] = random.between(0, 1);
+        weight[2] = kind > 5 ? random.between(0, 1) * (1 - weight[1]) : 0;
+        weight[0] = 1 - weight[1] - weight[2];
+    }
+    const std::uint32_t first = random.below(3);
+    std::array<double, 3> place{};
+    for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 3; ++c) place[c] += weight[i] * double(v[(first + i) % 3][c]);
+    return place;
+}
+
+/// `count` points that a place of a random triangle is on the way to the light from (or beyond), to the last ulp.
+/// `reach`: how far away from the triangle at most.
+inline Floats points_behind(const Floats& triangles, const Light& light, std::size_t count, double reach,
+                            std::uint64_t seed) {
+    Random random(seed);
+    Floats points;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto place = place_on(random, triangles, random.below(std::uint32_t(triangles.size() / 9)));
+        const double largest = std::max({std::fabs(light[0]), std::fabs(light[1]), std::fabs(light[2])});
+        // Mostly away from the light; sometimes towards it, sometimes on the triangle.
+        const std::uint32_t kind = random.below(8);
+        const double t = kind == 0 ? 0 : reach * (kind == 1 ? -1 : 1) * random.between(0, 1);
+        Float3 p;
+        for (int c = 0; c < 3; ++c)
+            p[c] = float(light[3] == 0 ? place[c] - t * light[c] / largest
+                                       : place[c] + (place[c] - light[c]) * (kind == 1 ? t / (4 * reach) : t));
+        add(points, random.below(2) == 0 ? p : nudged(random, p));
+    }
+    return points;
+}
+
+/// The scene's triangles and points behind them, for a light given in the scene's own scale.
+inline LightScene tie_scene(std::string name, const Floats& triangles, const Light& light, std::size_t points,
+                            double reach, std::uint64_t seed) {
+    return {std::move(name), triangles, points_behind(triangles, light, points, reach, seed), light};
+}
+
+inline Light moved(const Light& light, double scale, const std::array<double, 3>& offset) {
+    if (light[3] == 0) return light;
+    return {float(light[0] * scale + offset[0]), float(light[1] * scale + offset[1]),
+            float(light[2] * scale + offset[2]), 1};
+}
+
+/// Lights around and inside [-1, 1]^3; the inner ones have triangles on all six sides and across every face's W = 0.
+inline std::vector<std::pair<std::string, Light>> lights_of_every_kind() {
+    return {{"sun", along(0.3f, -1, 0.2f)},           {"sun along -y", along(0, -1, 0)},
+            {"sun along +x", along(5, 0, 0)},         {"sun along a diagonal", along(-1, -1, -1)},
+            {"grazing sun", along(1, -1e-4f, 3e-5f)}, {"lamp above", at(0.1f, 3, -0.2f)},
+            {"lamp inside", at(0.05f, -0.1f, 0.2f)}};
+}
+
+inline std::vector<LightScene> light_scenes() {
+    std::vector<LightScene> scenes;
+    std::uint64_t seed = 1;
+    struct Shapes {
+        const char* name;
+        Floats triangles;
+    };
+    const std::vector<Shapes> shapes = {
+        {"soup", soup(40, 0.5f, 11)},     {"large soup", soup(12, 4, 12)},
+        {"specks", soup(80, 0.004f, 13)}, {"slivers", slivers(30, 1e-5f, 14)},
+        {"fan", needle_fan(37, 1)},       {"blocks", placed(lattice_blocks(6, 3, 15), 0.5, {-0.75, -0.75, -0.75})}};
+    struct Place {
+        const char* name;
+        double scale;
+        std::array<double, 3> offset;
+    };
+    const std::vector<Place> places = {{"", 1, {0, 0, 0}},
+                                       {" at 1e3", 1, {1e3, -1e3, 1e3}},
+                                       {" at 1e5", 1, {-1e5, 3e4, 1e5}},
+                                       {" at 1e7", 10, {1e7, 1e7, -1e7}},
+                                       {" of 1e-6", 1e-6, {0, 0, 0}},
+                                       {" of 1e-12 at 1e-9", 1e-12, {1e-9, 0, 1e-9}},
+                                       {" of 1e6", 1e6, {1e5, 0, 0}}};
+    for (const auto& [light_name, light] : lights_of_every_kind())
+        for (const Shapes& shape : shapes)
+            for (const Place& place : places) {
+                // Every shape at home; elsewhere, one shape per light and place in turn.
+                if (place.scale != 1 || place.offset[0] != 0)
+                    if ((seed++ + scenes.size()) % 3 != 0) continue;
+                scenes.push_back(tie_scene(std::string(shape.name) + place.name + ", " + light_name,
+                                           placed(shape.triangles, place.scale, place.offset),
+                                           moved(light, place.scale, place.offset), 160, 2 * place.scale, ++seed));
+            }
+    return scenes;
+}
+
+/// Huge triangles over a small neighbourhood of points.
+inline std::vector<LightScene> huge_triangle_scenes() {
+    std::vector<LightScene> scenes;
+    for (const auto& [light_name, light] : lights_of_every_kind())
+        for (const float size : {1e3f, 1e6f, 1e10f}) {
+            Floats triangles = soup(20, 0.3f, 21);
+            append(triangles, soup(10, size, 22));
+            LightScene scene{"triangles of " + std::to_string(size) + ", " + light_name, triangles, {}, light};
+            const Floats small(triangles.begin(), triangles.begin() + 20 * 9);
+            scene.points = points_behind(small, light, 160, 2, 23);
+            scenes.push_back(scene);
+        }
+    return scenes;
+}
+
+/// Scales at which products of floats underflow: heights of denormals over a floor of ordinary size, and a lamp among
+/// triangles that are 1e-15 .. 1e-12 away.
+inline std::vector<LightScene> underflow_scenes() {
+    std::vector<LightScene> scenes;
+    for (const double height : {1e-30, 1e-36, 1e-39, 1e-42, 1e-44}) {
+        Floats triangles = soup(60, 0.5f, 31), points = random_points(300, -1, 1, 32);
+        for (Floats* floats : {&triangles, &points})
+            for (std::size_t i = 1; i < floats->size(); i += 3) (*floats)[i] = float((*floats)[i] * height);
+        scenes.push_back({"heights of " + std::to_string(std::log10(height)), triangles, points, along(0, -1, 0)});
+    }
+    for (const double scale : {1e-9, 1e-11, 1e-12, 1e-13, 1e-14}) {
+        const Light lamp = at(0, 0, 0);
+        for (const float size : {1.0f, 0.2f, 0.02f}) {
+            const Floats triangles = placed(soup(60, size, 33), scale, {0, 0, 0});
+            scenes.push_back(
+                tie_scene("lamp in a world of 1e" + std::to_string(std::log10(scale)), triangles, lamp, 200, 2, 34));
+        }
+    }
+    return scenes;
+}
+
+/// The reference's own hard scenes (reference/scenes_for_tests.hpp), with and without receivers' help.
+inline std::vector<LightScene> reference_scenes() {
+    std::vector<LightScene> scenes;
+    for (const reference::TestScene& scene : reference::all_test_scenes())
+        for (const Light& light : scene.lights)
+            if (light[3] != 0 || light[0] != 0 || light[1] != 0 || light[2] != 0)
+                scenes.push_back({scene.name, scene.triangles, scene.points, light, scene.receivers});
+    return scenes;
+}
+
+}  // namespace support

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Runs the stages of a light one by one, as frustum_traced.cpp orders them, and brings every stage's output to the
+// host, so that a stage's test can look at what goes in and what comes out.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "../../host/conservative_map.hpp"
+#include "../../host/facing.hpp"
+#include "../../host/farthest_height.hpp"
+#include "../../host/trace.hpp"
+#include "device.hpp"
+#include "reference/predicates.hpp"
+
+namespace support {
+
+struct LightScene {
+    std::string name;
+    std::vector<float> triangles;  ///< 9 each
+    std::vector<float> points;     ///< 3 each
+    std::array<float, 4> light;
+    std::vector<std::uint32_t> receivers{};  ///< one per point, or none
+    std::optional<reference::Float3> eye{};
+};
+
+/// A listed point as the trace sees it.
+struct ListedPoint {
+    std::uint32_t id;
+    std::uint32_t bin;
+    float x, y, z;
+};
+
+/// Bins that a record may touch, both ends included.
+struct BinRange {
+    std::uint32_t x0, y0, x1, y1;
+    bool contains(std::uint32_t x, std::uint32_t y) const { return x0 <= x && x <= x1 && y0 <= y && y <= y1; }
+};
+
+struct SetUpTriangle {
+    std::uint32_t id;
+    gnomon::TriangleRecord record;
+    BinRange bins;
+};
+
+/// What one frame's stages left behind.
+struct FrameOutput {
+    gnomon::LightFrame frame;
+    gnomon::Projection projection;
+    std::vector<std::uint32_t> pyramid;                  ///< farthest_height, base level first
+    std::vector<SetUpTriangle> triangles;                ///< triangle_setup, by id
+    std::vector<std::uint32_t> map;                      ///< conservative_map, as keys; empty if not run
+    std::vector<ListedPoint> points;                     ///< izb, by id
+    std::vector<std::uint32_t> farthest;                 ///< izb, per bin
+    std::vector<std::vector<std::uint32_t>> references;  ///< bins, triangle ids per bin, sorted
+    std::vector<float> visibility_after_izb;
+    std::vector<float> visibility;  ///< after exact_trace
+    gnomon::FrameCounters counters;
+};
+
+struct StageSettings {
+    gnomon::FrameGrid grid{64, 3};
+    bool with_map = false;
+    gnomon::CoverTest cover_test = gnomon::CoverTest::tight;
+    std::uint32_t first_capacity = 0;  ///< 0: the stages' own
+};
+
+/// Runs everything for each frame of the light that has points. Lists grow as in the pipeline.
+std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
+                                          const StageSettings& settings = {});
+
+/// The stages' inputs on the device.
+class UploadedScene {
+public:
+    UploadedScene(const gnomon::Device& device, const LightScene& scene);
+    gnomon::TriangleInputs triangle_inputs() const { return gnomon::triangle_inputs(triangles); }
+    gnomon::PointInputs point_inputs() const { return gnomon::point_inputs(points); }
+
+    gnomon::Triangles triangles;
+    gnomon::Points points;
+    gnomon::Light light;
+    gnomon::cl::Buffer visibility, counters;
+};
+
+/// The order-preserving map of floats to integers, backwards (kernels/prelude.h).
+inline float float_of_key(std::uint32_t key) {
+    return std::bit_cast<float>((key & 0x80000000u) != 0 ? key & 0x7FFFFFFFu : ~key);
+}
+inline std::uint32_t key_of_float(float x) {
+    const auto bits = std::bit_cast<std::uint32_t>(x);
+    return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+
+inline constexpr std::uint32_t NO_KEY = 0xFFFFFFFFu;
+
+}  // namespace support
