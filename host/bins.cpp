@@ -36,17 +36,22 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t
     pass(session, projection, setup, farthest, counters, 1);
 }
 
-bool Bins::fitted(cl::Session& session, const FrameCounters& counted) {
-    if (counted.references <= capacity_) return true;
+void Bins::grow(cl::Session& session, std::uint64_t wanted) {
+    capacity_ = 0;  // stays so if the next line throws
+    wanted = std::min<std::uint64_t>(wanted, 0xFFFFFFFEu);
+    references_.reserve(session, wanted * sizeof(cl_uint));
+    capacity_ = static_cast<std::uint32_t>(wanted);
+}
+
+bool Bins::fitted(cl::Session& session, const FrameCounters& counted, bool records_fitted) {
     if (counted.references == 0xFFFFFFFFu)
         throw OutOfDeviceMemory("listing more than 2^32 (triangle, bin) pairs", CL_MEM_OBJECT_ALLOCATION_FAILURE,
                                 "set a smaller map-size");
-    capacity_ = 0;
+    const std::uint64_t likely = records_fitted ? 0 : 2 * std::uint64_t(counted.survivors);
+    const std::uint64_t needed = std::max<std::uint64_t>(counted.references, likely);
+    if (needed <= capacity_) return true;
     // A quarter more than asked, so that a slowly changing scene does not grow every frame.
-    const std::size_t wanted =
-        std::min<std::size_t>(counted.references + std::size_t(counted.references) / 4, 0xFFFFFFFEu);
-    references_.reserve(session, wanted * sizeof(cl_uint));
-    capacity_ = static_cast<std::uint32_t>(wanted);
+    grow(session, needed + needed / 4);
     return false;
 }
 

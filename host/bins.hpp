@@ -13,8 +13,9 @@ public:
     /// then no bin is empty and nothing is too far.
     void run(cl::Session& session, const cl::Buffer& projection, std::uint32_t bin_count, const TriangleSetup& setup,
              const cl::Buffer* farthest, const cl::Buffer& counters);
-    /// True if all references fitted; else grows, and the run must be repeated.
-    bool fitted(cl::Session& session, const FrameCounters& counted);
+    /// True if all references fitted; else grows, and the run must be repeated. After a run whose records did not fit
+    /// the references are guessed from the survivors, so that both lists grow at once.
+    bool fitted(cl::Session& session, const FrameCounters& counted, bool records_fitted);
 
     std::uint32_t capacity() const { return capacity_; }
     const cl::Buffer& offsets() const { return offsets_; }
@@ -24,6 +25,7 @@ public:
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
+    void grow(cl::Session& session, std::uint64_t wanted);
     void pass(cl::Session& session, const cl::Buffer& projection, const TriangleSetup& setup,
               const cl::Buffer* farthest, const cl::Buffer& counters, std::uint32_t fill);
 

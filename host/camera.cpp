@@ -51,6 +51,7 @@ void run_visibility(cl::Session& session, const TriangleInputs& triangles, const
     CameraLists lists;
     cl::Buffer counters(session, sizeof(FrameCounters));
     FrameCounters counted;
+    bool fitted = false;
     do {
         session.fill(counters, 0, sizeof(FrameCounters));
         {
@@ -69,8 +70,9 @@ void run_visibility(cl::Session& session, const TriangleInputs& triangles, const
                            lists.bins.references(), counters, visible);
         }
         session.read(counters.get(), &counted, sizeof(counted));
-        // Both are asked, so that both grow at once.
-    } while (!(int(lists.setup.fitted(session, counted)) & int(lists.bins.fitted(session, counted))));
+        const bool records = lists.setup.fitted(session, counted);
+        fitted = lists.bins.fitted(session, counted, records) && records;
+    } while (!fitted);
     statistics.counts = {{"pixels", pixels},
                          {"triangles", triangles.count},
                          {"triangles_not_finite", counted.not_finite},

@@ -145,7 +145,7 @@ FrameCounters FrustumTraced::run_frame_once(Run& run, const LightFrame& frame) {
 
 bool FrustumTraced::fitted(const FrameCounters& counted) {
     cl::Session& session = device_.session();
-    const bool records = setup_.fitted(session, counted), references = bins_.fitted(session, counted),
+    const bool records = setup_.fitted(session, counted), references = bins_.fitted(session, counted, records),
                pairs = trace_.fitted(session, counted);
     return records && references && pairs;
 }
