@@ -5,6 +5,7 @@
 #include "cl/description.hpp"
 #include "cl/session.hpp"
 #include "frustum_traced.hpp"
+#include "self_check.hpp"
 
 namespace gnomon {
 
@@ -13,10 +14,14 @@ std::string_view version() { return GNOMON_VERSION; }
 // ---- Device ---------------------------------------------------------------------------------------------------------
 
 Device::Device(std::string_view selector, const DeviceOptions& options)
-    : session_(std::make_shared<cl::Session>(cl::select_device(selector), options)) {}
+    : session_(open_checked(options, [found = cl::select_device(selector)](const DeviceOptions& chosen) {
+          return std::make_shared<cl::Session>(found, chosen);
+      })) {}
 
 Device::Device(cl_context context, cl_command_queue queue, const DeviceOptions& options)
-    : session_(std::make_shared<cl::Session>(context, queue, options)) {}
+    : session_(open_checked(options, [context, queue](const DeviceOptions& chosen) {
+          return std::make_shared<cl::Session>(context, queue, chosen);
+      })) {}
 
 const DeviceDescription& Device::description() const { return session_->description(); }
 cl_context Device::context() const { return session_->context(); }

@@ -104,6 +104,7 @@ struct DeviceDescription {
     std::uint64_t largest_allocation_bytes = 0;
     bool has_fp64 = false;
     std::string lacks;        ///< empty if the device can be used, else what it lacks
+    std::string note;         ///< of an open device: what the check at start-up switched off, and why; else empty
     bool is_default = false;  ///< the one a Device without a selector opens
     std::string why_default;  ///< for the default: the rule that chose it
 };

@@ -8,3 +8,5 @@ gnomon_test(predicates_test
   LIBRARIES gnomon::gnomon gnomon_reference)
 target_compile_definitions(predicates_test PRIVATE
   PREDICATES_KERNELS="${CMAKE_CURRENT_LIST_DIR}/predicates/predicates.cl")
+
+gnomon_test(self_check_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/self_check_test.cpp LIBRARIES gnomon::gnomon)

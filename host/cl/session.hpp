@@ -65,6 +65,7 @@ public:
     Session& operator=(const Session&) = delete;
 
     const DeviceDescription& description() const { return description_; }
+    void set_note(std::string note) { description_.note = std::move(note); }
     cl_context context() const { return context_; }
     cl_command_queue queue() const { return queue_; }
     bool is_cpu() const { return is_cpu_; }

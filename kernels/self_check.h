@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Contract of the self-check: what it can find wrong with a device's arithmetic, one bit each.
+#ifndef GN_SELF_CHECK_H
+#define GN_SELF_CHECK_H
+
+#include "prelude.h"
+
+// Whoever has one of these is refused.
+#define FAULT_FUSED 0            // a * b + c is rounded once
+#define FAULT_REORDERED 1        // (a - (s - b)) + ... is simplified as if nothing rounded
+#define FAULT_ROUNDING 2         // + and * do not round to nearest even
+#define FAULT_FMA 3              // fma() rounds twice
+#define FAULT_DENORMAL_COPIED 4  // a denormal changes by being loaded, chosen, negated or stored
+#define FAULT_INTEGERS 5         // 64-bit products, shifts, carries
+#define FAULT_KEYS 6             // keys of floats do not keep their order, or atomic_min and atomic_max do not
+#define FAULT_EXACT 7            // the exact predicate gives a wrong sign
+#define FAULT_REFUSED 0xFFu      // all of the above
+
+// These switch double precision off.
+#define FAULT_DOUBLE_FUSED 8
+#define FAULT_DOUBLE_REORDERED 9
+#define FAULT_DOUBLE_ROUNDING 10   // + * / sqrt, and the way back to float
+#define FAULT_DENORMAL_WIDENED 11  // a denormal float becomes zero when it is made a double
+
+#define SELF_CHECK_FAULTS 12
+
+// What the kernel writes: the faults, and the least and the greatest key that all work-items saw.
+GN_STRUCT_BEGIN(SelfCheckResult)
+    uint faults;
+    uint least_key;
+    uint greatest_key;
+    uint zero;  // read: 0, which no compiler can know
+GN_STRUCT_END(SelfCheckResult, 16)
+
+#endif
