@@ -5,8 +5,8 @@
 // is used without it: the answers are the same, since the exact level needs none (the camera does, and says so). What
 // is looked at, and which numbers tell, is in kernels/self_check.cl.
 //
-// Cost with PoCL: 20 ms when its kernel cache is warm, which is what PoCL takes for any program however small (the check
-// itself: 0.1 ms), and half a second of compilation when it is not.
+// Cost with PoCL: 20 ms when its kernel cache is warm, which is what PoCL takes for any program however small (the
+// check itself: 0.1 ms), and half a second of compilation when it is not.
 #pragma once
 
 #include <functional>
