@@ -94,9 +94,9 @@ bool run_once(Session& session, Stages& stages, const UploadedScene& scene, cons
     stages.trace.run(session, out.frame, points, stages.izb, stages.bins, stages.setup, visibility, scene.counters);
     gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
     session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
-    const bool records = stages.setup.fitted(session, out.counters),
-               references = stages.bins.fitted(session, out.counters),
-               pairs = stages.trace.fitted(session, out.counters);
+    const bool records = stages.setup.fitted(session, out.counters);
+    const bool references = stages.bins.fitted(session, out.counters, records);
+    const bool pairs = stages.trace.fitted(session, out.counters);
     return records && references && pairs;
 }
 

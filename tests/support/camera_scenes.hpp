@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// Views against which the camera is held: closed meshes, lattices whose edges pass through pixel centres, needles,
+// far from the origin, from inside, with triangles behind and across the eye.
+#pragma once
+
+#include "../../host/camera.hpp"
+#include "../../kernels/camera.h"
+#include "reference/stages/exact_ray.hpp"
+#include "scene_makers.hpp"
+
+namespace support {
+
+struct CameraScene {
+    std::string name;
+    Floats triangles;
+    Float3 eye, target, up;
+    double fov_y_degrees;
+    std::uint32_t width, height;
+
+    gnomon::Camera camera() const { return gnomon::Camera::look_at(eye, target, up, fov_y_degrees); }
+};
+
+/// The exact ray of a pixel, from the table the kernels get.
+inline reference::ExactRay exact_ray(const gnomon::CameraTables& tables, std::uint32_t x, std::uint32_t y) {
+    const float* column = tables.rays.data() + RAY_FLOATS * std::size_t(x);
+    const float* row = tables.rays.data() + RAY_FLOATS * (std::size_t(tables.projection.width) + y);
+    const auto vector = [](const float* v) { return Float3{v[0], v[1], v[2]}; };
+    const float* eye = tables.projection.center;
+    return {vector(eye), {vector(column), vector(column + 3), vector(row), vector(row + 3)}};
+}
+
+/// A wall of 2 x 2 triangles per cell in the plane z = 0, x and y from -cells to cells: with the eye on the axis at a
+/// matching distance, its edges and vertices run exactly through pixel centres.
+inline Floats lattice_wall(int cells) {
+    Floats triangles;
+    for (int y = -cells; y < cells; ++y)
+        for (int x = -cells; x < cells; ++x) {
+            const Float3 a = {float(x), float(y), 0}, b = {float(x + 1), float(y), 0},
+                         c = {float(x + 1), float(y + 1), 0}, d = {float(x), float(y + 1), 0};
+            add(triangles, a, b, c);
+            add(triangles, a, c, d);
+        }
+    return triangles;
+}
+
+inline std::vector<CameraScene> camera_scenes() {
+    std::vector<CameraScene> scenes;
+    const Floats ball = icosphere(2, 1), mess = soup(60, 0.6f, 41);
+    scenes.push_back({"ball", ball, {0.3f, 0.4f, 3}, {0, 0, 0}, {0, 1, 0}, 50, 37, 29});
+    scenes.push_back({"inside a ball", ball, {0.1f, -0.2f, 0.05f}, {1, 0, 0}, {0, 1, 0}, 100, 33, 17});
+    // tan(45 degrees) = 1: pixel centres of 17 x 17 at distance 8.5 lie on the integers.
+    scenes.push_back({"lattice wall", lattice_wall(10), {0, 0, 8.5f}, {0, 0, 0}, {0, 1, 0}, 90, 17, 17});
+    scenes.push_back({"soup around the eye", mess, {0.05f, 0.1f, 0}, {0.2f, 0.1f, -1}, {0, 1, 0}, 80, 40, 23});
+    scenes.push_back({"large soup", soup(25, 5, 42), {0, 0, 0}, {0.1f, 0.3f, -1}, {0, 1, 0}, 60, 31, 31});
+    scenes.push_back({"huge soup", soup(12, 1e6f, 43), {0.3f, 0.2f, 1}, {0, 0, 0}, {0, 1, 0}, 60, 16, 16});
+    for (const double far : {1e3, 1e5, 1e7}) {
+        const std::array<double, 3> offset = {far, -far, far};
+        const double scale = far > 1e6 ? 20 : 1;
+        scenes.push_back({"ball at " + std::to_string(far),
+                          placed(ball, scale, offset),
+                          {float(far + 0.3 * scale), float(-far + 0.4 * scale), float(far + 3 * scale)},
+                          {float(far), float(-far), float(far)},
+                          {0, 1, 0},
+                          50,
+                          24,
+                          24});
+    }
+    scenes.push_back(
+        {"tiny ball", placed(ball, 1e-7, {1e-6, 0, 0}), {1.3e-6f, 4e-8f, 3e-7f}, {1e-6f, 0, 0}, {0, 1, 0}, 50, 24, 24});
+    scenes.push_back({"microscopic ball",
+                      placed(ball, 1e-13, {0, 0, 0}),
+                      {3e-14f, 4e-14f, 3e-13f},
+                      {0, 0, 0},
+                      {0, 1, 0},
+                      50,
+                      24,
+                      24});
+    scenes.push_back({"needles", needle_fan(97, 1), {0.2f, 1, 0.7f}, {0, 0, 0}, {0, 1, 0}, 60, 40, 40});
+    scenes.push_back({"grazing needles", needle_fan(97, 1), {0.2f, 1e-4f, 1.7f}, {0, 0, 0}, {0, 1, 0}, 60, 40, 40});
+    scenes.push_back({"slivers", slivers(40, 1e-6f, 44), {0.2f, 2, 0.7f}, {0, 0.5f, 0}, {0, 1, 0}, 60, 40, 40});
+    scenes.push_back({"eye in a wall's plane", lattice_wall(3), {5, 0.5f, 0}, {0, 0.5f, 0}, {0, 1, 0}, 60, 19, 19});
+    scenes.push_back({"telescope", placed(ball, 1, {0, 0, -1e5}), {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1e-3, 24, 24});
+    scenes.push_back({"fisheye", mess, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 179.99, 24, 24});
+    scenes.push_back({"one pixel", ball, {0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 50, 1, 1});
+    scenes.push_back({"one row", ball, {0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 50, 65, 1});
+    return scenes;
+}
+
+}  // namespace support
