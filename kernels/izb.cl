@@ -4,19 +4,20 @@
 // Laine 2004 for the structure; Mizoguchi and Tokuyoshi, section 3.1, for the test).
 //
 // Coarse test: a point below its texel's conservative height is in shadow for certain and never listed. If the point
-// has a receiver and nobody has decided on which side of it the point lies, the receiver itself might be what covers
-// the texel: then the exact predicate says whether the receiver would block the point, and only if not (so that the
-// cover must be another triangle) is the point settled here.
+// has a receiver, the receiver itself might be what covers the texel: then the exact predicate says whether the
+// receiver would block the point, and only if not (so that the cover must be another triangle) is the point settled
+// here. An eye does not spare that: it says that light and eye are on one side of the receiver, not that a caller's
+// point is.
 #include "exact/blocks.h"
 #include "light_frame.h"
 #include "triangle_setup.h"
 
-static bool is_decided_by_map(PointsLayout layout, __constant const Projection* projection, float3 p, float3 point,
-                              uint receiver, ulong first_float, uint triangle_count, __global const float* vertices,
+static bool is_decided_by_map(__constant const Projection* projection, float3 p, float3 point, uint receiver,
+                              ulong first_float, uint triangle_count, __global const float* vertices,
                               __global const uint* map) {
     uint texel = texel_index(point.y, projection->height) * projection->width + texel_index(point.x, projection->width);
     if (!(float_to_key(point.z) < map[texel])) return false;
-    if (layout.has_eye || receiver >= triangle_count) return true;
+    if (receiver >= triangle_count) return true;
     int level = DET3_BY_FLOAT;
     Triangle own = load_triangle(vertices + first_float, receiver);
     float4 light = (float4)(projection->light[0], projection->light[1], projection->light[2], projection->light[3]);
@@ -36,7 +37,7 @@ __kernel void izb_count(LightFrame frame, PointsLayout layout, __constant const 
         float3 point = project_point(projection, p);
         uint receiver = layout.has_receivers ? receivers[i] : GN_NO_ID;
         if (has_map && !projection->indistinct &&
-            is_decided_by_map(layout, projection, p, point, receiver, first_float, triangle_count, vertices, map)) {
+            is_decided_by_map(projection, p, point, receiver, first_float, triangle_count, vertices, map)) {
             visibility[i] = 0.0f;
             ++decided;
             continue;
