@@ -32,8 +32,10 @@ static bool covers_tight(const TriangleRecord* record, float x, float y) {
 static bool covers_circle(const TriangleRecord* record, float x, float y) {
     for (int i = 0; i < 3; ++i) {
         float centre = fma(record->edge_x[i], x + 0.5f, fma(record->edge_y[i], y + 0.5f, record->edge_0[i]));
-        float gradient = sqrt(record->edge_x[i] * record->edge_x[i] + record->edge_y[i] * record->edge_y[i]);
-        // sqrt may be off by 3 ulp, the squares by one each.
+        // Scaled, since the squares of slopes near a positional light underflow. 2.5 ulp for the quotient, 3 for sqrt.
+        float larger = fmax(fabs(record->edge_x[i]), fabs(record->edge_y[i]));
+        float ratio = fmin(fabs(record->edge_x[i]), fabs(record->edge_y[i])) / larger;
+        float gradient = larger > 0.0f ? larger * sqrt(1.0f + ratio * ratio) : 0.0f;
         if (!(centre > HALF_DIAGONAL * gradient * (1.0f + 16.0f * GN_U) + record->margin_edge)) return false;
     }
     return true;
