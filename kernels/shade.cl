@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Shade: base colour times (ambient + visibility * Lambert), to 8-bit sRGB through a table the host computes, so that
-// no device's pow() can change a pixel.
+// no device's pow() can change a pixel. The ambient light comes mostly from above and a little from one side, so that
+// shapes stay readable where no light reaches.
 #include "points.h"
 
 #define AMBIENT 0.25f
@@ -31,7 +32,8 @@ __kernel void shade(PointsLayout layout, float4 light, __global const float* pos
             float3 n = vload3(pixel, normals);
             float3 l = towards_light(load_point(positions, layout, pixel), light);
             float cosine = fmax(n.x * l.x + n.y * l.y + n.z * l.z, 0.0f);
-            linear = base * (AMBIENT + (1.0f - AMBIENT) * visibility[pixel] * cosine);
+            float ambient = AMBIENT * (1.0f + 0.35f * n.y + 0.15f * n.x);
+            linear = base * (ambient + (1.0f - AMBIENT) * visibility[pixel] * cosine);
         }
         picture[pixel] = (uchar4)(to_srgb(linear.x, srgb_table), to_srgb(linear.y, srgb_table),
                                   to_srgb(linear.z, srgb_table), (uchar)255);
