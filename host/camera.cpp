@@ -138,7 +138,7 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
                              " lacks double precision, which the camera stage needs: choose another with --device");
     const auto start = std::chrono::steady_clock::now();
     const std::uint64_t before = session.memory_bytes();
-    session.reset_peak();
+    session.begin_run();
     const std::size_t pixels = std::size_t(width) * height;
     const CameraTables tables = camera_tables(camera, width, height);
     cl::Buffer projection(session, sizeof(Projection)), rays(session, tables.rays.size() * sizeof(float));
@@ -163,7 +163,7 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, visible.get());
     view.points.set_eye(camera.eye);
     session.finish();
-    view.statistics.device_memory_bytes = session.peak_memory_bytes() - before;
+    view.statistics.device_memory_bytes = session.run_peak_bytes() - before;
     view.statistics.total_wall_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return view;

@@ -168,12 +168,13 @@ void FrustumTraced::run_frame(Run& run, const LightFrame& frame) {
 
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
+    require_light(light);
     if (visibility.count() < points.count())
         throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
                               std::to_string(points.count()) + " points");
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
-    session.reset_peak();
+    session.begin_run();
     const std::uint64_t before = session.memory_bytes();
     Run run{session, triangle_inputs(triangles), point_inputs(points), light, visibility.buffer(), {}};
     counters_.reserve(session, sizeof(FrameCounters));
@@ -225,9 +226,7 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                 {"decided_by_integers", t.exact_exact},
                 {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
                 {"lists_grown", run.grown}};
-    s.device_memory_bytes = session.peak_memory_bytes() - std::min(before, session.peak_memory_bytes());
-    s.device_memory_bytes =
-        std::max(s.device_memory_bytes, session.memory_bytes() - std::min(before, session.memory_bytes()));
+    s.device_memory_bytes = session.run_peak_bytes() - before;
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
 }

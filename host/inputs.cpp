@@ -3,6 +3,7 @@
 #include "inputs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace gnomon {
@@ -22,10 +23,13 @@ std::size_t size_of(cl_mem memory) {
     return bytes;
 }
 
-void require_floats(cl_mem memory, std::size_t floats, const char* what) {
-    if (size_of(memory) / sizeof(float) < floats)
-        throw InvalidArgument(std::string("the ") + what + " buffer holds " + std::to_string(size_of(memory)) +
-                              " bytes, fewer than the " + std::to_string(floats * sizeof(float)) + " its layout needs");
+// `first` is the caller's word: the sum of both may be beyond what a size can say.
+void require_floats(cl_mem memory, std::size_t floats, const char* what, std::size_t first = 0) {
+    const std::size_t held = size_of(memory) / sizeof(float);
+    if (first <= held && floats <= held - first) return;
+    throw InvalidArgument(std::string("the ") + what + " buffer holds " + std::to_string(size_of(memory)) +
+                          " bytes, fewer than the " + std::to_string(floats * sizeof(float)) + " its layout needs" +
+                          (first != 0 ? " after the first " + std::to_string(first) + " floats" : ""));
 }
 
 // A buffer of gnomon's own that lives as long as anyone holds it, and its device with it.
@@ -62,7 +66,7 @@ Triangles Triangles::wrap(const Device&, cl_mem vertices, std::size_t count, std
     require_count(count, "triangles");
     Triangles triangles;
     triangles.buffer_ = retained(vertices, "triangle");
-    require_floats(vertices, first_float + 9 * count, "triangle");
+    require_floats(vertices, 9 * count, "triangle", first_float);
     triangles.count_ = count;
     triangles.first_float_ = first_float;
     return triangles;
@@ -130,6 +134,15 @@ std::vector<float> Visibility::read() const {
 }
 
 // ---- For the stages -------------------------------------------------------------------------------------------------
+
+void require_light(const Light& light) {
+    const auto& [x, y, z, w] = light.xyzw;
+    const bool is_finite = std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
+    const bool is_direction = w == 0 && (x != 0 || y != 0 || z != 0);
+    if (!is_finite || !(is_direction || w == 1))
+        throw InvalidArgument(
+            "the light must be finite, and either a direction other than 0,0,0 (w = 0) or a position (w = 1)");
+}
 
 TriangleInputs triangle_inputs(const Triangles& triangles) {
     return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count())};

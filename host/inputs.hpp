@@ -13,6 +13,9 @@ struct Float4 {
 };
 inline Float4 float4_of(const std::array<float, 4>& v) { return {v[0], v[1], v[2], v[3]}; }
 
+/// Throws InvalidArgument unless the light is one that Light's makers could have made (its xyzw is public).
+void require_light(const Light& light);
+
 struct TriangleInputs {
     cl_mem vertices;
     cl_ulong first_float;

@@ -69,7 +69,7 @@ std::shared_ptr<cl::Session> open_checked(
         throw DeviceNotFound("the device " + session->description().name + " cannot be used, since it " +
                              joined(faults.everywhere) +
                              ", so that shadows would not be exact: update its driver or choose another device");
-    session->reset_peak();
+    session->forget_peak();
     return session;
 }
 

@@ -56,6 +56,7 @@ cl_mem Session::allocate(std::size_t bytes) {
     check(code, what);
     memory_bytes_ += bytes;
     peak_memory_bytes_ = std::max(peak_memory_bytes_, memory_bytes_);
+    run_peak_bytes_ = std::max(run_peak_bytes_, memory_bytes_);
     return memory;
 }
 

@@ -84,7 +84,10 @@ public:
 
     std::uint64_t memory_bytes() const { return memory_bytes_; }
     std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }
-    void reset_peak() { peak_memory_bytes_ = memory_bytes_; }
+    /// The most since begin_run(): what one run needed.
+    std::uint64_t run_peak_bytes() const { return run_peak_bytes_; }
+    void begin_run() { run_peak_bytes_ = memory_bytes_; }
+    void forget_peak() { peak_memory_bytes_ = run_peak_bytes_ = memory_bytes_; }
 
     /// Enqueues kernel `name` of kernels/<file>. Arguments: Buffer, cl_mem, LocalBytes or plain values, all of them.
     template <typename... Arguments>
@@ -142,7 +145,7 @@ private:
     cl_command_queue queue_ = nullptr;
     bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false, caches_binaries_ = false;
     std::size_t work_group_size_ = 1;
-    std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, memory_limit_bytes_ = 0;
+    std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, run_peak_bytes_ = 0, memory_limit_bytes_ = 0;
     std::unordered_map<std::string, std::string> added_sources_;
     std::unordered_map<std::string, cl_program> programs_;
     struct CachedKernel {
