@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+// Stage facing: every point starts lit; one whose receiver's plane does not have the light strictly on the eye's side
+// is in shadow by definition.
+#include "../host/facing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/light_scenes.hpp"
+
+namespace {
+
+using namespace support;
+
+struct Answer {
+    std::vector<float> visibility;
+    gnomon::FrameCounters counters;
+};
+
+/// The stage, with canaries behind the visibility.
+Answer run(const gnomon::Device& device, const LightScene& scene) {
+    gnomon::cl::Session& session = device.session();
+    const UploadedScene inputs(device, scene);
+    const std::size_t count = scene.points.size() / 3;
+    gnomon::cl::Buffer visibility(session, (count + 8) * sizeof(float));
+    put_canaries(session, visibility);
+    gnomon::run_facing(session, inputs.triangle_inputs(), inputs.point_inputs(), inputs.light, visibility.get(),
+                       inputs.counters);
+    expect_canaries(session, visibility, count * sizeof(float), "visibility");
+    Answer answer{downloaded<float>(session, visibility.get(), count), {}};
+    session.read(inputs.counters.get(), &answer.counters, sizeof(answer.counters));
+    return answer;
+}
+
+/// By the reference's predicate.
+std::vector<float> expected(const LightScene& scene) {
+    std::vector<float> visibility;
+    reference::Effort effort;
+    for (std::size_t i = 0; i < scene.points.size() / 3; ++i) {
+        bool away = false;
+        const bool present = reference::is_finite(reference::point_at(scene.points, i));
+        if (present && scene.eye && !scene.receivers.empty() && scene.receivers[i] < scene.triangles.size() / 9) {
+            const reference::Triangle t = reference::triangle_at(scene.triangles, scene.receivers[i]);
+            away = reference::is_finite(t) && !reference::is_facing(t, scene.light, *scene.eye, effort);
+        }
+        visibility.push_back(away ? 0.0f : 1.0f);
+    }
+    return visibility;
+}
+
+/// The oracle's scenes, seen from several eyes: random, at a vertex, at the light, and none.
+std::vector<LightScene> scenes() {
+    std::vector<LightScene> all;
+    for (const LightScene& scene : reference_scenes()) {
+        const Float3 corner = vertex(scene.triangles, 5);
+        const Float3 light = {scene.light[0], scene.light[1], scene.light[2]};
+        for (const Float3& eye : {Float3{0.3f, 5, -2}, corner, light}) {
+            all.push_back(scene);
+            all.back().eye = eye;
+        }
+        all.push_back(scene);
+    }
+    return all;
+}
+
+// Not vacuous: the scenes on lattices have the light or the eye exactly in hundreds of the receivers' planes, where
+// only an exact sign is right, and both answers occur.
+TEST(facing, equals_reference) {
+    const gnomon::Device device = device_with();
+    std::uint64_t away = 0, lit = 0, by_integers = 0;
+    for (const LightScene& scene : scenes()) {
+        SCOPED_TRACE(scene.name);
+        const Answer answer = run(device, scene);
+        const std::vector<float> truth = expected(scene);
+        EXPECT_EQ(answer.visibility, truth);
+        const auto zeros = static_cast<std::uint64_t>(std::count(truth.begin(), truth.end(), 0.0f));
+        EXPECT_EQ(answer.counters.facing_away, zeros);
+        away += zeros;
+        lit += truth.size() - zeros;
+        by_integers += answer.counters.facing_exact;
+    }
+    EXPECT_GT(away, 1000u);
+    EXPECT_GT(lit, 1000u);
+    EXPECT_GT(by_integers, 10u);
+}
+
+// Not vacuous: two thirds of the answers of this scene are 0 or 1 for the receiver's sake.
+TEST(facing, order_free) {
+    const gnomon::Device device = device_with();
+    for (LightScene scene : scenes()) {
+        SCOPED_TRACE(scene.name);
+        const std::vector<float> plain = run(device, scene).visibility;
+        scene.triangles = reversed_winding(scene.triangles);
+        EXPECT_EQ(run(device, scene).visibility, plain);
+    }
+}
+
+TEST(facing, shape_free) {
+    const LightScene scene = scenes()[4];
+    ASSERT_TRUE(scene.eye.has_value());
+    for (const std::uint32_t group : WORK_GROUP_SIZES)
+        EXPECT_EQ(run(device_with(group), scene).visibility, expected(scene)) << "work-groups of " << group;
+}
+
+// Absent points, receivers that do not exist or are not finite: lit, whatever the eye. Not vacuous: the same point with
+// the receiver that faces away is dark.
+TEST(facing, survives_degenerates) {
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    Floats triangles;
+    add(triangles, {-1, 0, -1}, {1, 0, -1}, {0, 0, 1});    // 0: the light below it, the eye above
+    add(triangles, {-1, 0, -1}, {1, nan, -1}, {0, 0, 1});  // 1: not finite
+    add(triangles, {-1, 0, -1}, {1, -inf, -1}, {0, 0, 1});
+    add(triangles, {0, 0, 0}, {1, 0, 0}, {2, 0, 0});            // 3: no area, so no side
+    add(triangles, {0, 0, 0}, {0, 0, 1e-45f}, {1e-45f, 0, 0});  // 4: the smallest area there is
+    add(triangles, {-3e38f, 0, -3e38f}, {3e38f, 0, -3e38f}, {0, 0, 3e38f});
+    LightScene scene{"degenerates", triangles, {}, along(0, 1, 0)};
+    scene.eye = Float3{0, 1, 0};
+    const std::vector<std::uint32_t> receivers = {0, 1, 2, 3, 4, 5, 6, 0xFFFFFFFFu, 0, 0};
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        add(scene.points, {0, i == 8 ? nan : 0, i == 9 ? inf : 0});
+        scene.receivers.push_back(receivers[i]);
+    }
+    const gnomon::Device device = device_with();
+    const Answer answer = run(device, scene);
+    EXPECT_EQ(answer.visibility, (std::vector<float>{0, 1, 1, 0, 0, 0, 1, 1, 1, 1}));
+    EXPECT_EQ(answer.visibility, expected(scene));
+    EXPECT_EQ(answer.counters.absent, 2u);
+    // Without an eye nothing faces away.
+    scene.eye.reset();
+    EXPECT_EQ(run(device, scene).visibility, std::vector<float>(receivers.size(), 1.0f));
+}
+
+// A structure of arrays with gaps is read as it is described. Not vacuous: read as packed triples, the NaN between the
+// coordinates would make points absent.
+TEST(facing, reads_any_layout) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    const LightScene scene = scenes()[0];
+    const std::size_t count = scene.points.size() / 3, first = 5, point_stride = 2, coordinate_stride = 2 * count + 1;
+    std::vector<float> spread(first + 3 * coordinate_stride, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            spread[first + i * point_stride + c * coordinate_stride] = scene.points[3 * i + c];
+    const gnomon::cl::Buffer positions = uploaded(session, spread), receivers = uploaded(session, scene.receivers);
+    UploadedScene inputs(device, scene);
+    inputs.points =
+        gnomon::Points::wrap(device, positions.get(), {first, point_stride, coordinate_stride}, count, receivers.get());
+    inputs.points.set_eye(*scene.eye);
+    gnomon::run_facing(session, inputs.triangle_inputs(), inputs.point_inputs(), inputs.light, inputs.visibility.get(),
+                       inputs.counters);
+    EXPECT_EQ(downloaded<float>(session, inputs.visibility.get(), count), expected(scene));
+    gnomon::FrameCounters counters;
+    session.read(inputs.counters.get(), &counters, sizeof(counters));
+    EXPECT_EQ(counters.absent, 0u);
+}
+
+}  // namespace
