@@ -39,4 +39,12 @@ static uint2 bin_of_rectangle(uint4 bins, uint i) {
 }
 static uint bins_of_rectangle(uint4 bins) { return (bins.z - bins.x + 1u) * (bins.w - bins.y + 1u); }
 
+// A huge triangle's chunks are numbered on from those of the huge triangles before it (`before` of them), and chunk n
+// of all belongs to work-group n % groups. The first chunk of this triangle that is this group's; the next is `groups`
+// on.
+static uint first_chunk_of_group(uint before) {
+    uint groups = (uint)get_num_groups(0);
+    return ((uint)get_group_id(0) + groups - before % groups) % groups;
+}
+
 #endif

@@ -61,14 +61,19 @@ __kernel void bins_huge(__constant const Projection* projection, uint record_cap
                         __global const uint* offsets, __global uint* cursors, __global uint* references,
                         __global const FrameCounters* counters) {
     uint count = min(counters->huge, record_capacity);
+    uint chunks_before = 0;
     for (uint i = 0; i < count; ++i) {
         uint slot = LARGE_ENTRY_SLOT(large[record_capacity - 1 - i]);
         uint4 bins = record_bins[slot];
-        TriangleRecord record = records[slot];
-        GN_FOR_EACH(b, bins_of_rectangle(bins)) {
-            refer_if_matters(&record, projection, bin_of_rectangle(bins, (uint)b), has_heights, fill,
-                             reference_capacity, slot, farthest, offsets, cursors, references);
+        uint bin_count = bins_of_rectangle(bins), chunks = (bin_count + LARGE_BINS - 1) / LARGE_BINS;
+        for (uint chunk = first_chunk_of_group(chunks_before); chunk < chunks; chunk += (uint)get_num_groups(0)) {
+            TriangleRecord record = records[slot];
+            uint last = min((chunk + 1) * LARGE_BINS, bin_count);
+            for (uint b = chunk * LARGE_BINS + (uint)get_local_id(0); b < last; b += (uint)get_local_size(0))
+                refer_if_matters(&record, projection, bin_of_rectangle(bins, b), has_heights, fill, reference_capacity,
+                                 slot, farthest, offsets, cursors, references);
         }
+        chunks_before += chunks;
     }
 }
 

@@ -105,16 +105,19 @@ __kernel void conservative_map_huge(__constant const Projection* projection, uin
                                     __global const uint* large, __global const uint* pyramid, __global uint* map,
                                     __global FrameCounters* counters) {
     uint count = min(counters->huge, capacity);
-    uint written = 0;
+    uint chunks_before = 0, written = 0;
     for (uint i = 0; i < count; ++i) {
         uint entry = large[capacity - 1 - i];
         if (!LARGE_ENTRY_FOR_MAP(entry)) continue;
-        TriangleRecord record = records[LARGE_ENTRY_SLOT(entry)];
         uint4 bins = record_bins[LARGE_ENTRY_SLOT(entry)];
-        GN_FOR_EACH(b, bins_of_rectangle(bins)) {
-            written +=
-                draw_if_matters(&record, projection, bin_of_rectangle(bins, (uint)b), circle_cover, pyramid, map);
+        uint bin_count = bins_of_rectangle(bins), chunks = (bin_count + LARGE_BINS - 1) / LARGE_BINS;
+        for (uint chunk = first_chunk_of_group(chunks_before); chunk < chunks; chunk += (uint)get_num_groups(0)) {
+            TriangleRecord record = records[LARGE_ENTRY_SLOT(entry)];
+            uint last = min((chunk + 1) * LARGE_BINS, bin_count);
+            for (uint b = chunk * LARGE_BINS + (uint)get_local_id(0); b < last; b += (uint)get_local_size(0))
+                written += draw_if_matters(&record, projection, bin_of_rectangle(bins, b), circle_cover, pyramid, map);
         }
+        chunks_before += chunks;
     }
     if (written != 0) atomic_add(&counters->map_texels, written);
 }

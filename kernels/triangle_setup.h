@@ -52,9 +52,9 @@ GN_STRUCT_BEGIN(FrameCounters)
 GN_STRUCT_END(FrameCounters, 96)
 
 // Size classes: how a triangle's bins are walked. At most SMALL_BINS: by one work-item. At most LARGE_BINS: by one
-// work-group. More: by all work-items together.
+// work-group. More: cut into chunks of LARGE_BINS, which all work-groups share out.
 #define SMALL_BINS 16
-#define LARGE_BINS 16384
+#define LARGE_BINS 1024
 
 // Entries of the list of large triangles (from its front) and huge ones (from its back).
 #define LARGE_ENTRY(slot, for_map) ((slot)*2u + ((for_map) ? 1u : 0u))

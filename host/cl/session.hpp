@@ -77,9 +77,7 @@ public:
     std::size_t work_group_size() const { return work_group_size_; }
     /// Work-groups that fill the device a few times over.
     std::size_t many_groups() const;
-    /// All the work-items that are worth having, for a range whose length only the device knows.
-    Range all_items() const { return Range::groups(many_groups()); }
-    /// As many work-items in groups of at most 32 (a GPU's warp): for groups that share out a few dozen things.
+    /// Groups of at most 32 items (a GPU's warp) that fill the device: for groups that share out a few dozen things.
     Range small_groups() const;
 
     std::uint64_t memory_bytes() const { return memory_bytes_; }
