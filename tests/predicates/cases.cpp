@@ -244,6 +244,17 @@ Det3Case long_vectors(Random& random) {
     return rows(ends[0], ends[1], ends[2], ends[3], ends[4], ends[5]);
 }
 
+/// Three rows of very unlike sizes whose product is not unusual: what underflows on the way shows in the end.
+Det3Case unlike_rows(Random& random, Det3Case numbers) {
+    const int first = random.below(220) - 110, second = random.below(220) - 110;
+    const int third = random.below(60) - 40 - first - second;
+    std::array shifts{first, second, third};
+    std::shuffle(shifts.begin(), shifts.end(), random);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        numbers[i] = clamped(std::ldexp(double{numbers[i]}, shifts[i / 6]));
+    return numbers;
+}
+
 }  // namespace
 
 const char* name_of(Class which) {
@@ -262,6 +273,8 @@ const char* name_of(Class which) {
 Det3Case det3_case(Class which, std::uint64_t seed, std::uint64_t number) {
     Random random = random_for(which, seed, number);
     if (which == Class::near_degenerate && random.once_in(6)) return long_vectors(random);
+    if (which == Class::extreme && random.once_in(4))
+        return unlike_rows(random, det3_case(Class::near_degenerate, seed, number));
     const Configuration k = configuration(which, random);
     const Vector start = k.is_directional ? Vector{} : k.p;
     switch (random.below(5)) {
