@@ -23,12 +23,16 @@
 // PROJECTION_ERROR = 10u, which also covers second-order terms and the rounding of g itself. A camera's rows come from
 // products and sums in double, whose error is relative to the row's largest entry, not to each: 2^-20 |row|_1 |d|_1 is
 // added to g for it (10u 2^-20 = 5.7e-13, thousands of double roundings).
+// Underflow: a product or sum below 2^-126 errs by up to 2^-150 (2^-126 times the row where denormals are flushed),
+// whatever its size. PROJECTION_UNDERFLOW is above that for rows up to 2^36 and says so: a vertex that near to a
+// positional light or an eye counts as not certainly in front of it.
 #ifndef GN_PROJECTION_H
 #define GN_PROJECTION_H
 
 #include "prelude.h"
 
 #define PROJECTION_ERROR (10.0f * GN_U)
+#define PROJECTION_UNDERFLOW 0x1p-90f
 
 // Bins: squares of texels, the unit of triangle lists and point lists. bin = (X >> bin_log2) + (Y >> bin_log2) * bins_x
 GN_STRUCT_BEGIN(Projection)
@@ -83,9 +87,9 @@ static Projected project(__constant const Projection* projection, float3 p_world
     h.x = row_dot(projection->row_x, d);
     h.y = row_dot(projection->row_y, d);
     float size = fmax(row_size(projection->row_x, d), row_size(projection->row_y, d));
-    h.error = PROJECTION_ERROR * size;
+    h.error = PROJECTION_ERROR * size + PROJECTION_UNDERFLOW;
     float depth = row_dot(projection->row_z, d);
-    float depth_error = PROJECTION_ERROR * row_size(projection->row_z, d);
+    float depth_error = PROJECTION_ERROR * row_size(projection->row_z, d) + PROJECTION_UNDERFLOW;
     if (projection->perspective) {
         h.w = depth;
         h.error_w = depth_error;
