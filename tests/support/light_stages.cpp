@@ -16,16 +16,6 @@ gnomon::Points upload_points(const gnomon::Device& device, const LightScene& sce
     return points;
 }
 
-struct Stages {
-    gnomon::LightFrameFit light_frame;
-    gnomon::FarthestHeight farthest_height;
-    gnomon::TriangleSetup setup;
-    gnomon::ConservativeMap map;
-    gnomon::Izb izb;
-    gnomon::Bins bins;
-    gnomon::Trace trace;
-};
-
 std::size_t pyramid_cells(const gnomon::LightFrame& frame) {
     std::size_t cells = 0;
     for (std::uint32_t w = frame.bins_x, h = frame.bins_y;; w = (w + 1) / 2, h = (h + 1) / 2) {
@@ -34,7 +24,7 @@ std::size_t pyramid_cells(const gnomon::LightFrame& frame) {
     }
 }
 
-std::vector<SetUpTriangle> read_triangles(Session& session, const Stages& stages,
+std::vector<SetUpTriangle> read_triangles(Session& session, const LightStages& stages,
                                           const gnomon::FrameCounters& counted) {
     const auto records = downloaded<gnomon::TriangleRecord>(session, stages.setup.records().get(), counted.survivors);
     const auto ids = downloaded<std::uint32_t>(session, stages.setup.ids().get(), counted.survivors);
@@ -45,7 +35,7 @@ std::vector<SetUpTriangle> read_triangles(Session& session, const Stages& stages
     return triangles;
 }
 
-std::vector<ListedPoint> read_points(Session& session, const Stages& stages, std::uint32_t bin_count) {
+std::vector<ListedPoint> read_points(Session& session, const LightStages& stages, std::uint32_t bin_count) {
     const auto offsets = downloaded<std::uint32_t>(session, stages.izb.offsets().get(), bin_count + 1);
     const std::size_t slots = offsets[bin_count];
     const auto x = downloaded<float>(session, stages.izb.x().get(), slots);
@@ -60,8 +50,8 @@ std::vector<ListedPoint> read_points(Session& session, const Stages& stages, std
     return points;
 }
 
-std::vector<std::vector<std::uint32_t>> read_references(Session& session, const Stages& stages, std::uint32_t bin_count,
-                                                        const gnomon::FrameCounters& counted) {
+std::vector<std::vector<std::uint32_t>> read_references(Session& session, const LightStages& stages,
+                                                        std::uint32_t bin_count, const gnomon::FrameCounters& counted) {
     const auto offsets = downloaded<std::uint32_t>(session, stages.bins.offsets().get(), bin_count + 1);
     const auto slots = downloaded<std::uint32_t>(session, stages.bins.references().get(), counted.references);
     const auto ids = downloaded<std::uint32_t>(session, stages.setup.ids().get(), counted.survivors);
@@ -73,15 +63,29 @@ std::vector<std::vector<std::uint32_t>> read_references(Session& session, const 
     return lists;
 }
 
-// One pass; false if a list was too short and the pass must be repeated.
-bool run_once(Session& session, Stages& stages, const UploadedScene& scene, const StageSettings& settings,
-              FrameOutput& out) {
+}  // namespace
+
+UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& scene)
+    : triangles(gnomon::Triangles::upload(device, scene.triangles)),
+      points(upload_points(device, scene)),
+      light{scene.light},
+      visibility(device.session(), scene.points.size() / 3 * sizeof(float)),
+      counters(device.session(), sizeof(gnomon::FrameCounters)) {
+    device.session().fill(visibility, std::bit_cast<std::uint32_t>(1.0f), scene.points.size() / 3 * sizeof(float));
+    device.session().fill(counters, 0, sizeof(gnomon::FrameCounters));
+}
+
+bool run_stages_once(Session& session, LightStages& stages, const UploadedScene& scene, const StageSettings& settings,
+                     FrameOutput& out) {
     const gnomon::TriangleInputs triangles = scene.triangle_inputs();
     const gnomon::PointInputs points = scene.point_inputs();
     const cl_mem visibility = scene.visibility.get();
     const Buffer& projection = stages.light_frame.projection();
     const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y;
     session.fill(scene.counters, 0, sizeof(gnomon::FrameCounters));
+    stages.light_frame.run(session, out.frame, points, visibility);
+    session.read(projection.get(), &out.projection, sizeof(out.projection));
+    if (out.projection.active_points == 0) return true;
     stages.farthest_height.run(session, out.frame, points, projection, visibility);
     stages.setup.run(session, projection, triangles, &stages.farthest_height.pyramid(), scene.counters);
     if (settings.with_map)
@@ -100,25 +104,13 @@ bool run_once(Session& session, Stages& stages, const UploadedScene& scene, cons
     return records && references && pairs;
 }
 
-}  // namespace
-
-UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& scene)
-    : triangles(gnomon::Triangles::upload(device, scene.triangles)),
-      points(upload_points(device, scene)),
-      light{scene.light},
-      visibility(device.session(), scene.points.size() / 3 * sizeof(float)),
-      counters(device.session(), sizeof(gnomon::FrameCounters)) {
-    device.session().fill(visibility, std::bit_cast<std::uint32_t>(1.0f), scene.points.size() / 3 * sizeof(float));
-    device.session().fill(counters, 0, sizeof(gnomon::FrameCounters));
-}
-
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
                                           const StageSettings& settings) {
     Session& session = device.session();
     const UploadedScene uploaded_scene(device, scene);
     gnomon::run_facing(session, uploaded_scene.triangle_inputs(), uploaded_scene.point_inputs(), uploaded_scene.light,
                        uploaded_scene.visibility.get(), uploaded_scene.counters);
-    Stages stages;
+    LightStages stages;
     if (settings.first_capacity != 0) {
         stages.setup.limit_initial_capacity(settings.first_capacity);
         stages.bins.limit_initial_capacity(settings.first_capacity);
@@ -129,11 +121,8 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
         FrameOutput out{};
         out.frame = frame;
         const std::uint32_t bin_count = frame.bins_x * frame.bins_y;
-        do {
-            stages.light_frame.run(session, frame, uploaded_scene.point_inputs(), uploaded_scene.visibility.get());
-            session.read(stages.light_frame.projection().get(), &out.projection, sizeof(out.projection));
-            if (out.projection.active_points == 0) break;
-        } while (!run_once(session, stages, uploaded_scene, settings, out));
+        while (!run_stages_once(session, stages, uploaded_scene, settings, out)) {
+        }
         if (out.projection.active_points == 0) continue;
         out.pyramid = downloaded<std::uint32_t>(session, stages.farthest_height.pyramid().get(), pyramid_cells(frame));
         out.triangles = read_triangles(session, stages, out.counters);

@@ -3,6 +3,7 @@
 // host, so that a stage's test can look at what goes in and what comes out.
 #pragma once
 
+#include <bit>
 #include <optional>
 #include <vector>
 
@@ -65,10 +66,6 @@ struct StageSettings {
     std::uint32_t first_capacity = 0;  ///< 0: the stages' own
 };
 
-/// Runs everything for each frame of the light that has points. Lists grow as in the pipeline.
-std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
-                                          const StageSettings& settings = {});
-
 /// The stages' inputs on the device.
 class UploadedScene {
 public:
@@ -81,6 +78,24 @@ public:
     gnomon::Light light;
     gnomon::cl::Buffer visibility, counters;
 };
+
+struct LightStages {
+    gnomon::LightFrameFit light_frame;
+    gnomon::FarthestHeight farthest_height;
+    gnomon::TriangleSetup setup;
+    gnomon::ConservativeMap map;
+    gnomon::Izb izb;
+    gnomon::Bins bins;
+    gnomon::Trace trace;
+};
+
+/// Runs the stages once for one frame. False if a list was too short (it is longer now): to be repeated.
+bool run_stages_once(gnomon::cl::Session& session, LightStages& stages, const UploadedScene& scene,
+                     const StageSettings& settings, FrameOutput& out);
+
+/// Facing, then everything for each frame of the light that has points. Lists grow as in the pipeline.
+std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
+                                          const StageSettings& settings = {});
 
 /// The order-preserving map of floats to integers, backwards (kernels/prelude.h).
 inline float float_of_key(std::uint32_t key) {

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// Stage farthest_height: per bin the lowest height of its points, and a pyramid of minima over the bins.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "support/light_scenes.hpp"
+
+namespace {
+
+using namespace support;
+using Keys = std::vector<std::uint32_t>;
+
+/// The definition: the minimum of the points of each bin, then of up to 2 x 2 cells, level by level.
+Keys expected(const FrameOutput& out) {
+    std::uint32_t width = out.frame.bins_x, height = out.frame.bins_y;
+    Keys level(std::size_t(width) * height, NO_KEY);
+    for (const ListedPoint& p : out.points) level[p.bin] = std::min(level[p.bin], key_of_float(p.z));
+    Keys pyramid = level;
+    while (width > 1 || height > 1) {
+        const std::uint32_t half_width = (width + 1) / 2, half_height = (height + 1) / 2;
+        Keys coarser(std::size_t(half_width) * half_height, NO_KEY);
+        for (std::uint32_t y = 0; y < height; ++y)
+            for (std::uint32_t x = 0; x < width; ++x) {
+                std::uint32_t& cell = coarser[(y / 2) * half_width + x / 2];
+                cell = std::min(cell, level[y * width + x]);
+            }
+        pyramid.insert(pyramid.end(), coarser.begin(), coarser.end());
+        level = coarser;
+        width = half_width;
+        height = half_height;
+    }
+    return pyramid;
+}
+
+constexpr gnomon::FrameGrid GRIDS[] = {{64, 3}, {1, 0}, {16, 0}, {100, 3}, {17, 1}};
+
+std::vector<LightScene> scenes() {
+    std::vector<LightScene> all = reference_scenes();
+    const Floats triangles = soup(10, 0.1f, 71);
+    for (const auto& [name, light] : lights_of_every_kind())
+        all.push_back({name, triangles, random_points(700, -2, 2, 72), light});
+    return all;
+}
+
+// Not vacuous: 700 points fill most bins with several each, and the odd grids have odd levels.
+TEST(farthest_height, equals_reference) {
+    const gnomon::Device device = device_with();
+    for (const LightScene& scene : scenes())
+        for (const gnomon::FrameGrid grid : GRIDS) {
+            SCOPED_TRACE(scene.name + ", grid of " + std::to_string(grid.size));
+            StageSettings settings;
+            settings.grid = grid;
+            for (const FrameOutput& out : run_light_stages(device, scene, settings))
+                EXPECT_EQ(out.pyramid, expected(out));
+        }
+}
+
+LightScene comparison_scene() {
+    return {"comparison", soup(10, 0.1f, 71), random_points(5000, -2, 2, 73), along(0.3f, -1, 0.2f)};
+}
+
+// Not vacuous: 5000 points, about 80 a bin, of which any may be the lowest.
+TEST(farthest_height, order_free) {
+    const gnomon::Device device = device_with();
+    const LightScene scene = comparison_scene();
+    LightScene shuffled = scene;
+    const auto order = shuffled_order(scene.points.size() / 3, 74);
+    for (std::size_t i = 0; i < scene.points.size(); ++i) shuffled.points[i] = scene.points[3 * order[i / 3] + i % 3];
+    EXPECT_EQ(run_light_stages(device, scene)[0].pyramid, run_light_stages(device, shuffled)[0].pyramid);
+}
+
+TEST(farthest_height, shape_free) {
+    const LightScene scene = comparison_scene();
+    const Keys plain = run_light_stages(device_with(), scene)[0].pyramid;
+    for (const std::uint32_t group : FEW_WORK_GROUP_SIZES)
+        EXPECT_EQ(run_light_stages(device_with(group), scene)[0].pyramid, plain) << "work-groups of " << group;
+}
+
+// Points that are absent, at the light, or all at one height.
+TEST(farthest_height, survives_degenerates) {
+    const gnomon::Device device = device_with();
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        SCOPED_TRACE(name);
+        LightScene scene{name, soup(3, 1, 75), {nan, 0, 0, 0, -inf, 0, light[0], light[1], light[2]}, light};
+        for (int i = 0; i < 50; ++i) add(scene.points, {0.01f * float(i), -3, -0.02f * float(i)});
+        for (const FrameOutput& out : run_light_stages(device, scene)) EXPECT_EQ(out.pyramid, expected(out));
+    }
+}
+
+// Not vacuous: the first grid's pyramid is 16 times as large as the second's, so canaries lie right behind that.
+TEST(farthest_height, writes_only_its_own) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    const LightScene scene = comparison_scene();
+    const UploadedScene inputs(device, scene);
+    LightStages stages;
+    FrameOutput out{};
+    for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{128, 2}, {64, 3}}) {
+        out.frame = gnomon::light_frames(inputs.light, grid)[0];
+        stages.light_frame.run(session, out.frame, inputs.point_inputs(), inputs.visibility.get());
+        if (grid.size == 64) put_canaries(session, stages.farthest_height.pyramid());
+        stages.farthest_height.run(session, out.frame, inputs.point_inputs(), stages.light_frame.projection(),
+                                   inputs.visibility.get());
+    }
+    const std::size_t cells = 64 + 16 + 4 + 1;
+    expect_canaries(session, stages.farthest_height.pyramid(), cells * sizeof(std::uint32_t), "pyramid");
+}
+
+}  // namespace
