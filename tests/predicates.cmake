@@ -10,3 +10,8 @@ target_compile_definitions(predicates_test PRIVATE
   PREDICATES_KERNELS="${CMAKE_CURRENT_LIST_DIR}/predicates/predicates.cl")
 
 gnomon_test(self_check_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/self_check_test.cpp LIBRARIES gnomon::gnomon)
+
+gnomon_oclgrind_test(predicates_under_oclgrind
+  COMMAND ${CMAKE_COMMAND} -E env GNOMON_PREDICATE_TRIALS=500
+          $<TARGET_FILE:predicates_test> --gtest_filter=Inputs/*:Accumulator.*)
+gnomon_oclgrind_test(self_check_under_oclgrind COMMAND self_check_test --gtest_filter=SelfCheck.Finds*:SelfCheck.Leaves*)
