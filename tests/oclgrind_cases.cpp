@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Small cases to be run under oclgrind, which executes every load and store of the kernels in an interpreter and
+// reports what is out of bounds or a data race (tests/pipeline.cmake registers it so). Each case also compares every
+// point with the oracle: oclgrind is a device like any other, and must give the same bits.
+// Plain program, no GoogleTest: one process, so that kernels are compiled once. Exit status 0: all as it should be.
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "gnomon.hpp"
+#include "reference/visibility.hpp"
+#include "support/scene_makers.hpp"
+
+namespace {
+
+using namespace support;
+
+bool all_right = true;
+
+void require(bool is_right, const std::string& what) {
+    if (is_right) return;
+    std::printf("WRONG: %s\n", what.c_str());
+    all_right = false;
+}
+
+struct Case {
+    std::string name;
+    Floats triangles, points;
+    std::vector<std::uint32_t> receivers;
+    Light light;
+    std::optional<Float3> eye;
+    std::vector<std::pair<std::string, std::string>> settings;
+};
+
+void trace(const gnomon::Device& device, const Case& c) {
+    const auto triangles = gnomon::Triangles::upload(device, c.triangles);
+    gnomon::Points points = gnomon::Points::upload(device, c.points, c.receivers);
+    if (c.eye) points.set_eye(*c.eye);
+    const gnomon::Visibility visibility(device, points.count());
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    for (const auto& [name, value] : c.settings) technique->set(name, value);
+    const gnomon::Statistics statistics = technique->run(triangles, points, gnomon::Light{c.light}, visibility);
+    const std::vector<float> got = visibility.read();
+    const auto shadowed = reference::shadowed(c.triangles, c.points, c.receivers, c.light, c.eye);
+    std::size_t wrong = 0, dark = 0;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+        wrong += got[i] != (shadowed[i] ? 0.0f : 1.0f);
+        dark += shadowed[i];
+    }
+    require(wrong == 0, c.name + ": " + std::to_string(wrong) + " points");
+    require(dark > 0 && dark < got.size(), c.name + ": both answers must occur");
+    std::printf("%s: %zu points, %zu in shadow, %llu by the map, %llu uncertain pairs\n", c.name.c_str(), got.size(),
+                dark, static_cast<unsigned long long>(statistics.count("points_decided_by_map")),
+                static_cast<unsigned long long>(statistics.count("uncertain_pairs")));
+}
+
+void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size) {
+    const auto triangles = gnomon::Triangles::upload(device, scene);
+    const auto camera = gnomon::Camera::look_at({4, 5, 6}, {1, 1, 1}, {0, 1, 0}, 40);
+    const gnomon::View view = gnomon::look(device, triangles, camera, size, size);
+    const gnomon::Visibility visibility(device, view.points.count());
+    const Light light = along(-0.3f, -1, 0.2f);
+    gnomon::make_technique("frustum-traced", device)->run(triangles, view.points, gnomon::Light{light}, visibility);
+    gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
+    const std::vector<float> got = visibility.read();
+    const auto shadowed = reference::shadowed(scene, host.position, host.receiver, light, camera.eye);
+    std::size_t seen = 0, wrong = 0, dark = 0;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+        if (host.receiver[i] == gnomon::no_receiver) continue;
+        ++seen;
+        dark += shadowed[i];
+        wrong += got[i] != (shadowed[i] ? 0.0f : 1.0f);
+    }
+    require(wrong == 0, "camera view: " + std::to_string(wrong) + " pixels");
+    require(seen > 0 && seen < got.size() && dark > 0 && dark < seen, "camera view: sky, light and shadow must occur");
+    const gnomon::Materials white{std::vector<std::uint32_t>(triangles.count(), 0), {{1, 1, 1}}};
+    require(gnomon::shade(device, triangles, view, visibility, white, gnomon::Light{light}).size() == 4 * got.size(),
+            "picture");
+    std::printf("camera view: %zu pixels, %zu seen, %zu in shadow\n", got.size(), seen, dark);
+}
+
+}  // namespace
+
+int main() try {
+    const Floats blocks = lattice_blocks(2, 3, 1);
+    Floats points = lattice_points(200, 3, 2), places = random_points(200, -1, 1, 3);
+    std::vector<std::uint32_t> receivers;
+    for (std::uint32_t i = 0; i < 200; ++i) receivers.push_back(i % 24);
+    for (const std::uint32_t work_group_size : {0u, 7u}) {
+        gnomon::DeviceOptions options;
+        options.work_group_size = work_group_size;
+        const gnomon::Device device({}, options);
+        std::printf("%s, work-groups of %u\n", device.description().name.c_str(), work_group_size);
+        const std::vector<std::pair<std::string, std::string>> small = {
+            {"conservative-map", "on"}, {"map-size", "32"}, {"first-capacity", "5"}};
+        trace(device, {"lattice, directional, ties", blocks, points, receivers, along(1, 1, 1), {}, small});
+        trace(device,
+              {"soup, with map and eye", soup(20, 1.2f, 4), places, {}, along(0.1f, -1, 0.2f), Float3{0, 5, 0}, small});
+        if (work_group_size != 0) continue;
+        trace(device, {"lattice, positional", blocks, points, {}, at(1.5f, 6, 1.5f), {}, small});
+        trace(
+            device,
+            {"soup, no map", soup(20, 1.2f, 4), places, {}, along(0.1f, -1, 0.2f), {}, {{"conservative-map", "off"}}});
+        look(device, blocks, 24);
+    }
+    return all_right ? 0 : 1;
+} catch (const gnomon::Error& error) {
+    std::printf("%s\n", error.what());
+    return 1;
+}
