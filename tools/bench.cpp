@@ -25,6 +25,7 @@ struct Options {
     std::string views_file, json_file, device;
     std::vector<std::string> sizes{"1920x1080"};
     std::vector<std::string> settings;
+    std::vector<float> light_position;
     std::string technique = "frustum-traced";
     std::string only;
     int runs = 15;
@@ -55,7 +56,7 @@ std::string hex(std::uint64_t value) {
 gnomon::Float3 float3_of(const Json& json) { return {json.at(0), json.at(1), json.at(2)}; }
 
 // Views and lights of a views.json (see ../shared/scenes) by the scene's stem, else the scene's own.
-std::vector<Case> cases_of(const std::string& stem, const gnomon::scene::Scene& scene, const Json& views) {
+std::vector<Case> cases_of_scene(const std::string& stem, const gnomon::scene::Scene& scene, const Json& views) {
     std::vector<Case> cases;
     if (views.contains(stem)) {
         for (const Json& view : views[stem]["views"]) {
@@ -74,6 +75,22 @@ std::vector<Case> cases_of(const std::string& stem, const gnomon::scene::Scene& 
         cases.push_back(
             {stem, "framing", "default", gnomon::scene::framing_camera(scene), gnomon::scene::default_light()});
     return cases;
+}
+
+// With --light-position each view is lit from there instead.
+std::vector<Case> cases_of(const Options& options, const std::string& stem, const gnomon::scene::Scene& scene,
+                           const Json& views) {
+    std::vector<Case> cases = cases_of_scene(stem, scene, views);
+    if (options.light_position.empty()) return cases;
+    std::vector<Case> lit;
+    for (Case& c : cases) {
+        if (!lit.empty() && lit.back().view == c.view) continue;
+        c.light_name = "position";
+        c.light = gnomon::Light::positional(
+            {options.light_position[0], options.light_position[1], options.light_position[2]});
+        lit.push_back(c);
+    }
+    return lit;
 }
 
 double median(std::vector<double> values) {
@@ -174,7 +191,7 @@ int run(const Options& options) {
     }
     for (const std::string& file : options.scenes) {
         const gnomon::scene::Scene scene = gnomon::scene::load(file);
-        for (const Case& c : cases_of(std::filesystem::path(file).stem().string(), scene, views)) {
+        for (const Case& c : cases_of(options, std::filesystem::path(file).stem().string(), scene, views)) {
             if (!options.only.empty() && (c.view + "." + c.light_name).find(options.only) == std::string::npos)
                 continue;
             for (const std::string& size : options.sizes) {
@@ -208,6 +225,7 @@ int main(int argc, char** argv) {
     app.add_option("--size", options.sizes, "WIDTHxHEIGHT, repeatable")->capture_default_str();
     app.add_option("--technique", options.technique, "as in gnomon techniques")->capture_default_str();
     app.add_option("--set", options.settings, "key=value of the technique, repeatable");
+    app.add_option("--light-position", options.light_position, "light every view from this point: X Y Z")->expected(3);
     app.add_option("--runs", options.runs, "timed runs per case")->capture_default_str()->check(CLI::Range(1, 100000));
     app.add_option("--device", options.device, "as in gnomon devices");
     app.add_option("--json", options.json_file, "write all rows there");
