@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
+#include <functional>
 #include <iostream>
 #include <map>
 
+#include "support/camera_scenes.hpp"
 #include "support/light_scenes.hpp"
 #include "support/truth.hpp"
 
@@ -167,5 +170,216 @@ TEST(triangle_setup, equals_reference_under_huge_triangles) {
 TEST(triangle_setup, equals_reference_where_products_underflow) { attack(underflow_scenes(), "underflow"); }
 
 TEST(triangle_setup, equals_reference_in_the_oracles_own_scenes) { attack(reference_scenes(), "oracle's scenes"); }
+
+// ---- Camera ---------------------------------------------------------------------------------------------------------
+
+gnomon::FrameCounters set_up(gnomon::cl::Session& session, gnomon::TriangleSetup& setup,
+                             const gnomon::Projection& projection, const gnomon::Triangles& triangles) {
+    const gnomon::cl::Buffer projected = uploaded(session, std::vector<gnomon::Projection>{projection});
+    gnomon::cl::Buffer counters(session, sizeof(gnomon::FrameCounters));
+    gnomon::FrameCounters counted{};
+    do {
+        session.fill(counters, 0, sizeof(counted));
+        setup.run(session, projected, gnomon::triangle_inputs(triangles), nullptr, counters);
+        session.read(counters.get(), &counted, sizeof(counted));
+    } while (!setup.fitted(session, counted));
+    return counted;
+}
+
+/// Every record against every pixel centre of its bins; triangles without a record against every pixel.
+void attack_view(gnomon::cl::Session& session, const gnomon::Device& device, const CameraScene& scene, Tally& tally) {
+    const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), scene.width, scene.height);
+    gnomon::TriangleSetup setup;
+    const gnomon::FrameCounters counted =
+        set_up(session, setup, tables.projection, gnomon::Triangles::upload(device, scene.triangles));
+    const auto records = downloaded<TriangleRecord>(session, setup.records().get(), counted.survivors);
+    const auto ids = downloaded<std::uint32_t>(session, setup.ids().get(), counted.survivors);
+    const auto bins = downloaded<BinRange>(session, setup.record_bins().get(), counted.survivors);
+    std::map<std::uint32_t, std::size_t> slots;
+    for (std::size_t i = 0; i < ids.size(); ++i) slots[ids[i]] = i;
+
+    const gnomon::Camera camera = scene.camera();
+    const auto wide = [](const std::array<double, 3>& v) { return reference::Wide3{v[0], v[1], v[2]}; };
+    const auto step = static_cast<long double>(std::tan(camera.fov_y_radians / 2) / (scene.height / 2.0));
+    const reference::GridMap map = reference::GridMap::camera(scene.eye, wide(camera.right), wide(camera.up),
+                                                              wide(camera.forward), step, scene.width, scene.height);
+    for (std::uint32_t y = 0; y < scene.height; ++y)
+        for (std::uint32_t x = 0; x < scene.width; ++x) {
+            const reference::ExactRay ray = exact_ray(tables, x, y);
+            const float pixel_x = float(x) + 0.5f, pixel_y = float(y) + 0.5f;
+            for (std::uint32_t id = 0; id < scene.triangles.size() / 9; ++id) {
+                const reference::Triangle triangle = reference::triangle_at(scene.triangles, id);
+                const bool meets = ray.meets(triangle);
+                const auto slot = slots.find(id);
+                if (slot == slots.end() || !bins[slot->second].contains(x >> CAMERA_TILE_LOG2, y >> CAMERA_TILE_LOG2)) {
+                    ++tally.missing;
+                    EXPECT_FALSE(meets) << "triangle " << id << " has no record at pixel " << x << ", " << y;
+                    continue;
+                }
+                const TriangleRecord& r = records[slot->second];
+                const Evaluated evaluated(r, pixel_x, pixel_y);
+                ++tally.pairs;
+                tally.inside += evaluated.inside() > r.margin_edge;
+                tally.open += std::fabs(evaluated.inside()) <= r.margin_edge;
+                EXPECT_FALSE(evaluated.inside() > r.margin_edge && !meets) << id << " at " << x << ", " << y;
+                EXPECT_FALSE(evaluated.inside() < -r.margin_edge && meets) << id << " at " << x << ", " << y;
+                const reference::GridTriangle real(map, triangle);
+                const float orientation =
+                    orientation_in_grid(triangle, {scene.eye[0], scene.eye[1], scene.eye[2], 1}, tables.projection);
+                const float height = float(real.height(pixel_x, pixel_y));
+                measure(r, evaluated, height, real, orientation, {pixel_x, pixel_y, 1, height}, scene.name, tally);
+                if (!meets) continue;
+                const long double z = real.height(pixel_x, pixel_y);
+                EXPECT_TRUE(r.z_low <= z && z <= r.z_high) << id << " at " << x << ", " << y;
+            }
+        }
+}
+
+// Not vacuous: the views hold thousands of certain hits, and the lattice wall's vertices lie on pixel centres.
+TEST(triangle_setup, equals_reference_for_cameras) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    for (const CameraScene& scene : camera_scenes()) {
+        SCOPED_TRACE(scene.name);
+        attack_view(device.session(), device, scene, tally);
+        if (testing::Test::HasFailure()) break;
+    }
+    tally.print("cameras");
+    EXPECT_LE(tally.edge_ratio, 1);
+    EXPECT_LE(tally.plane_ratio, 1);
+    EXPECT_GT(tally.inside, 5000u);
+}
+
+// ---- The other laws -------------------------------------------------------------------------------------------------
+
+/// Scenes for laws that compare runs: a sun over soup, and a lamp inside it.
+std::vector<LightScene> comparison_scenes() {
+    const Floats triangles = soup(300, 0.3f, 51);
+    return {tie_scene("sun", triangles, along(0.3f, -1, 0.2f), 400, 2, 52),
+            tie_scene("lamp", triangles, at(0.05f, -0.1f, 0.2f), 400, 2, 53)};
+}
+
+bool same(const SetUpTriangle& a, const SetUpTriangle& b) {
+    return std::memcmp(&a.record, &b.record, sizeof(a.record)) == 0 &&
+           std::memcmp(&a.bins, &b.bins, sizeof(a.bins)) == 0;
+}
+
+void expect_same_records(const FrameOutput& a, const FrameOutput& b,
+                         const std::function<std::uint32_t(std::uint32_t)>& a_from_b) {
+    ASSERT_EQ(a.triangles.size(), b.triangles.size());
+    std::map<std::uint32_t, const SetUpTriangle*> of_a;
+    for (const SetUpTriangle& t : a.triangles) of_a[t.id] = &t;
+    for (const SetUpTriangle& t : b.triangles) {
+        ASSERT_TRUE(of_a.contains(a_from_b(t.id)));
+        EXPECT_TRUE(same(*of_a[a_from_b(t.id)], t)) << "triangle " << t.id;
+    }
+}
+
+// Not vacuous: each scene has records in every frame, and the shuffle moves all but a few triangles.
+TEST(triangle_setup, order_free) {
+    const gnomon::Device device = device_with();
+    for (const LightScene& scene : comparison_scenes()) {
+        SCOPED_TRACE(scene.name);
+        const auto order = shuffled_order(scene.triangles.size() / 9, 54);
+        LightScene shuffled = scene;
+        for (std::size_t i = 0; i < shuffled.triangles.size(); ++i)
+            shuffled.triangles[i] = scene.triangles[9 * order[i / 9] + i % 9];
+        const auto plain = run_light_stages(device, scene), mixed = run_light_stages(device, shuffled);
+        ASSERT_EQ(plain.size(), mixed.size());
+        for (std::size_t f = 0; f < plain.size(); ++f) {
+            EXPECT_FALSE(plain[f].triangles.empty());
+            expect_same_records(plain[f], mixed[f], [&](std::uint32_t id) { return order[id]; });
+        }
+    }
+    // The other face in front: other floats, the same truths.
+    std::vector<LightScene> reversed = comparison_scenes();
+    for (LightScene& scene : reversed) scene.triangles = reversed_winding(scene.triangles);
+    attack(reversed, "reversed");
+}
+
+TEST(triangle_setup, shape_free) {
+    for (const LightScene& scene : comparison_scenes()) {
+        const auto expected = run_light_stages(device_with(), scene);
+        for (const std::uint32_t size : FEW_WORK_GROUP_SIZES) {
+            SCOPED_TRACE(scene.name + ", work-groups of " + std::to_string(size));
+            const auto found = run_light_stages(device_with(size), scene);
+            ASSERT_EQ(found.size(), expected.size());
+            for (std::size_t f = 0; f < found.size(); ++f)
+                expect_same_records(expected[f], found[f], [](std::uint32_t id) { return id; });
+        }
+    }
+}
+
+// Not vacuous: of each kind one triangle hangs over the points, so a wrong verdict would show in a counter.
+TEST(triangle_setup, survives_degenerates) {
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    Floats triangles;
+    add(triangles, {-1, 1, -1}, {1, 1, -1}, {0, 1, nan});                         // not finite
+    add(triangles, {-1, 1, -1}, {1, inf, -1}, {0, 1, 1});                         // not finite
+    add(triangles, {-1, 1, -1}, {-inf, 1, -1}, {0, 1, 1});                        // not finite
+    add(triangles, {0, 1, 0}, {0, 1, 0}, {0, 1, 0});                              // a point
+    add(triangles, {-1, 1, -1}, {0, 1, 0}, {1, 1, 1});                            // a line
+    add(triangles, {0, 1, -0.5f}, {0, 2, -0.5f}, {0, 1, 0.5f});                   // edge-on to the sun
+    add(triangles, {-3e38f, 1, -3e38f}, {3e38f, 1, -3e38f}, {0, 1, 3e38f});       // as large as floats go
+    add(triangles, {-1e-45f, 1, -1e-45f}, {1e-45f, 1, -1e-45f}, {0, 1, 1e-45f});  // as small
+    add(triangles, {-1, 1e-45f, -1}, {1, 1e-45f, -1}, {0, 1e-45f, 1});            // a denormal above the points
+    LightScene scene{"degenerates", triangles, placed(random_points(2000, -0.5f, 0.5f, 55), 1, {0, -0.5, 0}),
+                     along(0, -1, 0)};
+    Tally tally;
+    const gnomon::Device device = device_with();
+    // The verdicts of the first pass: a repeated one has fewer points to cover.
+    const UploadedScene inputs(device, scene);
+    LightStages stages;
+    FrameOutput first{};
+    first.frame = gnomon::light_frames(inputs.light, StageSettings{}.grid)[0];
+    run_stages_once(device.session(), stages, inputs, {}, first);
+    EXPECT_EQ(first.counters.not_finite, 3u);
+    EXPECT_EQ(first.counters.edge_on, 3u);
+    EXPECT_EQ(first.counters.survivors, 3u);
+    for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
+    // The light in the plane of a triangle, at a vertex, at a point; and every point at one place.
+    scene.light = at(0, 1, 0);
+    for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
+    scene.light = along(1, 0, 0);
+    for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
+    scene.light = {scene.points[0], scene.points[1], scene.points[2], 1};
+    for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
+    for (std::size_t i = 3; i < scene.points.size(); ++i) scene.points[i] = scene.points[i % 3];
+    scene.light = along(0.1f, -1, 0);
+    for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
+    EXPECT_GT(tally.pairs, 500u);
+}
+
+// Not vacuous: the second run's list ends well inside the first one's, and canaries stand between.
+TEST(triangle_setup, writes_only_its_own) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    const CameraScene scene = camera_scenes().front();
+    const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), scene.width, scene.height);
+    gnomon::TriangleSetup setup;
+    const gnomon::FrameCounters all =
+        set_up(session, setup, tables.projection, gnomon::Triangles::upload(device, scene.triangles));
+    for (const gnomon::cl::Buffer* buffer : {&setup.records(), &setup.ids(), &setup.record_bins(), &setup.large()})
+        put_canaries(session, *buffer);
+    const gnomon::FrameCounters few = set_up(
+        session, setup, tables.projection, gnomon::Triangles::upload(device, std::span(scene.triangles).first(9 * 50)));
+    ASSERT_LT(few.survivors, all.survivors);
+    ASSERT_GT(few.survivors, 0u);
+    expect_canaries(session, setup.records(), few.survivors * sizeof(TriangleRecord), "records");
+    expect_canaries(session, setup.ids(), few.survivors * sizeof(cl_uint), "ids");
+    expect_canaries(session, setup.record_bins(), few.survivors * sizeof(BinRange), "bins of records");
+}
+
+TEST(triangle_setup, grows) {
+    for (const LightScene& scene : comparison_scenes()) {
+        const gnomon::Device device = device_with();
+        StageSettings settings;
+        const auto expected = run_light_stages(device, scene, settings);
+        settings.first_capacity = 1;
+        const auto found = run_light_stages(device, scene, settings);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t f = 0; f < found.size(); ++f) EXPECT_EQ(found[f].visibility, expected[f].visibility);
+    }
+}
 
 }  // namespace
