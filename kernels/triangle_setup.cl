@@ -11,14 +11,22 @@
 // bins,    |cross error| <= 2 (rho_a E_b + rho_b E_a + E_a E_b).
 // The coefficients a x (b - a) round once for the difference and twice for products and sum, the evaluation twice:
 // at most 6u Q, Q = R (|a_y d_w| + |a_w d_y|) + R (|a_w d_x| + |a_x d_w|) + |a_x d_y| + |a_y d_x|, d = b - a.
-// The point itself is off by point_error in X and Y: (|edge_x| + |edge_y|) point_error.
+// The point itself is off by point_error in X and Y: (|edge_x| + |edge_y|) point_error. (R and rho are for the real
+// point: they reach point_error beyond the bins, which a light far from a small scene makes many texels.)
 //
 // Height of the plane, z(X, Y). Parallel: n = (b - a) x (c - a) in (X, Y, Z), z = a_z - (n_x (X - a_x) + n_y (Y - a_y))
 // / n_z. An error delta_n of n, E of X, Y and E_z of Z moves z by at most
 //     (delta_nx rho + delta_ny rho + delta_nz rho_z + (|n_x| + |n_y|) E) / |n_z| + E_z,
 // rho and rho_z bounding X - a_x and z - a_z over the bins; n_z itself is off by delta_nz, so we divide by |n_z| -
-// delta_nz. Perspective: z = N . p / det(a, b, c), N = (b - a) x (c - a) in (x, y, w); N . p = cross(r_b - r_a,
-// r_c - r_a) is bounded as an edge, and det(a, b, c) = N . a.
+// delta_nz. The quotients n_x / n_z may be off by 2.5 ulp (5u; they multiply X - a_x), the constant by 4u, the
+// evaluation by 4u of the largest sum of magnitudes L: at most 18u L in all; we use 20u L.
+//
+// Perspective: z = N . p / det, det = det(a, b, c), N = (b - a) x (c - a) in (x, y, w). N . p = cross(r_b - r_a,
+// r_c - r_a) is bounded as an edge. det = N . a; with N', a' the real ones,
+//     |N' . a' - N . a| <= |N . (a' - a)| + |(N' - N) . a'|,
+// and the last is a'_w times the error of N . p at the place of a' in the grid, or, where a is far outside the grid or
+// not in front of the light, the errors of N's components times those of a'.
+//
 // Every bound is computed in float with all terms positive, and inflated by BOUND_INFLATION (1 %), which covers the
 // roundings of its own computation (fewer than 100, each under 2^-23) many times over.
 //
@@ -135,7 +143,7 @@ static void set_plane_parallel(TriangleRecord* record, const Projected* v, float
                    v[0].error_z + height_error;
     float largest = fabs(slope_x) * fmax(fabs(v[0].x), rectangle.z) + fabs(slope_y) * fmax(fabs(v[0].y), rectangle.w) +
                     fabs(v[0].z);
-    margin = BOUND_INFLATION * (margin + 12.0f * GN_U * largest);
+    margin = BOUND_INFLATION * (margin + 20.0f * GN_U * largest);
     if (!(margin < INFINITY)) return;
     record->plane_x = slope_x;
     record->plane_y = slope_y;
@@ -157,13 +165,14 @@ static void set_plane_perspective(TriangleRecord* record, const Projected* v, fl
     if (determinant * orientation <= 0.0f) return;
 
     // N . p, as the cross product of the sides relative to p.
-    float reach = fmax(rectangle.z, rectangle.w);
+    float reach = fmax(rectangle.z, rectangle.w) + point_error;
     float e_a = v[0].error + reach * v[0].error_w;
     float e_1 = e_a + v[1].error + reach * v[1].error_w, e_2 = e_a + v[2].error + reach * v[2].error_w;
     Projected side_1 = v[0], side_2 = v[0];
     side_1.x = x1, side_1.y = y1, side_1.w = w1;
     side_2.x = x2, side_2.y = y2, side_2.w = w2;
-    float rho_1 = largest_offset(side_1, rectangle), rho_2 = largest_offset(side_2, rectangle);
+    float rho_1 = largest_offset(side_1, rectangle) + fabs(w1) * point_error;
+    float rho_2 = largest_offset(side_2, rectangle) + fabs(w2) * point_error;
     float delta_np =
         2.0f * (rho_1 * e_2 + rho_2 * e_1 + e_1 * e_2) + 8.0f * GN_U * (reach * size_x + reach * size_y + size_w);
     // N . a: at a's own place in the grid it is a_w N . p, inside the rectangle unless the triangle straddles.
@@ -177,16 +186,22 @@ static void set_plane_perspective(TriangleRecord* record, const Projected* v, fl
         // The bound above over the rectangle need not hold at a itself when the rectangle was cut to the grid.
         float4 whole = (float4)(fmin(rectangle.xy, (float2)(v[0].x, v[0].y) / v[0].w),
                                 fmax(rectangle.zw, (float2)(v[0].x, v[0].y) / v[0].w));
-        float rho_1a = largest_offset(side_1, whole), rho_2a = largest_offset(side_2, whole);
-        delta_determinant += v[0].w * (2.0f * (rho_1a * e_2 + rho_2a * e_1 + e_1 * e_2) +
-                                       8.0f * GN_U * (reach * size_x + reach * size_y + size_w));
+        float place_error = e_a / (v[0].w - e_0w);  // of a in the grid
+        float rho_1a = largest_offset(side_1, whole) + fabs(w1) * place_error;
+        float rho_2a = largest_offset(side_2, whole) + fabs(w2) * place_error;
+        float e_1a = e_1 + place_error * (v[0].error_w + v[1].error_w);
+        float e_2a = e_2 + place_error * (v[0].error_w + v[2].error_w);
+        float far_reach = reach + place_error;
+        delta_determinant += (v[0].w + e_0w) * (2.0f * (rho_1a * e_2a + rho_2a * e_1a + e_1a * e_2a) +
+                                                8.0f * GN_U * (far_reach * size_x + far_reach * size_y + size_w));
     } else {
         float side_error_1 = v[0].error + v[1].error + v[0].error_w + v[1].error_w;
         float side_error_2 = v[0].error + v[2].error + v[0].error_w + v[2].error_w;
         float side_1_size = fabs(x1) + fabs(y1) + fabs(w1), side_2_size = fabs(x2) + fabs(y2) + fabs(w2);
         float delta_n = side_1_size * side_error_2 + side_2_size * side_error_1 + side_error_1 * side_error_2;
-        delta_determinant += delta_n * (fabs(v[0].x) + fabs(v[0].y) + fabs(v[0].w)) +
-                             4.0f * GN_U * (size_x * fabs(v[0].x) + size_y * fabs(v[0].y) + size_w * fabs(v[0].w));
+        float far_x = fabs(v[0].x) + e_0, far_y = fabs(v[0].y) + e_0, far_w = fabs(v[0].w) + e_0w;
+        delta_determinant +=
+            delta_n * (far_x + far_y + far_w) + 4.0f * GN_U * (size_x * far_x + size_y * far_y + size_w * far_w);
     }
     float safe_determinant = fabs(determinant) - BOUND_INFLATION * delta_determinant;
     if (!(safe_determinant > 0.25f * fabs(determinant))) return;
@@ -271,7 +286,7 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
                   projection->bin_log2;
     *bins = range;
 
-    // Heights: in perspective Z = 1 / W with W off by error_w and the division by 3 ulp.
+    // Heights: in perspective Z = 1 / W with W off by error_w and the division by 2.5 ulp, 5u.
     float z_low = INFINITY, z_high = -INFINITY;
     if (straddles) {
         z_low = -INFINITY;
@@ -279,7 +294,7 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
     } else {
         for (int i = 0; i < 3; ++i) {
             float slack = projection->perspective
-                              ? BOUND_INFLATION * v[i].z * (v[i].error_w / (v[i].w - v[i].error_w) + 4.0f * GN_U)
+                              ? BOUND_INFLATION * v[i].z * (v[i].error_w / (v[i].w - v[i].error_w) + 6.0f * GN_U)
                               : v[i].error_z;
             z_low = fmin(z_low, v[i].z - slack);
             z_high = fmax(z_high, v[i].z + slack);
@@ -297,7 +312,7 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
     // The tests hold for all points of the triangle's bins.
     float bin_size = (float)(1u << projection->bin_log2);
     float4 domain = (float4)((float)range.x, (float)range.y, (float)(range.z + 1u), (float)(range.w + 1u)) * bin_size;
-    float reach = fmax(domain.z, domain.w);
+    float reach = fmax(domain.z, domain.w) + projection->point_error;
     float rho[3], error[3];
     for (int i = 0; i < 3; ++i) {
         error[i] = v[i].error + reach * v[i].error_w;
