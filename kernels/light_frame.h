@@ -38,6 +38,10 @@ static bool is_in_frame(LightFrame frame, float3 p_world) {
     float3 size = fabs(d);
     uint axis = size.x >= size.y ? (size.x >= size.z ? 0u : 2u) : (size.y >= size.z ? 1u : 2u);
     float along = axis == 0u ? d.x : axis == 1u ? d.y : d.z;
+    // Where denormals are flushed a difference can vanish between unlike positions. Such a point goes to the first
+    // frame, whose heights it makes indistinct.
+    if (along == 0.0f && any(as_int3(p_world) != as_int3((float3)(frame.light[0], frame.light[1], frame.light[2]))))
+        return frame.axis_z == 0u && frame.sign_z > 0.0f;
     return axis == frame.axis_z && along * frame.sign_z > 0.0f;
 }
 
