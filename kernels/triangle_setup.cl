@@ -86,31 +86,67 @@ static TriangleRecord undecided_record(void) {
     return record;
 }
 
-// Texel rectangle that holds everything the triangle can cover; whole grid if it reaches behind the light.
-// Returns false if it covers nothing of the grid.
-static bool covered_rectangle(const Projected* v, __constant const Projection* projection, bool straddles,
-                              float4* rectangle) {
-    float width = (float)projection->width, height = (float)projection->height;
-    *rectangle = (float4)(0.0f, 0.0f, width, height);
-    if (straddles) return true;
-    float4 box = (float4)(INFINITY, INFINITY, -INFINITY, -INFINITY);
-    for (int i = 0; i < 3; ++i) {
-        // x / w with w known up to error_w: the quotient is off by at most (error + |x/w| error_w) / (w - error_w),
-        // and the division by at most 3 ulp.
-        float x = v[i].x / v[i].w, y = v[i].y / v[i].w;
-        float size = fmax(fabs(x), fabs(y));
-        float slack =
-            BOUND_INFLATION * ((v[i].error + size * v[i].error_w) / (v[i].w - v[i].error_w) + 8.0f * GN_U * size);
-        box.x = fmin(box.x, x - slack);
-        box.y = fmin(box.y, y - slack);
-        box.z = fmax(box.z, x + slack);
-        box.w = fmax(box.w, y + slack);
+// The interval of one grid coordinate that a triangle's part in front of the light (W > 0) can cover.
+//
+// X <= x there if h_x - x h_w <= 0 for all three vertices, since the left side is linear over the triangle. In front,
+// a vertex asks for x >= X, behind for x <= X, near W = 0 for h_x <= 0 whatever x of the grid. So the bound is the
+// largest X in front, if those behind and near agree with it, else there is none; the lower bound likewise.
+typedef struct Interval {
+    float low, high;                // of the vertices in front
+    float behind_low, behind_high;  // of those behind
+    bool has_low, has_high;         // no vertex near W = 0 speaks against the bound
+} Interval;
+
+static Interval empty_interval(void) {
+    Interval interval;
+    interval.low = interval.behind_low = INFINITY;
+    interval.high = interval.behind_high = -INFINITY;
+    interval.has_low = interval.has_high = true;
+    return interval;
+}
+
+// h is the vertex's coordinate before the division, w and its error as in Projected, reach the largest coordinate.
+static void include_vertex(Interval* interval, float h, float error, float w, float error_w, float reach) {
+    if (fabs(w) > 2.0f * error_w) {
+        // The quotient is off by at most (error + |x| error_w) / (|w| - error_w), the division by at most 3 ulp.
+        float x = h / w, size = fabs(x);
+        float slack = BOUND_INFLATION * ((error + size * error_w) / (fabs(w) - error_w) + 8.0f * GN_U * size);
+        if (w > 0.0f) {
+            interval->low = fmin(interval->low, x - slack);
+            interval->high = fmax(interval->high, x + slack);
+        } else {
+            interval->behind_low = fmin(interval->behind_low, x - slack);
+            interval->behind_high = fmax(interval->behind_high, x + slack);
+        }
+    } else {
+        float slack = BOUND_INFLATION * (error + reach * (fabs(w) + error_w));
+        interval->has_high = interval->has_high && h + slack <= 0.0f;
+        interval->has_low = interval->has_low && h - slack >= 0.0f;
     }
-    float point_error = projection->point_error;
-    box = (float4)(box.x - point_error, box.y - point_error, box.z + point_error, box.w + point_error);
-    if (!(box.z >= 0.0f && box.w >= 0.0f && box.x < width && box.y < height)) return false;
-    rectangle->xy = fmax(box.xy, (float2)(0.0f));
-    rectangle->zw = fmin(box.zw, (float2)(width, height));
+}
+
+// The bounds within [-1, last + 1] (a bound outside the grid is as good as any farther one, and serves where no vertex
+// is in front), a point's error added.
+static float2 bounds_of(Interval interval, float point_error, float last) {
+    float low = fmin(interval.low, last + 1.0f), high = fmax(interval.high, -1.0f);
+    bool has_low = interval.has_low && low >= interval.behind_high;
+    bool has_high = interval.has_high && high <= interval.behind_low;
+    return (float2)(has_low ? low - point_error : 0.0f, has_high ? high + point_error : last);
+}
+
+// Texel rectangle (x0, y0, x1, y1) that holds everything the triangle can cover of the grid. False if that is nothing.
+static bool covered_rectangle(const Projected* v, __constant const Projection* projection, float4* rectangle) {
+    float width = (float)projection->width, height = (float)projection->height;
+    Interval x = empty_interval(), y = empty_interval();
+    for (int i = 0; i < 3; ++i) {
+        include_vertex(&x, v[i].x, v[i].error, v[i].w, v[i].error_w, width + 1.0f);
+        include_vertex(&y, v[i].y, v[i].error, v[i].w, v[i].error_w, height + 1.0f);
+    }
+    float2 x_bounds = bounds_of(x, projection->point_error, width);
+    float2 y_bounds = bounds_of(y, projection->point_error, height);
+    if (!(x_bounds.y >= 0.0f && y_bounds.y >= 0.0f && x_bounds.x < width && y_bounds.x < height)) return false;
+    *rectangle =
+        (float4)(fmax(x_bounds.x, 0.0f), fmax(y_bounds.x, 0.0f), fmin(x_bounds.y, width), fmin(y_bounds.y, height));
     return true;
 }
 
@@ -280,7 +316,7 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
     if (behind) return OUTSIDE;
 
     float4 rectangle;
-    if (!covered_rectangle(v, projection, straddles, &rectangle)) return OUTSIDE;
+    if (!covered_rectangle(v, projection, &rectangle)) return OUTSIDE;
     uint4 range = (uint4)(texel_index(rectangle.x, projection->width), texel_index(rectangle.y, projection->height),
                           texel_index(rectangle.z, projection->width), texel_index(rectangle.w, projection->height)) >>
                   projection->bin_log2;
