@@ -622,6 +622,27 @@ TEST(Law, LengthOfTheLightDirectionMeansNothing) {
     }
 }
 
+// From where the grid tells nothing apart any more (2^50 and beyond) to where a quarter is the smallest denormal.
+TEST(Law, ScalingByPowersOfTwoChangesNothing) {
+    Scene scene = lattice();
+    append(scene.points, lattice_points(600, 5, 115));
+    scene.receivers.resize(scene.points.size() / 3, gnomon::no_receiver);
+    for (const Light& light : lattice_lights) {
+        const Question question{scene.triangles, scene.points, scene.receivers, light, {}};
+        const std::vector<float> truth = truth_of(question);
+        for (const int exponent : {-147, -100, -60, -20, 20, 45, 50, 60, 124}) {
+            Question scaled = question;
+            const auto scale = [exponent](float& x) { x = std::ldexp(x, exponent); };
+            std::for_each(scaled.triangles.begin(), scaled.triangles.end(), scale);
+            std::for_each(scaled.points.begin(), scaled.points.end(), scale);
+            if (light[3] != 0) std::for_each(scaled.light.begin(), scaled.light.begin() + 3, scale);
+            for (const Settings& settings : {map_on, map_off})
+                expect_equal(ask(device(), scaled, settings).visibility, truth, scaled,
+                             "times 2^" + std::to_string(exponent));
+        }
+    }
+}
+
 TEST(Law, AddingATriangleNeverLightsAPoint) {
     std::size_t newly_dark = 0;
     for (Question question : typical_questions()) {
