@@ -68,7 +68,8 @@ ordered_json device_json(const DeviceDescription& device) {
             {"compute_units", device.compute_units},
             {"global_memory_bytes", device.global_memory_bytes},
             {"largest_allocation_bytes", device.largest_allocation_bytes},
-            {"has_fp64", device.has_fp64}};
+            {"has_fp64", device.has_fp64},
+            {"note", device.note}};
 }
 
 ordered_json technique_json(const RenderOptions& options) {
@@ -194,6 +195,7 @@ std::string summary(const Report& report) {
     std::ostringstream out;
     add_fact(out, "device",
              report.device.name + " (" + report.device.platform + ", " + report.device.driver_version + ")");
+    if (!report.device.note.empty()) add_fact(out, "", report.device.note);
     add_fact(out, "scene", scene_name(options) + ", " + grouped(report.triangles) + " triangles");
     add_fact(
         out, "camera",
