@@ -739,6 +739,8 @@ struct RealView {
     const char* file;
     reference::PinholeCamera camera;
     Light grazing, lamp;
+
+    friend std::ostream& operator<<(std::ostream& out, const RealView& view) { return out << view.file; }
 };
 
 class RealScene : public testing::TestWithParam<RealView> {};
