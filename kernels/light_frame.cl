@@ -9,8 +9,10 @@
 
 #define FRAME_PADDING (32.0f * GN_U)
 #define EDGE_TEXELS 0.25f
-// Points spread beyond this, or nearer to the light than its inverse, are not told apart by the grid at all.
-#define LARGEST_EXTENT 1.0e15f
+// Points spread beyond this are not told apart by the grid at all (beyond it floats overflow).
+#define LARGEST_EXTENT 1.0e30f
+// Nor points nearer to a positional light than this, once the farthest is brought within 2 (nearer, floats underflow).
+#define SMALLEST_W 1.0e-15f
 
 static float along(float3 v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
 
@@ -136,16 +138,20 @@ static void fit_perspective(LightFrame frame, PointBounds bounds, Projection* pr
     float scale_y = fitted_scale(bounds.grid_low[1], bounds.grid_high[1], FRAME_PADDING, (float)frame.height);
     float offset_x = EDGE_TEXELS - scale_x * (bounds.grid_low[0] - FRAME_PADDING);
     float offset_y = EDGE_TEXELS - scale_y * (bounds.grid_low[1] - FRAME_PADDING);
-    set_row(projection->row_x, frame.axis_x, scale_x, frame.axis_z, offset_x * frame.sign_z, 0.0f);
-    set_row(projection->row_y, frame.axis_y, scale_y, frame.axis_z, offset_y * frame.sign_z, 0.0f);
-    set_row(projection->row_z, frame.axis_z, frame.sign_z, 3u, 0.0f, 0.0f);
+    // x, y and W are homogeneous: a power of two brings W below 2, so that products of three do not overflow in scenes
+    // of 1e10 units, and no rounding changes.
+    float farthest = fmin(bounds.world_high[2], LARGEST_EXTENT);
+    float unit = farthest >= 1.0f ? ldexp(1.0f, -ilogb(farthest)) : 1.0f;
+    set_row(projection->row_x, frame.axis_x, scale_x * unit, frame.axis_z, offset_x * frame.sign_z * unit, 0.0f);
+    set_row(projection->row_y, frame.axis_y, scale_y * unit, frame.axis_z, offset_y * frame.sign_z * unit, 0.0f);
+    set_row(projection->row_z, frame.axis_z, frame.sign_z * unit, 3u, 0.0f, 0.0f);
     // |x| <= (scale + |offset|) W, since the other coordinates of a face's points are at most W; the quotient by W
     // adds W's own error times X and the division's 3 ulp.
     float texels = (float)max(frame.width, frame.height);
     float size = fmax(scale_x + fabs(offset_x), scale_y + fabs(offset_y));
     projection->point_error = 1.01f * (PROJECTION_ERROR * (size + texels) + 4.0f * GN_U * texels);
     projection->height_error = PROJECTION_ERROR + 4.0f * GN_U;
-    projection->indistinct = !(bounds.world_low[2] > 1.0f / LARGEST_EXTENT && bounds.world_high[2] < LARGEST_EXTENT);
+    projection->indistinct = !(bounds.world_low[2] * unit > SMALLEST_W && bounds.world_high[2] < LARGEST_EXTENT);
 }
 
 // One work-group: merges the groups' bounds and makes the projection.

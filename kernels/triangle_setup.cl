@@ -111,6 +111,8 @@ static void include_vertex(Interval* interval, float h, float error, float w, fl
         // The quotient is off by at most (error + |x| error_w) / (|w| - error_w), the division by at most 3 ulp.
         float x = h / w, size = fabs(x);
         float slack = BOUND_INFLATION * ((error + size * error_w) / (fabs(w) - error_w) + 8.0f * GN_U * size);
+        // An infinite quotient says nothing, and its NaN difference to the slack would be passed over.
+        if (!(slack < INFINITY)) interval->has_low = interval->has_high = false;
         if (w > 0.0f) {
             interval->low = fmin(interval->low, x - slack);
             interval->high = fmax(interval->high, x + slack);
