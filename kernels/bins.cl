@@ -65,11 +65,11 @@ __kernel void bins_huge(__constant const Projection* projection, uint record_cap
     for (uint i = 0; i < count; ++i) {
         uint slot = LARGE_ENTRY_SLOT(large[record_capacity - 1 - i]);
         uint4 bins = record_bins[slot];
-        uint bin_count = bins_of_rectangle(bins), chunks = (bin_count + LARGE_BINS - 1) / LARGE_BINS;
+        uint bin_count = bins_of_rectangle(bins), chunks = (bin_count + HUGE_CHUNK_BINS - 1) / HUGE_CHUNK_BINS;
         for (uint chunk = first_chunk_of_group(chunks_before); chunk < chunks; chunk += (uint)get_num_groups(0)) {
             TriangleRecord record = records[slot];
-            uint last = min((chunk + 1) * LARGE_BINS, bin_count);
-            for (uint b = chunk * LARGE_BINS + (uint)get_local_id(0); b < last; b += (uint)get_local_size(0))
+            uint last = min((chunk + 1) * HUGE_CHUNK_BINS, bin_count);
+            for (uint b = chunk * HUGE_CHUNK_BINS + (uint)get_local_id(0); b < last; b += (uint)get_local_size(0))
                 refer_if_matters(&record, projection, bin_of_rectangle(bins, b), has_heights, fill, reference_capacity,
                                  slot, farthest, offsets, cursors, references);
         }

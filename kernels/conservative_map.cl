@@ -110,11 +110,11 @@ __kernel void conservative_map_huge(__constant const Projection* projection, uin
         uint entry = large[capacity - 1 - i];
         if (!LARGE_ENTRY_FOR_MAP(entry)) continue;
         uint4 bins = record_bins[LARGE_ENTRY_SLOT(entry)];
-        uint bin_count = bins_of_rectangle(bins), chunks = (bin_count + LARGE_BINS - 1) / LARGE_BINS;
+        uint bin_count = bins_of_rectangle(bins), chunks = (bin_count + HUGE_CHUNK_BINS - 1) / HUGE_CHUNK_BINS;
         for (uint chunk = first_chunk_of_group(chunks_before); chunk < chunks; chunk += (uint)get_num_groups(0)) {
             TriangleRecord record = records[LARGE_ENTRY_SLOT(entry)];
-            uint last = min((chunk + 1) * LARGE_BINS, bin_count);
-            for (uint b = chunk * LARGE_BINS + (uint)get_local_id(0); b < last; b += (uint)get_local_size(0))
+            uint last = min((chunk + 1) * HUGE_CHUNK_BINS, bin_count);
+            for (uint b = chunk * HUGE_CHUNK_BINS + (uint)get_local_id(0); b < last; b += (uint)get_local_size(0))
                 written += draw_if_matters(&record, projection, bin_of_rectangle(bins, b), circle_cover, pyramid, map);
         }
         chunks_before += chunks;
