@@ -121,8 +121,10 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
         FrameOutput out{};
         out.frame = frame;
         const std::uint32_t bin_count = frame.bins_x * frame.bins_y;
-        while (!run_stages_once(session, stages, uploaded_scene, settings, out)) {
-        }
+        // A repeated pass starts from where the first one did, so that its outputs speak of all points.
+        const auto before = downloaded<float>(session, uploaded_scene.visibility.get(), uploaded_scene.points.count());
+        while (!run_stages_once(session, stages, uploaded_scene, settings, out))
+            session.write(uploaded_scene.visibility.get(), before.data(), before.size() * sizeof(float));
         if (out.projection.active_points == 0) continue;
         out.pyramid = downloaded<std::uint32_t>(session, stages.farthest_height.pyramid().get(), pyramid_cells(frame));
         out.triangles = read_triangles(session, stages, out.counters);

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// Stage bins: a triangle that blocks a listed point is in the list of the point's bin. One-sided: a list may hold more.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iostream>
+#include <limits>
+
+#include "support/light_scenes.hpp"
+#include "support/truth.hpp"
+
+namespace {
+
+using namespace support;
+
+struct Tally {
+    std::uint64_t referenced = 0, possible = 0;
+};
+
+void check_frame(const FrameOutput& out, const LightScene& scene, Tally& tally) {
+    for (const auto& list : out.references) {
+        EXPECT_TRUE(std::adjacent_find(list.begin(), list.end()) == list.end()) << "a triangle twice in one bin";
+        tally.referenced += list.size();
+    }
+    tally.possible += out.references.size() * (scene.triangles.size() / 9);
+    for (const ListedPoint& p : out.points) {
+        const auto& list = out.references[p.bin];
+        for (std::uint32_t id = 0; id < scene.triangles.size() / 9; ++id) {
+            if (std::binary_search(list.begin(), list.end(), id)) continue;
+            const reference::Triangle t = reference::triangle_at(scene.triangles, id);
+            if (!reference::is_finite(t)) continue;
+            EXPECT_FALSE(exact_pair(t, reference::point_at(scene.points, p.id), scene.light).blocks)
+                << "triangle " << id << " blocks point " << p.id << " and is not in the list of bin " << p.bin;
+        }
+    }
+    for (const SetUpTriangle& t : out.triangles)
+        for (std::uint32_t bin = 0; bin < out.references.size(); ++bin) {
+            const auto& list = out.references[bin];
+            if (!std::binary_search(list.begin(), list.end(), t.id)) continue;
+            EXPECT_TRUE(t.bins.contains(bin % out.frame.bins_x, bin / out.frame.bins_x))
+                << "triangle " << t.id << " is listed outside its own range, where its margins do not hold";
+        }
+}
+
+void check(const gnomon::Device& device, const LightScene& scene, gnomon::FrameGrid grid, Tally& tally) {
+    SCOPED_TRACE(scene.name + ", grid of " + std::to_string(grid.size));
+    StageSettings settings;
+    settings.grid = grid;
+    for (const FrameOutput& out : run_light_stages(device, scene, settings)) check_frame(out, scene, tally);
+}
+
+// Not vacuous: fewer than a tenth of all (triangle, bin) pairs are referenced, so what is left out matters.
+TEST(bins, equals_reference) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    for (const LightScene& scene : light_scenes()) check(device, scene, {64, 3}, tally);
+    std::cout << tally.referenced << " of " << tally.possible << " pairs referenced\n";
+    EXPECT_GT(tally.referenced, 1000u);
+    EXPECT_LT(tally.referenced, tally.possible / 10);
+}
+
+TEST(bins, equals_reference_in_the_oracles_own_scenes) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    for (const LightScene& scene : reference_scenes()) check(device, scene, {32, 2}, tally);
+    for (const LightScene& scene : huge_triangle_scenes()) check(device, scene, {100, 3}, tally);
+    for (const LightScene& scene : underflow_scenes()) check(device, scene, {64, 3}, tally);
+    EXPECT_GT(tally.referenced, 1000u);
+}
+
+LightScene comparison_scene() {
+    Floats triangles = soup(300, 0.05f, 101);
+    append(triangles, soup(40, 0.5f, 102));
+    append(triangles, soup(6, 9, 103));
+    return {"comparison", triangles, random_points(3000, -1, 1, 104), along(0.3f, -1, 0.2f)};
+}
+
+/// Few bins, many, and so many that one triangle is walked by all work-items.
+constexpr gnomon::FrameGrid GRIDS[] = {{64, 3}, {100, 1}, {256, 0}};
+
+FrameOutput run(const gnomon::Device& device, const LightScene& scene, gnomon::FrameGrid grid) {
+    StageSettings settings;
+    settings.grid = grid;
+    return run_light_stages(device, scene, settings).at(0);
+}
+
+// Not vacuous: triangles of all three size classes are there (checked), and hundreds of references or more.
+TEST(bins, shape_free) {
+    const LightScene scene = comparison_scene();
+    for (const gnomon::FrameGrid grid : GRIDS) {
+        SCOPED_TRACE("grid of " + std::to_string(grid.size));
+        const FrameOutput plain = run(device_with(), scene, grid);
+        if (grid.size == 256) {
+            EXPECT_GT(plain.counters.huge, 0u);
+            EXPECT_GT(plain.counters.large, 0u);
+            EXPECT_GT(plain.counters.survivors, plain.counters.huge + plain.counters.large);
+        }
+        EXPECT_GT(plain.counters.references, 500u);
+        for (const std::uint32_t group : FEW_WORK_GROUP_SIZES)
+            EXPECT_EQ(run(device_with(group), scene, grid).references, plain.references) << "groups of " << group;
+    }
+}
+
+TEST(bins, order_free) {
+    const gnomon::Device device = device_with();
+    const LightScene scene = comparison_scene();
+    const auto order = shuffled_order(scene.triangles.size() / 9, 105);
+    LightScene shuffled = scene;
+    for (std::size_t i = 0; i < scene.triangles.size(); ++i)
+        shuffled.triangles[i] = scene.triangles[9 * order[i / 9] + i % 9];
+    auto mixed = run(device, shuffled, GRIDS[0]).references;
+    for (auto& list : mixed) {
+        for (std::uint32_t& id : list) id = order[id];
+        std::sort(list.begin(), list.end());
+    }
+    EXPECT_EQ(mixed, run(device, scene, GRIDS[0]).references);
+    LightScene reversed = scene;
+    reversed.triangles = reversed_winding(scene.triangles);
+    Tally tally;
+    for (const gnomon::FrameGrid grid : {GRIDS[0], GRIDS[1]}) check(device, reversed, grid, tally);
+}
+
+TEST(bins, survives_degenerates) {
+    const gnomon::Device device = device_with();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    Tally tally;
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        LightScene scene{name, {}, random_points(200, -1, 1, 106), light};
+        add(scene.triangles, {nan, 0, 0}, {1, 0, 0}, {0, 0, 1});
+        add(scene.triangles, {-3e38f, 1, -3e38f}, {3e38f, 1, -3e38f}, {0, 1, 3e38f});
+        add(scene.triangles, {-1, 1, -1}, {-1, 1, -1}, {1, 1, 1});
+        add(scene.triangles, {1e-45f, 0, 0}, {0, 1e-45f, 0}, {0, 0, 1e-45f});
+        add(scene.triangles, {light[0], light[1], light[2]}, {1, 0, 0}, {0, 0, 1});     // a vertex at the lamp
+        add(scene.triangles, {-9, light[1], -9}, {9, light[1], -9}, {0, light[1], 9});  // the lamp in its plane
+        check(device, scene, {64, 3}, tally);
+    }
+    EXPECT_GT(tally.referenced, 100u);
+}
+
+// Not vacuous: the second run has a fraction of the first one's references and bins, in the same buffers.
+TEST(bins, writes_only_its_own) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    LightScene scene = comparison_scene();
+    LightStages stages;
+    FrameOutput out{};
+    for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{64, 1}, {64, 3}}) {
+        const UploadedScene inputs(device, scene);
+        out.frame = gnomon::light_frames(inputs.light, grid)[0];
+        if (grid.bin_log2 == 3) {
+            put_canaries(session, stages.bins.offsets());
+            put_canaries(session, stages.bins.references());
+        }
+        run_stages_once(session, stages, inputs, {}, out);
+    }
+    expect_canaries(session, stages.bins.offsets(), (8 * 8 + 1) * sizeof(std::uint32_t), "offsets");
+    expect_canaries(session, stages.bins.references(), out.counters.references * sizeof(std::uint32_t), "references");
+}
+
+// Not vacuous: from room for 1 reference to thousands.
+TEST(bins, grows) {
+    const gnomon::Device device = device_with();
+    const LightScene scene = comparison_scene();
+    const UploadedScene inputs(device, scene);
+    StageSettings settings;
+    LightStages stages;
+    stages.bins.limit_initial_capacity(1);
+    stages.setup.limit_initial_capacity(1);
+    FrameOutput out{};
+    out.frame = gnomon::light_frames(inputs.light, settings.grid)[0];
+    int passes = 1;
+    while (!run_stages_once(device.session(), stages, inputs, settings, out)) ++passes;
+    EXPECT_GE(passes, 2);
+    EXPECT_GT(stages.bins.capacity(), 1u);
+    settings.first_capacity = 1;
+    const FrameOutput grown = run_light_stages(device, scene, settings).at(0);
+    EXPECT_EQ(grown.visibility, run(device, scene, settings.grid).visibility);
+}
+
+}  // namespace

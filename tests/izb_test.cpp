@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+// Stage izb: every point that still needs an answer is listed once, in its bin, contiguous; those below their texel's
+// conservative height are decided instead, never by their own receiver.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "reference/visibility.hpp"
+#include "support/light_scenes.hpp"
+#include "support/truth.hpp"
+
+namespace {
+
+using namespace support;
+
+StageSettings with_map(gnomon::FrameGrid grid = {64, 3}) {
+    StageSettings settings;
+    settings.grid = grid;
+    settings.with_map = true;
+    return settings;
+}
+
+std::uint32_t receiver_of(const LightScene& scene, std::uint32_t point) {
+    return scene.receivers.empty() ? reference::NO_RECEIVER : scene.receivers[point];
+}
+
+bool receiver_blocks(const LightScene& scene, std::uint32_t point) {
+    const std::uint32_t receiver = receiver_of(scene, point);
+    if (receiver >= scene.triangles.size() / 9) return false;
+    const reference::Triangle t = reference::triangle_at(scene.triangles, receiver);
+    return reference::is_finite(t) && exact_pair(t, reference::point_at(scene.points, point), scene.light).blocks;
+}
+
+/// Which points the stage must decide, and which list: from where the points are (listed without a map) and the map.
+void check_frame(const FrameOutput& all, const FrameOutput& out, const LightScene& scene) {
+    std::set<std::uint32_t> listed;
+    for (const ListedPoint& p : out.points) EXPECT_TRUE(listed.insert(p.id).second) << "point " << p.id << " twice";
+    std::vector<std::uint32_t> farthest(out.farthest.size(), NO_KEY);
+    for (const ListedPoint& p : all.points) {
+        const std::size_t texel = std::size_t(p.y) * out.frame.width + std::size_t(p.x);
+        const bool decided =
+            all.projection.indistinct == 0 && key_of_float(p.z) < out.map[texel] && !receiver_blocks(scene, p.id);
+        EXPECT_EQ(listed.contains(p.id), !decided) << "point " << p.id;
+        EXPECT_EQ(out.visibility_after_izb[p.id], decided ? 0.0f : 1.0f) << "point " << p.id;
+        if (!decided) farthest[p.bin] = std::min(farthest[p.bin], key_of_float(p.z));
+    }
+    EXPECT_EQ(out.farthest, farthest);
+    EXPECT_EQ(out.counters.listed, out.points.size());
+    EXPECT_EQ(out.counters.listed + out.counters.decided_by_map, all.points.size());
+}
+
+/// Directional lights only: with one frame, both runs meet the points in the same state.
+std::vector<LightScene> scenes() {
+    std::vector<LightScene> all;
+    for (const LightScene& scene : reference_scenes())
+        if (scene.light[3] == 0) all.push_back(scene);
+    Floats triangles = soup(20, 0.8f, 91);
+    Random random(92);
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        if (light[3] != 0) continue;
+        LightScene scene{name, triangles, points_behind(triangles, light, 500, 2, 93), light};
+        for (int i = 0; i < 500; ++i) scene.receivers.push_back(random.below(24));
+        all.push_back(scene);
+    }
+    return all;
+}
+
+// Not vacuous: the map decides hundreds of points, and spares some for their receiver's sake.
+TEST(izb, equals_reference) {
+    const gnomon::Device device = device_with();
+    std::uint64_t decided = 0;
+    for (const LightScene& scene : scenes())
+        for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{64, 3}, {100, 2}}) {
+            SCOPED_TRACE(scene.name);
+            StageSettings without = with_map(grid);
+            without.with_map = false;
+            const auto all = run_light_stages(device, scene, without),
+                       out = run_light_stages(device, scene, with_map(grid));
+            ASSERT_EQ(all.size(), 1u);
+            check_frame(all[0], out.at(0), scene);
+            decided += out[0].counters.decided_by_map;
+        }
+    EXPECT_GT(decided, 500u);
+}
+
+/// A floor that is its points' receiver; the points lie above and below it, from an ulp to a hundredth.
+LightScene floor_scene() {
+    LightScene scene{"floor", {}, {}, along(0.1f, -1, 0.2f)};
+    add(scene.triangles, {-3, 1, -3}, {3, 1.3f, -3}, {0, 1.1f, 4});
+    Random random(94);
+    for (int i = 0; i < 2000; ++i) {
+        const auto place = place_on(random, scene.triangles, 0);
+        const double aside = i % 2 == 0 ? 0 : random.between(-0.01f, 0.01f);
+        add(scene.points, nudged(random, {float(place[0]), float(place[1] + aside), float(place[2])}));
+        scene.receivers.push_back(0);
+    }
+    return scene;
+}
+
+// Not vacuous: the floor covers most texels, hundreds of the points lie exactly below it, and the same points without
+// a receiver are dark.
+TEST(izb, receiver_never_shadows_its_own_points) {
+    const gnomon::Device device = device_with();
+    LightScene scene = floor_scene();
+    // With an eye above the floor and without: a caller's points need not lie on the eye's side of their receiver.
+    for (const std::optional<Float3>& eye : {std::optional<Float3>(), std::optional<Float3>({0, 9, 0})}) {
+        SCOPED_TRACE(eye ? "with an eye" : "without an eye");
+        scene.eye = eye;
+        const FrameOutput out = run_light_stages(device, scene, with_map()).at(0);
+        EXPECT_EQ(std::count(out.visibility.begin(), out.visibility.end(), 0.0f), 0);
+        EXPECT_GT(std::count_if(out.map.begin(), out.map.end(), [](std::uint32_t key) { return key != 0; }), 500);
+    }
+    scene.eye.reset();
+    scene.receivers.clear();
+    const FrameOutput out = run_light_stages(device, scene, with_map()).at(0);
+    EXPECT_GT(std::count(out.visibility.begin(), out.visibility.end(), 0.0f), 300);
+}
+
+LightScene comparison_scene() {
+    const Floats triangles = soup(30, 0.8f, 95);
+    return {"comparison", triangles, random_points(5000, -1, 1, 96), at(0.1f, 0.2f, 3)};
+}
+
+bool same(const ListedPoint& a, const ListedPoint& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+
+// Not vacuous: 5000 points, some 80 a bin, whose places in the lists depend on who comes first.
+TEST(izb, shape_free) {
+    const LightScene scene = comparison_scene();
+    const auto plain = run_light_stages(device_with(), scene, with_map());
+    for (const std::uint32_t group : FEW_WORK_GROUP_SIZES) {
+        const auto found = run_light_stages(device_with(group), scene, with_map());
+        ASSERT_EQ(found.size(), plain.size());
+        for (std::size_t f = 0; f < plain.size(); ++f) {
+            ASSERT_EQ(found[f].points.size(), plain[f].points.size()) << "work-groups of " << group;
+            for (std::size_t i = 0; i < plain[f].points.size(); ++i)
+                EXPECT_TRUE(same(found[f].points[i], plain[f].points[i])) << "work-groups of " << group;
+            EXPECT_EQ(found[f].visibility_after_izb, plain[f].visibility_after_izb);
+        }
+    }
+}
+
+TEST(izb, order_free) {
+    const gnomon::Device device = device_with();
+    const LightScene scene = comparison_scene();
+    LightScene shuffled = scene;
+    const auto order = shuffled_order(scene.points.size() / 3, 97);
+    for (std::size_t i = 0; i < scene.points.size(); ++i) shuffled.points[i] = scene.points[3 * order[i / 3] + i % 3];
+    const auto plain = run_light_stages(device, scene, with_map()),
+               mixed = run_light_stages(device, shuffled, with_map());
+    ASSERT_EQ(plain.size(), mixed.size());
+    for (std::size_t f = 0; f < plain.size(); ++f) {
+        EXPECT_EQ(plain[f].farthest, mixed[f].farthest);
+        for (std::size_t i = 0; i < order.size(); ++i)
+            EXPECT_EQ(mixed[f].visibility_after_izb[i], plain[f].visibility_after_izb[order[i]]);
+    }
+}
+
+// Lists are padded to whole blocks of lanes, each block knows its bin, and a block's spare lanes are marked as empty.
+// Not vacuous: on a CPU a block has 16 lanes, and nearly every bin has spare ones.
+TEST(izb, blocks_belong_to_one_bin) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    const LightScene scene = comparison_scene();
+    const UploadedScene inputs(device, scene);
+    LightStages stages;
+    FrameOutput out{};
+    out.frame = gnomon::light_frames(inputs.light, StageSettings{}.grid)[5];  // the face towards -z
+    ASSERT_TRUE(run_stages_once(session, stages, inputs, {}, out));
+    const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y, lanes = session.lanes();
+    const auto offsets = downloaded<std::uint32_t>(session, stages.izb.offsets().get(), bin_count + 1);
+    const auto order = downloaded<std::uint32_t>(session, stages.izb.order().get(), offsets[bin_count]);
+    const auto block_bin = downloaded<std::uint32_t>(session, stages.izb.block_bin().get(), offsets[bin_count] / lanes);
+    const std::uint32_t points = static_cast<std::uint32_t>(scene.points.size() / 3);
+    std::uint32_t listed = 0;
+    for (std::uint32_t bin = 0; bin < bin_count; ++bin) {
+        EXPECT_EQ(offsets[bin] % lanes, 0u);
+        for (std::uint32_t slot = offsets[bin]; slot < offsets[bin + 1]; ++slot) {
+            EXPECT_EQ(block_bin[slot / lanes], bin);
+            EXPECT_TRUE(order[slot] < points || order[slot] == GN_NO_ID);
+            listed += order[slot] < points;
+        }
+    }
+    EXPECT_EQ(listed, out.counters.listed);
+    EXPECT_GT(listed, 1000u);
+}
+
+// Not vacuous: the second run lists a tenth of the first one's points, into the same buffers.
+TEST(izb, writes_only_its_own) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    LightScene scene = comparison_scene();
+    scene.light = along(0, -1, 0);
+    LightStages stages;
+    FrameOutput out{};
+    {
+        const UploadedScene inputs(device, scene);
+        out.frame = gnomon::light_frames(inputs.light, StageSettings{}.grid)[0];
+        run_stages_once(session, stages, inputs, {}, out);
+    }
+    scene.points.resize(3 * 500);
+    const UploadedScene inputs(device, scene);
+    const gnomon::cl::Buffer* lists[] = {&stages.izb.x(), &stages.izb.y(), &stages.izb.z(), &stages.izb.block_bin()};
+    for (const gnomon::cl::Buffer* list : lists) put_canaries(session, *list);
+    gnomon::Izb& izb = stages.izb;
+    izb.run(session, out.frame, inputs.triangle_inputs(), inputs.point_inputs(), stages.light_frame.projection(),
+            nullptr, inputs.visibility.get(), inputs.counters);
+    const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y;
+    const std::uint32_t slots = downloaded<std::uint32_t>(session, izb.offsets().get(), bin_count + 1)[bin_count];
+    ASSERT_GT(slots, 499u);
+    for (const gnomon::cl::Buffer* list : {lists[0], lists[1], lists[2]})
+        expect_canaries(session, *list, slots * sizeof(float), "a coordinate list");
+    expect_canaries(session, *lists[3], slots / session.lanes() * sizeof(std::uint32_t), "bins of blocks");
+}
+
+}  // namespace
