@@ -17,7 +17,20 @@ struct CameraScene {
     double fov_y_degrees;
     std::uint32_t width, height;
 
-    gnomon::Camera camera() const { return gnomon::Camera::look_at(eye, target, up, fov_y_degrees); }
+    gnomon::Camera camera() const {
+        gnomon::Camera camera = gnomon::Camera::look_at(eye, target, up, fov_y_degrees);
+        if (fov_y_degrees == LATTICE_FOV) camera.fov_y_radians = lattice_fov();
+        return camera;
+    }
+
+    /// Half of it has the tangent 1/2, in doubles exactly: see lattice_view().
+    static constexpr double LATTICE_FOV = 53.13010235415598;
+    static double lattice_fov() {
+        double fov = 2 * std::atan(0.5);
+        while (std::tan(fov / 2) > 0.5) fov = std::nextafter(fov, 0.0);
+        while (std::tan(fov / 2) < 0.5) fov = std::nextafter(fov, 1.0);
+        return fov;
+    }
 };
 
 /// The exact ray of a pixel, from the table the kernels get.
@@ -29,8 +42,7 @@ inline reference::ExactRay exact_ray(const gnomon::CameraTables& tables, std::ui
     return {vector(eye), {vector(column), vector(column + 3), vector(row), vector(row + 3)}};
 }
 
-/// A wall of 2 x 2 triangles per cell in the plane z = 0, x and y from -cells to cells: with the eye on the axis at a
-/// matching distance, its edges and vertices run exactly through pixel centres.
+/// A wall of two triangles per unit cell in the plane z = 0, x and y from -cells to cells.
 inline Floats lattice_wall(int cells) {
     Floats triangles;
     for (int y = -cells; y < cells; ++y)
@@ -43,13 +55,26 @@ inline Floats lattice_wall(int cells) {
     return triangles;
 }
 
+/// A view of the wall in which EVERY pixel's ray runs exactly through a corner of six triangles: `height` is a power of
+/// two, so a pixel is 1 / height wide at distance 1, exactly, and 1 at the eye's distance of `height`.
+inline CameraScene lattice_view(std::uint32_t width, std::uint32_t height) {
+    const Float3 eye = {width % 2 == 0 ? 0.5f : 0.0f, height % 2 == 0 ? 0.5f : 0.0f, float(height)};
+    return {"lattice view of " + std::to_string(width) + " x " + std::to_string(height),
+            lattice_wall(40),
+            eye,
+            {eye[0], eye[1], 0},
+            {0, 1, 0},
+            CameraScene::LATTICE_FOV,
+            width,
+            height};
+}
+
 inline std::vector<CameraScene> camera_scenes() {
     std::vector<CameraScene> scenes;
     const Floats ball = icosphere(2, 1), mess = soup(60, 0.6f, 41);
     scenes.push_back({"ball", ball, {0.3f, 0.4f, 3}, {0, 0, 0}, {0, 1, 0}, 50, 37, 29});
     scenes.push_back({"inside a ball", ball, {0.1f, -0.2f, 0.05f}, {1, 0, 0}, {0, 1, 0}, 100, 33, 17});
-    // tan(45 degrees) = 1: pixel centres of 17 x 17 at distance 8.5 lie on the integers.
-    scenes.push_back({"lattice wall", lattice_wall(10), {0, 0, 8.5f}, {0, 0, 0}, {0, 1, 0}, 90, 17, 17});
+    scenes.push_back(lattice_view(17, 16));
     scenes.push_back({"soup around the eye", mess, {0.05f, 0.1f, 0}, {0.2f, 0.1f, -1}, {0, 1, 0}, 80, 40, 23});
     scenes.push_back({"large soup", soup(25, 5, 42), {0, 0, 0}, {0.1f, 0.3f, -1}, {0, 1, 0}, 60, 31, 31});
     scenes.push_back({"huge soup", soup(12, 1e6f, 43), {0.3f, 0.2f, 1}, {0, 0, 0}, {0, 1, 0}, 60, 16, 16});

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// Stages trace and exact_trace. What the trace decides is true; what it leaves open, and only that, is queued; and
+// after the exact stage every point has the oracle's answer.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iostream>
+#include <limits>
+#include <set>
+
+#include "reference/visibility.hpp"
+#include "support/light_scenes.hpp"
+#include "support/truth.hpp"
+
+namespace {
+
+using namespace support;
+
+struct Tally {
+    std::uint64_t by_trace = 0, by_exact = 0, queued = 0, lit = 0, by_integers = 0;
+};
+
+/// After the trace alone: decided points are in shadow, and the queue holds a blocking pair for the others that are.
+void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& tally) {
+    SCOPED_TRACE(scene.name);
+    gnomon::cl::Session& session = device.session();
+    const UploadedScene inputs(device, scene);
+    const auto truth = reference::shadowed(scene.triangles, scene.points, scene.receivers, scene.light);
+    const std::size_t count = scene.points.size() / 3;
+    for (const gnomon::LightFrame& frame : gnomon::light_frames(inputs.light, StageSettings{}.grid)) {
+        LightStages stages;
+        FrameOutput out{};
+        out.frame = frame;
+        const auto before = downloaded<float>(session, inputs.visibility.get(), count);
+        while (!run_stages_once(session, stages, inputs, {}, out))
+            session.write(inputs.visibility.get(), before.data(), count * sizeof(float));
+        if (out.projection.active_points == 0) continue;
+        // The same again, without the exact stage.
+        const auto after = downloaded<float>(session, inputs.visibility.get(), count);
+        session.write(inputs.visibility.get(), before.data(), count * sizeof(float));
+        session.fill(inputs.counters, 0, sizeof(gnomon::FrameCounters));
+        gnomon::FrameCounters counted = out.counters;
+        counted.uncertain = counted.tests_low = counted.tests_high = counted.decided_by_trace = 0;
+        session.write(inputs.counters.get(), &counted, sizeof(counted));
+        stages.trace.run(session, frame, inputs.point_inputs(), stages.izb, stages.bins, stages.setup,
+                         inputs.visibility.get(), inputs.counters);
+        const auto traced = downloaded<float>(session, inputs.visibility.get(), count);
+        session.read(inputs.counters.get(), &counted, sizeof(counted));
+        ASSERT_LE(counted.uncertain, stages.trace.capacity());
+        const auto queue = downloaded<std::uint32_t>(session, stages.trace.queue().get(), 2 * counted.uncertain);
+        std::set<std::uint32_t> waiting;
+        for (std::size_t i = 0; i < queue.size(); i += 2) {
+            const std::uint32_t point = queue[i], id = queue[i + 1];
+            ASSERT_LT(point, count);
+            ASSERT_LT(id, scene.triangles.size() / 9);
+            EXPECT_TRUE(scene.receivers.empty() || scene.receivers[point] != id) << "a receiver was queued";
+            const reference::Triangle t = reference::triangle_at(scene.triangles, id);
+            if (exact_pair(t, reference::point_at(scene.points, point), scene.light).blocks) waiting.insert(point);
+        }
+        std::uint64_t decided = 0;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            if (traced[i] == 0.0f) {
+                EXPECT_EQ(truth[i], 1) << "the filter decided wrongly about point " << i;
+            }
+            if (traced[i] == 1.0f && after[i] == 0.0f) {
+                EXPECT_TRUE(waiting.contains(i)) << "nothing blocking is queued for point " << i;
+            }
+            decided += before[i] == 1.0f && traced[i] == 0.0f;
+        }
+        EXPECT_EQ(counted.decided_by_trace, decided);
+        tally.by_trace += decided;
+        tally.queued += counted.uncertain;
+        session.write(inputs.visibility.get(), after.data(), count * sizeof(float));
+    }
+}
+
+void check_answers(const LightScene& scene, const std::vector<FrameOutput>& frames, Tally& tally) {
+    std::vector<float> visibility(scene.points.size() / 3, 1.0f);
+    if (!frames.empty()) visibility = frames.back().visibility;
+    const auto truth = reference::shadowed(scene.triangles, scene.points, scene.receivers, scene.light, scene.eye);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        EXPECT_EQ(visibility[i], truth[i] != 0 ? 0.0f : 1.0f) << "point " << i;
+        tally.lit += truth[i] == 0;
+    }
+    for (const FrameOutput& out : frames) {
+        tally.by_exact += out.counters.decided_by_exact;
+        tally.by_integers += out.counters.exact_exact;
+    }
+}
+
+std::vector<LightScene> all_scenes() {
+    std::vector<LightScene> scenes = light_scenes();
+    for (const auto& more : {reference_scenes(), huge_triangle_scenes(), underflow_scenes()})
+        scenes.insert(scenes.end(), more.begin(), more.end());
+    return scenes;
+}
+
+// Not vacuous: each level decides hundreds of points, and thousands stay lit.
+TEST(trace, equals_reference) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    for (const LightScene& scene : all_scenes()) {
+        SCOPED_TRACE(scene.name);
+        check_answers(scene, run_light_stages(device, scene), tally);
+    }
+    std::cout << tally.by_exact << " points by the exact stage, " << tally.by_integers << " pairs by integers, "
+              << tally.lit << " points lit\n";
+    EXPECT_GT(tally.by_exact, 500u);
+    EXPECT_GT(tally.by_integers, 500u);
+    EXPECT_GT(tally.lit, 5000u);
+}
+
+// Not vacuous: the filter alone decides thousands, and queues thousands of pairs.
+TEST(trace, filter_says_only_what_is_certain) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    const std::vector<LightScene> scenes = all_scenes();
+    for (std::size_t i = 0; i < scenes.size(); i += 2) check_trace(device, scenes[i], tally);
+    EXPECT_GT(tally.by_trace, 2000u);
+    EXPECT_GT(tally.queued, 2000u);
+}
+
+LightScene comparison_scene(const Light& light) {
+    LightScene scene = tie_scene("comparison", soup(300, 0.3f, 111), light, 3000, 2, 112);
+    Random random(113);
+    for (std::size_t i = 0; i < scene.points.size() / 3; ++i) scene.receivers.push_back(random.below(330));
+    return scene;
+}
+
+std::vector<float> answer(const gnomon::Device& device, const LightScene& scene, const StageSettings& settings = {}) {
+    return run_light_stages(device, scene, settings).back().visibility;
+}
+
+// Not vacuous: thousands of points are decided by ties of an ulp; about half of them are dark.
+TEST(trace, order_free) {
+    const gnomon::Device device = device_with();
+    for (const Light& light : {along(0.3f, -1, 0.2f), at(0.05f, -0.1f, 0.2f)}) {
+        const LightScene scene = comparison_scene(light);
+        const std::vector<float> plain = answer(device, scene);
+        const auto dark = std::count(plain.begin(), plain.end(), 0.0f);
+        EXPECT_TRUE(dark > 500 && dark < 2700) << dark;
+        LightScene reversed = scene;
+        reversed.triangles = reversed_winding(scene.triangles);
+        EXPECT_EQ(answer(device, reversed), plain);
+        const auto order = shuffled_order(scene.triangles.size() / 9, 114);
+        LightScene shuffled = scene;
+        std::vector<std::uint32_t> place(order.size());
+        for (std::uint32_t i = 0; i < order.size(); ++i) {
+            place[order[i]] = i;
+            std::copy_n(&scene.triangles[9 * order[i]], 9, &shuffled.triangles[9 * i]);
+        }
+        for (std::uint32_t& receiver : shuffled.receivers)
+            if (receiver < place.size()) receiver = place[receiver];
+        EXPECT_EQ(answer(device, shuffled), plain);
+    }
+}
+
+TEST(trace, shape_free) {
+    for (const Light& light : {along(0.3f, -1, 0.2f), at(0.05f, -0.1f, 0.2f)}) {
+        const LightScene scene = comparison_scene(light);
+        const std::vector<float> plain = answer(device_with(), scene);
+        for (const std::uint32_t group : FEW_WORK_GROUP_SIZES)
+            EXPECT_EQ(answer(device_with(group), scene), plain) << "work-groups of " << group;
+        // Another grid leaves other pairs open, and without double precision more of them reach the integers.
+        for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{1, 0}, {17, 1}, {256, 2}}) {
+            StageSettings settings;
+            settings.grid = grid;
+            EXPECT_EQ(answer(device_with(), scene, settings), plain) << "grid of " << grid.size;
+        }
+        gnomon::DeviceOptions options;
+        options.hide_fp64 = true;
+        EXPECT_EQ(answer(gnomon::Device({}, options), scene), plain) << "without double precision";
+    }
+}
+
+TEST(trace, survives_degenerates) {
+    const gnomon::Device device = device_with();
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    Tally tally;
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        SCOPED_TRACE(name);
+        LightScene scene{name, soup(5, 2, 115), random_points(300, -1, 1, 116), light};
+        add(scene.triangles, {nan, 0, 0}, {1, 0, 0}, {0, 0, 1});
+        add(scene.triangles, {-3e38f, 1, -3e38f}, {3e38f, 1, -3e38f}, {0, 1, 3e38f});
+        add(scene.triangles, {-1, 1, -1}, {-1, 1, -1}, {1, 1, 1});
+        add(scene.triangles, {1e-45f, 0, 0}, {0, 1e-45f, 0}, {0, 0, 1e-45f});
+        add(scene.triangles, {light[0], light[1], light[2]}, {1, 0, 0}, {0, 0, 1});
+        add(scene.triangles, {-9, light[1], -9}, {9, light[1], -9}, {0, light[1], 9});
+        append(scene.points, {nan, 0, 0, 0, inf, 0, 0, -1e38f, 0, light[0], light[1], light[2]});
+        check_answers(scene, run_light_stages(device, scene), tally);
+    }
+    EXPECT_GT(tally.lit, 100u);
+}
+
+// Not vacuous: the queue starts with room for one pair, and the scene leaves hundreds open.
+TEST(trace, grows) {
+    const gnomon::Device device = device_with();
+    const LightScene scene = comparison_scene(along(0, -1, 0));
+    const UploadedScene inputs(device, scene);
+    LightStages stages;
+    stages.trace.limit_initial_capacity(1);
+    FrameOutput out{};
+    out.frame = gnomon::light_frames(inputs.light, StageSettings{}.grid)[0];
+    // As the pipeline does: what a pass decided stays decided.
+    int passes = 1;
+    while (!run_stages_once(device.session(), stages, inputs, {}, out)) ++passes;
+    EXPECT_GE(passes, 2);
+    EXPECT_GT(stages.trace.capacity(), 100u);
+    EXPECT_EQ(downloaded<float>(device.session(), inputs.visibility.get(), scene.points.size() / 3),
+              answer(device, scene));
+}
+
+// Not vacuous: the buffers have room behind what the stages may write, and both stages write.
+TEST(trace, writes_only_its_own) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    const LightScene scene = comparison_scene(along(0.3f, -1, 0.2f));
+    const UploadedScene inputs(device, scene);
+    const std::size_t count = scene.points.size() / 3;
+    LightStages stages;
+    FrameOutput out{};
+    out.frame = gnomon::light_frames(inputs.light, StageSettings{}.grid)[0];
+    while (!run_stages_once(session, stages, inputs, {}, out)) {
+    }
+    gnomon::cl::Buffer visibility(session, (count + 8) * sizeof(float));
+    put_canaries(session, visibility);
+    const std::vector<float> lit(count, 1.0f);
+    session.write(visibility.get(), lit.data(), count * sizeof(float));
+    put_canaries(session, stages.trace.queue());
+    gnomon::FrameCounters counted = out.counters;
+    counted.uncertain = 0;
+    session.write(inputs.counters.get(), &counted, sizeof(counted));
+    stages.trace.run(session, out.frame, inputs.point_inputs(), stages.izb, stages.bins, stages.setup, visibility.get(),
+                     inputs.counters);
+    gnomon::run_exact_trace(session, inputs.triangle_inputs(), inputs.point_inputs(), inputs.light, stages.trace,
+                            visibility.get(), inputs.counters);
+    session.read(inputs.counters.get(), &counted, sizeof(counted));
+    ASSERT_GT(counted.uncertain, 0u);
+    expect_canaries(session, visibility, count * sizeof(float), "visibility");
+    expect_canaries(session, stages.trace.queue(), counted.uncertain * 2 * sizeof(std::uint32_t), "queue");
+}
+
+}  // namespace
