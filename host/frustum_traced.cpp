@@ -226,7 +226,9 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                 {"decided_by_integers", t.exact_exact},
                 {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
                 {"lists_grown", run.grown}};
-    s.device_memory_bytes = session.run_peak_bytes() - before;
+    // What earlier runs left in this object's lists counts too.
+    s.device_memory_bytes = kept_bytes_ + session.run_peak_bytes() - before;
+    kept_bytes_ += session.memory_bytes() - before;
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
 }

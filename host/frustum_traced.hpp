@@ -34,6 +34,8 @@ private:
     CoverTest cover_test_ = CoverTest::tight;
     std::uint32_t map_size_ = 0;  ///< 0: chosen by the device and the number of points
 
+    std::uint64_t kept_bytes_ = 0;  ///< of the lists below, kept from run to run
+
     cl::Buffer counters_;
     LightFrameFit light_frame_;
     FarthestHeight farthest_height_;
