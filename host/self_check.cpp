@@ -22,6 +22,7 @@ constexpr std::array<const char*, SELF_CHECK_FAULTS> clauses = {
     "reorders sums of doubles",
     "does not round doubles to nearest even",
     "loses denormal floats when it makes them doubles",
+    "rounds doubles to wrong denormal floats",
 };
 
 std::string joined(const std::vector<std::string>& clauses_found) {

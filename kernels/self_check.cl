@@ -7,6 +7,7 @@
 // Float arithmetic may flush denormals: the float filter of det3.h allows for it, and the exact level computes with bit
 // patterns. What must not happen is that a denormal changes by being moved about: then the exact level would get other
 // coordinates than the caller gave. Nor may it vanish on its way to double: there the double filter takes it for exact.
+// And a double that is narrowed to a denormal must give the nearest: the camera's points near the origin are made so.
 #include "exact/det3.h"
 #include "self_check.h"
 
@@ -46,6 +47,9 @@
 #endif
 #ifndef TRIED_WIDEN
 #define TRIED_WIDEN(x) ((double)(x))
+#endif
+#ifndef TRIED_NARROW
+#define TRIED_NARROW(x) convert_float_rte(x)
 #endif
 
 static void demand(uint* faults, int fault, bool holds) {
@@ -152,6 +156,10 @@ static void check_doubles(uint* faults, __global const float* kept, uint zero) {
                as_ulong(ldexp(one, (int)zero - 447)) == 0x2400000000000000ul &&
                as_uint(convert_float_rte(above_tie)) == 0x3F800001u);
     demand(faults, FAULT_DENORMAL_WIDENED, as_ulong(TRIED_WIDEN(kept[0])) == 0x36A0000000000000ul);
+    // In units of the smallest denormal: 5/2, a tie that goes to 2, and minus a little more than 1/2, which goes to -1.
+    double tie = as_double(0x36B4000000000000ul ^ none), above_half = as_double(0xB690000000000001ul ^ none);
+    demand(faults, FAULT_DENORMAL_NARROWED,
+           as_uint(TRIED_NARROW(tie)) == 0x00000002u && as_uint(TRIED_NARROW(above_half)) == 0x80000001u);
 }
 #endif
 

@@ -19,10 +19,11 @@
 // These switch double precision off.
 #define FAULT_DOUBLE_FUSED 8
 #define FAULT_DOUBLE_REORDERED 9
-#define FAULT_DOUBLE_ROUNDING 10   // + * / sqrt, and the way back to float
-#define FAULT_DENORMAL_WIDENED 11  // a denormal float becomes zero when it is made a double
+#define FAULT_DOUBLE_ROUNDING 10    // + * / sqrt, and the way back to float
+#define FAULT_DENORMAL_WIDENED 11   // a denormal float becomes zero when it is made a double
+#define FAULT_DENORMAL_NARROWED 12  // a double becomes another denormal float than the nearest
 
-#define SELF_CHECK_FAULTS 12
+#define SELF_CHECK_FAULTS 13
 
 // What the kernel writes: the faults, and the least and the greatest key that all work-items saw.
 GN_STRUCT_BEGIN(SelfCheckResult)

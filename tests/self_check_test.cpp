@@ -85,7 +85,13 @@ INSTANTIATE_TEST_SUITE_P(
                     Fault{"reordered", "-DTRIED_DOUBLE_RESIDUAL(a,b,s)=0.0", "reorders sums of doubles"},
                     Fault{"sqrt_of_floats", "-DTRIED_SQRT(x)=((double)sqrt((float)(x)))", "does not round doubles"},
                     Fault{"flushed_when_widened", "-DTRIED_WIDEN(x)=((double)((x)<FLT_MIN?0.0f:(x)))",
-                          "loses denormal floats"}),
+                          "loses denormal floats"},
+                    Fault{"flushed_when_narrowed", "-DTRIED_NARROW(x)=(fabs(x)<FLT_MIN?0.0f:convert_float_rte(x))",
+                          "rounds doubles to wrong denormal floats"},
+                    Fault{"narrowed_towards_zero", "-DTRIED_NARROW(x)=convert_float_rtz(x)",
+                          "rounds doubles to wrong denormal floats"},
+                    Fault{"narrowed_ties_away", "-DTRIED_NARROW(x)=convert_float_rte((x)*(1.0+0x1p-50))",
+                          "rounds doubles to wrong denormal floats"}),
     name_of);
 
 TEST_P(WithoutDouble, TheDeviceIsUsedAndSaysSo) {
