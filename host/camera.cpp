@@ -26,6 +26,27 @@ void append_split(std::vector<float>& rays, const Double3& v) {
     rays.insert(rays.end(), low.begin(), low.end());
 }
 
+Double3 cross(const Double3& a, const Double3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double dot(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Double3 scaled(const Double3& v, double factor) { return {v[0] * factor, v[1] * factor, v[2] * factor}; }
+double determinant(const Camera& camera) { return dot(camera.right, cross(camera.up, camera.forward)); }
+
+// A camera filled by hand: axes of about unit length that span space, and an angle that a picture can have.
+void require_camera(const Camera& camera) {
+    for (const float c : camera.eye)
+        if (!std::isfinite(c)) throw InvalidArgument("the camera's eye must be finite numbers");
+    for (const Double3& axis : {camera.right, camera.up, camera.forward}) {
+        const double length = std::sqrt(dot(axis, axis));
+        if (!(length > 0.5 && length < 2)) throw InvalidArgument("the camera's axes must be unit vectors");
+    }
+    if (!(std::fabs(determinant(camera)) > 0.01))
+        throw InvalidArgument("the camera's right, up and forward must not lie in one plane");
+    if (!(camera.fov_y_radians > 0 && camera.fov_y_radians < 3.14159265358979))
+        throw InvalidArgument("the camera's vertical field of view must lie between 0 and 180 degrees");
+}
+
 void set_row(float* row, double a, const Double3& u, double b, const Double3& v) {
     for (int i = 0; i < 3; ++i) row[i] = static_cast<float>(a * u[i] + b * v[i]);
     row[3] = 0.0f;
@@ -94,17 +115,17 @@ CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint3
     std::copy(camera.eye.begin(), camera.eye.end(), p.center);
     std::copy(camera.eye.begin(), camera.eye.end(), p.light);
     p.light[3] = 1.0f;
-    // X = right / (pixel forward) + half_width,  Y = half_height - up / (pixel forward),  W = forward
-    set_row(p.row_x, 1 / pixel, camera.right, half_width, camera.forward);
-    set_row(p.row_y, -1 / pixel, camera.up, half_height, camera.forward);
-    set_row(p.row_z, 1, camera.forward, 0, camera.forward);
-    // Sign of the map's determinant: that of right . (-up x forward) = up . (right x forward)...
-    const Double3& r = camera.right;
-    const Double3& u = camera.up;
-    const Double3& f = camera.forward;
-    const double determinant =
-        f[0] * (r[1] * u[2] - r[2] * u[1]) + f[1] * (r[2] * u[0] - r[0] * u[2]) + f[2] * (r[0] * u[1] - r[1] * u[0]);
-    p.handedness = determinant > 0 ? -1.0f : 1.0f;  // the rows hold -up
+    // With d = a right + b up + c forward:  X = a / (pixel c) + half_width,  Y = half_height - b / (pixel c),  W = c.
+    // a, b, c by the dual basis, so that axes need not be orthogonal.
+    const double volume = determinant(camera);
+    const Double3 dual_right = scaled(cross(camera.up, camera.forward), 1 / volume);
+    const Double3 dual_up = scaled(cross(camera.forward, camera.right), 1 / volume);
+    const Double3 dual_forward = scaled(cross(camera.right, camera.up), 1 / volume);
+    set_row(p.row_x, 1 / pixel, dual_right, half_width, dual_forward);
+    set_row(p.row_y, -1 / pixel, dual_up, half_height, dual_forward);
+    set_row(p.row_z, 1, dual_forward, 0, dual_forward);
+    // The rows hold the duals of right, -up and forward, and the dual basis has the basis's orientation.
+    p.handedness = volume > 0 ? -1.0f : 1.0f;
     p.width = width;
     p.height = height;
     p.bin_log2 = CAMERA_TILE_LOG2;
@@ -132,6 +153,7 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     if (width == 0 || height == 0 || width > largest_side || height > largest_side)
         throw InvalidArgument("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                               " pixels: each side must be from 1 to " + std::to_string(largest_side));
+    require_camera(camera);
     cl::Session& session = device.session();
     if (!session.has_fp64())
         throw DeviceNotFound("the device " + device.description().name +
@@ -169,9 +191,7 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     return view;
 }
 
-namespace {
-
-cl::Buffer normals_of(const Device& device, const Triangles& triangles, const View& view) {
+cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view) {
     cl::Session& session = device.session();
     const TriangleInputs inputs = triangle_inputs(triangles);
     cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
@@ -179,18 +199,6 @@ cl::Buffer normals_of(const Device& device, const Triangles& triangles, const Vi
                    eye_of(view), inputs.first_float, inputs.vertices, view.points.receivers(), normals);
     return normals;
 }
-
-std::vector<std::uint8_t> srgb_table() {
-    std::vector<std::uint8_t> table(4096);
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        const double linear = double(i) / double(table.size() - 1);
-        const double encoded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
-        table[i] = static_cast<std::uint8_t>(encoded * 255 + 0.5);
-    }
-    return table;
-}
-
-}  // namespace
 
 ViewOnHost read(const Device& device, const Triangles& triangles, const View& view) {
     cl::Session& session = device.session();
@@ -200,7 +208,7 @@ ViewOnHost read(const Device& device, const Triangles& triangles, const View& vi
     host.normal.resize(pixels * 3);
     host.position.resize(pixels * 3);
     session.read(view.points.receivers(), host.receiver.data(), pixels * sizeof(cl_uint));
-    const cl::Buffer normals = normals_of(device, triangles, view);
+    const cl::Buffer normals = camera_normals(device, triangles, view);
     session.read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
     std::vector<float> planes(pixels * 3);
     session.read(view.points.positions(), planes.data(), planes.size() * sizeof(float));
@@ -208,36 +216,6 @@ ViewOnHost read(const Device& device, const Triangles& triangles, const View& vi
         for (std::size_t c = 0; c < 3; ++c)
             host.position[3 * i + c] = host.receiver[i] == no_receiver ? 0.0f : planes[i + c * pixels];
     return host;
-}
-
-std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
-                                const Visibility& visibility, const Materials& materials, const Light& light) {
-    cl::Session& session = device.session();
-    const std::size_t pixels = view.points.count();
-    if (visibility.count() < pixels)
-        throw InvalidArgument("the visibility buffer has fewer entries than the view has pixels");
-    if (materials.triangle_material.size() != triangles.count())
-        throw InvalidArgument("there are " + std::to_string(materials.triangle_material.size()) + " material ids for " +
-                              std::to_string(triangles.count()) + " triangles");
-    for (std::uint32_t id : materials.triangle_material)
-        if (id >= materials.base_color.size())
-            throw InvalidArgument("a triangle names material " + std::to_string(id) + " of " +
-                                  std::to_string(materials.base_color.size()));
-    const std::vector<std::uint8_t> table = srgb_table();
-    cl::Buffer ids(session, materials.triangle_material.size() * sizeof(cl_uint));
-    cl::Buffer colors(session, materials.base_color.size() * sizeof(Float3)), table_buffer(session, table.size());
-    session.write(ids.get(), materials.triangle_material.data(), materials.triangle_material.size() * sizeof(cl_uint));
-    session.write(colors.get(), materials.base_color.data(), materials.base_color.size() * sizeof(Float3));
-    session.write(table_buffer.get(), table.data(), table.size());
-    const cl::Buffer normals = normals_of(device, triangles, view);
-    const PointInputs points = point_inputs(view.points);
-    cl::Buffer picture(session, pixels * 4);
-    session.launch("shade.cl", "shade", cl::Range::items(pixels), points.layout, float4_of(light.xyzw),
-                   points.positions, points.receivers, normals, visibility.buffer(), ids, colors, table_buffer,
-                   picture);
-    std::vector<std::uint8_t> rgba(pixels * 4);
-    session.read(picture.get(), rgba.data(), rgba.size());
-    return rgba;
 }
 
 }  // namespace gnomon

@@ -15,4 +15,7 @@ struct CameraTables {
 };
 CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height);
 
+/// Unit geometric normals facing the camera, 3 floats per pixel, packed; sky: 0.
+cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view);
+
 }  // namespace gnomon

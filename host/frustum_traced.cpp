@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "exact_trace.hpp"
 #include "facing.hpp"
 
 namespace gnomon {

@@ -267,7 +267,8 @@ struct Statistics {
 
 /// A pinhole camera. Pixel (x, y), row 0 on top, looks along
 ///   forward + (2 (x + 0.5) / width - 1) aspect t right + (1 - 2 (y + 0.5) / height) t up,  t = tan(fov_y / 2).
-/// There is no near or far plane: everything in front of the eye is seen.
+/// There is no near or far plane: everything in front of the eye is seen. The axes are unit vectors; they need not be
+/// orthogonal, but must span space.
 struct Camera {
     Float3 eye{};
     std::array<double, 3> right{1, 0, 0};
@@ -289,7 +290,7 @@ public:
 };
 
 /// Runs the camera stages: visibility buffer, then shading points, lifted off their receiver by a proven bound.
-/// Throws InvalidArgument if width or height is 0 or over 16384.
+/// Throws InvalidArgument if width or height is 0 or over 16384, or for a camera filled by hand that is none.
 View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
           std::uint32_t height);
 

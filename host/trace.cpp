@@ -29,11 +29,4 @@ bool Trace::fitted(cl::Session& session, const FrameCounters& counted) {
     return false;
 }
 
-void run_exact_trace(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points,
-                     const Light& light, const Trace& trace, cl_mem visibility, const cl::Buffer& counters) {
-    session.launch("exact_trace.cl", "exact_trace", cl::Range::items(trace.capacity()), float4_of(light.xyzw),
-                   points.layout, triangles.first_float, trace.capacity(), points.positions, triangles.vertices,
-                   trace.queue(), visibility, counters);
-}
-
 }  // namespace gnomon

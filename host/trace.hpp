@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Stage trace: listed points against listed triangles by the float filter; what it cannot decide is queued
-// (kernels/trace.cl). Stage exact_trace: the queue, decided by the exact predicate (kernels/exact_trace.cl).
+// (kernels/trace.cl).
 #pragma once
 
 #include "bins.hpp"
@@ -25,8 +25,5 @@ private:
     cl::Buffer queue_;
     std::uint32_t capacity_ = 0, first_capacity_ = initial_capacity;
 };
-
-void run_exact_trace(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points,
-                     const Light& light, const Trace& trace, cl_mem visibility, const cl::Buffer& counters);
 
 }  // namespace gnomon

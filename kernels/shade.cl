@@ -3,12 +3,12 @@
 // no device's pow() can change a pixel. The ambient light comes mostly from above and a little from one side, so that
 // shapes stay readable where no light reaches.
 #include "points.h"
+#include "shade.h"
 
 #define AMBIENT 0.25f
-#define SRGB_TABLE_LAST 4095
 
 static uchar to_srgb(float linear, __global const uchar* table) {
-    return table[(int)(clamp(linear, 0.0f, 1.0f) * (float)SRGB_TABLE_LAST + 0.5f)];
+    return table[(int)(clamp(linear, 0.0f, 1.0f) * (float)(SRGB_TABLE_SIZE - 1) + 0.5f)];
 }
 
 // Unit vector towards the light, up to the last bits (pictures only, never a decision).

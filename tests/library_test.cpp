@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -720,6 +721,60 @@ TEST(Statistics, StagesWithNothingToDoSayWhy) {
     EXPECT_NE(why(none, "trace").find("no triangles"), std::string::npos);
     technique->set("conservative-map", "off");
     EXPECT_EQ(why(some, "conservative_map"), "switched off");
+}
+
+// ---- Cameras filled by hand -----------------------------------------------------------------------------------------
+
+using Double3 = std::array<double, 3>;
+
+Double3 crossed(const Double3& a, const Double3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+double dotted(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// Not vacuous: with the rows taken as if the axes were orthogonal, 390 of these pixels were wrong.
+TEST(HandMadeCamera, NeedNotBeOrthogonal) {
+    const gnomon::Device device;
+    gnomon::Camera camera;
+    camera.up = {0.3, 1, 0};
+    constexpr int side = 64;
+    const std::vector<float> t{-0.3f, -0.3f, -1, 0.4f, -0.2f, -1, 0.1f, 0.45f, -1};
+    const auto triangles = gnomon::Triangles::upload(device, t);
+    const auto host = gnomon::read(device, triangles, gnomon::look(device, triangles, camera, side, side));
+    const Double3 a{t[0], t[1], t[2]}, b{t[3], t[4], t[5]}, c{t[6], t[7], t[8]};
+    const double pixel = std::tan(camera.fov_y_radians / 2) / (side / 2.0);
+    int covered = 0, wrong = 0;
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            Double3 ray;
+            for (int i = 0; i < 3; ++i)
+                ray[i] = camera.forward[i] + (x + 0.5 - side / 2.0) * pixel * camera.right[i] +
+                         (side / 2.0 - y - 0.5) * pixel * camera.up[i];
+            const double side_of_eye = dotted(a, crossed(b, c));
+            const bool inside = dotted(ray, crossed(a, b)) * side_of_eye >= 0 &&
+                                dotted(ray, crossed(b, c)) * side_of_eye >= 0 &&
+                                dotted(ray, crossed(c, a)) * side_of_eye >= 0;
+            covered += inside;
+            wrong += inside != (host.receiver[std::size_t(y) * side + x] == 0);
+        }
+    EXPECT_GT(covered, 500);
+    EXPECT_EQ(wrong, 0);
+}
+
+TEST(HandMadeCamera, IsRefusedIfItIsNone) {
+    const gnomon::Device device;
+    const auto triangles = gnomon::Triangles::upload(device, {});
+    const auto refused = [&](auto change) {
+        gnomon::Camera camera;
+        change(camera);
+        EXPECT_THROW(gnomon::look(device, triangles, camera, 8, 8), gnomon::InvalidArgument);
+    };
+    refused([](gnomon::Camera& c) { c.up = {0, 0, -1}; });
+    refused([](gnomon::Camera& c) { c.right = {0, 0, 0}; });
+    refused([](gnomon::Camera& c) { c.forward = {0, 0, std::nan("")}; });
+    refused([](gnomon::Camera& c) { c.eye[1] = INFINITY; });
+    refused([](gnomon::Camera& c) { c.fov_y_radians = 4; });
+    refused([](gnomon::Camera& c) { c.fov_y_radians = std::nan(""); });
 }
 
 }  // namespace

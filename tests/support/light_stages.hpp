@@ -10,7 +10,7 @@
 #include "../../host/conservative_map.hpp"
 #include "../../host/facing.hpp"
 #include "../../host/farthest_height.hpp"
-#include "../../host/trace.hpp"
+#include "../../host/exact_trace.hpp"
 #include "device.hpp"
 #include "reference/predicates.hpp"
 
