@@ -76,16 +76,20 @@ TEST(scan, shape_free) {
 // A total beyond 32 bits must be seen as one: wrapped around it would look like a list that fits.
 // Not vacuous: without saturation every one of these totals is small.
 TEST(scan, survives_overflow) {
-    const gnomon::Device device = device_with();
     const std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
-    for (Words counts : {Words{most, 1, 5}, Words{most, most}, Words(70000, 1u << 16), Words{0, most, 0}}) {
-        const Words offsets = scan(device, counts, 1);
-        EXPECT_EQ(offsets, reference_scan(counts, 1));
-        EXPECT_EQ(offsets.back(), most);
+    // Within a piece, from piece to piece of one work-item, and from one work-item to the next.
+    for (const std::uint32_t group : {1u, 3u, 64u}) {
+        SCOPED_TRACE("work-groups of " + std::to_string(group));
+        const gnomon::Device device = device_with(group);
+        for (const Words& counts : {Words{most, 1, 5}, Words{most, most}, Words(70000, 1u << 16), Words{0, most, 0}}) {
+            const Words offsets = scan(device, counts, 1);
+            EXPECT_EQ(offsets, reference_scan(counts, 1));
+            EXPECT_EQ(offsets.back(), most);
+        }
+        Words late = random_counts(5000, 3, 9);
+        late[4000] = most - 100;
+        EXPECT_EQ(scan(device, late, 1), reference_scan(late, 1));
     }
-    Words late = random_counts(5000, 3, 9);
-    late[4000] = most - 100;
-    EXPECT_EQ(scan(device, late, 1), reference_scan(late, 1));
 }
 
 }  // namespace
