@@ -166,6 +166,12 @@ TEST(triangle_setup, equals_reference_under_huge_triangles) {
     EXPECT_GT(tally.behind, 1000u);
 }
 
+// Not vacuous: every second triangle has a vertex in the plane W = 0 of a face, or an ulp beside it.
+TEST(triangle_setup, equals_reference_around_a_lamp) {
+    const Tally tally = attack(lamp_plane_scenes(), "around a lamp");
+    EXPECT_GT(tally.behind, 1000u);
+}
+
 // Products of three floats underflow here; a margin made of relative errors alone would be 0.
 TEST(triangle_setup, equals_reference_where_products_underflow) { attack(underflow_scenes(), "underflow"); }
 

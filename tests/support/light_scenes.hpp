@@ -116,6 +116,25 @@ inline std::vector<LightScene> light_scenes() {
     return scenes;
 }
 
+/// Triangles around a lamp, from near to far, with vertices in the planes W = 0 of the cube's faces and an ulp beside
+/// them, so that what a triangle covers of a face reaches to infinity on one side or not at all.
+inline std::vector<LightScene> lamp_plane_scenes() {
+    std::vector<LightScene> scenes;
+    const Light lamp = at(0.05f, -0.1f, 0.2f);
+    for (const float size : {1e-4f, 0.01f, 0.1f, 1.0f, 30.0f}) {
+        Random random(35);
+        Floats triangles;
+        for (int i = 0; i < 3 * 80; ++i) {
+            Float3 v = random_vector(random, -size, size);
+            for (int c = 0; c < 3; ++c) v[c] = random.below(3) == 0 ? lamp[c] : lamp[c] + v[c];
+            add(triangles, random.below(2) == 0 ? v : nudged(random, v));
+        }
+        scenes.push_back(tie_scene("around a lamp, " + std::to_string(size), triangles, lamp, 300, 2, 36));
+        append(scenes.back().points, random_points(200, -1, 1, 37));
+    }
+    return scenes;
+}
+
 /// Huge triangles over a small neighbourhood of points.
 inline std::vector<LightScene> huge_triangle_scenes() {
     std::vector<LightScene> scenes;
