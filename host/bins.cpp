@@ -14,7 +14,7 @@ void Bins::pass(cl::Session& session, const cl::Buffer& projection, const Triang
     session.launch("bins.cl", "bins_large", session.small_groups(), projection, setup.capacity(), has_heights, fill,
                    capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_, cursors_,
                    references_, counters);
-    session.launch("bins.cl", "bins_huge", session.small_groups(), projection, setup.capacity(), has_heights, fill,
+    session.launch("bins.cl", "bins_huge", session.few_groups(), projection, setup.capacity(), has_heights, fill,
                    capacity_, setup.records(), setup.record_bins(), setup.large(), heights, offsets_, cursors_,
                    references_, counters);
 }

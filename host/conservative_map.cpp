@@ -15,7 +15,7 @@ void ConservativeMap::run(cl::Session& session, const LightFrame& frame, const c
     session.launch("conservative_map.cl", "conservative_map_large", session.small_groups(), projection,
                    setup.capacity(), circle_cover, setup.records(), setup.record_bins(), setup.large(), pyramid, map_,
                    counters);
-    session.launch("conservative_map.cl", "conservative_map_huge", session.small_groups(), projection, setup.capacity(),
+    session.launch("conservative_map.cl", "conservative_map_huge", session.few_groups(), projection, setup.capacity(),
                    circle_cover, setup.records(), setup.record_bins(), setup.large(), pyramid, map_, counters);
 }
 
