@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "../../host/conservative_map.hpp"
+#include "../../host/exact_trace.hpp"
 #include "../../host/facing.hpp"
 #include "../../host/farthest_height.hpp"
-#include "../../host/exact_trace.hpp"
 #include "device.hpp"
 #include "reference/predicates.hpp"
 
