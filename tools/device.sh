@@ -5,8 +5,8 @@
 #
 #   tools/device.sh fetch [SCENES]   here: fills .device/ with Debian packages and with the scenes (*.glb, views.json)
 #                                    of the folder SCENES (default ../shared/scenes)
-#   tools/device.sh run [CTEST ARGS] there, as root: unpacks, builds into /tmp/build, runs the tests; what they write
-#                                    and the log of the tests go to $OUT, if that is set
+#   tools/device.sh run [CTEST ARGS] there, as root: unpacks, builds into /tmp/build, runs the tests and the benchmark;
+#                                    the log of the tests and the benchmark's rows go to $OUT, if that is set
 #
 # The command gnomon needs OpenImageIO and stays behind; the library, scene loader, tests and tools come along.
 set -euo pipefail
@@ -72,6 +72,8 @@ run() {
     cmake --build /tmp/build --parallel "$(nproc)"
     # One GPU: tests one after the other, so that a time limit means something.
     ctest --test-dir /tmp/build --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
+    /tmp/build/tools/bench .device/scenes/*.glb --views .device/scenes/views.json --size 1920x1080 --size 3840x2160 \
+        --stages --json "$out/bench.json" | tee "$out/bench.txt" || status=$?
     return $status
 }
 
