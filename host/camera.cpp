@@ -6,11 +6,10 @@
 
 #include "../kernels/camera.h"
 #include "bins.hpp"
+#include "vectors.hpp"
 
 namespace gnomon {
 namespace {
-
-using Double3 = std::array<double, 3>;
 
 // A double as the sum of two floats, to 48 bits. The volatile is needed: g++ 12 at -O2 and above vectorizes the loop
 // and drops the rounding of double(float(v)), so that `low` became 0 (seen here: two pixels of Sponza moved by 600
@@ -26,11 +25,6 @@ void append_split(std::vector<float>& rays, const Double3& v) {
     rays.insert(rays.end(), low.begin(), low.end());
 }
 
-Double3 cross(const Double3& a, const Double3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Double3 scaled(const Double3& v, double factor) { return {v[0] * factor, v[1] * factor, v[2] * factor}; }
 double determinant(const Camera& camera) { return dot(camera.right, cross(camera.up, camera.forward)); }
 
 // A camera filled by hand: axes of about unit length that span space, and an angle that a picture can have.

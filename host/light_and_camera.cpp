@@ -4,28 +4,12 @@
 #include <cmath>
 
 #include "gnomon.hpp"
+#include "vectors.hpp"
 
 namespace gnomon {
 namespace {
 
-using Double3 = std::array<double, 3>;
-
 bool is_finite(const Float3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
-
-Double3 cross(const Double3& a, const Double3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-/// Scales to unit length. By the largest coordinate first, so that neither 1e-38 nor 1e+38 leaves double's range.
-/// Returns false for a zero vector.
-bool normalize(Double3& v) {
-    const double largest = std::max({std::fabs(v[0]), std::fabs(v[1]), std::fabs(v[2])});
-    if (largest == 0) return false;
-    for (double& c : v) c /= largest;
-    const double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (double& c : v) c /= length;
-    return true;
-}
 
 }  // namespace
 

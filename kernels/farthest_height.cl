@@ -10,9 +10,8 @@ __kernel void farthest_height(LightFrame frame, PointsLayout layout, __constant 
                               __global const float* positions, __global const float* visibility,
                               __global uint* pyramid) {
     GN_FOR_EACH(i, layout.count) {
-        if (visibility[i] != 1.0f) continue;
-        float3 p = load_point(positions, layout, i);
-        if (!is_present(p) || !is_in_frame(frame, p)) continue;
+        float3 p;
+        if (!is_open_in_frame(frame, layout, positions, visibility, i, &p)) continue;
         float3 point = project_point(projection, p);
         atomic_min(&pyramid[bin_of(projection, point)], float_to_key(point.z));
     }

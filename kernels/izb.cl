@@ -31,9 +31,8 @@ __kernel void izb_count(LightFrame frame, PointsLayout layout, __constant const 
                         __global FrameCounters* counters) {
     uint decided = 0, listed = 0;
     GN_FOR_EACH(i, layout.count) {
-        if (visibility[i] != 1.0f) continue;
-        float3 p = load_point(positions, layout, i);
-        if (!is_present(p) || !is_in_frame(frame, p)) continue;
+        float3 p;
+        if (!is_open_in_frame(frame, layout, positions, visibility, i, &p)) continue;
         float3 point = project_point(projection, p);
         uint receiver = layout.has_receivers ? receivers[i] : GN_NO_ID;
         if (has_map && !projection->indistinct &&
@@ -57,9 +56,8 @@ __kernel void izb_scatter(LightFrame frame, PointsLayout layout, __constant cons
                           __global float* sorted_y, __global float* sorted_z, __global uint* order,
                           __global uint* block_bin) {
     GN_FOR_EACH(i, layout.count) {
-        if (visibility[i] != 1.0f) continue;
-        float3 p = load_point(positions, layout, i);
-        if (!is_present(p) || !is_in_frame(frame, p)) continue;
+        float3 p;
+        if (!is_open_in_frame(frame, layout, positions, visibility, i, &p)) continue;
         float3 point = project_point(projection, p);
         uint bin = bin_of(projection, point);
         uint place = atomic_inc(&cursors[bin]);

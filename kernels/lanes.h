@@ -12,7 +12,6 @@ typedef int LaneInt;
 #define LANE_COMPARE(a, op, b) (-((a)op(b)))
 #define LANES_ANY(mask) ((mask) != 0)
 #define LANES_SELECT(no, yes, mask) ((mask) ? (yes) : (no))
-#define LANE_ASINT(x) as_int(x)
 #define LANE_INDEX 0
 #elif GN_LANES == 16
 typedef float16 LaneFloat;
@@ -20,7 +19,6 @@ typedef int16 LaneInt;
 #define LANE_COMPARE(a, op, b) ((a)op(b))
 #define LANES_ANY(mask) any(mask)
 #define LANES_SELECT(no, yes, mask) select(no, yes, mask)
-#define LANE_ASINT(x) as_int16(x)
 #define LANE_INDEX (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #else
 #error "GN_LANES must be 1 or 16"

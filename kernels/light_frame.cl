@@ -83,9 +83,8 @@ __kernel void light_frame_bounds(LightFrame frame, PointsLayout layout, __global
                                  __local PointBounds* shared) {
     PointBounds bounds = no_points();
     GN_FOR_EACH(i, layout.count) {
-        if (visibility[i] != 1.0f) continue;
-        float3 p = load_point(positions, layout, i);
-        if (is_present(p) && is_in_frame(frame, p)) include_point(&bounds, frame, p);
+        float3 p;
+        if (is_open_in_frame(frame, layout, positions, visibility, i, &p)) include_point(&bounds, frame, p);
     }
     merge_group(bounds, shared);
     if (get_local_id(0) == 0) group_bounds[get_group_id(0)] = shared[0];

@@ -45,5 +45,13 @@ static bool is_in_frame(LightFrame frame, float3 p_world) {
     return axis == frame.axis_z && along * frame.sign_z > 0.0f;
 }
 
+// Does point i still need an answer from this frame? Loads it if so.
+static bool is_open_in_frame(LightFrame frame, PointsLayout layout, __global const float* positions,
+                             __global const float* visibility, size_t i, float3* p_world) {
+    if (visibility[i] != 1.0f) return false;
+    *p_world = load_point(positions, layout, i);
+    return is_present(*p_world) && is_in_frame(frame, *p_world);
+}
+
 #endif
 #endif

@@ -76,11 +76,6 @@ static float3 center_of(__constant const Projection* projection) {
     return (float3)(projection->center[0], projection->center[1], projection->center[2]);
 }
 
-// Height towards the light of a world position, from its W or directly.
-static float height_of(__constant const Projection* projection, float row_z) {
-    return projection->perspective ? 1.0f / row_z : row_z;
-}
-
 static Projected project(__constant const Projection* projection, float3 p_world) {
     float3 d = p_world - center_of(projection);
     Projected h;

@@ -10,9 +10,7 @@
 
 typedef struct TraceOutput {
     __global const uint* receivers;
-    __global const uint* ids;
     __global uint2* queue;
-    __global float* visibility;
     __global FrameCounters* counters;
     uint queue_capacity;
     uint has_receivers;
@@ -51,9 +49,7 @@ __kernel void trace(uint reference_capacity, uint record_capacity, uint bin_coun
                     __global float* visibility, __global uint2* queue, __global FrameCounters* counters) {
     TraceOutput out;
     out.receivers = receivers;
-    out.ids = ids;
     out.queue = queue;
-    out.visibility = visibility;
     out.counters = counters;
     out.queue_capacity = queue_capacity;
     out.has_receivers = has_receivers;

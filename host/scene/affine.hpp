@@ -9,27 +9,9 @@
 #include <limits>
 
 #include "../gnomon.hpp"
+#include "../vectors.hpp"
 
 namespace gnomon::scene {
-
-using Double3 = std::array<double, 3>;
-
-inline double dot(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-inline Double3 cross(const Double3& a, const Double3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-/// Scales to unit length, by the largest coordinate first so that nothing leaves double's range. False (and v is left
-/// as it is) if v is zero or not finite.
-inline bool normalize(Double3& v) {
-    const double largest = std::fmax(std::fabs(v[0]), std::fmax(std::fabs(v[1]), std::fabs(v[2])));
-    if (!(largest > 0) || !std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2])) return false;
-    for (double& c : v) c /= largest;
-    const double length = std::sqrt(dot(v, v));
-    for (double& c : v) c /= length;
-    return true;
-}
 
 /// Rounds to the nearest float32; what lies beyond float32's range becomes infinite.
 inline Float3 rounded(const Double3& v) {
