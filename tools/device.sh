@@ -16,7 +16,7 @@ cd "$(dirname "$0")/.."
 # replace the links /lib and /bin of the machine by folders.
 packages=(
     ocl-icd-libopencl1 ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers  # OpenCL's loader and headers
-    libtinygltf-dev libtinygltf2d libstb0 nlohmann-json3-dev libcli11-dev        # scene loader and tools
+    libtinygltf-dev libtinygltf2d libstb0 libstb-dev nlohmann-json3-dev libcli11-dev  # scene loader and tools
     libgtest-dev libboost1.74-dev                                                # tests and references
 )
 # The whole tree that travels must stay under 64 MiB.

@@ -16,6 +16,7 @@ test_packages=(
     libgtest-dev                   # the test framework
     libboost-dev libgmp-dev        # exact arithmetic for the references
     oclgrind                       # finds out-of-bounds accesses and races in kernels
+    libstb-dev                     # PNG pictures in the benchmark's page
     git                            # check_layout.sh asks it which files are the project's
 )
 ci_packages=(
