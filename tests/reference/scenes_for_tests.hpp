@@ -81,26 +81,27 @@ TestScene random_scene(const std::string& name, std::uint64_t seed, std::size_t 
     return scene;
 }
 
-inline std::vector<TestScene> all_test_scenes() {
+/// Another `variant`: other scenes of the same kinds. `more_points`: that many times the points.
+inline std::vector<TestScene> all_test_scenes(std::uint64_t variant = 0, std::size_t more_points = 1) {
     std::vector<TestScene> scenes;
-    scenes.push_back(random_scene("soup", 1, 120, 240, [](Random& r) { return r.between(-1, 1); }));
+    const auto add = [&](const std::string& name, std::uint64_t seed, std::size_t triangles, std::size_t points,
+                         auto coordinate) {
+        scenes.push_back(random_scene(name, 100 * variant + seed, triangles, more_points * points, coordinate));
+    };
+    add("soup", 1, 120, 240, [](Random& r) { return r.between(-1, 1); });
     // Exact ties everywhere: shared vertices, edges, planes, edge-on rays, zero areas.
-    scenes.push_back(random_scene("lattice", 2, 120, 240, [](Random& r) { return float(r.below(5)) - 2; }));
-    scenes.push_back(random_scene("coarse lattice", 3, 60, 240, [](Random& r) { return float(r.below(3)) - 1; }));
-    scenes.push_back(random_scene("far from the origin", 4, 120, 240,
-                                  [](Random& r) { return 1e6f + float(r.below(32)) * 0.0625f; }));
-    scenes.push_back(random_scene("millimetres in kilometres", 5, 120, 240, [](Random& r) {
-        return r.below(4) == 0 ? r.between(-1e3f, 1e3f) : r.between(-1e-3f, 1e-3f);
-    }));
+    add("lattice", 2, 120, 240, [](Random& r) { return float(r.below(5)) - 2; });
+    add("coarse lattice", 3, 60, 240, [](Random& r) { return float(r.below(3)) - 1; });
+    add("far from the origin", 4, 120, 240, [](Random& r) { return 1e6f + float(r.below(32)) * 0.0625f; });
+    add("millimetres in kilometres", 5, 120, 240,
+        [](Random& r) { return r.below(4) == 0 ? r.between(-1e3f, 1e3f) : r.between(-1e-3f, 1e-3f); });
     // In a plane up to single ulps: every sign is a small difference of large products.
-    scenes.push_back(random_scene("nearly flat", 6, 120, 240, [i = 0](Random& r) mutable {
-        return i++ % 3 == 1 ? 1.0f + 0x1p-23f * float(r.below(3)) : r.between(-1, 1);
-    }));
-    scenes.push_back(
-        random_scene("denormals", 7, 60, 160, [](Random& r) { return std::ldexp(float(r.below(9)) - 4, -149); }));
-    scenes.push_back(random_scene("huge", 8, 60, 160, [](Random& r) { return r.between(-3.4e38f, 3.4e38f); }));
-    scenes.push_back(random_scene("all of float's range", 9, 60, 160,
-                                  [](Random& r) { return std::ldexp(r.between(-1, 1), int(r.below(277)) - 149); }));
+    add("nearly flat", 6, 120, 240,
+        [i = 0](Random& r) mutable { return i++ % 3 == 1 ? 1.0f + 0x1p-23f * float(r.below(3)) : r.between(-1, 1); });
+    add("denormals", 7, 60, 160, [](Random& r) { return std::ldexp(float(r.below(9)) - 4, -149); });
+    add("huge", 8, 60, 160, [](Random& r) { return r.between(-3.4e38f, 3.4e38f); });
+    add("all of float's range", 9, 60, 160,
+        [](Random& r) { return std::ldexp(r.between(-1, 1), int(r.below(277)) - 149); });
     for (TestScene& scene : scenes)
         if (scene.name == "denormals" || scene.name == "huge" || scene.name == "all of float's range")
             scene.has_view = false;

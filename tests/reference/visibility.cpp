@@ -37,8 +37,13 @@ VisibilityCounts& VisibilityCounts::operator+=(const VisibilityCounts& other) {
 std::vector<std::uint8_t> shadowed(std::span<const float> triangles, std::span<const float> points,
                                    std::span<const std::uint32_t> receivers, const std::array<float, 4>& light,
                                    const std::optional<std::array<float, 3>>& eye, VisibilityCounts* counts) {
+    return shadowed(Bvh(triangles), triangles, points, receivers, light, eye, counts);
+}
+
+std::vector<std::uint8_t> shadowed(const Bvh& bvh, std::span<const float> triangles, std::span<const float> points,
+                                   std::span<const std::uint32_t> receivers, const std::array<float, 4>& light,
+                                   const std::optional<std::array<float, 3>>& eye, VisibilityCounts* counts) {
     check_arguments(triangles, points, receivers, light);
-    const Bvh bvh(triangles);
     const std::size_t triangle_count = triangles.size() / 9;
     std::vector<std::uint8_t> result(points.size() / 3, 0);
     VisibilityCounts total;

@@ -19,6 +19,8 @@
 
 namespace reference {
 
+class Bvh;
+
 inline constexpr std::uint32_t NO_RECEIVER = 0xFFFFFFFFu;
 
 /// What shadowed() did. absent + facing_away + lit + shadowed is the number of points.
@@ -39,6 +41,12 @@ struct VisibilityCounts {
 /// w = 0: minus the direction of travel, else the position. Throws std::invalid_argument for sizes that do not match
 /// or a light that is not finite.
 std::vector<std::uint8_t> shadowed(std::span<const float> triangles, std::span<const float> points,
+                                   std::span<const std::uint32_t> receivers, const std::array<float, 4>& light,
+                                   const std::optional<std::array<float, 3>>& eye = std::nullopt,
+                                   VisibilityCounts* counts = nullptr);
+
+/// The same for many questions about the same triangles: `bvh` must be theirs.
+std::vector<std::uint8_t> shadowed(const Bvh& bvh, std::span<const float> triangles, std::span<const float> points,
                                    std::span<const std::uint32_t> receivers, const std::array<float, 4>& light,
                                    const std::optional<std::array<float, 3>>& eye = std::nullopt,
                                    VisibilityCounts* counts = nullptr);
