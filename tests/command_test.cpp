@@ -757,4 +757,47 @@ TEST_F(Command, WarningsAreErrorsUnderStrict) {
     EXPECT_EQ(statistics("broken.json").at("non_finite_triangles"), 1);
 }
 
+// ---- The gallery ----------------------------------------------------------------------------------------------------
+
+/// What the page's script reads.
+nlohmann::json page_data(const std::string& html) {
+    const std::string open = "<script type=\"application/json\" id=\"data\">";
+    const std::size_t begin = html.find(open) + open.size();
+    return nlohmann::json::parse(html.substr(begin, html.find("</script>", begin) - begin));
+}
+
+TEST_F(Command, AGalleryShowsEachTechniqueBesideTheTruth) {
+    // The name would end the script if it went into the page as it is.
+    write_scene(folder_, "a<!--<script>b", floor_and_square());
+    const Outcome outcome =
+        run({"gallery", "a<!--<script>b.gltf", "-o", "page.html", "--size", "40x30", "--runs", "1", "--camera", "above",
+             "--technique", "frustum-traced:conservative-map=off,map-size=64"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::string html = text_of(in_folder("page.html"));
+    EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0u);
+    EXPECT_EQ(html.find("http"), std::string::npos) << "a self-contained page asks for nothing";
+    const nlohmann::json data = page_data(html);
+    EXPECT_EQ(data.at("title"), "gnomon: a<!--<script>b.gltf");
+    ASSERT_EQ(data.at("exhibits").size(), 2u);
+    EXPECT_EQ(data.at("exhibits").at(1).at("settings"), "conservative-map=off map-size=64");
+    for (const nlohmann::json& exhibit : data.at("exhibits")) {
+        EXPECT_EQ(exhibit.at("name"), "frustum-traced");
+        EXPECT_EQ(exhibit.at("points"), 40 * 30);
+        EXPECT_EQ(exhibit.at("wrongly_lit"), 0);
+        EXPECT_EQ(exhibit.at("wrongly_shadowed"), 0);
+        EXPECT_GT(exhibit.at("median_ms"), 0);
+        EXPECT_EQ(std::string(exhibit.at("picture")).rfind("data:image/jpeg;base64,/9j/", 0), 0u);
+        EXPECT_EQ(std::string(exhibit.at("difference")).rfind("data:image/png;base64,iVBORw0KGgo", 0), 0u);
+    }
+}
+
+TEST_F(Command, AGalleryRefusesWhatItCannotShow) {
+    expect_failure({"gallery", "--technique", "magic"}, 2, "there is no technique \"magic\"");
+    expect_failure({"gallery", "--technique", "frustum-traced:map-size"}, 2, "key=value");
+    expect_failure({"gallery", "--technique", "frustum-traced:map-size=9"}, 1, "map-size");
+    expect_failure({"gallery", "--runs", "0"}, 2, "whole number from 1 to 1000");
+    expect_failure({"gallery", "-o", "page.png"}, 2, ".html");
+    expect_failure({"gallery", "none.glb"}, 1, "none.glb");
+}
+
 }  // namespace

@@ -33,7 +33,7 @@ const Named& find_named(const std::vector<Named>& all, const std::string& name, 
     throw Error("there is no " + kind + " \"" + name + "\": " + there_is);
 }
 
-Camera camera_of_eye(const RenderOptions& options) {
+Camera camera_of_eye(const ViewOptions& options) {
     const Float3 up = options.up.value_or(Float3{0, 1, 0});
     try {
         return Camera::look_at(*options.eye, *options.target, up, default_fov_y_degrees);
@@ -42,7 +42,7 @@ Camera camera_of_eye(const RenderOptions& options) {
     }
 }
 
-ChosenCamera camera_with_its_own_view(const RenderOptions& options, const scene::Scene& scene) {
+ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::Scene& scene) {
     if (options.eye) return {camera_of_eye(options), "--eye and --target"};
     if (options.camera) {
         const scene::NamedCamera& found = find_named(scene.cameras, *options.camera, "camera");
@@ -55,13 +55,13 @@ ChosenCamera camera_with_its_own_view(const RenderOptions& options, const scene:
 
 }  // namespace
 
-ChosenCamera choose_camera(const RenderOptions& options, const scene::Scene& scene) {
+ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene) {
     ChosenCamera chosen = camera_with_its_own_view(options, scene);
     if (options.fov_y_degrees) chosen.camera.fov_y_radians = double(*options.fov_y_degrees) * std::numbers::pi / 180;
     return chosen;
 }
 
-ChosenLight choose_light(const RenderOptions& options, const scene::Scene& scene) {
+ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene) {
     if (options.light_direction) return {Light::directional(*options.light_direction), "--light-direction"};
     if (options.light_position) return {Light::positional(*options.light_position), "--light-position"};
     if (options.light) {

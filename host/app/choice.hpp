@@ -20,8 +20,8 @@ struct ChosenLight {
 };
 
 /// Throws UsageError where the options make no camera, Error where the scene has none of that name.
-ChosenCamera choose_camera(const RenderOptions& options, const scene::Scene& scene);
-ChosenLight choose_light(const RenderOptions& options, const scene::Scene& scene);
+ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene);
+ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene);
 
 /// The way a directional light travels, bit for bit as it was given.
 Float3 direction_of(const Light& light);

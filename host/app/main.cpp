@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../gnomon.hpp"
+#include "gallery.hpp"
 #include "listings.hpp"
 #include "options.hpp"
 #include "output_files.hpp"
@@ -21,6 +22,7 @@ struct Runner {
     void operator()(const ListDevices&) const { print_result(device_list()); }
     void operator()(const ListTechniques& command) const { print_result(technique_list(command)); }
     void operator()(const RenderOptions& command) const { render(command); }
+    void operator()(const GalleryOptions& command) const { gallery(command); }
 };
 
 int run(const std::vector<std::string>& arguments) {

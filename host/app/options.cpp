@@ -17,6 +17,7 @@ const char* const main_footer =
     "  gnomon render -o sundial.png                       the built-in sundial\n"
     "  gnomon render scene.glb -o out.png --mask mask.png your scene, and its shadow mask\n"
     "  gnomon render --help                               every option\n"
+    "  gnomon gallery scene.glb -o gallery.html           every technique beside the exact truth\n"
     "\n"
     "Exit code: 0 done, 1 something failed, 2 the command line is wrong.";
 
@@ -29,6 +30,14 @@ const char* const render_footer =
     "  gnomon render -o sundial.png --size 640x360\n"
     "  gnomon render room.glb -o room.png --camera 0 --light sun --stats room.json\n"
     "  gnomon render room.glb --aov room.exr --eye 0,2,8 --target 0,1,0 --light-direction -1,-2,-0.5";
+
+const char* const gallery_footer =
+    "Every error on the page is against the exact technique of the same run. Times are medians, from triangles and\n"
+    "points on the device to visibility on the device, after one run to warm up.\n"
+    "\n"
+    "Examples:\n"
+    "  gnomon gallery room.glb -o room.html --size 960x540\n"
+    "  gnomon gallery room.glb --technique frustum-traced --technique shadow-map:size=4096";
 
 /// CLI11 takes the next argument where "--option=" has nothing behind it, and keeps the "=" of "-o=file". Both are
 /// settled before it sees them.
@@ -66,9 +75,11 @@ void add_value(CLI::App& app, const std::string& group, const std::string& names
         ->allow_extra_args(false);
 }
 
-void add_camera_options(CLI::App& app, RenderOptions& options) {
+void add_camera_options(CLI::App& app, ViewOptions& options) {
     const std::string group = "Camera (default: the scene's first, else one that frames the scene)";
-    add_value(app, group, "--size", "WxH", "Pixels of the picture, each side up to 16384 (default 1920x1080)",
+    add_value(app, group, "--size", "WxH",
+              "Pixels of the picture, each side up to 16384 (default " + std::to_string(options.size.width) + "x" +
+                  std::to_string(options.size.height) + ")",
               [&](const std::string& option, const std::string& text) { options.size = parse_size(option, text); });
     add_value(app, group, "--camera", "NAME|INDEX", "A camera of the scene, by its name or its position from 0",
               [&](const std::string& option, const std::string& text) { options.camera = parse_name(option, text); });
@@ -87,7 +98,7 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
               });
 }
 
-void add_light_options(CLI::App& app, RenderOptions& options) {
+void add_light_options(CLI::App& app, ViewOptions& options) {
     const std::string group = "Light (default: the scene's first, else a sun that travels along -0.4,-1,-0.3)";
     add_value(app, group, "--light-direction", "X,Y,Z", "A light infinitely far away: the way it travels",
               [&](const std::string& option, const std::string& text) {
@@ -148,7 +159,7 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
     add_value(app, group, "--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));
 }
 
-void add_device_options(CLI::App& app, RenderOptions& options) {
+void add_device_options(CLI::App& app, ViewOptions& options) {
     const std::string group = "Device and messages";
     add_value(app, group, "--device", "P:D|NAME",
               "The OpenCL device, as gnomon devices lists it or by a part of its\n"
@@ -163,7 +174,7 @@ void add_device_options(CLI::App& app, RenderOptions& options) {
     app.add_flag("--quiet", options.quiet, "Print nothing but warnings and errors")->group(group);
 }
 
-void check_camera_options(const RenderOptions& options) {
+void check_camera_options(const ViewOptions& options) {
     const bool by_eye = options.eye || options.target || options.up;
     if (options.camera && by_eye)
         throw UsageError("--camera cannot be used together with --eye, --target or --up: give one or the other");
@@ -172,7 +183,7 @@ void check_camera_options(const RenderOptions& options) {
     if (options.up && !options.eye) throw UsageError("--up needs --eye and --target as well");
 }
 
-void check_light_options(const RenderOptions& options) {
+void check_light_options(const ViewOptions& options) {
     const int given = int(options.light.has_value()) + int(options.light_direction.has_value()) +
                       int(options.light_position.has_value());
     if (given > 1)
@@ -195,14 +206,17 @@ void check_nothing_left(const CLI::App& app, const std::string& command, const s
     throw UsageError((first.starts_with("-") ? "unknown option" : kind) + " " + first + ": see " + command + " --help");
 }
 
+void add_scene_argument(CLI::App& app, ViewOptions& options) {
+    // The scene's names could collide with subcommands' names only without an extension; "./devices" says a file.
+    app.add_option_function<std::string>(
+           "SCENE", [&options](const std::string& text) { options.scene = parse_file("SCENE", text, ""); },
+           "A .glb or .gltf file (default: a built-in sundial)")
+        ->type_name("");
+}
+
 CLI::App* add_render(CLI::App& app, RenderOptions& options) {
     CLI::App* render = app.add_subcommand("render", "Renders a scene with exact hard shadows");
-    // The scene's names could collide with subcommands' names only without an extension; "./devices" says a file.
-    render
-        ->add_option_function<std::string>(
-            "SCENE", [&options](const std::string& text) { options.scene = parse_file("SCENE", text, ""); },
-            "A .glb or .gltf file (default: a built-in sundial)")
-        ->type_name("");
+    add_scene_argument(*render, options);
     add_output_options(*render, options);
     add_camera_options(*render, options);
     add_light_options(*render, options);
@@ -210,6 +224,29 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
     add_device_options(*render, options);
     render->footer(render_footer);
     return render;
+}
+
+CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
+    CLI::App* gallery = app.add_subcommand("gallery", "Every technique beside the exact truth, as one HTML page");
+    add_scene_argument(*gallery, options);
+    const std::string group = "Page";
+    add_value(*gallery, group, "-o,--output", "FILE.html", "The page, everything in it (default gallery.html)",
+              [&](const std::string& option, const std::string& text) {
+                  options.page = parse_file("-o (" + option + ")", text, ".html");
+              });
+    add_value(*gallery, group, "--technique", "NAME[:KEY=VALUE,...]",
+              "Show this technique, with these settings; may be repeated\n(default: every technique as it comes)",
+              [&](const std::string& option, const std::string& text) {
+                  options.techniques.push_back(parse_name(option, text));
+              });
+    add_value(
+        *gallery, group, "--runs", "N", "Timed runs of each technique, 1 to 1000 (default 3)",
+        [&](const std::string& option, const std::string& text) { options.runs = parse_count(option, text, 1000); });
+    add_camera_options(*gallery, options);
+    add_light_options(*gallery, options);
+    add_device_options(*gallery, options);
+    gallery->footer(gallery_footer);
+    return gallery;
 }
 
 CLI::App* add_techniques(CLI::App& app, ListTechniques& options) {
@@ -226,12 +263,20 @@ RenderOptions checked(RenderOptions options) {
     return options;
 }
 
+GalleryOptions checked(GalleryOptions options) {
+    check_camera_options(options);
+    check_light_options(options);
+    return options;
+}
+
 }  // namespace
 
 Command parse_command_line(const std::vector<std::string>& arguments) {
     RenderOptions render_options;
     ListTechniques techniques_options;
-    render_options.command_line = arguments;
+    GalleryOptions gallery_options;
+    gallery_options.size = {960, 540};
+    render_options.command_line = gallery_options.command_line = arguments;
 
     CLI::App app(main_description, "gnomon");
     app.set_version_flag("--version", "gnomon " + std::string(version()), "Print the version");
@@ -241,9 +286,10 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     app.allow_extras();
     app.get_formatter()->column_width(36);
     CLI::App* const render = add_render(app, render_options);
+    CLI::App* const gallery = add_gallery(app, gallery_options);
     CLI::App* const devices = app.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
     CLI::App* const techniques = add_techniques(app, techniques_options);
-    for (CLI::App* command : {render, devices, techniques}) command->allow_extras();
+    for (CLI::App* command : {render, gallery, devices, techniques}) command->allow_extras();
 
     std::vector<std::string> from_the_back = settle_equals_signs({arguments.begin() + 1, arguments.end()});
     std::reverse(from_the_back.begin(), from_the_back.end());
@@ -265,6 +311,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     check_nothing_left(app, "gnomon", "unknown command");
 
     if (*render) return checked(std::move(render_options));
+    if (*gallery) return checked(std::move(gallery_options));
     if (*devices) return ListDevices{};
     if (*techniques) return techniques_options;
     return PrintText{help_of(app)};

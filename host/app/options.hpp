@@ -28,8 +28,8 @@ struct ListTechniques {
     bool verbose = false;
 };
 
-/// `gnomon render`
-struct RenderOptions {
+/// What is looked at, by which light and on which device: for every command that renders.
+struct ViewOptions {
     std::optional<std::filesystem::path> scene;  ///< none: the built-in sundial
     ImageSize size{1920, 1080};
 
@@ -42,12 +42,6 @@ struct RenderOptions {
     std::optional<std::string> light;
     std::optional<Float3> light_direction, light_position;
 
-    // At least one of these.
-    std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, statistics;
-
-    std::string technique = "frustum-traced";
-    std::vector<std::pair<std::string, std::string>> settings;  ///< for Technique::set, in this order
-
     std::string device;
     std::uint64_t memory_limit_bytes = 0;  ///< 0: none
 
@@ -56,7 +50,23 @@ struct RenderOptions {
     std::vector<std::string> command_line;  ///< as given, for the statistics
 };
 
-using Command = std::variant<PrintText, ListDevices, ListTechniques, RenderOptions>;
+/// `gnomon render`
+struct RenderOptions : ViewOptions {
+    // At least one of these.
+    std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, statistics;
+
+    std::string technique = "frustum-traced";
+    std::vector<std::pair<std::string, std::string>> settings;  ///< for Technique::set, in this order
+};
+
+/// `gnomon gallery`
+struct GalleryOptions : ViewOptions {
+    std::filesystem::path page = "gallery.html";
+    std::vector<std::string> techniques;  ///< NAME or NAME:KEY=VALUE,KEY=VALUE; empty: every one, as it comes
+    std::uint32_t runs = 3;               ///< timed runs of each
+};
+
+using Command = std::variant<PrintText, ListDevices, ListTechniques, RenderOptions, GalleryOptions>;
 
 /// Reads the arguments (the program's name first). Throws UsageError.
 Command parse_command_line(const std::vector<std::string>& arguments);

@@ -4,6 +4,7 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 
 #include <algorithm>
 #include <cmath>
@@ -101,6 +102,24 @@ AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> visibility, st
     return result;
 }
 
+/// Three channels in the given format, in memory, as a data URI. `pixel_bytes`: from one pixel to the next.
+std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
+                     std::span<const std::uint8_t> pixels, OIIO::stride_t pixel_bytes) {
+    std::vector<unsigned char> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    const auto output = OIIO::ImageOutput::create(format);
+    OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeUInt8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("CompressionQuality", 90);
+    if (!output || !output->supports("ioproxy") || !output->set_ioproxy(&memory) ||
+        !output->open("picture." + format, spec) || !output->write_image(OIIO::TypeUInt8, pixels.data(), pixel_bytes) ||
+        !output->close())
+        throw Error("this OpenImageIO cannot write " + format + " into a page" +
+                    (output ? ": " + output->geterror() : ""));
+    const OIIO::string_view view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return "data:image/" + format + ";base64," + OIIO::Strutil::base64_encode(view);
+}
+
 std::uint8_t mask_value(float visibility) {
     return std::uint8_t(std::lround(255.0f * std::clamp(visibility, 0.0f, 1.0f)));
 }
@@ -142,6 +161,14 @@ void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, cons
         picture.write_band(first, rows, OIIO::TypeUnknown, band.data());
     });
     picture.close();
+}
+
+std::string png_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb) {
+    return data_uri("png", width, height, rgb, 3);
+}
+
+std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
+    return data_uri("jpeg", width, height, rgba, 4);
 }
 
 }  // namespace gnomon::app

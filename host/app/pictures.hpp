@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "../gnomon.hpp"
 #include "output_files.hpp"
@@ -20,5 +21,9 @@ void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std
 /// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z visibility FLOAT, receiver UINT.
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
                std::span<const float> visibility);
+
+/// A picture inside a page: "data:image/png;base64,..." of RGB bytes (exact), "data:image/jpeg..." of RGBA (for looks).
+std::string png_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb);
+std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 
 }  // namespace gnomon::app

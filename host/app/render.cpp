@@ -14,6 +14,7 @@
 #include "output_files.hpp"
 #include "pictures.hpp"
 #include "report.hpp"
+#include "setup.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
@@ -64,19 +65,6 @@ struct Outputs {
     OutputFile *picture = nullptr, *mask = nullptr, *aov = nullptr, *triangle_dump = nullptr, *statistics = nullptr;
 };
 
-Device open_device(const RenderOptions& options) {
-    DeviceOptions device_options;
-    device_options.profile = options.statistics.has_value();
-    device_options.memory_limit_bytes = options.memory_limit_bytes;
-    return Device(options.device, device_options);
-}
-
-std::unique_ptr<Technique> prepare_technique(const RenderOptions& options, const Device& device) {
-    std::unique_ptr<Technique> technique = make_technique(options.technique, device);
-    for (const auto& [key, value] : options.settings) technique->set(key, value);
-    return technique;
-}
-
 std::uint64_t count_non_finite(std::span<const float> triangles) {
     std::uint64_t count = 0;
     for (std::size_t i = 0; i + 9 <= triangles.size(); i += 9) {
@@ -84,12 +72,6 @@ std::uint64_t count_non_finite(std::span<const float> triangles) {
         if (!std::all_of(vertices.begin(), vertices.end(), [](float c) { return std::isfinite(c); })) ++count;
     }
     return count;
-}
-
-/// Prints warnings, or makes the first an error.
-void warn(const std::vector<std::string>& warnings, bool strict) {
-    if (strict && !warnings.empty()) throw Error(warnings.front() + " (an error because of --strict)");
-    for (const std::string& warning : warnings) print_warning(warning);
 }
 
 Shares count_shares(std::span<const float> visibility) {
@@ -176,15 +158,13 @@ void render(const RenderOptions& options) {
 
     // Ask for everything that can be refused at once: files first, then the device and the technique.
     Outputs outputs(options);
-    const Device device = steps.run("open_device", "opening the device", [&] { return open_device(options); });
+    const Device device = steps.run("open_device", "opening the device",
+                                    [&] { return open_device(options, options.statistics.has_value()); });
     const auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
-                                     [&] { return prepare_technique(options, device); });
+                                     [&] { return make_technique(device, options.technique, options.settings); });
 
     // The scene, its camera and its light.
-    const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] {
-        return options.scene ? scene::load(*options.scene) : scene::sundial();
-    });
-    warn(scene.warnings, options.strict);
+    const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] { return load_scene(options); });
     report.camera = choose_camera(options, scene);
     report.light = choose_light(options, scene);
 

@@ -116,6 +116,13 @@ std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
     return *number << shift.value_or(0);
 }
 
+std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest) {
+    const auto number = whole_number_of(text);
+    if (!number || *number == 0 || *number > largest)
+        refuse(option, ("a whole number from 1 to " + std::to_string(largest)).c_str(), text);
+    return static_cast<std::uint32_t>(*number);
+}
+
 std::pair<std::string, std::string> parse_setting(const std::string& option, const std::string& text) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) refuse(option, "key=value", text);

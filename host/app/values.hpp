@@ -36,6 +36,8 @@ Float3 parse_float3(const std::string& option, const std::string& text);
 ImageSize parse_size(const std::string& option, const std::string& text);
 /// A number of bytes above 0, with K, M, G or T for powers of 1024.
 std::uint64_t parse_bytes(const std::string& option, const std::string& text);
+/// A whole number from 1 to `largest`.
+std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest);
 /// "key=value", the value may contain further equals signs.
 std::pair<std::string, std::string> parse_setting(const std::string& option, const std::string& text);
 /// A name that is not empty and does not look like a forgotten value ("--mask --quiet").

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// The gallery as HTML: one file that needs no network and no other file. Pictures are data URIs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../measure/visibility_errors.hpp"
+
+namespace gnomon::app {
+
+/// A technique with its settings, and what it did.
+struct Exhibit {
+    std::string name;      ///< as in `gnomon techniques`
+    std::string settings;  ///< "key=value key=value", empty for the defaults
+    std::string summary;   ///< one line
+    bool exact = false;
+    std::string failure;  ///< the sentence, if it could not be shown; then nothing below is set
+
+    double median_ms = 0, least_ms = 0, most_ms = 0;
+    std::uint64_t memory_bytes = 0;
+    measure::VisibilityErrors errors;
+    std::string picture, difference;  ///< data URIs
+};
+
+/// The page.
+struct GalleryPage {
+    std::string title;
+    std::vector<std::pair<std::string, std::string>> facts;  ///< scene, camera, light, device, ...: label and text
+    std::uint32_t width = 0, height = 0;
+    std::vector<Exhibit> exhibits;
+};
+
+std::string html_of(const GalleryPage& page);
+
+}  // namespace gnomon::app

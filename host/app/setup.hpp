@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// What every command that renders begins with: a device, a scene with its warnings, a technique with its settings.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "../scene/scene.hpp"
+#include "options.hpp"
+
+namespace gnomon::app {
+
+/// Opens the device of the options; with `profile` kernels are timed by events.
+Device open_device(const ViewOptions& options, bool profile);
+
+/// Loads the scene, or the built-in sundial, and prints its warnings (or throws the first, under --strict).
+scene::Scene load_scene(const ViewOptions& options);
+
+/// Makes a technique and sets its settings, in their order.
+std::unique_ptr<Technique> make_technique(const Device& device, const std::string& name,
+                                          const std::vector<std::pair<std::string, std::string>>& settings);
+
+}  // namespace gnomon::app
