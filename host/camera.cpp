@@ -177,7 +177,7 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
                        rays, visible, positions);
     }
     view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, visible.get());
-    view.points.set_eye(camera.eye);
+    view.points.set_camera(camera, width, height);
     session.finish();
     view.statistics.device_memory_bytes = session.run_peak_bytes() - before;
     view.statistics.total_wall_ms =

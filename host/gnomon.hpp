@@ -156,6 +156,28 @@ private:
 
 // ---- Inputs and outputs ---------------------------------------------------------------------------------------------
 
+/// A pinhole camera. Pixel (x, y), row 0 on top, looks along
+///   forward + (2 (x + 0.5) / width - 1) aspect t right + (1 - 2 (y + 0.5) / height) t up,  t = tan(fov_y / 2).
+/// There is no near or far plane: everything in front of the eye is seen. The axes are unit vectors; they need not be
+/// orthogonal, but must span space.
+struct Camera {
+    Float3 eye{};
+    std::array<double, 3> right{1, 0, 0};
+    std::array<double, 3> up{0, 1, 0};
+    std::array<double, 3> forward{0, 0, -1};
+    double fov_y_radians = 1.0;
+
+    /// Looks from `eye` at `target`; `up` is made orthogonal to the view. Throws InvalidArgument if eye and target
+    /// coincide, `up` is parallel to the view, or fov_y_degrees is not between 0 and 180 (both exclusive).
+    static Camera look_at(const Float3& eye, const Float3& target, const Float3& up, double fov_y_degrees);
+};
+
+/// The camera whose pixels a set of shading points came from: what fits that follow the view need.
+struct PointsCamera {
+    Camera camera;
+    std::uint32_t width = 0, height = 0;
+};
+
 /// Triangles on the device: 9 consecutive float32 each (three world-space vertices). A triangle's id is its position.
 /// One with a NaN or infinite vertex casts nothing and is never seen; Statistics counts it.
 class Triangles {
@@ -198,6 +220,14 @@ public:
     /// away: visibility 0 by definition of shading, decided exactly, and no work. Views made by a Camera have it set.
     void set_eye(const Float3& eye) { eye_ = eye; }
     const std::optional<Float3>& eye() const { return eye_; }
+    /// The camera of a picture of width x height pixels that these points belong to: shadow maps that are split or
+    /// warped along the view need it; without it they fit the points alone. Sets the eye too. Views made by look()
+    /// have it set.
+    void set_camera(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+        camera_ = PointsCamera{camera, width, height};
+        eye_ = camera.eye;
+    }
+    const std::optional<PointsCamera>& camera() const { return camera_; }
 
     std::size_t count() const { return count_; }
     cl_mem positions() const;
@@ -210,6 +240,7 @@ private:
     PointLayout layout_;
     std::size_t count_ = 0;
     std::optional<Float3> eye_;
+    std::optional<PointsCamera> camera_;
 };
 
 /// Visibility per point, one float32 each: 1 lit, 0 in shadow; filtered techniques write values between.
@@ -264,22 +295,6 @@ struct Statistics {
 };
 
 // ---- Camera ---------------------------------------------------------------------------------------------------------
-
-/// A pinhole camera. Pixel (x, y), row 0 on top, looks along
-///   forward + (2 (x + 0.5) / width - 1) aspect t right + (1 - 2 (y + 0.5) / height) t up,  t = tan(fov_y / 2).
-/// There is no near or far plane: everything in front of the eye is seen. The axes are unit vectors; they need not be
-/// orthogonal, but must span space.
-struct Camera {
-    Float3 eye{};
-    std::array<double, 3> right{1, 0, 0};
-    std::array<double, 3> up{0, 1, 0};
-    std::array<double, 3> forward{0, 0, -1};
-    double fov_y_radians = 1.0;
-
-    /// Looks from `eye` at `target`; `up` is made orthogonal to the view. Throws InvalidArgument if eye and target
-    /// coincide, `up` is parallel to the view, or fov_y_degrees is not between 0 and 180 (both exclusive).
-    static Camera look_at(const Float3& eye, const Float3& target, const Float3& up, double fov_y_degrees);
-};
 
 /// What a camera sees: per pixel (row by row from the top) the nearest triangle and the shading point on it.
 class View {

@@ -28,6 +28,12 @@ std::string text_of(const std::string& file) {
     throw Error("no kernel file named " + path + " was built in");
 }
 
+// Paths are relative to kernels/, or to the file where they start with "../", as a C++ compiler reads them.
+std::string path_of(const std::string& file, const std::string& included) {
+    if (!included.starts_with("../")) return included;
+    return (std::filesystem::path(file).parent_path() / included).lexically_normal().generic_string();
+}
+
 // Pastes each header where it is first included.
 void paste(const std::string& file, const std::string& text, std::set<std::string>& pasted, std::string& out) {
     std::istringstream lines(text);
@@ -36,7 +42,8 @@ void paste(const std::string& file, const std::string& text, std::set<std::strin
     for (int number = 1; std::getline(lines, line); ++number) {
         constexpr std::string_view include = "#include \"";
         if (line.starts_with(include)) {
-            const std::string header = line.substr(include.size(), line.find('"', include.size()) - include.size());
+            const std::string header =
+                path_of(file, line.substr(include.size(), line.find('"', include.size()) - include.size()));
             if (pasted.insert(header).second) paste(header, text_of(header), pasted, out);
             out += "#line " + std::to_string(number + 1) + " \"kernels/" + file + "\"\n";
         } else {
