@@ -149,9 +149,6 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
                               " pixels: each side must be from 1 to " + std::to_string(largest_side));
     require_camera(camera);
     cl::Session& session = device.session();
-    if (!session.has_fp64())
-        throw DeviceNotFound("the device " + device.description().name +
-                             " lacks double precision, which the camera stage needs: choose another with --device");
     const auto start = std::chrono::steady_clock::now();
     const std::uint64_t before = session.memory_bytes();
     session.begin_run();

@@ -2,8 +2,8 @@
 // Opens a device only if it computes as the proofs say: a check of its arithmetic at start-up.
 //
 // A device whose floats, integers or exact predicate are broken is refused. One where only double precision is broken
-// is used without it: the answers are the same, since the exact level needs none (the camera does, and says so). What
-// is looked at, and which numbers tell, is in kernels/self_check.cl.
+// is used without it: the answers are the same, since the exact level needs none and the camera then computes doubles
+// by integers. What is looked at, and which numbers tell, is in kernels/self_check.cl.
 //
 // Cost with PoCL: 20 ms when its kernel cache is warm, which is what PoCL takes for any program however small (the
 // check itself: 0.1 ms), and half a second of compilation when it is not.

@@ -3,17 +3,13 @@
 //
 // One work-item takes GN_LANES pixels of one row of a tile and walks the tile's triangle list, keeping the nearest in
 // registers: no atomics, the same answer in any order. The records' margins tell which pixels are certain; the rest are
-// decided per pixel, exactly. Needs double precision.
+// decided per pixel, exactly. Double precision is the device's own or made of integers (exact/wide.h).
 #include "camera.h"
 #include "exact/det3.h"
 #include "lanes.h"
 #include "points.h"
 #include "projection.h"
 #include "triangle_setup.h"
-
-#ifndef GN_FP64
-#error "the camera stage needs double precision"
-#endif
 
 typedef struct Ray {
     float3 column_high, column_low, row_high, row_low;
@@ -30,19 +26,21 @@ static Ray load_ray(__global const float* rays, uint width, uint x, uint y) {
     return ray;
 }
 
-// The ray in double, with the sizes of what was added, as det3_double wants it.
+// One coordinate of the ray. Two roundings instead of one: doubling the size covers the second.
+static Wide ray_coordinate(float column_high, float column_low, float row_high, float row_low, Wide* size) {
+    Wide column = wide_add(wide_of_float(column_high), wide_of_float(column_low));
+    Wide row = wide_add(wide_of_float(row_high), wide_of_float(row_low));
+    Wide sum_of_sizes = wide_add(wide_absolute(column), wide_absolute(row));
+    *size = wide_add(sum_of_sizes, sum_of_sizes);
+    return wide_add(column, row);
+}
+
+// The ray in double precision, with the sizes of what was added, as det3_wide wants it.
 static Det3Row ray_row(Ray ray) {
     Det3Row row;
-    double c_x = (double)ray.column_high.x + ray.column_low.x, r_x = (double)ray.row_high.x + ray.row_low.x;
-    double c_y = (double)ray.column_high.y + ray.column_low.y, r_y = (double)ray.row_high.y + ray.row_low.y;
-    double c_z = (double)ray.column_high.z + ray.column_low.z, r_z = (double)ray.row_high.z + ray.row_low.z;
-    row.x = c_x + r_x;
-    row.y = c_y + r_y;
-    row.z = c_z + r_z;
-    // Two roundings instead of one: doubling the size covers the second.
-    row.size_x = 2.0 * (fabs(c_x) + fabs(r_x));
-    row.size_y = 2.0 * (fabs(c_y) + fabs(r_y));
-    row.size_z = 2.0 * (fabs(c_z) + fabs(r_z));
+    row.x = ray_coordinate(ray.column_high.x, ray.column_low.x, ray.row_high.x, ray.row_low.x, &row.size_x);
+    row.y = ray_coordinate(ray.column_high.y, ray.column_low.y, ray.row_high.y, ray.row_low.y, &row.size_y);
+    row.z = ray_coordinate(ray.column_high.z, ray.column_low.z, ray.row_high.z, ray.row_low.z, &row.size_z);
     return row;
 }
 
@@ -52,37 +50,27 @@ static void accumulate_with_ray(Accumulator* sum, float3 u1, float3 u0, float3 v
     accumulator_add_det3(sum, u1, u0, v1, v0, ray.row_high, -ray.row_low);
 }
 
+// The ray as the float level wants it. The low parts, at most half an ulp of the high ones, are left out, and the sum
+// is rounded: an error of at most u (|column| + |row|) + u |r|, below u times this size.
+static float3 ray_float(Ray ray, float3* size) {
+    *size = 2.0f * (fabs(ray.column_high) + fabs(ray.row_high));
+    return ray.column_high + ray.row_high;
+}
+
 // det(u1 - u0, v1 - v0, r): its sign for certain.
 static int sign_with_ray(float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
-    double bound;
-    double value = det3_double(det3_row(u1, u0), det3_row(v1, v0), ray_row(ray), &bound);
-    if (fabs(value) > bound) return value > 0.0 ? 1 : -1;
-    if (bound == 0.0) return 0;
+    float3 size;
+    float3 r = ray_float(ray, &size);
+    float bound_float;
+    float value_float = det3_float(u1 - u0, v1 - v0, r, size, &bound_float);
+    if (fabs(value_float) > bound_float) return value_float > 0.0f ? 1 : -1;
+    Wide bound;
+    Wide value = det3_wide(det3_cross(det3_row(u1, u0), det3_row(v1, v0)), ray_row(ray), &bound);
+    if (wide_less(bound, wide_absolute(value))) return wide_sign(value);
+    if (wide_is_zero(bound)) return 0;
     Accumulator sum;
     accumulate_with_ray(&sum, u1, u0, v1, v0, ray);
     return accumulator_sign(&sum);
-}
-
-// Values with a relative error below 2^-30.
-#define GOOD_ENOUGH 9.0e-10
-
-static double value_with_ray(float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
-    double bound;
-    double value = det3_double(det3_row(u1, u0), det3_row(v1, v0), ray_row(ray), &bound);
-    if (bound <= GOOD_ENOUGH * fabs(value)) return value;
-    Accumulator sum;
-    accumulate_with_ray(&sum, u1, u0, v1, v0, ray);
-    return accumulator_to_double(&sum);
-}
-
-static double value_of_det3(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0) {
-    double bound;
-    double value = det3_double(det3_row(u1, u0), det3_row(v1, v0), det3_row(w1, w0), &bound);
-    if (bound <= GOOD_ENOUGH * fabs(value)) return value;
-    Accumulator sum;
-    accumulator_clear(&sum);
-    accumulator_add_det3(&sum, u1, u0, v1, v0, w1, w0);
-    return accumulator_to_double(&sum);
 }
 
 // Does the closed triangle cover the ray, t > 0? Exactly.
@@ -95,14 +83,76 @@ static bool covers(Triangle t, float3 eye, Ray ray) {
            sign_with_ray(t.c, eye, t.a, eye, ray) * orientation >= 0;
 }
 
+// ---- Planes ---------------------------------------------------------------------------------------------------------
+
+// Is the error, at most `bound`, below 2^-30 of the value?
+static bool is_good(Wide value, Wide bound) {
+    const ulong relative = 0x3E0EEC7BD512B572ul;  // 9.0e-10
+    return !wide_less(wide_mul(wide_of_bits(relative), wide_absolute(value)), bound);
+}
+
+// n . (w1 - w0) from the accumulator, n = (b - a) x (c - a).
+static Wide exact_component(Triangle t, float3 w1, float3 w0) {
+    Accumulator sum;
+    accumulator_clear(&sum);
+    accumulator_add_det3(&sum, t.b, t.a, t.c, t.a, w1, w0);
+    return accumulator_to_wide(&sum);
+}
+
+// What all pixels of a triangle share.
+typedef struct Plane {
+    Det3Row normal;  // n, whose relative error is not bounded
+    Wide depth;      // n . (a - eye), to a relative 2^-30
+} Plane;
+
+static Plane plane_of(Triangle t, float3 eye) {
+    Plane plane;
+    plane.normal = det3_cross(det3_row(t.b, t.a), det3_row(t.c, t.a));
+    Wide bound;
+    plane.depth = det3_wide(plane.normal, det3_row(t.a, eye), &bound);
+    if (!is_good(plane.depth, bound)) plane.depth = exact_component(t, t.a, eye);
+    return plane;
+}
+
 // 1 / t of the hit: (n . r) / (n . (a - eye)).
-static double nearness(Triangle t, float3 eye, Ray ray) {
-    return value_with_ray(t.b, t.a, t.c, t.a, ray) / value_of_det3(t.b, t.a, t.c, t.a, t.a, eye);
+static Wide nearness(Plane plane, Triangle t, Ray ray) {
+    Wide bound;
+    Wide along = det3_wide(plane.normal, ray_row(ray), &bound);
+    if (!is_good(along, bound)) {
+        Accumulator sum;
+        accumulate_with_ray(&sum, t.b, t.a, t.c, t.a, ray);
+        along = accumulator_to_wide(&sum);
+    }
+    return wide_div(along, plane.depth);
+}
+
+// 1 / t in float: true and an interval in which it lies for certain, with enough on both sides for the error of
+// nearness() as well, so that intervals apart order nearness() too. N and D are off by at most a quarter of themselves;
+// with a and b their relative errors, N / D is off by a relative (a + b) / (1 - b) <= 4/3 (a + b). 1.4 covers the
+// roundings of that sum; 1e-6 those of the quotient (2.5 ulp) and of the interval's ends, and 2^-29. All numbers are
+// normal: bounds are at least 2^-61, values at most 2^63.
+static bool nearness_float(Triangle t, float3 eye, Ray ray, float* low, float* high) {
+    float3 u = t.b - t.a, v = t.c - t.a, to_plane = t.a - eye, size;
+    float3 r = ray_float(ray, &size);
+    float bound_along, bound_depth;
+    float along = det3_float(u, v, r, size, &bound_along);
+    float depth = det3_float(u, v, to_plane, fabs(to_plane), &bound_depth);
+    if (!(4.0f * bound_along < fabs(along) && 4.0f * bound_depth < fabs(depth))) return false;
+    float value = along / depth;
+    float error = fabs(value) * (1.4f * (bound_along / fabs(along) + bound_depth / fabs(depth)) + 1.0e-6f);
+    *low = value - error;
+    *high = value + error;
+    return true;
 }
 
 static bool is_nearer(Triangle t, uint id, Triangle best, uint best_id, float3 eye, Ray ray) {
-    double mine = nearness(t, eye, ray), other = nearness(best, eye, ray);
-    return mine > other || (mine == other && id < best_id);
+    float low, high, best_low, best_high;
+    if (nearness_float(t, eye, ray, &low, &high) && nearness_float(best, eye, ray, &best_low, &best_high)) {
+        if (low > best_high) return true;
+        if (high < best_low) return false;
+    }
+    Wide mine = nearness(plane_of(t, eye), t, ray), other = nearness(plane_of(best, eye), best, ray);
+    return wide_less(other, mine) || (!wide_less(mine, other) && id < best_id);
 }
 
 __kernel void camera_visibility(__constant const Projection* projection, ulong first_float, uint record_capacity,
@@ -143,8 +193,9 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
                 present & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(z_high, <, best_low);
             if (!LANES_ANY(possible)) continue;
             int id = (int)ids[slot];
-            LaneInt certain =
-                possible & LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge)) & LANE_COMPARE(z_low, >, best_high);
+            LaneInt inside_for_certain = LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge));
+            LaneInt nearer_for_certain = LANE_COMPARE(z_low, >, best_high);
+            LaneInt certain = possible & inside_for_certain & nearer_for_certain;
             LaneInt open = possible & ~certain;
             if (LANES_ANY(open)) {
                 Triangle triangle = load_triangle(vertices + first_float, (uint)id);
@@ -152,8 +203,8 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
                     if (!((int*)&open)[lane]) continue;
                     Ray ray = load_ray(rays, width, first_x + (uint)lane, pixel_y);
                     uint other = (uint)((int*)&best_id)[lane];
-                    bool wins = covers(triangle, eye, ray);
-                    if (wins && other != GN_NO_ID)
+                    bool wins = ((int*)&inside_for_certain)[lane] || covers(triangle, eye, ray);
+                    if (wins && other != GN_NO_ID && !((int*)&nearer_for_certain)[lane])
                         wins = is_nearer(triangle, (uint)id, load_triangle(vertices + first_float, other), other, eye,
                                          ray);
                     ((int*)&certain)[lane] = wins ? -1 : 0;
@@ -177,31 +228,63 @@ static float next_up(float x) {
 }
 
 // The nearest float to q on the side that `towards` points to; the nearest of all if it is 0. Never infinite.
-static float rounded_towards(double q, double towards) {
-    float x = convert_float_rte(q);
-    if (!(fabs(x) <= FLT_MAX)) return q > 0.0 ? FLT_MAX : -FLT_MAX;
-    if (towards > 0.0 && (double)x < q) x = next_up(x);
-    if (towards < 0.0 && (double)x > q) x = -next_up(-x);
-    return fabs(x) <= FLT_MAX ? x : copysign(FLT_MAX, x);
+static float rounded_towards(Wide q, Wide towards) {
+    float x = float_of_wide(q);
+    if (!GN_FINITE(x)) return wide_sign(q) > 0 ? FLT_MAX : -FLT_MAX;
+    if (wide_sign(towards) > 0 && wide_less(wide_of_float(x), q)) x = next_up(x);
+    if (wide_sign(towards) < 0 && wide_less(q, wide_of_float(x))) x = -next_up(-x);
+    return GN_FINITE(x) ? x : copysign(FLT_MAX, x);
 }
 
-// One float32 ulp of a magnitude below 2^128.
-static double ulp_of(double magnitude) {
-    int exponent = magnitude > 0.0 ? max(ilogb(magnitude), -126) : -126;
-    return ldexp(1.0, exponent - 23);
+typedef struct Wide3 {
+    Wide x, y, z;
+} Wide3;
+
+static Wide largest_coordinate(Wide3 v) {
+    return wide_max(wide_max(wide_absolute(v.x), wide_absolute(v.y)), wide_absolute(v.z));
 }
 
-// The plane's normal, unnormalised, each coordinate with a small relative error; towards the eye.
-static double3 normal_towards_eye(Triangle t, float3 eye) {
-    const float3 none = (float3)(0.0f);
-    double3 n = (double3)(value_of_det3(t.b, t.a, t.c, t.a, (float3)(1.0f, 0.0f, 0.0f), none),
-                          value_of_det3(t.b, t.a, t.c, t.a, (float3)(0.0f, 1.0f, 0.0f), none),
-                          value_of_det3(t.b, t.a, t.c, t.a, (float3)(0.0f, 0.0f, 1.0f), none));
+// A coordinate of the plane's normal with a small relative error.
+static Wide normal_coordinate(Wide value, Wide size, Triangle t, float3 axis) {
+    if (is_good(value, wide_mul(DET3_DOUBLE_BOUND, size))) return wide_add(value, WIDE_ZERO);  // no -0
+    return exact_component(t, axis, (float3)(0.0f));
+}
+
+// The plane's normal, unnormalised, towards the eye.
+static Wide3 normal_towards_eye(Det3Row normal, Triangle t, float3 eye) {
+    Wide3 n;
+    n.x = normal_coordinate(normal.x, normal.size_x, t, (float3)(1.0f, 0.0f, 0.0f));
+    n.y = normal_coordinate(normal.y, normal.size_y, t, (float3)(0.0f, 1.0f, 0.0f));
+    n.z = normal_coordinate(normal.z, normal.size_z, t, (float3)(0.0f, 0.0f, 1.0f));
     int level = DET3_BY_FLOAT;
-    return det3_sign(t.b, t.a, t.c, t.a, eye, t.a, &level) < 0 ? -n : n;
+    if (det3_sign(t.b, t.a, t.c, t.a, eye, t.a, &level) < 0) {
+        n.x = wide_negated(n.x);
+        n.y = wide_negated(n.y);
+        n.z = wide_negated(n.z);
+    }
+    return n;
 }
 
-static double largest_coordinate(double3 v) { return fmax(fmax(fabs(v.x), fabs(v.y)), fabs(v.z)); }
+// LIFT_ULPS float32 ulps of a size below 2^128.
+static Wide lift_of(Wide size) {
+    return wide_mul(wide_of_float(LIFT_ULPS), wide_power_of_two(max(wide_exponent(size), -126) - 23));
+}
+
+// `hit` moved up along n by `lift` times its largest coordinate, and rounded up along it.
+static float3 lifted(Wide3 hit, Wide3 n, Wide lift) {
+    Wide scale = wide_div(lift, largest_coordinate(n));
+    return (float3)(rounded_towards(wide_add(hit.x, wide_mul(scale, n.x)), n.x),
+                    rounded_towards(wide_add(hit.y, wide_mul(scale, n.y)), n.y),
+                    rounded_towards(wide_add(hit.z, wide_mul(scale, n.z)), n.z));
+}
+
+static Wide3 hit_of(float3 eye, Det3Row ray, Wide distance) {
+    Wide3 hit;
+    hit.x = wide_add(wide_of_float(eye.x), wide_mul(distance, ray.x));
+    hit.y = wide_add(wide_of_float(eye.y), wide_mul(distance, ray.y));
+    hit.z = wide_add(wide_of_float(eye.z), wide_mul(distance, ray.z));
+    return hit;
+}
 
 // Positions as a structure of arrays: x of all pixels, then y, then z. Sky: NaN.
 __kernel void camera_points(uint width, uint height, float4 eye_and_zero, ulong first_float,
@@ -209,21 +292,24 @@ __kernel void camera_points(uint width, uint height, float4 eye_and_zero, ulong 
                             __global float* positions) {
     size_t count = (size_t)width * height;
     float3 eye = eye_and_zero.xyz;
+    Wide eye_size = wide_of_float(fmax(fmax(fabs(eye.x), fabs(eye.y)), fabs(eye.z)));
+    // Neighbours mostly see the same triangle: what they share is kept.
+    uint id = GN_NO_ID;
+    Triangle t;
+    Plane plane;
+    Wide3 n;
     GN_FOR_EACH(pixel, count) {
         float3 p = (float3)(NAN);
         if (visible[pixel] != GN_NO_ID) {
-            Triangle t = load_triangle(vertices + first_float, visible[pixel]);
+            if (visible[pixel] != id) {
+                id = visible[pixel];
+                t = load_triangle(vertices + first_float, id);
+                plane = plane_of(t, eye);
+                n = normal_towards_eye(plane.normal, t, eye);
+            }
             Ray ray = load_ray(rays, width, (uint)(pixel % width), (uint)(pixel / width));
-            double distance = 1.0 / nearness(t, eye, ray);
-            Det3Row r = ray_row(ray);
-            double3 hit = (double3)((double)eye.x + distance * r.x, (double)eye.y + distance * r.y,
-                                    (double)eye.z + distance * r.z);
-            double3 n = normal_towards_eye(t, eye);
-            double3 eye_wide = (double3)((double)eye.x, (double)eye.y, (double)eye.z);
-            double size = fmax(largest_coordinate(hit), largest_coordinate(eye_wide));
-            double lift = LIFT_ULPS * ulp_of(size) / largest_coordinate(n);
-            p = (float3)(rounded_towards(hit.x + lift * n.x, n.x), rounded_towards(hit.y + lift * n.y, n.y),
-                         rounded_towards(hit.z + lift * n.z, n.z));
+            Wide3 hit = hit_of(eye, ray_row(ray), wide_div(WIDE_ONE, nearness(plane, t, ray)));
+            p = lifted(hit, n, lift_of(wide_max(largest_coordinate(hit), eye_size)));
         }
         positions[pixel] = p.x;
         positions[pixel + count] = p.y;
@@ -231,17 +317,27 @@ __kernel void camera_points(uint width, uint height, float4 eye_and_zero, ulong 
     }
 }
 
+static float3 unit_normal(Triangle t, float3 eye) {
+    Wide3 n = normal_towards_eye(det3_cross(det3_row(t.b, t.a), det3_row(t.c, t.a)), t, eye);
+    Wide largest = largest_coordinate(n);
+    n.x = wide_div(n.x, largest);
+    n.y = wide_div(n.y, largest);
+    n.z = wide_div(n.z, largest);
+    Wide length_of_n = wide_sqrt(wide_dot(n.x, n.y, n.z, n.x, n.y, n.z));
+    return (float3)(float_of_wide(wide_div(n.x, length_of_n)), float_of_wide(wide_div(n.y, length_of_n)),
+                    float_of_wide(wide_div(n.z, length_of_n)));
+}
+
 // Unit geometric normals facing the camera, packed xyz, for the host and for shading. Sky: 0.
 __kernel void camera_normals(uint count, float4 eye_and_zero, ulong first_float, __global const float* vertices,
                              __global const uint* visible, __global float* normals) {
+    uint id = GN_NO_ID;  // of the triangle that `normal` belongs to
+    float3 normal = (float3)(0.0f);
     GN_FOR_EACH(pixel, count) {
-        float3 normal = (float3)(0.0f);
-        if (visible[pixel] != GN_NO_ID) {
-            double3 n = normal_towards_eye(load_triangle(vertices + first_float, visible[pixel]), eye_and_zero.xyz);
-            n /= largest_coordinate(n);
-            double length_of_n = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-            normal = (float3)(convert_float_rte(n.x / length_of_n), convert_float_rte(n.y / length_of_n),
-                              convert_float_rte(n.z / length_of_n));
+        if (visible[pixel] != id) {
+            id = visible[pixel];
+            normal = (float3)(0.0f);
+            if (id != GN_NO_ID) normal = unit_normal(load_triangle(vertices + first_float, id), eye_and_zero.xyz);
         }
         vstore3(normal, pixel, normals);
     }

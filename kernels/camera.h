@@ -23,7 +23,7 @@
 
 #include "prelude.h"
 
-#define LIFT_ULPS 4.0
+#define LIFT_ULPS 4.0f
 
 // A pixel tile is a bin of the camera's projection.
 #define CAMERA_TILE_LOG2 4

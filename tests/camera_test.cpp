@@ -140,6 +140,15 @@ TEST(camera, shape_free) {
                 << scene.name << ", work-groups of " << group;
 }
 
+// Not vacuous: without double precision all of it is done by integers, from denormals to 1e7, and every bit is
+// compared.
+TEST(camera, same_bits_without_double_precision) {
+    const gnomon::Device with = device_with(), without({}, {.hide_fp64 = true});
+    EXPECT_FALSE(without.session().has_fp64());
+    for (const CameraScene& scene : camera_scenes())
+        EXPECT_TRUE(same_bits(look(without, scene), look(with, scene))) << scene.name;
+}
+
 // Not vacuous: the reference judges thousands of points whose lift and rounding depend on scale, distance and angle.
 TEST(camera, points_keep_their_promises) {
     const gnomon::Device device = device_with();

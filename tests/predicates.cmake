@@ -9,6 +9,12 @@ gnomon_test(predicates_test
 target_compile_definitions(predicates_test PRIVATE
   PREDICATES_KERNELS="${CMAKE_CURRENT_LIST_DIR}/predicates/predicates.cl")
 
+gnomon_test(soft_double_test
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/soft_double_test.cpp ${CMAKE_CURRENT_LIST_DIR}/predicates/cases.cpp
+  LIBRARIES gnomon::gnomon gnomon_reference)
+target_compile_definitions(soft_double_test PRIVATE
+  SOFT_DOUBLE_KERNELS="${CMAKE_CURRENT_LIST_DIR}/predicates/soft_double.cl")
+
 gnomon_test(self_check_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/self_check_test.cpp LIBRARIES gnomon::gnomon)
 
 gnomon_oclgrind_test(predicates_under_oclgrind

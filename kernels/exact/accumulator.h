@@ -9,6 +9,7 @@
 #ifndef GN_EXACT_ACCUMULATOR_H
 #define GN_EXACT_ACCUMULATOR_H
 
+#include "exact/wide.h"
 #include "prelude.h"
 
 #define ACCUMULATOR_WORDS 28
@@ -78,9 +79,8 @@ static int accumulator_sign(const Accumulator* sum) {
     return any != 0u ? 1 : 0;
 }
 
-#ifdef GN_FP64
-// The sum as a double, with a relative error below 2^-52. Its range, 2^-447 .. 2^449, is inside double's.
-static double accumulator_to_double(const Accumulator* sum) {
+// The sum in double precision, with a relative error below 2^-52. Its range, 2^-447 .. 2^449, is inside double's.
+static Wide accumulator_to_wide(const Accumulator* sum) {
     bool negative = (sum->word[ACCUMULATOR_WORDS - 1] & 0x80000000u) != 0u;
     Accumulator magnitude;
     uint carry = negative ? 1 : 0;
@@ -91,16 +91,16 @@ static double accumulator_to_double(const Accumulator* sum) {
         magnitude.word[i] = word;
         if (word != 0u) top = i;
     }
-    if (top < 0) return 0.0;
+    if (top < 0) return WIDE_ZERO;
     // Three words: at least 65 bits, so what lies below them is under 2^-64 of the value. If the first two fit 53 bits,
     // only the last sum rounds. Else they may round by half an ulp; all that is below them is less than another half
     // and is lost: together less than one ulp of a number that is at least 2^52 ulps.
-    double value = (double)magnitude.word[top];
-    value = value * 4294967296.0 + (double)(top >= 1 ? magnitude.word[top - 1] : 0u);
-    value = value * 4294967296.0 + (double)(top >= 2 ? magnitude.word[top - 2] : 0u);
-    value = ldexp(value, 32 * (top - 2) - 447);
-    return negative ? -value : value;
+    Wide word_base = wide_power_of_two(32);
+    Wide value = wide_of_uint(magnitude.word[top]);
+    value = wide_add(wide_mul(value, word_base), wide_of_uint(top >= 1 ? magnitude.word[top - 1] : 0u));
+    value = wide_add(wide_mul(value, word_base), wide_of_uint(top >= 2 ? magnitude.word[top - 2] : 0u));
+    value = wide_mul(value, wide_power_of_two(32 * (top - 2) - 447));
+    return negative ? wide_negated(value) : value;
 }
-#endif
 
 #endif

@@ -21,11 +21,10 @@
 //           2^-66 > 2^-78: the bound holds, and it is itself a normal number. Overflow. Finite coordinates make no NaN
 //           difference; an infinite one is above M, and the level is not used. Below M nothing exceeds 2^63.
 //   double  Let u = 2^-53. The same 8 roundings: the error is at most 8u (1 + 12u) Q < 8.89e-16 Q, and 1.0e-15 Q,
-//   rounded,
-//           is more. Nothing underflows: coordinates are multiples of 2^-149 (a device that flushes denormals when it
-//           widens them has its double precision hidden, see self_check.cl), so differences, products of two and of
-//           three are multiples of 2^-149, 2^-298 and 2^-447, rounded or not; the bound is 0 or above 2^-497. Nothing
-//           overflows: all is below 2^390. A bound of 0 means that every product is exactly 0.
+//           rounded, is more. Nothing underflows: coordinates are multiples of 2^-149 (a device that flushes denormals
+//           when it widens them has its double precision hidden, see self_check.cl), so differences, products of two
+//           and of three are multiples of 2^-149, 2^-298 and 2^-447, rounded or not; the bound is 0 or above 2^-497.
+//           Nothing overflows: all is below 2^390. A bound of 0 means that every product is exactly 0.
 //   exact   48 products in the accumulator.
 //
 // Source of the method: Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates"
@@ -36,24 +35,25 @@
 #include "exact/accumulator.h"
 
 #define DET3_FLOAT_BOUND 5.0e-7f
-#define DET3_DOUBLE_BOUND 1.0e-15
+#define DET3_DOUBLE_BOUND wide_of_bits(0x3CD203AF9EE75616ul)  // 1.0e-15
 
 // What decided a sign, counted by callers that print the share of each level.
 #define DET3_BY_FLOAT 0
 #define DET3_BY_DOUBLE 1
 #define DET3_BY_EXACT 2
 
-// The determinant in float; *bound is at least its error, infinite where the level must not be used.
-static float det3_float(float3 u, float3 v, float3 w, float* bound) {
+// The determinant in float; *bound is at least its error, infinite where the level must not be used. size_w is at least
+// the magnitude of each coordinate of w, and u size_w (up to a factor of 1 + 2^-20) at least its error.
+static float det3_float(float3 u, float3 v, float3 w, float3 size_w, float* bound) {
     float minor_x_plus = u.y * v.z, minor_x_minus = u.z * v.y;
     float minor_y_plus = u.z * v.x, minor_y_minus = u.x * v.z;
     float minor_z_plus = u.x * v.y, minor_z_minus = u.y * v.x;
     float value = w.x * (minor_x_plus - minor_x_minus) + w.y * (minor_y_plus - minor_y_minus) +
                   w.z * (minor_z_plus - minor_z_minus);
-    float permanent = fabs(w.x) * (fabs(minor_x_plus) + fabs(minor_x_minus)) +
-                      fabs(w.y) * (fabs(minor_y_plus) + fabs(minor_y_minus)) +
-                      fabs(w.z) * (fabs(minor_z_plus) + fabs(minor_z_minus));
-    float3 largest = fmax(fmax(fabs(u), fabs(v)), fabs(w));
+    float permanent = size_w.x * (fabs(minor_x_plus) + fabs(minor_x_minus)) +
+                      size_w.y * (fabs(minor_y_plus) + fabs(minor_y_minus)) +
+                      size_w.z * (fabs(minor_z_plus) + fabs(minor_z_minus));
+    float3 largest = fmax(fmax(fabs(u), fabs(v)), size_w);
     bool in_range = largest.x <= 0x1p20f && largest.y <= 0x1p20f && largest.z <= 0x1p20f && permanent >= 0x1p-40f;
     *bound = in_range ? DET3_FLOAT_BOUND * permanent : INFINITY;
     return value;
@@ -62,51 +62,57 @@ static float det3_float(float3 u, float3 v, float3 w, float* bound) {
 // True, and the sign, if the float level is certain. (A value that is infinite or NaN exceeds no bound.)
 static bool det3_sign_float(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0, int* sign) {
     float bound;
-    float value = det3_float(u1 - u0, v1 - v0, w1 - w0, &bound);
+    float3 w = w1 - w0;
+    float value = det3_float(u1 - u0, v1 - v0, w, fabs(w), &bound);
     *sign = value > 0.0f ? 1 : -1;
     return fabs(value) > bound;
 }
 
-#ifdef GN_FP64
-
-// A vector of doubles; size_* is at least the magnitude of each coordinate, and 2^-53 size_* (up to a factor of
-// 1 + 2^-51) at least its error.
+// A vector in double precision; size_* is at least the magnitude of each coordinate, and 2^-53 size_* (up to a factor
+// of 1 + 2^-51) at least its error.
 typedef struct Det3Row {
-    double x, y, z;
-    double size_x, size_y, size_z;
+    Wide x, y, z;
+    Wide size_x, size_y, size_z;
 } Det3Row;
 
 static Det3Row det3_row(float3 end, float3 start) {
     Det3Row row;
-    row.x = (double)end.x - (double)start.x;
-    row.y = (double)end.y - (double)start.y;
-    row.z = (double)end.z - (double)start.z;
-    row.size_x = fabs(row.x);
-    row.size_y = fabs(row.y);
-    row.size_z = fabs(row.z);
+    row.x = wide_sub(wide_of_float(end.x), wide_of_float(start.x));
+    row.y = wide_sub(wide_of_float(end.y), wide_of_float(start.y));
+    row.z = wide_sub(wide_of_float(end.z), wide_of_float(start.z));
+    row.size_x = wide_absolute(row.x);
+    row.size_y = wide_absolute(row.y);
+    row.size_z = wide_absolute(row.z);
     return row;
 }
 
-// The determinant in double; *bound is at least its error.
-static double det3_double(Det3Row u, Det3Row v, Det3Row w, double* bound) {
-    double value = w.x * (u.y * v.z - u.z * v.y) + w.y * (u.z * v.x - u.x * v.z) + w.z * (u.x * v.y - u.y * v.x);
-    double permanent = w.size_x * (u.size_y * v.size_z + u.size_z * v.size_y) +
-                       w.size_y * (u.size_z * v.size_x + u.size_x * v.size_z) +
-                       w.size_z * (u.size_x * v.size_y + u.size_y * v.size_x);
-    *bound = DET3_DOUBLE_BOUND * permanent;
-    return value;
+// u x v, in which size_* adds up what the coordinates subtract: its dot product with a row is a determinant.
+static Det3Row det3_cross(Det3Row u, Det3Row v) {
+    Det3Row cross;
+    cross.x = wide_sub(wide_mul(u.y, v.z), wide_mul(u.z, v.y));
+    cross.y = wide_sub(wide_mul(u.z, v.x), wide_mul(u.x, v.z));
+    cross.z = wide_sub(wide_mul(u.x, v.y), wide_mul(u.y, v.x));
+    cross.size_x = wide_add(wide_mul(u.size_y, v.size_z), wide_mul(u.size_z, v.size_y));
+    cross.size_y = wide_add(wide_mul(u.size_z, v.size_x), wide_mul(u.size_x, v.size_z));
+    cross.size_z = wide_add(wide_mul(u.size_x, v.size_y), wide_mul(u.size_y, v.size_x));
+    return cross;
+}
+
+// The determinant det(u, v, w) in double precision, cross = u x v; *bound is at least its error.
+static Wide det3_wide(Det3Row cross, Det3Row w, Wide* bound) {
+    Wide permanent = wide_dot(w.size_x, w.size_y, w.size_z, cross.size_x, cross.size_y, cross.size_z);
+    *bound = wide_mul(DET3_DOUBLE_BOUND, permanent);
+    return wide_dot(w.x, w.y, w.z, cross.x, cross.y, cross.z);
 }
 
 // True, and the sign, if the double level is certain: also where every product is exactly zero, as in axis-aligned
 // geometry under axis-aligned lights.
 static bool det3_sign_double(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0, int* sign) {
-    double bound;
-    double value = det3_double(det3_row(u1, u0), det3_row(v1, v0), det3_row(w1, w0), &bound);
-    *sign = (value > 0.0) - (value < 0.0);
-    return fabs(value) > bound || bound == 0.0;
+    Wide bound;
+    Wide value = det3_wide(det3_cross(det3_row(u1, u0), det3_row(v1, v0)), det3_row(w1, w0), &bound);
+    *sign = wide_sign(value);
+    return wide_less(bound, wide_absolute(value)) || wide_is_zero(bound);
 }
-
-#endif
 
 static float coordinate_of(float3 v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 

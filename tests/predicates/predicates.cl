@@ -36,10 +36,10 @@ __kernel void values_of_det3(uint count, __global const float* cases, __global f
         float3 v1 = vector_of(cases, i, 2), v0 = vector_of(cases, i, 3);
         float3 w1 = vector_of(cases, i, 4), w0 = vector_of(cases, i, 5);
         float bound;
-        float value = det3_float(u1 - u0, v1 - v0, w1 - w0, &bound);
+        float value = det3_float(u1 - u0, v1 - v0, w1 - w0, fabs(w1 - w0), &bound);
         in_float[i] = (float2)(value, bound);
         double wide_bound;
-        double wide_value = det3_double(det3_row(u1, u0), det3_row(v1, v0), det3_row(w1, w0), &wide_bound);
+        double wide_value = det3_wide(det3_cross(det3_row(u1, u0), det3_row(v1, v0)), det3_row(w1, w0), &wide_bound);
         in_double[i] = (double2)(wide_value, wide_bound);
     }
 }
@@ -70,7 +70,7 @@ __kernel void sums_of_products(uint count, __global const uint* first, __global 
             accumulator_add_product(&sum, products[k].x, products[k].y, products[k].z, products[k].w != 0.0f);
         for (int k = 0; k < ACCUMULATOR_WORDS; ++k) words[ACCUMULATOR_WORDS * i + k] = sum.word[k];
         signs[i] = accumulator_sign(&sum);
-        rounded[i] = accumulator_to_double(&sum);
+        rounded[i] = accumulator_to_wide(&sum);
     }
 }
 #endif
