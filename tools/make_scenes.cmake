@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-# The scene maker, as build/tools/make_scenes. It needs CLI11 and nlohmann-json, and nothing of gnomon itself.
+# The scene maker, as build/tools/make_scenes. It needs CLI11 and nlohmann-json, and nothing of gnomon itself. Its
+# recipes are a library, for the benchmark and the stress suite.
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 
-add_executable(gnomon_make_scenes
-  ${CMAKE_CURRENT_LIST_DIR}/make_scenes.cpp
+add_library(gnomon_scene_recipes STATIC
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/city.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/colonnade.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/edge_scenes.cpp
@@ -15,5 +15,8 @@ add_executable(gnomon_make_scenes
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/shapes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/small_scenes.cpp
 )
-target_link_libraries(gnomon_make_scenes PRIVATE gnomon_build_flags CLI11::CLI11 nlohmann_json::nlohmann_json)
+target_link_libraries(gnomon_scene_recipes PRIVATE gnomon_build_flags nlohmann_json::nlohmann_json)
+
+add_executable(gnomon_make_scenes ${CMAKE_CURRENT_LIST_DIR}/make_scenes.cpp)
+target_link_libraries(gnomon_make_scenes PRIVATE gnomon_scene_recipes gnomon_build_flags CLI11::CLI11)
 set_target_properties(gnomon_make_scenes PROPERTIES OUTPUT_NAME make_scenes)

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The cases of the stress suite: everything that is known to break shadows (../shared/design.md, 6), each an endless
+// row of questions that a seed makes the same on every machine.
+#pragma once
+
+#include <filesystem>
+
+#include "points.hpp"
+
+namespace stress {
+
+struct Case {
+    std::string name;
+    std::string idea;  ///< one line
+    /// Made anew for each variant; the triangles of one variant serve all its questions.
+    std::function<Subject(std::uint64_t variant)> make_subject;
+    std::vector<MakePoints> make_points;
+    double share = 1;            ///< of the points asked for: less where a point costs more
+    std::uint64_t variants = 4;  ///< at least so many, where there are enough points to ask
+    std::size_t largest_question = 1'000'000;
+};
+
+struct CaseOptions {
+    std::uint64_t seed = 1;
+    /// Where crytek_sponza.glb, lost_empire.glb and views.json are. Cases whose file is missing are left out, and named
+    /// in `left_out`.
+    std::filesystem::path shared_scenes;
+    std::uint32_t slivers = 1'000'000;  ///< through one texel
+    std::uint32_t longest_side = 4096;  ///< of the large square view, up to 16384
+};
+
+struct Cases {
+    std::vector<Case> list;
+    std::vector<std::string> left_out;  ///< a sentence each
+};
+
+Cases all_cases(const CaseOptions& options);
+
+}  // namespace stress
