@@ -1,8 +1,53 @@
 # SPDX-License-Identifier: MIT
-# The benchmark; needs no image library, so that it builds on a bare GPU machine.
+# The benchmark, as build/tools/bench; needs no image library but stb, so that it builds on a bare GPU machine. With
+# Embree 3 (Debian's libembree-dev) it measures that beside gnomon.
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
-add_executable(gnomon_bench bench.cpp)
+find_package(Threads REQUIRED)
+find_package(embree 3 QUIET)
+find_path(GNOMON_STB_INCLUDE stb_image_write.h PATH_SUFFIXES stb REQUIRED)
+find_library(GNOMON_STB_LIBRARY stb REQUIRED)
+if(NOT TARGET gnomon_reference)
+  add_subdirectory(${PROJECT_SOURCE_DIR}/tests/reference ${PROJECT_BINARY_DIR}/tests/reference)
+endif()
+
+set(bench_generated ${PROJECT_BINARY_DIR}/tools/bench_generated)
+
+# The figures of others, as text in the program.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/bench/published.json)
+file(READ ${CMAKE_CURRENT_LIST_DIR}/bench/published.json published)
+file(CONFIGURE OUTPUT ${bench_generated}/published_json.hpp CONTENT
+"inline constexpr const char* published_json = R\"json(@published@)json\";\n" @ONLY)
+
+# The commit, asked at each build: a figure says what it was measured on.
+add_custom_target(gnomon_bench_commit
+  COMMAND ${CMAKE_COMMAND} -D SOURCE_DIR=${PROJECT_SOURCE_DIR} -D OUTPUT=${bench_generated}/commit.hpp
+          -P ${CMAKE_CURRENT_LIST_DIR}/bench/commit.cmake
+  BYPRODUCTS ${bench_generated}/commit.hpp)
+
+add_library(gnomon_bench_parts STATIC
+  bench/cases.cpp
+  bench/charts.cpp
+  bench/experiments.cpp
+  bench/machine.cpp
+  bench/output.cpp
+  bench/page.cpp
+  bench/pictures.cpp
+  bench/published.cpp
+  bench/row.cpp
+  bench/runner.cpp
+  bench/sweep.cpp
+  bench/tables.cpp
+  $<IF:$<BOOL:${embree_FOUND}>,bench/embree_peer.cpp,bench/no_peers.cpp>
+)
+add_dependencies(gnomon_bench_parts gnomon_bench_commit)
+target_include_directories(gnomon_bench_parts PUBLIC ${CMAKE_CURRENT_LIST_DIR}
+                                              PRIVATE ${bench_generated} ${GNOMON_STB_INCLUDE})
+target_link_libraries(gnomon_bench_parts
+  PUBLIC gnomon_scene gnomon_measure gnomon::gnomon nlohmann_json::nlohmann_json
+  PRIVATE gnomon_build_flags gnomon_scene_recipes gnomon_reference Threads::Threads ${GNOMON_STB_LIBRARY}
+          $<$<BOOL:${embree_FOUND}>:embree>)
+
+add_executable(gnomon_bench bench/main.cpp)
 set_target_properties(gnomon_bench PROPERTIES OUTPUT_NAME bench)
-target_link_libraries(gnomon_bench PRIVATE gnomon_scene gnomon::gnomon gnomon_build_flags nlohmann_json::nlohmann_json
-                                           CLI11::CLI11)
+target_link_libraries(gnomon_bench PRIVATE gnomon_bench_parts gnomon_build_flags CLI11::CLI11)

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "charts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <numeric>
+
+namespace gnomon::bench {
+
+namespace {
+
+constexpr double width = 760, left = 58, right = 16, top = 14;
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.1f", value);
+    return text;
+}
+
+std::string class_of(std::size_t series) { return {'s', static_cast<char>('0' + series % 8)}; }
+
+/// A logarithmic axis over whole decades.
+class LogAxis {
+public:
+    LogAxis(double low, double high, double at_low, double at_high) : at_low_(at_low), at_high_(at_high) {
+        first_ = static_cast<int>(std::floor(std::log10(low)));
+        last_ = std::max(first_ + 1, static_cast<int>(std::ceil(std::log10(high))));
+    }
+    double operator()(double value) const {
+        return at_low_ + (at_high_ - at_low_) * (std::log10(value) - first_) / (last_ - first_);
+    }
+    int first() const { return first_; }
+    int last() const { return last_; }
+
+private:
+    double at_low_, at_high_;
+    int first_ = 0, last_ = 0;
+};
+
+std::string text_at(double x, double y, const char* anchor, const std::string& text, const char* css = "tick") {
+    return "<text class=\"" + std::string(css) + "\" x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" +
+           anchor + "\">" + escaped(text) + "</text>\n";
+}
+
+std::string line_between(double x0, double y0, double x1, double y1, const char* css) {
+    return "<line class=\"" + std::string(css) + "\" x1=\"" + number(x0) + "\" y1=\"" + number(y0) + "\" x2=\"" +
+           number(x1) + "\" y2=\"" + number(y1) + "\"/>\n";
+}
+
+std::string opened(double height, const std::string& title) {
+    return "<div class=\"chart\"><svg viewBox=\"0 0 " + number(width) + " " + number(height) +
+           "\" role=\"img\" aria-label=\"" + escaped(title) + "\">\n";
+}
+constexpr const char* closed = "</svg></div>\n";
+
+std::string decade(int exponent) {
+    if (exponent >= -2 && exponent <= 2) return three_digits(std::pow(10.0, exponent));
+    if (exponent >= 3 && exponent < 6) return three_digits(std::pow(10.0, exponent - 3)) + "k";
+    if (exponent >= 6 && exponent < 9) return three_digits(std::pow(10.0, exponent - 6)) + "M";
+    return "1e" + std::to_string(exponent);
+}
+
+// Grid lines and labels of a time axis, bottom to top.
+std::string time_grid(const LogAxis& axis, double from_x, double to_x) {
+    std::string svg;
+    for (int e = axis.first(); e <= axis.last(); ++e) {
+        const double y = axis(std::pow(10.0, e));
+        svg += line_between(from_x, y, to_x, y, "grid") + text_at(from_x - 6, y + 4, "end", decade(e) + " ms");
+    }
+    return svg;
+}
+
+template <typename Values, typename ValueOf>
+std::pair<double, double> range_of(const Values& values, ValueOf value_of) {
+    double low = std::numeric_limits<double>::infinity(), high = 0;
+    for (const auto& v : values) {
+        const double x = value_of(v);
+        if (x <= 0) continue;
+        low = std::min(low, x);
+        high = std::max(high, x);
+    }
+    return high > 0 ? std::pair{low, high} : std::pair{1.0, 10.0};
+}
+
+}  // namespace
+
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        if (c == '&')
+            result += "&amp;";
+        else if (c == '<')
+            result += "&lt;";
+        else if (c == '>')
+            result += "&gt;";
+        else if (c == '"')
+            result += "&quot;";
+        else
+            result += c;
+    }
+    return result;
+}
+
+std::string three_digits(double value) {
+    if (value == 0) return "0";
+    const int before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
+    char text[64];
+    if (before_point < -4)
+        std::snprintf(text, sizeof(text), "%.2e", value);
+    else
+        std::snprintf(text, sizeof(text), "%.*f", std::max(0, 3 - before_point), value);
+    return text;
+}
+
+std::string with_spaces(double count) {
+    std::string digits = std::to_string(static_cast<std::uint64_t>(count));
+    for (std::size_t at = digits.size(); at > 3;) digits.insert(at -= 3, "\u00a0");
+    return digits;
+}
+
+std::vector<std::size_t> pareto_front(const std::vector<Mark>& marks) {
+    std::vector<std::size_t> order(marks.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(marks[i].ms, marks[i].error_share); });
+    std::vector<std::size_t> front;
+    for (const std::size_t i : order)
+        if (front.empty() || marks[i].error_share < marks[front.back()].error_share) front.push_back(i);
+    return front;
+}
+
+std::string scatter(const std::vector<Mark>& marks) {
+    constexpr double height = 420, bottom = height - 46, exact_x = left + 26, error_left = left + 70;
+    const auto [least, most] = range_of(marks, [](const Mark& m) { return m.ms; });
+    const auto [smallest, largest] = range_of(marks, [](const Mark& m) { return m.error_share; });
+    const LogAxis y(least, most, bottom, top), x(smallest, largest, error_left, width - right);
+    const auto x_of = [&](const Mark& mark) { return mark.error_share > 0 ? x(mark.error_share) : exact_x; };
+
+    std::string svg = opened(height, "run time against error") + time_grid(y, left, width - right);
+    for (int e = x.first(); e <= x.last(); ++e) {
+        const double at = x(std::pow(10.0, e));
+        svg += line_between(at, top, at, bottom, "grid") + text_at(at, bottom + 16, "middle", decade(e));
+    }
+    svg += text_at(exact_x, bottom + 16, "middle", "0");
+    svg += text_at((error_left + width - right) / 2, bottom + 36, "middle", "share of wrong points (left: none at all)",
+                   "axis");
+
+    const std::vector<std::size_t> front = pareto_front(marks);
+    std::string path;
+    for (const std::size_t i : front)
+        path += (path.empty() ? "M" : " L") + number(x_of(marks[i])) + " " + number(y(marks[i].ms));
+    svg += "<path class=\"front\" d=\"" + path + "\"/>\n";
+    for (const Mark& mark : marks)
+        svg += "<circle class=\"mark " + class_of(mark.series) + "\" cx=\"" + number(x_of(mark)) + "\" cy=\"" +
+               number(y(mark.ms)) + "\" r=\"5\"><title>" + escaped(mark.tip) + "</title></circle>\n";
+    for (std::size_t k = 0; k < front.size(); ++k) {
+        const Mark& mark = marks[front[k]];
+        svg += text_at(x_of(mark) + 8, y(mark.ms) - 7, "start", std::to_string(k + 1), "label");
+    }
+    return svg + closed;
+}
+
+std::string bars(const std::vector<Bar>& bars) {
+    constexpr double label_width = 210, row = 26, total_width = 70;
+    const double height = top + row * double(bars.size()) + 10;
+    double longest = 0;
+    for (const Bar& bar : bars) {
+        double sum = 0;
+        for (const auto& part : bar.parts) sum += part.second;
+        longest = std::max(longest, sum);
+    }
+    const double scale = longest > 0 ? (width - label_width - total_width) / longest : 0;
+    std::string svg = opened(height, "time per stage");
+    for (std::size_t i = 0; i < bars.size(); ++i) {
+        const Bar& bar = bars[i];
+        const double y = top + row * double(i);
+        svg += text_at(label_width - 8, y + 14, "end", bar.label, "label");
+        double x = label_width, sum = 0;
+        for (std::size_t k = 0; k < bar.parts.size(); ++k) {
+            const auto& [series, ms] = bar.parts[k];
+            svg += "<rect class=\"" + class_of(series) + "\" x=\"" + number(x) + "\" y=\"" + number(y) + "\" width=\"" +
+                   number(ms * scale) + "\" height=\"18\"><title>" +
+                   escaped(bar.part_names[k] + ": " + three_digits(ms) + " ms") + "</title></rect>\n";
+            x += ms * scale;
+            sum += ms;
+        }
+        svg += text_at(x + 6, y + 14, "start", three_digits(sum) + " ms");
+    }
+    return svg + closed;
+}
+
+std::string lines(const std::vector<Line>& lines, const std::string& x_title) {
+    constexpr double height = 340, bottom = height - 46;
+    std::vector<std::pair<double, double>> all;
+    for (const Line& line : lines) all.insert(all.end(), line.points.begin(), line.points.end());
+    const auto [least, most] = range_of(all, [](const auto& p) { return p.second; });
+    const auto [fewest, largest] = range_of(all, [](const auto& p) { return p.first; });
+    const LogAxis y(least, most, bottom, top), x(fewest, largest, left, width - right - 20);
+    std::string svg = opened(height, "time against " + x_title) + time_grid(y, left, width - right);
+    for (int e = x.first(); e <= x.last(); ++e) {
+        const double at = x(std::pow(10.0, e));
+        svg += line_between(at, top, at, bottom, "grid") + text_at(at, bottom + 16, "middle", decade(e));
+    }
+    svg += text_at((left + width - right) / 2, bottom + 36, "middle", x_title, "axis");
+    for (const Line& line : lines) {
+        std::string path, marks;
+        for (const auto& [at, ms] : line.points) {
+            path += (path.empty() ? "M" : " L") + number(x(at)) + " " + number(y(ms));
+            marks += "<circle class=\"mark " + class_of(line.series) + "\" cx=\"" + number(x(at)) + "\" cy=\"" +
+                     number(y(ms)) + "\" r=\"4\"><title>" +
+                     escaped(line.label + ": " + with_spaces(at) + ", " + three_digits(ms) + " ms") +
+                     "</title></circle>\n";
+        }
+        svg += "<path class=\"line " + class_of(line.series) + "\" d=\"" + path + "\"/>\n" + marks;
+    }
+    return svg + closed;
+}
+
+}  // namespace gnomon::bench

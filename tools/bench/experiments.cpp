@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "experiments.hpp"
+
+#include <algorithm>
+
+namespace gnomon::bench {
+
+namespace {
+
+constexpr Size hd{960, 540}, full_hd{1920, 1080}, uhd{3840, 2160}, uhd_8k{7680, 4320};
+constexpr const char* technique = "frustum-traced";
+
+std::uint64_t pixels(Size size) { return std::uint64_t(size.width) * size.height; }
+
+std::vector<Size> within(const Limits& limits, std::vector<Size> sizes) {
+    std::erase_if(sizes, [&](Size size) { return pixels(size) > limits.largest_points; });
+    return sizes;
+}
+
+std::string made(const char* recipe, std::uint64_t triangles, const Limits& limits) {
+    return std::string(recipe) + ":" + std::to_string(std::min(triangles, limits.largest_triangles));
+}
+
+// Scenes with views: the two of the folder if they are there, else a made one in their place.
+struct SceneView {
+    std::string scene, only;
+};
+std::vector<SceneView> usual_views(const SceneShelf& shelf, const Limits& limits) {
+    const std::string sponza = shelf.in_folder("crytek_sponza.glb"), empire = shelf.in_folder("lost_empire.glb");
+    if (sponza.empty() || empire.empty()) return {{made("colonnade", 300'000, limits), "v1.sun"}};
+    return {{sponza, "atrium_floor.noon_slant"}, {sponza, "balcony_down.along_atrium"}, {empire, "hillside.grazing"}};
+}
+std::vector<SceneView> large_views(const Limits& limits) {
+    const std::string city = made("city", 6'500'000, limits), foliage = made("foliage", 5'300'000, limits),
+                      pipes = made("pipes", 12'800'000, limits);
+    return {{city, "v1.sun"}, {foliage, "v1.sun"}, {pipes, "v1.sun"}};
+}
+
+Block block_of(const char* experiment, const SceneView& view, std::vector<Size> sizes,
+               std::vector<Configuration> configurations) {
+    Block block;
+    block.experiment = experiment;
+    block.scene = view.scene;
+    block.only = view.only;
+    block.sizes = std::move(sizes);
+    block.configurations = std::move(configurations);
+    return block;
+}
+
+// ---- Run time against error -----------------------------------------------------------------------------------------
+
+std::vector<Block> errors(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const SceneView& view : usual_views(shelf, limits)) {
+        Block block = block_of("errors", view, within(limits, {full_hd}), swept_configurations());
+        block.errors = block.pictures = block.peers = true;
+        block.oracle_points = 200'000;
+        blocks.push_back(std::move(block));
+    }
+    return blocks;
+}
+
+// ---- Stages and rivals ----------------------------------------------------------------------------------------------
+
+std::vector<Block> rivals(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<SceneView> views = usual_views(shelf, limits);
+    if (!shelf.in_folder("crytek_sponza.glb").empty()) views.push_back({made("colonnade", 300'000, limits), "v1.sun"});
+    std::ranges::copy(large_views(limits), std::back_inserter(views));
+    std::vector<Block> blocks;
+    for (const SceneView& view : views) {
+        blocks.push_back(block_of("rivals", view, within(limits, {full_hd, uhd}), {truth_configuration()}));
+        blocks.back().stages = blocks.back().errors = blocks.back().peers = true;
+    }
+    return blocks;
+}
+
+// ---- Growth ---------------------------------------------------------------------------------------------------------
+
+std::vector<Block> growth_in_triangles(const SceneShelf&, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const char* recipe : {"city", "foliage", "pipes"})
+        for (std::uint64_t count = 100'000; count <= std::min<std::uint64_t>(limits.largest_triangles, 20'000'000);
+             count *= 2)
+            blocks.push_back(block_of("growth_in_triangles", {made(recipe, count, limits), "v0.sun"},
+                                      within(limits, {full_hd}), {truth_configuration()}));
+    return blocks;
+}
+
+std::vector<Block> growth_in_points(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const SceneView& view : usual_views(shelf, limits))
+        blocks.push_back(
+            block_of("growth_in_points", view, within(limits, {hd, full_hd, uhd, uhd_8k}), {truth_configuration()}));
+    return blocks;
+}
+
+// ---- The paper ------------------------------------------------------------------------------------------------------
+
+// The paper's grid: 1024² for 1920x1080, 2048² for 3840x2160.
+Settings papers_grid(Size size) { return {{"map-size", size.width > 1920 ? "2048" : "1024"}}; }
+
+// The paper's traversal, from triangles to the points under them, where this build has it.
+Settings papers_traversal(Settings settings) {
+    if (has_setting(technique, "traversal")) settings.emplace_back("traversal", "triangles");
+    return settings;
+}
+
+std::vector<SceneView> papers_views(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<SceneView> views;
+    if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty())
+        views = {{sponza, "atrium_floor.noon_slant"}, {sponza, "balcony_down.along_atrium"}};
+    for (const char* view : {"v0.sun", "v1.sun"}) views.push_back({made("foliage", 5'300'000, limits), view});
+    for (const char* view : {"v0.sun", "v1.sun"}) views.push_back({made("pipes", 12'800'000, limits), view});
+    return views;
+}
+
+std::vector<Block> table1(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const SceneView& view : papers_views(shelf, limits)) {
+        Block papers = block_of("table1", view, within(limits, {full_hd, uhd}),
+                                {{technique, papers_traversal({{"conservative-map", "off"}})},
+                                 {technique, papers_traversal({{"conservative-map", "on"}})}});
+        papers.more_settings = papers_grid;
+        papers.take_turns = papers.stages = true;
+        blocks.push_back(papers);
+        Block ours = block_of("table1", view, within(limits, {full_hd, uhd}), {{technique, {}}});
+        ours.stages = true;
+        blocks.push_back(ours);
+    }
+    return blocks;
+}
+
+std::vector<Block> table2(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const SceneView& view : papers_views(shelf, limits)) {
+        Block block = block_of("table2", view, within(limits, {uhd}),
+                               {{technique, {{"conservative-map", "on"}, {"cover-test", "circle"}}},
+                                {technique, {{"conservative-map", "on"}, {"cover-test", "tight"}}}});
+        block.more_settings = papers_grid;
+        block.take_turns = block.stages = true;
+        blocks.push_back(std::move(block));
+    }
+    return blocks;
+}
+
+std::vector<Configuration> map_modes() {
+    return {{technique, {{"conservative-map", "on"}}},
+            {technique, {{"conservative-map", "off"}}},
+            {technique, {{"conservative-map", "auto"}}}};
+}
+
+// Rungholt's two views, in our city: from the street the light's frustum is small, from above it is wide and triangles
+// are smaller than texels.
+std::vector<Block> figure5(const SceneShelf&, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const char* view : {"v1.sun", "v0.sun"}) {
+        blocks.push_back(
+            block_of("figure5", {made("city", 6'700'000, limits), view}, within(limits, {uhd}), map_modes()));
+        blocks.back().take_turns = blocks.back().stages = true;
+    }
+    return blocks;
+}
+
+std::vector<Block> automatic_map(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<SceneView> views = usual_views(shelf, limits);
+    std::ranges::copy(large_views(limits), std::back_inserter(views));
+    std::vector<Block> blocks;
+    for (const SceneView& view : views) {
+        blocks.push_back(block_of("auto", view, within(limits, {full_hd}), map_modes()));
+        blocks.back().take_turns = true;
+    }
+    return blocks;
+}
+
+}  // namespace
+
+const std::vector<Experiment>& experiments() {
+    static const std::vector<Experiment> all{
+        {"errors", "Run time against error",
+         "One mark for each technique and setting; towards the lower left is better. The line joins the marks that no "
+         "other one beats in both. The exact technique is checked against an independent oracle; all others are "
+         "measured against it.",
+         errors},
+        {"rivals", "Stages, and rivals on the same points",
+         "gnomon's exact technique rebuilds everything in each run (animated). Embree, on the same points, light and "
+         "number of threads: animated is its build and its rays together, static its rays alone from a finished tree.",
+         rivals},
+        {"growth_in_triangles", "Time against triangles",
+         "The same kind of scene made larger and larger, at its own view over the whole, 1920x1080.",
+         growth_in_triangles},
+        {"growth_in_points", "Time against points", "The same view in more and more pixels.", growth_in_points},
+        {"table1", "The paper's table 1",
+         "Frustum tracing without and with the conservative map, at the paper's grid sizes, then gnomon with its "
+         "defaults. Foliage stands in for San Miguel and pipes for the Power Plant.",
+         table1},
+        {"table2", "The paper's table 2",
+         "When a texel counts as covered: by the circle around it (Hertel et al. 2009), or by its corners.", table2},
+        {"figure5", "The paper's figure 5",
+         "A city from the street (v1), where the map pays, and from above (v0), where triangles are smaller than "
+         "texels.",
+         figure5},
+        {"auto", "Is the automatic choice right?",
+         "conservative-map auto beside on and off; the three take turns, run by run.", automatic_map},
+    };
+    return all;
+}
+
+}  // namespace gnomon::bench

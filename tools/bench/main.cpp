@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+// bench: run time against error, in one run for all techniques, settings, views, sizes, devices and rivals.
+//
+//   bench scene.glb ...                        times of the exact technique, each with the hash of its mask
+//   bench --experiment all --html page.html    everything, as one page; --experiment table1 and so on: one of them
+//
+// Times are from resident triangles and points to the resident mask: median, quartile distance and number of runs after
+// warm-up, wall clock on a queue that does not profile; the stage breakdown comes from a second device object that
+// does. Every row carries the hash of its mask and of its shading points, so a time is never seen without its result.
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <iostream>
+
+#include "experiments.hpp"
+#include "machine.hpp"
+#include "output.hpp"
+#include "page.hpp"
+#include "tables.hpp"
+
+namespace {
+
+using namespace gnomon::bench;
+
+struct Options {
+    std::vector<std::string> scenes, experiments, settings;
+    std::vector<std::string> sizes{"1920x1080"};
+    std::vector<std::string> devices{""};
+    std::vector<float> light_position;
+    std::string views_file, scenes_folder, only, technique = "frustum-traced";
+    std::string json_file, csv_file, html_file, markdown_file;
+    Limits limits;
+    RunRule rule;
+    unsigned threads = 0;
+    std::uint64_t oracle_points = 0;
+    bool stages = false, sweep = false, errors = false, peers = false;
+};
+
+Settings parsed_settings(const std::vector<std::string>& texts) {
+    Settings settings;
+    for (const std::string& text : texts) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos) throw gnomon::InvalidArgument("--set takes key=value, not \"" + text + "\"");
+        settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    }
+    return settings;
+}
+
+// The scenes of the command line.
+std::vector<Block> blocks_of_scenes(const Options& options) {
+    std::vector<Block> blocks;
+    for (const std::string& scene : options.scenes) {
+        Block block;
+        block.experiment = "times";
+        block.scene = scene;
+        block.only = options.only;
+        for (const std::string& size : options.sizes) block.sizes.push_back(parse_size(size));
+        if (options.sweep)
+            block.configurations = swept_configurations();
+        else
+            block.configurations = {{options.technique, parsed_settings(options.settings)}};
+        if (const auto& p = options.light_position; !p.empty())
+            block.light = gnomon::Light::positional({p[0], p[1], p[2]});
+        block.stages = options.stages;
+        block.peers = options.peers;
+        block.errors = options.errors || options.sweep || options.oracle_points != 0;
+        block.pictures = block.errors && !options.html_file.empty();
+        block.oracle_points = options.oracle_points;
+        blocks.push_back(std::move(block));
+    }
+    return blocks;
+}
+
+std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
+    std::vector<Block> blocks = blocks_of_scenes(options);
+    for (const Experiment& experiment : experiments()) {
+        const auto asked = [&](const char* name) {
+            return std::ranges::find(options.experiments, name) != options.experiments.end();
+        };
+        if (!asked("all") && !asked(experiment.name.c_str())) continue;
+        std::ranges::move(experiment.blocks(shelf, options.limits), std::back_inserter(blocks));
+    }
+    if (blocks.empty()) throw gnomon::InvalidArgument("name scenes or an --experiment to run; --help lists them");
+    return blocks;
+}
+
+void write_outputs(const Options& options, const nlohmann::ordered_json& machine, const std::vector<Row>& rows) {
+    if (!options.json_file.empty()) write_file(options.json_file, report_json(machine, rows).dump(1) + "\n");
+    if (!options.csv_file.empty()) write_file(options.csv_file, report_csv(machine, rows));
+    if (!options.html_file.empty()) write_file(options.html_file, page(machine, rows));
+    if (options.markdown_file.empty()) return;
+    std::string text;
+    for (const Experiment& experiment : experiments()) {
+        const std::vector<Table> tables = tables_of(rows, experiment.name);
+        if (!tables.empty()) text += "## " + experiment.title + "\n\n" + experiment.idea + "\n\n";
+        for (const Table& table : tables) text += markdown(table);
+    }
+    write_file(options.markdown_file, text);
+}
+
+// What must not be in a benchmark of exact shadows: a technique that failed, or an exact one that is wrong.
+bool all_well(const std::vector<Row>& rows) {
+    bool well = true;
+    const auto complain = [&](const Row& row, const std::string& what) {
+        std::cerr << "bench: error: " << name_of(row) << " on " << view_of(row) << ": " << what << '\n';
+        well = false;
+    };
+    for (const Row& row : rows) {
+        if (!row.failed.empty()) complain(row, row.failed);
+        if (row.exact && row.errors && row.errors->wrong() != 0)
+            complain(row, std::to_string(row.errors->wrong()) + " points differ from the exact technique's defaults");
+        if (row.exact && row.oracle && row.oracle->wrong != 0)
+            complain(row, std::to_string(row.oracle->wrong) + " points differ from the oracle");
+    }
+    return well;
+}
+
+int run(const Options& options) {
+    if (options.threads != 0) setenv("POCL_MAX_PTHREAD_COUNT", std::to_string(options.threads).c_str(), 1);
+    SceneShelf shelf(options.views_file, options.scenes_folder);
+    const std::vector<Block> blocks = all_blocks(options, shelf);
+    const nlohmann::ordered_json machine = machine_json(options.threads);
+    Runner runner(shelf, {options.devices, options.rule, options.threads}, print);
+    for (const Block& block : blocks) runner.run(block);
+    write_outputs(options, machine, runner.rows());
+    return all_well(runner.rows()) ? 0 : 1;
+}
+
+std::string experiment_names() {
+    std::string names = "all";
+    for (const Experiment& experiment : experiments()) names += ", " + experiment.name;
+    return names;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    CLI::App app{"Measures run time against error; each time with the hash of its mask."};
+    app.add_option("scenes", options.scenes, "glTF files, sundial, or RECIPE:TRIANGLES of make_scenes (city:1000000)");
+    app.add_option("--experiment", options.experiments, "repeatable: " + experiment_names());
+    app.add_option("--scenes-folder", options.scenes_folder,
+                   "where crytek_sponza.glb, lost_empire.glb and views.json are, for the experiments");
+    app.add_option("--largest-triangles", options.limits.largest_triangles, "made scenes are made no larger")
+        ->capture_default_str();
+    app.add_option("--largest-points", options.limits.largest_points, "the experiments' views have no more pixels")
+        ->capture_default_str();
+    app.add_option("--views", options.views_file, "views and lights by scene, as in ../shared/scenes/views.json");
+    app.add_option("--only", options.only, "only cases whose VIEW.LIGHT contains this");
+    app.add_option("--size", options.sizes, "WIDTHxHEIGHT, repeatable")->capture_default_str();
+    app.add_option("--technique", options.technique, "as in gnomon techniques")->capture_default_str();
+    app.add_option("--set", options.settings, "key=value of the technique, repeatable");
+    app.add_flag("--sweep", options.sweep, "every technique, with the settings worth comparing, and its errors");
+    app.add_flag("--errors", options.errors, "compare with the exact technique's mask");
+    app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");
+    app.add_flag("--peers", options.peers, "Embree too, if it was there when this was built");
+    app.add_option("--light-position", options.light_position, "light every view from this point: X Y Z")->expected(3);
+    app.add_option("--runs", options.rule.most, "timed runs")->capture_default_str()->check(CLI::Range(1, 100000));
+    app.add_option("--seconds", options.rule.seconds, "no more runs after this time (but at least 3)")
+        ->capture_default_str();
+    app.add_option("--threads", options.threads, "CPU threads of PoCL and of the rivals; 0: all")
+        ->capture_default_str();
+    app.add_option("--device", options.devices, "as in gnomon devices, repeatable");
+    app.add_option("--json", options.json_file, "write all rows there");
+    app.add_option("--csv", options.csv_file, "the same as a table");
+    app.add_option("--html", options.html_file, "the same as a page with charts and pictures");
+    app.add_option("--markdown", options.markdown_file, "the tables of the experiments");
+    app.add_flag("--stages", options.stages, "also run with profiling: each stage's time, and the counts");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        return run(options);
+    } catch (const std::exception& error) {
+        std::cerr << "bench: error: " << error.what() << '\n';
+        return 1;
+    }
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "page.hpp"
+
+#include <algorithm>
+
+#include "charts.hpp"
+#include "experiments.hpp"
+#include "page_style.hpp"
+#include "tables.hpp"
+
+namespace gnomon::bench {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Names in the order they are first seen; their positions are the series' colours.
+class Names {
+public:
+    std::size_t operator()(const std::string& name) {
+        const auto found = std::ranges::find(names_, name);
+        if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
+        names_.push_back(name);
+        return names_.size() - 1;
+    }
+    std::string legend() const {
+        std::string html = "<ul class=\"legend\">";
+        for (std::size_t i = 0; i < names_.size(); ++i)
+            html += "<li><span class=\"swatch s" + std::to_string(i % 8) + "\"></span>" + escaped(names_[i]) + "</li>";
+        return html + "</ul>\n";
+    }
+
+private:
+    std::vector<std::string> names_;
+};
+
+std::string error_chart(const Comparison& view) {
+    Names names;
+    std::vector<Mark> marks;
+    std::vector<std::string> labels;
+    for (const Row* row : view.rows) {
+        if (!row->failed.empty() || !row->errors) continue;
+        const std::string series = row->technique + (row->mode == "static" ? " (static)" : "");
+        labels.push_back(name_of(*row) + ": " + three_digits(row->total.median_ms) + " ms, " +
+                         with_spaces(double(row->errors->wrong())) + " wrong");
+        marks.push_back({row->errors->wrong_share(), row->total.median_ms, names(series), labels.back()});
+    }
+    if (marks.empty()) return {};
+    std::string html = "<h3>" + escaped(view.title) + "</h3>\n" + names.legend() + scatter(marks);
+    html += "<ol class=\"front\">";
+    for (const std::size_t i : pareto_front(marks)) html += "<li>" + escaped(labels[i]) + "</li>";
+    return html + "</ol>\n";
+}
+
+std::string picture(const std::string& uri, const std::string& caption) {
+    return "<figure><img src=\"" + uri + "\" alt=\"" + escaped(caption) + "\"/><figcaption>" + escaped(caption) +
+           "</figcaption></figure>\n";
+}
+
+std::string gallery(const Comparison& view) {
+    std::string html;
+    for (const Row* row : view.rows) {
+        if (row->mask_picture.empty()) continue;
+        html += picture(row->mask_picture, name_of(*row));
+        html += picture(row->difference_picture,
+                        "difference: " + with_spaces(double(row->errors->wrongly_lit)) + " wrongly lit (orange), " +
+                            with_spaces(double(row->errors->wrongly_shadowed)) + " wrongly shadowed (blue)");
+    }
+    if (html.empty()) return {};
+    return "<details><summary>Masks and differences: " + escaped(view.title) + "</summary>\n<div class=\"gallery\">\n" +
+           html + "</div></details>\n";
+}
+
+std::string stage_chart(const std::vector<Comparison>& views) {
+    Names names;
+    std::vector<Bar> all;
+    for (const Comparison& view : views)
+        for (const Row* row : view.rows) {
+            if (row->stages.empty()) continue;
+            Bar bar{row->scene + " " + row->view + " " + std::to_string(row->height), {}, {}};
+            for (const auto& [name, ms] : row->stages) {
+                bar.parts.emplace_back(names(name), ms);
+                bar.part_names.push_back(name);
+            }
+            all.push_back(std::move(bar));
+        }
+    return all.empty() ? std::string() : names.legend() + bars(all);
+}
+
+std::string growth_chart(std::span<const Row> rows, const std::string& experiment) {
+    const bool in_points = experiment == "growth_in_points";
+    Names names;
+    std::vector<Line> all;
+    for (const Row& row : rows) {
+        if (row.experiment != experiment || !row.failed.empty()) continue;
+        // A made scene is named RECIPE_TRIANGLES.
+        const std::string stem = in_points ? row.scene : row.scene.substr(0, row.scene.find_last_of('_'));
+        const std::string label = stem + " " + row.view + "." + row.light + ", " + row.device;
+        auto found = std::ranges::find(all, label, &Line::label);
+        if (found == all.end()) found = all.insert(all.end(), {label, names(label), {}});
+        found->points.emplace_back(in_points ? double(row.width) * row.height : double(row.triangles),
+                                   row.total.median_ms);
+    }
+    return all.empty() ? std::string() : names.legend() + lines(all, in_points ? "points" : "triangles");
+}
+
+std::string charts_of(std::span<const Row> rows, const std::string& experiment) {
+    const std::vector<Comparison> views = comparisons_of(rows, experiment);
+    std::string html;
+    if (experiment.starts_with("growth")) return growth_chart(rows, experiment);
+    for (const Comparison& view : views) html += error_chart(view) + gallery(view);
+    return html + stage_chart(views);
+}
+
+std::string section(std::span<const Row> rows, const std::string& name, const std::string& title,
+                    const std::string& idea) {
+    if (std::ranges::find(rows, name, &Row::experiment) == rows.end()) return {};
+    std::string html = "<h2 id=\"" + name + "\">" + escaped(title) + "</h2>\n<p>" + escaped(idea) + "</p>\n";
+    html += charts_of(rows, name);
+    for (const Table& table : tables_of(rows, name)) html += bench::html(table);
+    return html;
+}
+
+std::string machine_table(const Json& machine) {
+    std::string html = "<details><summary>Machine and versions</summary><div class=\"scroll\"><table><tbody>\n";
+    for (const auto& [key, value] : machine.items())
+        html += "<tr><td>" + escaped(key) + "</td><td>" +
+                escaped(value.is_string() ? value.get<std::string>() : value.dump()) + "</td></tr>\n";
+    return html + "</tbody></table></div></details>\n";
+}
+
+}  // namespace
+
+std::string page(const Json& machine, std::span<const Row> rows) {
+    const auto text = [&](const char* key) { return escaped(machine[key].get<std::string>()); };
+    std::string html =
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+        "<title>gnomon: benchmark</title>\n<style>" +
+        std::string(page_style) + "</style></head><body>\n<h1>gnomon: run time against error</h1>\n<p class=\"note\">" +
+        text("date") + " · " + text("processor") + ", " + machine["threads"].dump() + " threads · gnomon " +
+        text("gnomon") + " (" + text("commit") + ")</p>\n" +
+        "<p>Times are medians of wall-clock runs after warm-up, from resident triangles and points to the resident "
+        "mask. A wrong point is one whose visibility is on the other side of one half. Modes: animated keeps nothing "
+        "but the raw triangles between runs; static keeps all that depends on scene and light.</p>\n" +
+        machine_table(machine);
+    html += section(rows, "times", "Times", "The scenes of the command line.");
+    for (const Experiment& experiment : experiments())
+        html += section(rows, experiment.name, experiment.title, experiment.idea);
+    return html + "</body></html>\n";
+}
+
+}  // namespace gnomon::bench

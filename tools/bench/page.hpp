@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The benchmark as one self-contained HTML page: charts, pictures and tables, no script and nothing to load.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+
+#include "row.hpp"
+
+namespace gnomon::bench {
+
+/// Well-formed XML as well, so that any parser can check it.
+std::string page(const nlohmann::ordered_json& machine, std::span<const Row> rows);
+
+}  // namespace gnomon::bench

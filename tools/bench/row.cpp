@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "row.hpp"
+
+#include <algorithm>
+
+namespace gnomon::bench {
+
+std::string text_of(const Settings& settings) {
+    std::string text;
+    for (const auto& [key, value] : settings) text += (text.empty() ? "" : " ") + key + "=" + value;
+    return text;
+}
+
+Times times_of(std::vector<double> ms) {
+    std::sort(ms.begin(), ms.end());
+    const auto at = [&](std::size_t quarter) { return ms[quarter * (ms.size() - 1) / 4]; };
+    return {ms[ms.size() / 2], ms.front(), ms.back(), at(3) - at(1), ms.size()};
+}
+
+std::uint64_t Row::count(std::string_view name) const {
+    for (const auto& [key, value] : counts)
+        if (key == name) return value;
+    return 0;
+}
+
+std::string Row::name() const {
+    std::string name = technique;
+    for (const auto& [key, value] : settings) name.append(" ").append(key).append("=").append(value);
+    return name;
+}
+
+}  // namespace gnomon::bench

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// What the benchmark measures, one row per (experiment, scene, view, size, device, way to shadow).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "measure/visibility_errors.hpp"
+
+namespace gnomon::bench {
+
+/// Settings of a technique in the order they are given: --set key=value.
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+/// "a=1 b=2"
+std::string text_of(const Settings& settings);
+
+/// What runs of the same work took.
+struct Times {
+    double median_ms = 0, least_ms = 0, most_ms = 0;
+    double spread_ms = 0;  ///< between the first and the third quartile
+    std::size_t runs = 0;
+};
+/// Of at least one run.
+Times times_of(std::vector<double> ms);
+
+/// Points asked of the oracle (tests/reference, exact and independent), and how many answers differed from it.
+struct OracleVerdict {
+    std::uint64_t points = 0, wrong = 0;
+};
+
+struct Row {
+    std::string experiment;
+    std::string scene, view, light;
+    std::uint32_t width = 0, height = 0;
+    std::uint64_t triangles = 0;
+    std::string technique;
+    Settings settings;
+    bool exact = false;  ///< the technique promises no wrong point
+    std::string mode;    ///< animated, moving or static: see the page's notes
+    std::string device, driver;
+    Times total;
+    std::optional<Times> camera;  ///< the camera stage, not part of the total
+    std::optional<Times> build;   ///< a ray tracer's build, part of the total in animated mode alone
+    std::uint64_t device_memory_bytes = 0;
+    std::vector<std::pair<std::string, double>> stages;  ///< device time by events, of profiled runs
+    std::vector<std::pair<std::string, std::uint64_t>> counts;
+    std::string mask_hash, points_hash;
+    std::optional<measure::VisibilityErrors> errors;
+    std::optional<OracleVerdict> oracle;
+    std::string failed;  ///< why there are no figures; else empty
+
+    // For the page alone: data URIs, empty without pictures.
+    std::string mask_picture, difference_picture;
+
+    std::uint64_t count(std::string_view name) const;
+    /// "frustum-traced map-size=1024"
+    std::string name() const;
+};
+
+}  // namespace gnomon::bench

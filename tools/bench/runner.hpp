@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Runs cases and keeps their rows.
+#pragma once
+
+#include <functional>
+
+#include "cases.hpp"
+#include "row.hpp"
+#include "sweep.hpp"
+#include "timing.hpp"
+
+namespace gnomon::bench {
+
+struct Size {
+    std::uint32_t width = 0, height = 0;
+};
+/// "WIDTHxHEIGHT"; throws InvalidArgument.
+Size parse_size(const std::string& text);
+
+/// What is run on one scene.
+struct Block {
+    std::string experiment;
+    std::string scene;  ///< as SceneShelf::get takes it
+    std::vector<Size> sizes;
+    std::vector<Configuration> configurations;
+    std::string only;                             ///< only cases whose VIEW.LIGHT contains this
+    std::optional<Light> light;                   ///< in place of the scene's lights, once per view
+    std::function<Settings(Size)> more_settings;  ///< added to each configuration's, by size; may be empty
+    /// Runs of the configurations take turns, so that whatever else the machine does hits all alike. All are in memory
+    /// at once.
+    bool take_turns = false;
+    bool stages = false;    ///< also profiled runs, for the stage breakdown
+    bool errors = false;    ///< against the exact technique's mask
+    bool pictures = false;  ///< masks and differences, for the page; with errors
+    bool peers = false;     ///< the rivals too
+    /// At most that many points of the exact technique's mask, evenly spread, are asked of the oracle; with errors.
+    std::uint64_t oracle_points = 0;
+};
+
+struct RunOptions {
+    std::vector<std::string> devices{""};  ///< as Device takes them
+    RunRule rule;
+    unsigned threads = 0;  ///< of the rivals
+};
+
+class Runner {
+public:
+    /// `report` is called with each row as soon as it is there.
+    Runner(SceneShelf& shelf, RunOptions options, std::function<void(const Row&)> report);
+
+    void run(const Block& block);
+    const std::vector<Row>& rows() const { return rows_; }
+
+private:
+    struct Place;
+    struct Seen;
+    struct Truth;
+    class Contestant;
+
+    Seen look(const Place& place, const Block& block, const Case& c, Size size) const;
+    Truth truth_of(const Block& block, const Place& place, const Seen& seen) const;
+    static void judge(const Block& block, const Seen& seen, const Truth& truth, std::span<const float> mask, Row& row);
+    std::vector<Row> run_contestants(const Block& block, const Place& place, const Seen& seen,
+                                     const std::optional<Truth>& truth);
+    void add_stages(const Block& block, const std::string& selector, const NamedScene& scene, const Case& c, Size size,
+                    std::vector<Row>& rows) const;
+    void add_peers(const Block& block, const NamedScene& scene, const Seen& seen, const std::optional<Truth>& truth);
+    void run_case(const Block& block, const NamedScene& scene, const Case& c, Size size);
+    void add(Row row);
+
+    SceneShelf& shelf_;
+    RunOptions options_;
+    std::function<void(const Row&)> report_;
+    std::vector<Row> rows_;
+};
+
+}  // namespace gnomon::bench

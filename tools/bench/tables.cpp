@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include "tables.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "charts.hpp"
+#include "published.hpp"
+
+namespace gnomon::bench {
+
+namespace {
+
+using Rows = std::vector<const Row*>;
+
+std::string percent(double share) { return share == 0 ? "0" : three_digits(100 * share) + " %"; }
+
+std::string times_text(const Times& times) {
+    return three_digits(times.median_ms) + " ± " + three_digits(times.spread_ms / 2);
+}
+
+std::string size_of(const Row& row) { return std::to_string(row.width) + "x" + std::to_string(row.height); }
+
+/// A share of the points, in percent.
+double decided_by_map(const Row& row) {
+    const double points = double(row.count("points")) - double(row.count("points_absent"));
+    return points > 0 ? double(row.count("points_decided_by_map")) / points : 0;
+}
+
+// Every stage of any of the rows, in the order of the pipeline as far as the rows tell it.
+std::vector<std::string> stages_of(const Rows& rows) {
+    std::vector<std::string> names;
+    for (const Row* row : rows)
+        for (const auto& [name, ms] : row->stages)
+            if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    return names;
+}
+
+double stage_ms(const Row& row, const std::string& name) {
+    for (const auto& [stage, ms] : row.stages)
+        if (stage == name) return ms;
+    return 0;
+}
+
+Rows rows_of(std::span<const Row> rows, const std::string& experiment) {
+    Rows found;
+    for (const Row& row : rows)
+        if (row.experiment == experiment) found.push_back(&row);
+    return found;
+}
+
+// ---- One kind of table each -----------------------------------------------------------------------------------------
+
+Table error_table(const Comparison& view) {
+    Table table{view.title,
+                "",
+                {"technique", "ms", "wrong", "share", "wrongly lit", "wrongly shadowed", "mean absolute", "SSIM",
+                 "worst tile", "memory, MB"},
+                {}};
+    for (const Row* row : view.rows) {
+        if (!row->failed.empty()) {
+            table.lines.push_back({name_of(*row), row->failed});
+            continue;
+        }
+        std::vector<std::string> line{name_of(*row), times_text(row->total)};
+        if (row->errors) {
+            const measure::VisibilityErrors& e = *row->errors;
+            for (const std::string& cell :
+                 {with_spaces(double(e.wrong())), percent(e.wrong_share()), with_spaces(double(e.wrongly_lit)),
+                  with_spaces(double(e.wrongly_shadowed)), three_digits(e.mean_absolute), three_digits(e.ssim),
+                  three_digits(e.worst_tile)})
+                line.push_back(cell);
+        } else {
+            line.resize(9);
+        }
+        line.push_back(three_digits(double(row->device_memory_bytes) / 1e6));
+        table.lines.push_back(std::move(line));
+    }
+    for (const Row* row : view.rows)
+        if (row->oracle && table.note.empty())
+            table.note = "Of the exact technique's answers, " + with_spaces(double(row->oracle->points)) +
+                         " were put to the independent oracle: " + with_spaces(double(row->oracle->wrong)) + " wrong.";
+    return table;
+}
+
+Table stage_table(const Rows& rows) {
+    Table table{"",
+                "Total: median and half the quartile distance of wall-clock runs. Stages: device time by events, in "
+                "separate profiled runs. Milliseconds.",
+                {"view", "size", "triangles", "technique", "total"},
+                {}};
+    const std::vector<std::string> stages = stages_of(rows);
+    table.heads.insert(table.heads.end(), stages.begin(), stages.end());
+    table.heads.push_back("points decided by the map");
+    for (const Row* row : rows) {
+        if (!row->failed.empty() || row->stages.empty()) continue;
+        std::vector<std::string> line{row->scene + " " + row->view + "." + row->light, size_of(*row),
+                                      with_spaces(double(row->triangles)), name_of(*row), times_text(row->total)};
+        for (const std::string& stage : stages) line.push_back(three_digits(stage_ms(*row, stage)));
+        line.push_back(percent(decided_by_map(*row)));
+        table.lines.push_back(std::move(line));
+    }
+    return table;
+}
+
+const Row* row_with(const Comparison& view, const std::string& technique, const std::string& settings,
+                    const std::string& mode) {
+    for (const Row* row : view.rows)
+        if (row->failed.empty() && row->technique == technique && row->mode == mode &&
+            text_of(row->settings).starts_with(settings))
+            return row;
+    return nullptr;
+}
+
+Table rival_table(const std::vector<Comparison>& views) {
+    Table table{"gnomon beside Embree",
+                "Milliseconds, medians. Animated: everything is rebuilt in each run. Ratio: gnomon's "
+                "time divided by the rival's; below 1 gnomon is ahead.",
+                {"view", "gnomon, animated", "Embree low build + rays", "ratio", "Embree rays, low build",
+                 "Embree rays, medium build", "Embree's wrong points, offset 0", "1e-6", "1e-4", "1e-4, robust"},
+                {}};
+    for (const Comparison& view : views) {
+        const Row* ours = nullptr;
+        for (const Row* row : view.rows)
+            if (row->failed.empty() && row->exact) ours = row;
+        if (ours == nullptr) continue;
+        std::vector<std::string> line{view.title, three_digits(ours->total.median_ms)};
+        const Row* both = row_with(view, "embree", "build=low rays=fast", "animated");
+        line.push_back(both ? three_digits(both->total.median_ms) : "");
+        line.push_back(both ? three_digits(ours->total.median_ms / both->total.median_ms) : "");
+        for (const char* settings : {"build=low rays=fast offset=0", "build=medium rays=fast offset=0"}) {
+            const Row* rays = row_with(view, "embree", settings, "static");
+            line.push_back(rays ? three_digits(rays->total.median_ms) : "");
+        }
+        for (const char* settings : {"build=low rays=fast offset=0", "build=low rays=fast offset=1e-06",
+                                     "build=low rays=fast offset=0.0001", "build=low rays=robust offset=0.0001"}) {
+            const Row* rays = row_with(view, "embree", settings, "static");
+            line.push_back(rays && rays->errors ? with_spaces(double(rays->errors->wrong())) : "");
+        }
+        table.lines.push_back(std::move(line));
+    }
+    return table;
+}
+
+double x_of_growth(const Row& row, bool in_points) {
+    return in_points ? double(row.width) * row.height : double(row.triangles);
+}
+
+Table growth_table(const Rows& rows, bool in_points) {
+    Table table{"",
+                "Growth: this time over the one before it, scaled to a doubling.",
+                {"scene", in_points ? "points" : "triangles", "ms", "growth for twice as many"},
+                {}};
+    const Row* before = nullptr;
+    for (const Row* row : rows) {
+        if (!row->failed.empty()) continue;
+        std::string growth;
+        const auto stem = [](const Row& r) { return r.scene.substr(0, r.scene.find_last_of('_')) + r.view; };
+        const double x = x_of_growth(*row, in_points);
+        if (before != nullptr && stem(*before) == stem(*row) && x > x_of_growth(*before, in_points))
+            growth = three_digits(std::pow(row->total.median_ms / before->total.median_ms,
+                                           1 / std::log2(x / x_of_growth(*before, in_points))));
+        table.lines.push_back({row->scene + " " + row->view, with_spaces(x), times_text(row->total), growth});
+        before = row;
+    }
+    return table;
+}
+
+Table map_table(const std::vector<Comparison>& views) {
+    Table table{"",
+                "Milliseconds, medians; the three take turns. Within 3 % of the better one is the aim.",
+                {"view", "on", "off", "auto", "auto over the better", "the same for the least times"},
+                {}};
+    for (const Comparison& view : views) {
+        const auto with = [&](const char* mode) {
+            return row_with(view, "frustum-traced", std::string("conservative-map=") + mode, "animated");
+        };
+        const Row *on = with("on"), *off = with("off"), *automatic = with("auto");
+        if (!on || !off || !automatic) continue;
+        const auto over = [&](auto time) { return time(*automatic) / std::min(time(*on), time(*off)); };
+        table.lines.push_back({view.title, times_text(on->total), times_text(off->total), times_text(automatic->total),
+                               three_digits(over([](const Row& r) { return r.total.median_ms; })),
+                               three_digits(over([](const Row& r) { return r.total.least_ms; }))});
+    }
+    return table;
+}
+
+Table published_table(const nlohmann::ordered_json& json) {
+    Table table{json["title"],
+                "Published by others: " + json["source"].get<std::string>() +
+                    ". Machine: " + json["machine"].get<std::string>() + ".",
+                json["columns"],
+                {}};
+    for (const auto& row : json["rows"]) {
+        table.lines.emplace_back();
+        for (const auto& cell : row)
+            table.lines.back().push_back(cell.is_null()     ? "–"
+                                         : cell.is_string() ? cell.get<std::string>()
+                                                            : cell.dump());
+    }
+    return table;
+}
+
+bool is_number(const std::string& cell) { return !cell.empty() && (std::isdigit(cell[0]) || cell == "–"); }
+
+}  // namespace
+
+std::string name_of(const Row& row) { return row.name() + (row.mode == "static" ? " (static)" : ""); }
+
+std::string view_of(const Row& row) { return row.scene + " " + row.view + "." + row.light + ", " + size_of(row); }
+
+std::vector<Comparison> comparisons_of(std::span<const Row> rows, const std::string& experiment) {
+    std::vector<Comparison> views;
+    std::string device;  // a rival's row has no OpenCL device: it belongs to the view before it
+    for (const Row* row : rows_of(rows, experiment)) {
+        if (row->driver.empty() || row->technique != "embree") device = row->device;
+        const std::string title = view_of(*row) + ", " + device;
+        auto found = std::ranges::find(views, title, &Comparison::title);
+        if (found == views.end()) found = views.insert(views.end(), {title, {}});
+        found->rows.push_back(row);
+    }
+    return views;
+}
+
+std::vector<Table> tables_of(std::span<const Row> rows, const std::string& experiment) {
+    const Rows ours = rows_of(rows, experiment);
+    const std::vector<Comparison> views = comparisons_of(rows, experiment);
+    std::vector<Table> tables;
+    if (ours.empty()) return tables;
+    if (experiment == "errors" || experiment == "times") {
+        for (const Comparison& view : views) tables.push_back(error_table(view));
+    } else if (experiment == "rivals") {
+        tables = {rival_table(views), stage_table(ours)};
+    } else if (experiment.starts_with("growth")) {
+        tables = {growth_table(ours, experiment == "growth_in_points")};
+    } else if (experiment == "auto") {
+        tables = {map_table(views)};
+    } else {
+        tables = {stage_table(ours)};
+        if (experiment == "figure5") tables.push_back(map_table(views));
+    }
+    for (const auto& json : published())
+        if (json["experiment"] == experiment) tables.push_back(published_table(json));
+    return tables;
+}
+
+std::string html(const Table& table) {
+    std::string text;
+    if (!table.title.empty()) text += "<h3>" + escaped(table.title) + "</h3>\n";
+    text += "<div class=\"scroll\"><table><thead><tr>";
+    for (std::size_t i = 0; i < table.heads.size(); ++i)
+        text += (i != 0 && !table.lines.empty() && i < table.lines[0].size() && is_number(table.lines[0][i])
+                     ? "<th class=\"n\">"
+                     : "<th>") +
+                escaped(table.heads[i]) + "</th>";
+    text += "</tr></thead><tbody>\n";
+    for (const auto& line : table.lines) {
+        text += "<tr>";
+        for (std::size_t i = 0; i < line.size(); ++i)
+            text += (i != 0 && is_number(line[i]) ? "<td class=\"n\">" : "<td>") + escaped(line[i]) + "</td>";
+        text += "</tr>\n";
+    }
+    text += "</tbody></table></div>\n";
+    if (!table.note.empty()) text += "<p class=\"source\">" + escaped(table.note) + "</p>\n";
+    return text;
+}
+
+std::string markdown(const Table& table) {
+    const auto line_of = [&](const std::vector<std::string>& cells) {
+        std::string text = "|";
+        for (std::size_t i = 0; i < table.heads.size(); ++i) text += " " + (i < cells.size() ? cells[i] : "") + " |";
+        return text + "\n";
+    };
+    std::string text = table.title.empty() ? "" : "**" + table.title + "**\n\n";
+    text += line_of(table.heads) + line_of(std::vector<std::string>(table.heads.size(), "---"));
+    for (const auto& line : table.lines) text += line_of(line);
+    return text + (table.note.empty() ? "\n" : "\n" + table.note + "\n\n");
+}
+
+}  // namespace gnomon::bench

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// How often something is run: the same rule for gnomon and for its rivals.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+namespace gnomon::bench {
+
+/// Wall clock in milliseconds.
+class Clock {
+public:
+    double elapsed_ms() const {
+        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+template <typename Work>
+double time_ms(Work&& work) {
+    const Clock clock;
+    work();
+    return clock.elapsed_ms();
+}
+
+/// `most` timed runs, or fewer once `seconds` are spent, but at least `fewest`.
+struct RunRule {
+    int most = 15;
+    double seconds = 4;
+    int fewest = 3;
+
+    bool goes_on(int runs, double spent_ms) const { return runs < most && (runs < fewest || spent_ms < seconds * 1e3); }
+};
+
+/// Times of `work`, after `warm_ups` runs that are not counted.
+template <typename Work>
+std::vector<double> timed_runs(const RunRule& rule, int warm_ups, Work&& work) {
+    for (int i = 0; i < warm_ups; ++i) work();
+    std::vector<double> ms;
+    for (const Clock clock; rule.goes_on(static_cast<int>(ms.size()), clock.elapsed_ms());) ms.push_back(time_ms(work));
+    return ms;
+}
+
+}  // namespace gnomon::bench
