@@ -6,6 +6,7 @@
 #include "cl/session.hpp"
 #include "frustum_traced.hpp"
 #include "self_check.hpp"
+#include "shadow_volumes.hpp"
 
 namespace gnomon {
 
@@ -53,6 +54,7 @@ Registered entry() {
 std::vector<Registered> registered() {
     return {
         entry<FrustumTraced>(),
+        entry<ShadowVolumes>(),
     };
 }
 
