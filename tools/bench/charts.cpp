@@ -22,22 +22,34 @@ std::string number(double value) {
 
 std::string class_of(std::size_t series) { return {'s', static_cast<char>('0' + series % 8)}; }
 
-/// A logarithmic axis over whole decades.
+/// A logarithmic axis that starts and ends at a 1, 2 or 5.
 class LogAxis {
 public:
     LogAxis(double low, double high, double at_low, double at_high) : at_low_(at_low), at_high_(at_high) {
-        first_ = static_cast<int>(std::floor(std::log10(low)));
-        last_ = std::max(first_ + 1, static_cast<int>(std::ceil(std::log10(high))));
+        std::vector<double> steps;
+        for (int e = static_cast<int>(std::floor(std::log10(low)));
+             e <= static_cast<int>(std::ceil(std::log10(high))) + 1; ++e)
+            for (const double digit : {1.0, 2.0, 5.0}) steps.push_back(digit * std::pow(10.0, e));
+        // Roundings of pow must not put a value outside its axis.
+        low_ = steps.front();
+        for (const double step : steps)
+            if (step <= low * 1.0001) low_ = step;
+        for (const double step : steps)
+            if (high_ == 0 && step > low_ * 1.5 && step >= high * 0.9999) high_ = step;
+        const bool decades = std::log10(high_ / low_) > 2.5;
+        for (const double step : steps)
+            if (step >= low_ && step <= high_ && (!decades || is_decade(step))) ticks_.push_back(step);
     }
     double operator()(double value) const {
-        return at_low_ + (at_high_ - at_low_) * (std::log10(value) - first_) / (last_ - first_);
+        return at_low_ + (at_high_ - at_low_) * std::log(value / low_) / std::log(high_ / low_);
     }
-    int first() const { return first_; }
-    int last() const { return last_; }
+    const std::vector<double>& ticks() const { return ticks_; }
 
 private:
-    double at_low_, at_high_;
-    int first_ = 0, last_ = 0;
+    static bool is_decade(double step) { return std::abs(std::log10(step) - std::round(std::log10(step))) < 1e-6; }
+
+    double at_low_, at_high_, low_ = 0, high_ = 0;
+    std::vector<double> ticks_;
 };
 
 std::string text_at(double x, double y, const char* anchor, const std::string& text, const char* css = "tick") {
@@ -56,20 +68,33 @@ std::string opened(double height, const std::string& title) {
 }
 constexpr const char* closed = "</svg></div>\n";
 
-std::string decade(int exponent) {
-    if (exponent >= -2 && exponent <= 2) return three_digits(std::pow(10.0, exponent));
-    if (exponent >= 3 && exponent < 6) return three_digits(std::pow(10.0, exponent - 3)) + "k";
-    if (exponent >= 6 && exponent < 9) return three_digits(std::pow(10.0, exponent - 6)) + "M";
-    return "1e" + std::to_string(exponent);
+// "0.05", "200", "50k", "2M"
+std::string tick_text(double value) {
+    char text[32];
+    if (value >= 1e6)
+        std::snprintf(text, sizeof(text), "%gM", value / 1e6);
+    else if (value >= 1e4)
+        std::snprintf(text, sizeof(text), "%gk", value / 1e3);
+    else
+        std::snprintf(text, sizeof(text), "%g", value);
+    return text;
 }
 
 // Grid lines and labels of a time axis, bottom to top.
 std::string time_grid(const LogAxis& axis, double from_x, double to_x) {
     std::string svg;
-    for (int e = axis.first(); e <= axis.last(); ++e) {
-        const double y = axis(std::pow(10.0, e));
-        svg += line_between(from_x, y, to_x, y, "grid") + text_at(from_x - 6, y + 4, "end", decade(e) + " ms");
-    }
+    for (const double tick : axis.ticks())
+        svg += line_between(from_x, axis(tick), to_x, axis(tick), "grid") +
+               text_at(from_x - 6, axis(tick) + 4, "end", tick_text(tick) + " ms");
+    return svg;
+}
+
+// The same for the other axis, left to right, of a chart between `low_y` and `high_y`.
+std::string x_grid(const LogAxis& axis, double low_y, double high_y) {
+    std::string svg;
+    for (const double tick : axis.ticks())
+        svg += line_between(axis(tick), high_y, axis(tick), low_y, "grid") +
+               text_at(axis(tick), low_y + 16, "middle", tick_text(tick));
     return svg;
 }
 
@@ -138,11 +163,8 @@ std::string scatter(const std::vector<Mark>& marks) {
     const LogAxis y(least, most, bottom, top), x(smallest, largest, error_left, width - right);
     const auto x_of = [&](const Mark& mark) { return mark.error_share > 0 ? x(mark.error_share) : exact_x; };
 
-    std::string svg = opened(height, "run time against error") + time_grid(y, left, width - right);
-    for (int e = x.first(); e <= x.last(); ++e) {
-        const double at = x(std::pow(10.0, e));
-        svg += line_between(at, top, at, bottom, "grid") + text_at(at, bottom + 16, "middle", decade(e));
-    }
+    std::string svg =
+        opened(height, "run time against error") + time_grid(y, left, width - right) + x_grid(x, bottom, top);
     svg += text_at(exact_x, bottom + 16, "middle", "0");
     svg += text_at((error_left + width - right) / 2, bottom + 36, "middle", "share of wrong points (left: none at all)",
                    "axis");
@@ -198,11 +220,8 @@ std::string lines(const std::vector<Line>& lines, const std::string& x_title) {
     const auto [least, most] = range_of(all, [](const auto& p) { return p.second; });
     const auto [fewest, largest] = range_of(all, [](const auto& p) { return p.first; });
     const LogAxis y(least, most, bottom, top), x(fewest, largest, left, width - right - 20);
-    std::string svg = opened(height, "time against " + x_title) + time_grid(y, left, width - right);
-    for (int e = x.first(); e <= x.last(); ++e) {
-        const double at = x(std::pow(10.0, e));
-        svg += line_between(at, top, at, bottom, "grid") + text_at(at, bottom + 16, "middle", decade(e));
-    }
+    std::string svg =
+        opened(height, "time against " + x_title) + time_grid(y, left, width - right) + x_grid(x, bottom, top);
     svg += text_at((left + width - right) / 2, bottom + 36, "middle", x_title, "axis");
     for (const Line& line : lines) {
         std::string path, marks;

@@ -40,7 +40,7 @@ bool faces_light(const PeerTask& task, std::uint32_t receiver) {
 
 // The points that get a ray, structure of arrays, in blocks of pixels.
 struct RayPoints {
-    std::vector<float> x, y, z;
+    std::vector<float> x, y, z;  ///< of whole packets: longer than `pixel`
     std::vector<std::size_t> pixel;
 };
 
@@ -58,6 +58,9 @@ RayPoints ray_points(const PeerTask& task) {
                     points.z.push_back(task.host.position[3 * i + 2]);
                     points.pixel.push_back(i);
                 }
+    // The last packet is filled up with its last point, over and over.
+    for (std::vector<float>* coordinate : {&points.x, &points.y, &points.z})
+        while (coordinate->size() % ray_width != 0) coordinate->push_back(coordinate->back());
     return points;
 }
 
@@ -103,7 +106,7 @@ public:
         vertices_.resize(vertices_.size() + 4);
         indices_.resize(task.triangles.size() / 3);
         for (std::size_t i = 0; i < indices_.size(); ++i) indices_[i] = static_cast<std::uint32_t>(i);
-        answer_.resize(points_.pixel.size());
+        answer_.resize(points_.x.size());
     }
     Tracer(const Tracer&) = delete;
     Tracer& operator=(const Tracer&) = delete;
@@ -135,8 +138,8 @@ public:
         std::atomic<std::size_t> next{0};
         const auto work = [&] {
             constexpr std::size_t chunk = 64 * ray_width;
-            for (std::size_t first; (first = next.fetch_add(chunk)) < points_.pixel.size();)
-                for (std::size_t i = first; i < std::min(first + chunk, points_.pixel.size()); i += ray_width)
+            for (std::size_t first; (first = next.fetch_add(chunk)) < points_.x.size();)
+                for (std::size_t i = first; i < std::min(first + chunk, points_.x.size()); i += ray_width)
                     trace_packet(i, offset);
         };
         std::vector<std::jthread> others;
@@ -148,7 +151,7 @@ public:
     std::vector<float> mask() const {
         std::vector<float> mask(task_.host.receiver.size());
         for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = task_.host.receiver[i] == no_receiver ? 1 : 0;
-        for (std::size_t i = 0; i < answer_.size(); ++i) mask[points_.pixel[i]] = answer_[i];
+        for (std::size_t i = 0; i < points_.pixel.size(); ++i) mask[points_.pixel[i]] = answer_[i];
         return mask;
     }
 
@@ -158,29 +161,31 @@ private:
     void trace_packet(std::size_t first, double offset) {
         alignas(64) RTCRay16 rays;
         alignas(64) int valid[ray_width];
+        std::copy_n(&points_.x[first], ray_width, rays.org_x);
+        std::copy_n(&points_.y[first], ray_width, rays.org_y);
+        std::copy_n(&points_.z[first], ray_width, rays.org_z);
         const auto& light = task_.light.xyzw;
-        const bool directional = task_.light.is_directional();
+        const float last = task_.light.is_directional() ? std::numeric_limits<float>::infinity() : 1;
         for (std::size_t lane = 0; lane < ray_width; ++lane) {
-            const std::size_t i = std::min(first + lane, points_.pixel.size() - 1);
-            valid[lane] = first + lane < points_.pixel.size() ? -1 : 0;
-            rays.org_x[lane] = points_.x[i];
-            rays.org_y[lane] = points_.y[i];
-            rays.org_z[lane] = points_.z[i];
-            rays.dir_x[lane] = directional ? light[0] : light[0] - points_.x[i];
-            rays.dir_y[lane] = directional ? light[1] : light[1] - points_.y[i];
-            rays.dir_z[lane] = directional ? light[2] : light[2] - points_.z[i];
-            rays.tnear[lane] = offset == 0 ? 0 : static_cast<float>(offset * diagonal_ / length_of(rays, lane));
-            rays.tfar[lane] = directional ? std::numeric_limits<float>::infinity() : 1;
+            // w = 0: a direction; w = 1: from the point to the light.
+            rays.dir_x[lane] = light[0] - light[3] * rays.org_x[lane];
+            rays.dir_y[lane] = light[1] - light[3] * rays.org_y[lane];
+            rays.dir_z[lane] = light[2] - light[3] * rays.org_z[lane];
+            rays.tnear[lane] = 0;
+            rays.tfar[lane] = last;
             rays.time[lane] = 0;
             rays.mask[lane] = ~0u;
             rays.flags[lane] = 0;
+            valid[lane] = -1;
         }
+        if (offset != 0)
+            for (std::size_t lane = 0; lane < ray_width; ++lane)
+                rays.tnear[lane] = static_cast<float>(offset * diagonal_ / length_of(rays, lane));
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         rtcOccluded16(valid, scene_, &context, &rays);
-        for (std::size_t lane = 0; lane < ray_width && first + lane < points_.pixel.size(); ++lane)
-            answer_[first + lane] = rays.tfar[lane] < 0 ? 0.0f : 1.0f;
+        for (std::size_t lane = 0; lane < ray_width; ++lane) answer_[first + lane] = rays.tfar[lane] < 0 ? 0.0f : 1.0f;
     }
 
     void drop_scene() {

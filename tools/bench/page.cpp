@@ -59,16 +59,19 @@ std::string picture(const std::string& uri, const std::string& caption) {
 
 std::string gallery(const Comparison& view) {
     std::string html;
+    std::vector<std::string> shown;  // masks; the same one again would say nothing new
     for (const Row* row : view.rows) {
-        if (row->mask_picture.empty()) continue;
+        if (row->mask_picture.empty() || std::ranges::find(shown, row->mask_hash) != shown.end()) continue;
+        shown.push_back(row->mask_hash);
         html += picture(row->mask_picture, name_of(*row));
+        if (row->errors->wrong() == 0 && row->errors->mean_absolute == 0) continue;
         html += picture(row->difference_picture,
                         "difference: " + with_spaces(double(row->errors->wrongly_lit)) + " wrongly lit (orange), " +
                             with_spaces(double(row->errors->wrongly_shadowed)) + " wrongly shadowed (blue)");
     }
     if (html.empty()) return {};
-    return "<details><summary>Masks and differences: " + escaped(view.title) + "</summary>\n<div class=\"gallery\">\n" +
-           html + "</div></details>\n";
+    return "<details open=\"open\"><summary>Masks and differences: " + escaped(view.title) +
+           "</summary>\n<div class=\"gallery\">\n" + html + "</div></details>\n";
 }
 
 std::string stage_chart(const std::vector<Comparison>& views) {

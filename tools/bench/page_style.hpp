@@ -11,7 +11,7 @@ inline constexpr const char* page_style = R"(
   --panel: #1a212a; --c0: #5aa9f5; --c1: #fb923c; --c2: #4ec98a; --c3: #c893e8; --c4: #e0b341; --c5: #4cc3dd;
   --c6: #f472b6; --c7: #94a3b8; } }
 * { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 1100px; padding: 24px 16px 64px; color: var(--ink); background: var(--paper);
+body { margin: 0 auto; max-width: 1240px; padding: 24px 16px 64px; color: var(--ink); background: var(--paper);
   font: 15px/1.5 system-ui, sans-serif; }
 h1 { font-size: 26px; margin: 0 0 4px; } h2 { font-size: 20px; margin: 44px 0 4px; padding-top: 16px;
   border-top: 1px solid var(--line); } h3 { font-size: 16px; margin: 24px 0 4px; } p { margin: 4px 0 10px; max-width: 75ch; }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 
 #include "charts.hpp"
 #include "published.hpp"
@@ -15,6 +16,12 @@ namespace {
 using Rows = std::vector<const Row*>;
 
 std::string percent(double share) { return share == 0 ? "0" : three_digits(100 * share) + " %"; }
+
+std::string five_decimals(double value) {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.5f", value);
+    return text;
+}
 
 std::string times_text(const Times& times) {
     return three_digits(times.median_ms) + " ± " + three_digits(times.spread_ms / 2);
@@ -68,7 +75,7 @@ Table error_table(const Comparison& view) {
             const measure::VisibilityErrors& e = *row->errors;
             for (const std::string& cell :
                  {with_spaces(double(e.wrong())), percent(e.wrong_share()), with_spaces(double(e.wrongly_lit)),
-                  with_spaces(double(e.wrongly_shadowed)), three_digits(e.mean_absolute), three_digits(e.ssim),
+                  with_spaces(double(e.wrongly_shadowed)), three_digits(e.mean_absolute), five_decimals(e.ssim),
                   three_digits(e.worst_tile)})
                 line.push_back(cell);
         } else {

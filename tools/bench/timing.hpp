@@ -25,13 +25,12 @@ double time_ms(Work&& work) {
     return clock.elapsed_ms();
 }
 
-/// `most` timed runs, or fewer once `seconds` are spent, but at least `fewest`.
+/// `most` timed runs, or fewer once `seconds` are spent, but not fewer than 3 for that.
 struct RunRule {
     int most = 15;
     double seconds = 4;
-    int fewest = 3;
 
-    bool goes_on(int runs, double spent_ms) const { return runs < most && (runs < fewest || spent_ms < seconds * 1e3); }
+    bool goes_on(int runs, double spent_ms) const { return runs < most && (runs < 3 || spent_ms < seconds * 1e3); }
 };
 
 /// Times of `work`, after `warm_ups` runs that are not counted.

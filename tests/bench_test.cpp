@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+// The benchmark, run as a person runs it, on small scenes: its errors are right and its outputs agree. Never its times.
+#include <gtest/gtest.h>
+
+#include <boost/property_tree/ptree.hpp>
+#include <boost/property_tree/xml_parser.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "bench/charts.hpp"
+#include "bench/experiments.hpp"
+#include "bench/output.hpp"
+#include "bench/peers.hpp"
+#include "bench/published.hpp"
+#include "bench/tables.hpp"
+
+namespace gnomon::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string text_in(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// A folder of its own for each test, removed at its end.
+class BenchTest : public testing::Test {
+protected:
+    BenchTest()
+        : folder_(fs::temp_directory_path() /
+                  (std::string("gnomon_bench_test_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+    }
+    ~BenchTest() override { fs::remove_all(folder_); }
+
+    std::string path(const char* name) const { return (folder_ / name).string(); }
+    int run(const std::string& arguments) const {
+        const std::string command = GNOMON_BENCH " " + arguments + " >" + path("stdout") + " 2>" + path("stderr");
+        return std::system(command.c_str());
+    }
+    std::string errors() const { return text_in(path("stderr")); }
+    Json json(const char* name) const { return Json::parse(text_in(path(name))); }
+
+private:
+    fs::path folder_;
+};
+
+// ---- CSV, read without our own code ---------------------------------------------------------------------------------
+
+std::vector<std::string> fields_of(const std::string& line) {
+    std::vector<std::string> fields(1);
+    bool quoted = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
+            fields.back() += line[i++];
+        else if (line[i] == '"')
+            quoted = !quoted;
+        else if (line[i] == ',' && !quoted)
+            fields.emplace_back();
+        else
+            fields.back() += line[i];
+    }
+    return fields;
+}
+
+std::vector<std::map<std::string, std::string>> csv_rows(const std::string& text) {
+    std::istringstream stream(text);
+    std::vector<std::string> heads;
+    std::vector<std::map<std::string, std::string>> rows;
+    for (std::string line; std::getline(stream, line);) {
+        if (line.starts_with("# ")) continue;
+        const std::vector<std::string> fields = fields_of(line);
+        if (heads.empty()) {
+            heads = fields;
+            continue;
+        }
+        EXPECT_EQ(fields.size(), heads.size()) << line;
+        rows.emplace_back();
+        for (std::size_t i = 0; i < std::min(fields.size(), heads.size()); ++i) rows.back()[heads[i]] = fields[i];
+    }
+    return rows;
+}
+
+void expect_same(const Json& row, const std::map<std::string, std::string>& csv) {
+    for (const auto& [head, text] : csv) {
+        const Json::json_pointer at(std::string("/").append(head));
+        if (!row.contains(at)) {
+            EXPECT_EQ(text, "") << head;
+        } else if (row.at(at).is_string()) {
+            EXPECT_EQ(text, row.at(at).get<std::string>()) << head;
+        } else if (row.at(at).is_boolean()) {
+            EXPECT_EQ(text, row.at(at).get<bool>() ? "true" : "false") << head;
+        } else {
+            EXPECT_EQ(std::stod(text), row.at(at).get<double>()) << head;
+        }
+    }
+}
+
+// Throws if `file` is no well-formed XML.
+boost::property_tree::ptree xml_of(const std::string& file) {
+    boost::property_tree::ptree tree;
+    boost::property_tree::read_xml(file, tree);
+    return tree;
+}
+
+void count_elements(const boost::property_tree::ptree& tree, std::map<std::string, int>& counts) {
+    for (const auto& [name, child] : tree) {
+        ++counts[name];
+        count_elements(child, counts);
+    }
+}
+
+// ---- The whole program ----------------------------------------------------------------------------------------------
+
+TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
+    ASSERT_EQ(run("sundial --sweep --peers --oracle 100000 --runs 1 --seconds 0 --size 320x180 --stages --json " +
+                  path("all.json") + " --csv " + path("all.csv") + " --html " + path("all.html")),
+              0)
+        << errors();
+    const Json all = json("all.json");
+    for (const char* key : {"date", "processor", "system", "compiler", "gnomon", "commit", "opencl_devices"})
+        EXPECT_TRUE(all["machine"].contains(key)) << key;
+
+    int exact_rows = 0, rival_rows = 0, missed_nearby = 0;
+    for (const Json& row : all["rows"]) {
+        SCOPED_TRACE(row["technique"].get<std::string>() + " " + row["settings"].get<std::string>());
+        ASSERT_FALSE(row.contains("failed"));
+        const Json& e = row["errors"];
+        EXPECT_EQ(e["points"], 320 * 180);
+        EXPECT_EQ(e["wrong"].get<int>(), e["wrongly_lit"].get<int>() + e["wrongly_shadowed"].get<int>());
+        EXPECT_EQ(row["ms"]["runs"], 1);
+        EXPECT_LE(row["ms"]["least"].get<double>(), row["ms"]["median"].get<double>());
+        EXPECT_LE(row["ms"]["median"].get<double>(), row["ms"]["most"].get<double>());
+        rival_rows += row["technique"] == "embree";
+        // Rays that start 1e-4 of the scene along their way miss what stands nearer: their points are wrongly lit.
+        if (row["settings"].get<std::string>().ends_with("offset=0.0001")) missed_nearby += e["wrongly_lit"].get<int>();
+        if (!row["exact"].get<bool>()) continue;
+        ++exact_rows;
+        EXPECT_EQ(e["wrong"], 0);
+        EXPECT_GT(row["oracle"]["points"].get<int>(), 10000);
+        EXPECT_EQ(row["oracle"]["wrong"], 0);
+        EXPECT_GT(row["counts"]["points_in_shadow"].get<int>(), 0);
+        EXPECT_TRUE(row.contains("stages_ms"));
+    }
+    EXPECT_GE(exact_rows, 3);
+    if (embree_version() != "not built in") {
+        EXPECT_EQ(rival_rows, 16);
+        EXPECT_GT(missed_nearby, 0);
+    }
+
+    const auto csv = csv_rows(text_in(path("all.csv")));
+    ASSERT_EQ(csv.size(), all["rows"].size());
+    for (std::size_t i = 0; i < csv.size(); ++i) expect_same(all["rows"][i], csv[i]);
+
+    const auto html = xml_of(path("all.html"));
+    EXPECT_EQ(html.get<std::string>("html.head.title"), "gnomon: benchmark");
+    std::map<std::string, int> elements;
+    count_elements(html, elements);
+    EXPECT_GE(elements["svg"], 2);
+    EXPECT_EQ(elements["script"], 0);
+    EXPECT_EQ(elements["circle"], int(all["rows"].size()));
+    const std::string text = text_in(path("all.html"));
+    for (const char* loads : {"src=\"http", "href=", "@import", "url("})
+        EXPECT_EQ(text.find(loads), std::string::npos) << loads << ": the page must not load anything";
+}
+
+// A technique that is wrong by a known amount: exact shadows, but of a light that is tilted so that the shadow of a
+// roof 2 above the ground moves by 2 points. The roof is 25 by 21 points large, and no point lies under its edges.
+TEST_F(BenchTest, AShiftedLightIsWrongInTwoColumnsOnEitherSide) {
+    const std::vector<float> roof{15.5f, 2, 9.5f, 40.5f, 2, 9.5f,  40.5f, 2, 30.5f,
+                                  15.5f, 2, 9.5f, 40.5f, 2, 30.5f, 15.5f, 2, 30.5f};
+    constexpr std::uint32_t side = 64;
+    std::vector<float> ground;
+    for (std::uint32_t z = 0; z < side; ++z)
+        for (std::uint32_t x = 0; x < side; ++x) ground.insert(ground.end(), {float(x), 0, float(z)});
+    const Device device;
+    const auto triangles = Triangles::upload(device, roof);
+    const auto points = Points::upload(device, ground);
+    const auto mask_of = [&](const Float3& direction) {
+        const Visibility visibility(device, points.count());
+        make_technique(truth_configuration().technique, device)
+            ->run(triangles, points, Light::directional(direction), visibility);
+        return visibility.read();
+    };
+    const auto errors = measure::visibility_errors(mask_of({1, -1, 0}), mask_of({0, -1, 0}), side, side);
+    EXPECT_EQ(errors.points, side * side);
+    EXPECT_EQ(errors.wrongly_lit, 2u * 21);
+    EXPECT_EQ(errors.wrongly_shadowed, 2u * 21);
+    EXPECT_EQ(errors.mean_absolute, 4.0 * 21 / (side * side));
+    EXPECT_EQ(errors.worst_tile, 2.0 * 21 / (32 * 32));
+}
+
+TEST_F(BenchTest, AnUnusableRequestFailsWithOneSentence) {
+    EXPECT_NE(run(""), 0);
+    EXPECT_NE(errors().find("--experiment"), std::string::npos) << errors();
+    EXPECT_NE(run("sundial --size 0x10"), 0);
+    EXPECT_NE(errors().find("WIDTHxHEIGHT"), std::string::npos) << errors();
+    EXPECT_NE(run("nothing:1000"), 0);
+    EXPECT_NE(errors().find("no recipe"), std::string::npos) << errors();
+    EXPECT_NE(run("sundial --size 32x18 --set map-size=no"), 0) << "a technique that fails must fail the benchmark";
+    EXPECT_NE(errors().find("map-size"), std::string::npos) << errors();
+}
+
+// ---- Its parts ------------------------------------------------------------------------------------------------------
+
+TEST(BenchParts, TimesAreMedianExtremesAndQuartileDistance) {
+    const Times times = times_of({5, 1, 9, 3, 7});
+    EXPECT_EQ(times.median_ms, 5);
+    EXPECT_EQ(times.least_ms, 1);
+    EXPECT_EQ(times.most_ms, 9);
+    EXPECT_EQ(times.spread_ms, 7 - 3);
+    EXPECT_EQ(times.runs, 5u);
+    EXPECT_EQ(times_of({2}).spread_ms, 0);
+}
+
+TEST(BenchParts, TheParetoFrontHoldsWhatNothingBeats) {
+    //                                error, ms
+    const std::vector<Mark> marks{
+        {0.1, 5, 0, "beaten by the next"}, {0.1, 4, 0, "fastest"}, {0.01, 6, 0, "between"},
+        {0.02, 7, 0, "beaten by between"}, {0, 20, 0, "exact"},    {0, 30, 0, "exact, slower"}};
+    EXPECT_EQ(pareto_front(marks), (std::vector<std::size_t>{1, 2, 4}));
+}
+
+TEST(BenchParts, NumbersKeepThreeDigits) {
+    EXPECT_EQ(three_digits(0), "0");
+    EXPECT_EQ(three_digits(0.012345), "0.0123");
+    EXPECT_EQ(three_digits(1.2345), "1.23");
+    EXPECT_EQ(three_digits(1234.5), "1234");
+    EXPECT_EQ(with_spaces(12800000), "12\u00a0800\u00a0000");
+    EXPECT_EQ(with_spaces(100), "100");
+    EXPECT_EQ(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
+}
+
+// The sweep and the experiments name techniques and settings by hand: what they name must be there.
+TEST(BenchParts, EverySettingThatIsSweptCanBeSet) {
+    const Device device;
+    std::vector<Configuration> all = swept_configurations();
+    EXPECT_EQ(all.front().technique, truth_configuration().technique);
+    EXPECT_TRUE(all.front().settings.empty());
+    const SceneShelf shelf("", "");
+    for (const Experiment& experiment : experiments())
+        for (const Block& block : experiment.blocks(shelf, {})) {
+            std::ranges::copy(block.configurations, std::back_inserter(all));
+            EXPECT_FALSE(block.sizes.empty()) << experiment.name;
+            EXPECT_EQ(block.experiment, experiment.name);
+            for (const Size size : block.sizes)
+                if (block.more_settings) all.push_back({"frustum-traced", block.more_settings(size)});
+        }
+    for (const TechniqueDescription& technique : techniques())
+        EXPECT_TRUE(std::ranges::any_of(all, [&](const auto& c) { return c.technique == technique.name; }))
+            << technique.name << " is not in the sweep";
+    for (const Configuration& configuration : all) {
+        const auto technique = make_technique(configuration.technique, device);
+        for (const auto& [key, value] : configuration.settings)
+            EXPECT_NO_THROW(technique->set(key, value)) << configuration.technique << " " << key << "=" << value;
+    }
+}
+
+TEST(BenchParts, ExperimentsStayWithinTheMachinesLimits) {
+    const SceneShelf shelf("", "");
+    const Limits limits{.largest_triangles = 200'000, .largest_points = 1'000'000};
+    for (const Experiment& experiment : experiments())
+        for (const Block& block : experiment.blocks(shelf, limits)) {
+            const std::size_t colon = block.scene.find(':');
+            ASSERT_NE(colon, std::string::npos) << "without a folder all scenes are made ones";
+            EXPECT_LE(std::stoull(block.scene.substr(colon + 1)), limits.largest_triangles);
+            for (const Size size : block.sizes)
+                EXPECT_LE(std::uint64_t(size.width) * size.height, limits.largest_points);
+        }
+}
+
+// The totals of table 1 are at least the sum of its stages less the roundings: a slip of a digit would show.
+TEST(BenchParts, PublishedTablesAreWhole) {
+    for (const Json& table : published()) {
+        SCOPED_TRACE(table["title"].get<std::string>());
+        for (const char* key : {"experiment", "source", "machine"}) EXPECT_FALSE(table[key].get<std::string>().empty());
+        for (const Json& row : table["rows"]) ASSERT_EQ(row.size(), table["columns"].size());
+        if (table["experiment"] != "table1") continue;
+        ASSERT_EQ(table["rows"].size(), 24u);
+        for (const Json& row : table["rows"]) {
+            double sum = 0;
+            for (std::size_t i = 4; i < 8; ++i) sum += row[i].is_null() ? 0 : row[i].get<double>();
+            EXPECT_NEAR(row[8].get<double>(), sum, 0.021) << row.dump();
+        }
+    }
+}
+
+TEST(BenchParts, TablesShowFailuresAndErrors) {
+    Row good, bad;
+    good.experiment = bad.experiment = "times";
+    good.scene = bad.scene = "scene";
+    good.view = bad.view = "view";
+    good.technique = "one|technique";
+    good.total = times_of({2.5});
+    good.errors.emplace();
+    good.errors->points = 100;
+    good.errors->wrongly_lit = 7;
+    bad.technique = "other";
+    bad.failed = "it broke";
+    const std::vector<Row> rows{good, bad};
+    const std::vector<Table> tables = tables_of(rows, "times");
+    ASSERT_EQ(tables.size(), 1u);
+    ASSERT_EQ(tables[0].lines.size(), 2u);
+    EXPECT_EQ(tables[0].lines[0][1], "2.50 ± 0");
+    EXPECT_EQ(tables[0].lines[0][2], "7");
+    EXPECT_EQ(tables[0].lines[0][3], "7.00 %");
+    EXPECT_EQ(tables[0].lines[1][1], "it broke");
+    EXPECT_NE(html(tables[0]).find("it broke"), std::string::npos);
+    EXPECT_EQ(to_json(bad)["failed"], "it broke");
+    EXPECT_FALSE(to_json(bad).contains("ms"));
+}
+
+}  // namespace
+}  // namespace gnomon::bench
