@@ -1,22 +1,36 @@
 // SPDX-License-Identifier: MIT
-// Stage projection: fits the views of a shadow map to the shading points (kernels/shadow_map/projection.cl).
+// Stage projection: projection x partition, the views of a shadow map fitted to the shading points
+// (kernels/shadow_map/projection.h, kernels/shadow_map/partition.h).
 #pragma once
 
+#include "../../kernels/shadow_map/projection.h"
 #include "map_views.hpp"
 
 namespace gnomon {
 
-/// Projection x partition: makes the views of a map of size x size texels per view.
 class ViewFit {
 public:
     /// True if the setting is one of the fit's; throws InvalidArgument if its value is none.
     bool set(std::string_view name, std::string_view value);
     static std::vector<SettingDescription> settings();
-    /// Fills map_views, texel centres included.
+    /// Fills map_views, texel centres included, with views of size x size texels each (or that many in all, shared out
+    /// by error). Nothing is read back.
     void run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views);
+    /// What run() would make of these inputs: empty, or why it cannot do what the settings ask for and what it does
+    /// instead.
+    std::string limits(const FitInputs& inputs) const;
 
 private:
-    cl::Buffer basis_, bounds_;
+    ViewPlan plan_of(const FitInputs& inputs, std::uint32_t size) const;
+    void run_bounds(cl::Session& session, const ViewPlan& plan, cl_uint first, cl_uint count, bool only_open,
+                    const PointInputs& points, cl_mem visibility);
+
+    cl_uint projection_ = PROJECTION_UNIFORM, fit_ = FIT_RECEIVERS;
+    std::optional<cl_uint> partition_, range_;  ///< none: chosen by the light and the other settings
+    cl_uint cascades_ = 1;
+    bool shares_resolution_ = false, is_self_similar_ = false, is_atlas_ = false;
+    float lambda_ = 0.5f, alpha_ = 0.5f, overlap_ = 0.02f, near_plane_ = 0, far_plane_ = 0, slide_back_ = 0;
+    cl::Buffer planned_, bounds_;
 };
 
 }  // namespace gnomon
