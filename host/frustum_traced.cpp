@@ -169,10 +169,7 @@ void FrustumTraced::run_frame(Run& run, const LightFrame& frame) {
 
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
-    require_light(light);
-    if (visibility.count() < points.count())
-        throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
-                              std::to_string(points.count()) + " points");
+    require_run(triangles, points, light, visibility);
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     session.begin_run();

@@ -341,7 +341,8 @@ public:
     virtual ~Technique() = default;
     /// Writes visibility (points.count() floats) and returns what was done. Waits for the result only as far as it has
     /// to (buffers that must grow); the visibility is there when the device's queue has come that far.
-    /// Throws InvalidArgument if visibility has fewer entries than there are points.
+    /// Throws InvalidArgument if visibility has fewer entries than there are points or overlaps an input, or if the
+    /// light is none.
     virtual Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                            const Visibility& visibility) = 0;
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.

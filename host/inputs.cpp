@@ -11,8 +11,13 @@ namespace {
 
 constexpr std::size_t largest_index = std::numeric_limits<cl_uint>::max();
 
-std::shared_ptr<void> retained(cl_mem memory, const char* what) {
+std::shared_ptr<void> retained(const Device& device, cl_mem memory, const char* what) {
     if (memory == nullptr) throw InvalidArgument(std::string("the ") + what + " buffer must not be null");
+    cl_context context = nullptr;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_CONTEXT, sizeof(context), &context, nullptr),
+              "asking a buffer for its context");
+    if (context != device.context())
+        throw InvalidArgument(std::string("the ") + what + " buffer belongs to another OpenCL context than the device");
     cl::check(clRetainMemObject(memory), std::string("retaining the ") + what + " buffer");
     return {memory, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
 }
@@ -43,6 +48,42 @@ std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size
     return {owned, owned->buffer.get()};
 }
 
+/// Bytes [first, end) of a buffer that has no parent (a sub-buffer counts as part of its parent).
+struct Extent {
+    cl_mem root;
+    std::size_t first, end;
+};
+Extent extent_of(cl_mem memory, std::size_t first_float, std::size_t end_float) {
+    cl_mem parent = nullptr;
+    std::size_t offset = 0;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_ASSOCIATED_MEMOBJECT, sizeof(parent), &parent, nullptr),
+              "asking a buffer for its parent");
+    if (parent != nullptr)
+        cl::check(clGetMemObjectInfo(memory, CL_MEM_OFFSET, sizeof(offset), &offset, nullptr),
+                  "asking a buffer for its offset");
+    return {parent != nullptr ? parent : memory, offset + first_float * sizeof(float),
+            offset + end_float * sizeof(float)};
+}
+bool overlap(const Extent& a, const Extent& b) { return a.root == b.root && a.first < b.end && b.first < a.end; }
+
+// What a run writes must not be what it reads.
+void require_apart(const Triangles& triangles, const Points& points, const Visibility& visibility) {
+    const std::size_t count = points.count();
+    if (count == 0) return;
+    const Extent written = extent_of(visibility.buffer(), 0, count);
+    const PointLayout& at = points.layout();
+    const std::size_t end = at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1;
+    const std::size_t first = triangles.first_float();
+    const char* what = nullptr;
+    if (overlap(written, extent_of(points.positions(), at.first, end))) what = "positions";
+    if (points.receivers() != nullptr && overlap(written, extent_of(points.receivers(), 0, count))) what = "receivers";
+    if (triangles.count() != 0 && overlap(written, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
+        what = "triangles";
+    if (what != nullptr)
+        throw InvalidArgument(std::string("the visibility buffer overlaps the ") + what +
+                              ", which the run reads while it writes: give visibility memory of its own");
+}
+
 void require_count(std::size_t count, const char* what) {
     if (count >= largest_index)
         throw InvalidArgument(std::to_string(count) + " " + what + " are too many: ids are 32 bits wide");
@@ -62,10 +103,10 @@ Triangles Triangles::upload(const Device& device, std::span<const float> vertice
     return triangles;
 }
 
-Triangles Triangles::wrap(const Device&, cl_mem vertices, std::size_t count, std::size_t first_float) {
+Triangles Triangles::wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float) {
     require_count(count, "triangles");
     Triangles triangles;
-    triangles.buffer_ = retained(vertices, "triangle");
+    triangles.buffer_ = retained(device, vertices, "triangle");
     require_floats(vertices, 9 * count, "triangle", first_float);
     triangles.count_ = count;
     triangles.first_float_ = first_float;
@@ -91,19 +132,20 @@ Points Points::upload(const Device& device, std::span<const float> positions,
     return points;
 }
 
-Points Points::wrap(const Device&, cl_mem positions, const PointLayout& layout, std::size_t count, cl_mem receivers) {
+Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
+                    cl_mem receivers) {
     require_count(count, "points");
     if (layout.first > largest_index || layout.point_stride > largest_index || layout.coordinate_stride > largest_index)
         throw InvalidArgument("the point layout's offset and strides must fit 32 bits");
     Points points;
     points.count_ = count;
     points.layout_ = layout;
-    points.positions_ = retained(positions, "point");
+    points.positions_ = retained(device, positions, "point");
     if (count != 0)
         require_floats(positions, layout.first + (count - 1) * layout.point_stride + 2 * layout.coordinate_stride + 1,
                        "point");
     if (receivers != nullptr) {
-        points.receivers_ = retained(receivers, "receiver");
+        points.receivers_ = retained(device, receivers, "receiver");
         require_floats(receivers, count, "receiver");
     }
     return points;
@@ -121,7 +163,7 @@ Visibility::Visibility(const Device& device, std::size_t count) : device_(device
 }
 
 Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
-    : device_(device), buffer_(retained(buffer, "visibility")), count_(count) {
+    : device_(device), buffer_(retained(device, buffer, "visibility")), count_(count) {
     require_floats(buffer, count, "visibility");
 }
 
@@ -142,6 +184,17 @@ void require_light(const Light& light) {
     if (!is_finite || !(is_direction || w == 1))
         throw InvalidArgument(
             "the light must be finite, and either a direction other than 0,0,0 (w = 0) or a position (w = 1)");
+}
+
+void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility) {
+    require_light(light);
+    if (points.eye())
+        for (const float c : *points.eye())
+            if (!std::isfinite(c)) throw InvalidArgument("the eye of the points must be finite numbers");
+    if (visibility.count() < points.count())
+        throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
+                              std::to_string(points.count()) + " points");
+    require_apart(triangles, points, visibility);
 }
 
 TriangleInputs triangle_inputs(const Triangles& triangles) {

@@ -16,6 +16,10 @@ inline Float4 float4_of(const std::array<float, 4>& v) { return {v[0], v[1], v[2
 /// Throws InvalidArgument unless the light is one that Light's makers could have made (its xyzw is public).
 void require_light(const Light& light);
 
+/// Throws InvalidArgument unless a technique can run on these: a light, a finite eye, if any, and a visibility buffer
+/// that is large enough and overlaps no input. Every technique's run begins with it.
+void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility);
+
 struct TriangleInputs {
     cl_mem vertices;
     cl_ulong first_float;

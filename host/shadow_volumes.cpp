@@ -116,10 +116,7 @@ void ShadowVolumes::draw(const VolumeView& view, const PointInputs& points, cl_u
 
 Statistics ShadowVolumes::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
-    require_light(light);
-    if (visibility.count() < points.count())
-        throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
-                              std::to_string(points.count()) + " points");
+    require_run(triangles, points, light, visibility);
     const auto start = std::chrono::steady_clock::now();
     Statistics statistics;
     if (points.count() == 0) return statistics;

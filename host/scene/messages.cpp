@@ -5,18 +5,25 @@
 #include "scene.hpp"
 
 namespace gnomon::scene {
+namespace {
 
-void fail(const std::filesystem::path& file, const std::string& what) { throw SceneError(file.string() + ": " + what); }
+std::string without_control_characters(std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+        if (const auto byte = static_cast<unsigned char>(c); byte < 0x20 || byte == 0x7F) c = '?';
+    return out;
+}
+
+}  // namespace
+
+// `what` may repeat words of the file that came to it unquoted: property names, or what tinygltf has to say.
+void fail(const std::filesystem::path& file, const std::string& what) {
+    throw SceneError(file.string() + ": " + without_control_characters(what));
+}
 
 std::string in_quotes(std::string_view text) {
     constexpr std::size_t longest = 60;
-    std::string out = "'";
-    for (const char c : text.substr(0, longest)) {
-        const auto byte = static_cast<unsigned char>(c);
-        out += byte < 0x20 || byte == 0x7F ? '?' : c;
-    }
-    if (text.size() > longest) out += "...";
-    return out + "'";
+    return "'" + without_control_characters(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
 }
 
 std::string counted(std::size_t count, std::string_view thing) {

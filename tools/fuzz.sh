@@ -1,0 +1,40 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Builds the fuzzers (clang, AddressSanitizer, UndefinedBehaviorSanitizer) and runs each for some seconds from its saved
+# corpus, tests/fuzz/corpus/. What a run finds beyond that stays in build-fuzz/found/ for the next; an input that breaks
+# a promise is printed, kept there too, and ends the script with an error. With --save, what covers new code is added to
+# the saved corpus.
+# usage: fuzz.sh [SECONDS EACH, default 30] [--save]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+seconds=${1:-30}
+save=${2:-}
+folder=build-fuzz
+compiler=$(command -v clang++-14 || command -v clang++) || {
+    echo "clang++ is missing: tools/install_packages.sh ci installs it" >&2
+    exit 1
+}
+launcher=()
+if command -v ccache >/dev/null; then launcher=(-D CMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+cmake -G Ninja -S . -B "$folder" -D CMAKE_CXX_COMPILER="$compiler" -D CMAKE_BUILD_TYPE=RelWithDebInfo \
+    -D "CMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" -D GNOMON_SANITIZE=ON -D GNOMON_FUZZ=ON -D GNOMON_COMMAND=OFF \
+    -D GNOMON_TOOLS=OFF "${launcher[@]}" >/dev/null
+cmake --build "$folder" --parallel "$(nproc)" --target scene_fuzz library_fuzz
+
+export GNOMON_CACHE_DIR=$PWD/$folder/test_kernel_cache
+for target in scene library; do
+    found=$folder/found/$target
+    saved=tests/fuzz/corpus/$target
+    mkdir -p "$found" "$folder/broken"
+    # Leaks are looked for once, at the end: OpenCL's threads would have them looked for after every input. Memory of
+    # the device that is not given back is looked for by the target itself.
+    options=(-timeout=60 -rss_limit_mb=4096 -malloc_limit_mb=1024 -detect_leaks=0 "-artifact_prefix=$folder/broken/$target-")
+    if [ "$target" = scene ]; then options+=(-max_len=4096); else options+=(-max_len=1200); fi
+    echo "== $target: $seconds s"
+    "$folder/tests/${target}_fuzz" "$found" "$saved" -max_total_time="$seconds" -print_final_stats=1 \
+        -verbosity=0 "${options[@]}"
+    if [ "$save" = --save ]; then
+        "$folder/tests/${target}_fuzz" -merge=1 "$saved" "$found" -verbosity=0 "${options[@]}"
+    fi
+done
