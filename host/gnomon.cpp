@@ -2,10 +2,14 @@
 // The public face: devices and the register of techniques. A new technique is one line in `registered`.
 #include "gnomon.hpp"
 
+#include <functional>
+
 #include "cl/description.hpp"
 #include "cl/session.hpp"
 #include "frustum_traced.hpp"
 #include "self_check.hpp"
+#include "shadow_map/presets.hpp"
+#include "shadow_map/shadow_map.hpp"
 #include "shadow_volumes.hpp"
 
 namespace gnomon {
@@ -42,7 +46,7 @@ namespace {
 
 struct Registered {
     TechniqueDescription description;
-    std::unique_ptr<Technique> (*make)(const Device&);
+    std::function<std::unique_ptr<Technique>(const Device&)> make;
 };
 
 template <typename T>
@@ -52,10 +56,14 @@ Registered entry() {
 }
 
 std::vector<Registered> registered() {
-    return {
+    std::vector<Registered> all{
         entry<FrustumTraced>(),
+        entry<ShadowMap>(),
         entry<ShadowVolumes>(),
     };
+    for (const ShadowMapPreset& preset : shadow_map_presets())
+        all.push_back({describe(preset), [&preset](const Device& device) { return make(preset, device); }});
+    return all;
 }
 
 }  // namespace

@@ -28,10 +28,12 @@ std::string text_of(const std::string& file) {
     throw Error("no kernel file named " + path + " was built in");
 }
 
-// Paths are relative to kernels/, or to the file where they start with "../", as a C++ compiler reads them.
+// As a C++ compiler looks for it: beside the file that includes it, else in kernels/.
 std::string path_of(const std::string& file, const std::string& included) {
-    if (!included.starts_with("../")) return included;
-    return (std::filesystem::path(file).parent_path() / included).lexically_normal().generic_string();
+    const auto beside = (std::filesystem::path(file).parent_path() / included).lexically_normal().generic_string();
+    for (const EmbeddedKernel& kernel : embedded_kernels())
+        if (kernel.path == "kernels/" + beside) return beside;
+    return included;
 }
 
 // Pastes each header where it is first included.

@@ -36,7 +36,7 @@ std::uint32_t choice_setting(std::string_view name, std::string_view text, std::
     std::string listed;
     for (std::size_t i = 0; i < names.size(); ++i) {
         if (names[i] == text) return static_cast<std::uint32_t>(i);
-        listed += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + std::string(names[i]);
+        listed.append(i == 0 ? "" : i + 1 == names.size() ? " or " : ", ").append(names[i]);
     }
     throw InvalidArgument(std::string(name) + " is " + listed + ", not \"" + std::string(text) + "\"");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Fills the tables of texel centres of all views: where each column and row of texels lies before the warp.
-#include "../shadow_map/map_view.h"
+#include "map_view.h"
 
 __kernel void map_view_centres(MapSet set, __global const MapView* views, __global float* tables) {
     for (uint v = 0; v < set.view_count; ++v) {

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "stored_map.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace gnomon {
+namespace {
+
+constexpr const char* prefilter_file = "shadow_map/prefilter.cl";
+
+// Weights of `taps` texels: a Gaussian of sigma taps / 4.5, which leaves 2 % beyond the ends.
+std::vector<float> gaussian_weights(std::uint32_t taps) {
+    std::vector<double> weights(taps);
+    for (std::uint32_t i = 0; i < taps; ++i) {
+        const double from_middle = (i - 0.5 * (taps - 1)) / (taps / 4.5);
+        weights[i] = std::exp(-0.5 * from_middle * from_middle);
+    }
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::vector<float> scaled;
+    for (const double weight : weights) scaled.push_back(static_cast<float>(weight / sum));
+    return scaled;
+}
+
+}  // namespace
+
+void StoredMap::to_half_bits(cl::Session& session, const StorePlan& plan, std::size_t numbers) {
+    if (plan.store != STORE_MOMENTS || plan.half_bits == 0) return;
+    session.launch("shadow_map/moments.cl", "moments_to_half_bits", cl::Range::items(numbers), cl_ulong(numbers),
+                   planes_);
+}
+
+void StoredMap::fill(cl::Session& session, const MapViews& map_views, const DepthMap& depths, const StorePlan& plan) {
+    const std::size_t numbers = std::size_t(map_views.set.texels) * plan.planes;
+    planes_.reserve(session, numbers * sizeof(float));
+    session.launch("shadow_map/moments.cl", "moments_fill", cl::Range::items(map_views.set.texels), plan, map_views.set,
+                   depths.keys(), depths.slopes(), planes_);
+    to_half_bits(session, plan, numbers);
+}
+
+void StoredMap::prefilter(cl::Session& session, const MapViews& map_views, Prefilter prefilter, std::uint32_t width,
+                          StorePlan& plan) {
+    const MapSet& set = map_views.set;
+    const std::size_t numbers = std::size_t(set.texels) * plan.planes;
+    plan.summed = prefilter == Prefilter::summed_area;
+    if (prefilter == Prefilter::none) return;
+    scratch_.reserve(session, numbers * sizeof(float));
+    if (prefilter == Prefilter::gaussian) {
+        const std::vector<float> weights = gaussian_weights(width);
+        weights_.reserve(session, weights.size() * sizeof(float));
+        session.write(weights_.get(), weights.data(), weights.size() * sizeof(float));
+        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), set, plan.planes, width,
+                       cl_uint(0), weights_, map_views.views, planes_, scratch_);
+        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), set, plan.planes, width,
+                       cl_uint(1), weights_, map_views.views, scratch_, planes_);
+        to_half_bits(session, plan, numbers);
+        return;
+    }
+    // Sums of a box stay below 2^32: as many bits as its number of texels leaves.
+    plan.width = static_cast<float>(width);
+    plan.summed_scale = std::ldexp(1.0f, 31 - static_cast<int>(std::ceil(2 * std::log2(width))));
+    const float low = plan.store == STORE_CONVOLUTION ? -1.0f : 0.0f, scale_in = low < 0 ? 0.5f : 1.0f;
+    session.launch(prefilter_file, "prefilter_sum_rows", cl::Range::items(numbers), set, plan.planes, plan.summed_scale,
+                   low, scale_in, map_views.views, planes_, scratch_);
+    session.launch(prefilter_file, "prefilter_sum_columns", cl::Range::items(numbers), set, plan.planes,
+                   map_views.views, scratch_);
+    std::swap(planes_, scratch_);
+}
+
+}  // namespace gnomon
