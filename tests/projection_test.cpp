@@ -5,9 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
+#include <cstring>
 #include <limits>
-#include <numbers>
 
 #include "../host/shadow_map/projection.hpp"
 #include "../host/vectors.hpp"
@@ -35,22 +34,29 @@ Floats yard() {
     return triangles;
 }
 
+/// One device for all: a driver compiles its kernels anew for each.
+gnomon::Device shared_device() {
+    static const gnomon::Device device = device_with();
+    return device;
+}
+
 struct Scene {
-    gnomon::Device device = device_with();
+    gnomon::Device device;
     Floats vertices = yard();
     gnomon::Triangles triangles = gnomon::Triangles::upload(device, vertices);
     gnomon::Camera camera;
     gnomon::View view;
     std::vector<float> positions;  ///< of pixels that see something
 
-    explicit Scene(const gnomon::Camera& from) : camera(from) {
+    explicit Scene(const gnomon::Camera& from, const gnomon::Device& on = shared_device()) : device(on), camera(from) {
         view = gnomon::look(device, triangles, camera, 96, 64);
         const gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
         for (std::size_t i = 0; i < host.receiver.size(); ++i)
             if (host.receiver[i] != gnomon::no_receiver)
                 positions.insert(positions.end(), &host.position[3 * i], &host.position[3 * i] + 3);
     }
-    Scene() : Scene(gnomon::Camera::look_at({0, 3, 30}, {2, 1, 0}, {0, 1, 0}, 50)) {}
+    explicit Scene(const gnomon::Device& on = shared_device())
+        : Scene(gnomon::Camera::look_at({0, 3, 30}, {2, 1, 0}, {0, 1, 0}, 50), on) {}
 
     double depth(const Double3& p) const {
         return gnomon::dot(camera.forward, {p[0] - camera.eye[0], p[1] - camera.eye[1], p[2] - camera.eye[2]});
@@ -186,6 +192,364 @@ TEST(projection, holds_every_point_and_what_casts_on_it) {
             EXPECT_EQ(lost, 0u) << "of " << scene.positions.size() / 3;
             EXPECT_LT(astray, 1) << "a point and what shades it lie at different places";
         }
+}
+
+// ---- Partitions -----------------------------------------------------------------------------------------------------
+
+const gnomon::Light noon = gnomon::Light::directional({0, -1, 0});
+
+/// Ends of the slices, from select_near and select_far.
+std::vector<double> splits(const Fitted& fitted) {
+    std::vector<double> ends;
+    for (std::size_t i = 0; i + 1 < fitted.views.size(); ++i) {
+        EXPECT_EQ(fitted.views[i].select_far, fitted.views[i + 1].select_near) << "a gap or an overlap";
+        ends.push_back(fitted.views[i].select_far);
+    }
+    EXPECT_EQ(fitted.views.front().select_near, -std::numeric_limits<float>::infinity());
+    EXPECT_EQ(fitted.views.back().select_far, std::numeric_limits<float>::infinity());
+    return ends;
+}
+
+TEST(partition, parallel_splits_are_even_for_0_and_a_geometric_row_for_1) {
+    Scene scene;
+    const Settings planes{{"cascades", "4"}, {"depth-range", "planes"}, {"near", "2"}, {"far", "162"}};
+    const auto with = [&](const char* lambda) {
+        Settings settings = planes;
+        settings.emplace_back("lambda", lambda);
+        return splits(fit(scene, noon, settings));
+    };
+    const auto even = with("0"), logarithmic = with("1"), half = with("0.5");
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_FLOAT_EQ(even[i], 2 + 40 * (i + 1));
+        EXPECT_FLOAT_EQ(logarithmic[i], 2 * std::pow(3, i + 1));  // 162 / 2 = 3^4
+        EXPECT_FLOAT_EQ(half[i], (even[i] + logarithmic[i]) / 2);
+    }
+}
+
+// The reduction on the device finds the host's least and greatest depth: the middle of two slices tells both.
+TEST(partition, sample_distribution_reaches_from_the_nearest_point_to_the_farthest) {
+    for (const std::uint32_t work_group_size : FEW_WORK_GROUP_SIZES) {
+        Scene scene(device_with(work_group_size));
+        double least = 1e30, greatest = 0;
+        for (std::size_t i = 0; i < scene.positions.size(); i += 3) {
+            least = std::min(least, scene.depth(to_double(&scene.positions[i])));
+            greatest = std::max(greatest, scene.depth(to_double(&scene.positions[i])));
+        }
+        const double even = splits(fit(scene, noon, {{"cascades", "2"}, {"lambda", "0"}}))[0];
+        const double logarithmic = splits(fit(scene, noon, {{"cascades", "2"}, {"lambda", "1"}}))[0];
+        EXPECT_NEAR(even, (least + greatest) / 2, 2e-5 * greatest);
+        EXPECT_NEAR(logarithmic, std::sqrt(least * greatest), 2e-5 * greatest);
+    }
+}
+
+TEST(partition, storage_moves_texels_and_nothing_else) {
+    Scene scene;
+    const Fitted array = fit(scene, noon, {{"cascades", "5"}}),
+                 atlas = fit(scene, noon, {{"cascades", "5"}, {"storage", "atlas"}});
+    ASSERT_EQ(array.views.size(), 5u);
+    std::vector<int> uses(std::max(array.set.texels, atlas.set.texels));
+    for (const Fitted* fitted : {&array, &atlas}) {
+        std::fill(uses.begin(), uses.end(), 0);
+        for (const MapView& view : fitted->views)
+            for (std::uint32_t y = 0; y < view.height; ++y)
+                for (std::uint32_t x = 0; x < view.width; ++x) {
+                    const std::size_t texel = view.first_texel + std::size_t(y) * view.row_stride + x;
+                    ASSERT_LT(texel, fitted->set.texels);
+                    ASSERT_EQ(++uses[texel], 1) << "two views share a texel";
+                }
+    }
+    for (std::size_t i = 0; i < 5; ++i) {
+        MapView moved = atlas.views[i];
+        moved.first_texel = array.views[i].first_texel;
+        moved.row_stride = array.views[i].row_stride;
+        EXPECT_EQ(std::memcmp(&moved, &array.views[i], sizeof(MapView)), 0);
+    }
+}
+
+// Moved and turned by less than its texels, a stabilised view stays the same to the bit or moves by whole texels: so
+// every texel covers what it covered. Swimming is counted in texels of displacement; the plain fit shows it is there.
+double largest_swimming(const Settings& settings) {
+    double largest = 0;
+    std::vector<MapView> before;
+    for (int step = 0; step < 12; ++step) {
+        const float t = 0.013f * static_cast<float>(step);
+        Scene scene(gnomon::Camera::look_at({t, 3, 30 - 0.7f * t}, {2 + 1.5f * t, 1, 0}, {0, 1, 0}, 50));
+        const auto views = fit(scene, gnomon::Light::directional({0.3f, -1, 0.2f}), settings).views;
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            if (views[i].width == 0 || before[i].width == 0) continue;
+            for (const Double3 p : {Double3{0, 0, 0}, Double3{3, 0, 5}, Double3{-4, 2, -7}}) {
+                const Place now = place(views[i], p), then = place(before[i], p);
+                for (const double moved : {(now.u - then.u) * 256, (now.v - then.v) * 256})
+                    largest = std::max(largest, std::fabs(moved - std::round(moved)));
+            }
+        }
+        before = views;
+    }
+    return largest;
+}
+
+TEST(partition, stabilised_views_move_by_whole_texels) {
+    const Settings cascades{{"cascades", "3"}, {"near", "1"}, {"far", "120"}, {"depth-range", "planes"}};
+    const auto with = [&](const char* form) {
+        Settings settings = cascades;
+        settings.emplace_back("fit", form);
+        return largest_swimming(settings);
+    };
+    // Rows are floats and a point lies up to a few hundred texels from the origin of the grid: 2^-24 of that, a few
+    // times over, is what "whole" means.
+    EXPECT_LT(with("sphere"), 2e-4);
+    EXPECT_LT(with("quantised"), 2e-4);
+    EXPECT_GT(with("frustum"), 0.1) << "the test would not see swimming";
+}
+
+// ---- Projections ----------------------------------------------------------------------------------------------------
+
+/// The camera's post-perspective place of p, for planes n and f.
+Double3 post_perspective(const Scene& scene, const Double3& p, double n, double f) {
+    const Double3 q{p[0] - scene.camera.eye[0], p[1] - scene.camera.eye[1], p[2] - scene.camera.eye[2]};
+    const double z = gnomon::dot(q, scene.camera.forward);
+    return {gnomon::dot(q, scene.camera.right) / (z * scene.tangent_right()),
+            gnomon::dot(q, scene.camera.up) / (z * scene.tangent_up()), (f + n) / (f - n) - 2 * f * n / ((f - n) * z)};
+}
+
+Double3 from_camera(const Scene& scene, double x, double y, double z) {
+    Double3 p{scene.camera.eye[0], scene.camera.eye[1], scene.camera.eye[2]};
+    p = sum(p, gnomon::scaled(scene.camera.right, x * z * scene.tangent_right()));
+    p = sum(p, gnomon::scaled(scene.camera.up, y * z * scene.tangent_up()));
+    return sum(p, gnomon::scaled(scene.camera.forward, z));
+}
+
+/// The world point at a post-perspective place.
+Double3 from_post_perspective(const Scene& scene, const Double3& c, double n, double f) {
+    return from_camera(scene, c[0], c[1], 2 * f * n / (f + n - c[2] * (f - n)));
+}
+
+const Settings whole_frustum{{"fit", "frustum"}, {"depth-range", "planes"}, {"near", "4"}, {"far", "100"}};
+
+Settings whole_frustum_of(const char* projection) {
+    Settings settings = whole_frustum;
+    settings.emplace_back("projection", projection);
+    return settings;
+}
+
+// With the light straight across the view its rays are parallel after the perspective too (at L.w = 0): the map is a
+// parallel projection of the post-perspective cube, and keeps the middle of any two places in the middle.
+TEST(projection, psm_sees_the_post_perspective_cube_in_parallel_if_the_light_is_across) {
+    Scene scene;
+    const Double3& up = scene.camera.up;
+    const auto across = gnomon::Light::directional({float(-up[0]), float(-up[1]), float(-up[2])});
+    const MapView view = fit(scene, across, whole_frustum_of("psm")).views.at(0);
+    Random random(3);
+    double spread = 0;
+    for (int i = 0; i < 100; ++i) {
+        Double3 a, b, middle;
+        for (int c = 0; c < 3; ++c) {
+            a[c] = random.between(-1, 1), b[c] = random.between(-1, 1);
+            middle[c] = (a[c] + b[c]) / 2;
+        }
+        const Place at_a = place(view, from_post_perspective(scene, a, 4, 100)),
+                    at_b = place(view, from_post_perspective(scene, b, 4, 100)),
+                    at_middle = place(view, from_post_perspective(scene, middle, 4, 100));
+        EXPECT_NEAR(at_middle.u, (at_a.u + at_b.u) / 2, 1e-4);
+        EXPECT_NEAR(at_middle.v, (at_a.v + at_b.v) / 2, 1e-4);
+        spread = std::max({spread, std::fabs(at_a.u - at_b.u), std::fabs(at_a.v - at_b.v)});
+    }
+    EXPECT_GT(spread, 0.3) << "all points at one place would pass";
+    // The world is not seen in parallel: that would pass as well.
+    const Place near_end = place(view, from_camera(scene, 0, 0, 5)),
+                far_end = place(view, from_camera(scene, 0, 0, 95)), middle = place(view, from_camera(scene, 0, 0, 50));
+    EXPECT_GT(std::hypot(middle.u - (near_end.u + far_end.u) / 2, middle.v - (near_end.v + far_end.v) / 2), 0.1);
+}
+
+/// Length along the view that a texel covers, over the depth there (that of a pixel), at a place on the view's axis.
+double texel_per_pixel(const Scene& scene, const MapView& view, double z) {
+    const auto v = [&](double depth) {
+        const double at = place(view, from_camera(scene, 0, 0, depth)).v;
+        return view.warp == WARP_LOGARITHMIC ? std::log1p(view.log_strength * at) / std::log1p(view.log_strength) : at;
+    };
+    const double step = 1e-3 * z;
+    return 2 * step / (std::fabs(v(z + step) - v(z - step)) * z);
+}
+
+// Wimmer et al. 2004: n = z_n + sqrt(z_n z_f) makes the error at both ends the same, and smaller than any other does.
+TEST(projection, lispsm_has_the_optimal_distance) {
+    // The light straight down on a camera that looks straight ahead; the floor and its posts are cut by the frustum, so
+    // let a box around everything leave the whole of it.
+    Scene scene(gnomon::Camera::look_at({0, 3, 30}, {0, 3, 0}, {0, 1, 0}, 40));
+    Floats vertices = yard();
+    add(vertices, {-300, -300, -300}, {300, 300, 300}, {301, 300, 300});
+    scene.triangles = gnomon::Triangles::upload(scene.device, vertices);
+    const double n = 4, f = 100;
+    const MapView view = fit(scene, noon, whole_frustum_of("lispsm"), 4096).views.at(0);
+    // w is 0 on the line y = y_c: find it on the view's axis (w is linear along it).
+    const auto w = [&](double z) { return place(view, from_camera(scene, 0, 0, z)).w; };
+    const double w_near = w(n), w_far = w(f), zero = n - w_near * (f - n) / (w_far - w_near);
+    const double distance = n - zero, optimal = n + std::sqrt(n * f);
+    EXPECT_NEAR(distance, optimal, 0.01 * optimal);
+    EXPECT_NEAR(texel_per_pixel(scene, view, n * 1.01) / texel_per_pixel(scene, view, f * 0.99), 1, 0.02);
+    // w^2 / z at both ends, the integral of 1 / w^2 being the map's height: the greater of the two, by distance.
+    const auto error = [&](double d) {
+        const double scale = 1 / d - 1 / (d + f - n);
+        return scale * std::max(d * d / n, (d + f - n) * (d + f - n) / f);
+    };
+    for (const double factor : {0.5, 0.9, 1.1, 2.0}) EXPECT_GT(error(optimal * factor), error(distance));
+}
+
+// Lloyd et al. 2008: with the light across the view, a logarithmic map whose w is the depth has the same error
+// everywhere. No linear map has: LiSPSM's varies by sqrt(f / n) / 2 and more.
+TEST(projection, logpsm_has_the_same_error_everywhere_if_the_light_is_across) {
+    Scene scene(gnomon::Camera::look_at({0, 3, 30}, {0, 3, 0}, {0, 1, 0}, 40));
+    Floats vertices = yard();
+    add(vertices, {-300, -300, -300}, {300, 300, 300}, {301, 300, 300});
+    scene.triangles = gnomon::Triangles::upload(scene.device, vertices);
+    const auto variation = [&](const char* projection) {
+        const MapView view = fit(scene, noon, whole_frustum_of(projection), 4096).views.at(0);
+        double least = 1e30, greatest = 0;
+        for (double z = 4.1; z < 99; z *= 1.1) {
+            const double error = texel_per_pixel(scene, view, z);
+            least = std::min(least, error), greatest = std::max(greatest, error);
+        }
+        return greatest / least;
+    };
+    EXPECT_LT(variation("logpsm"), 1.05);
+    EXPECT_GT(variation("lispsm"), 1.4);
+    EXPECT_GT(variation("psm"), 10);
+    EXPECT_GT(variation("uniform"), 20);
+}
+
+// Seen along the light the view has no direction, and all warps are the uniform map.
+TEST(projection, warps_end_where_the_light_is_along_the_view) {
+    Scene scene;
+    const auto& d = scene.camera.forward;
+    const auto along = gnomon::Light::directional({float(d[0]), float(d[1]), float(d[2])});
+    const MapView uniform = fit(scene, along, {}).views.at(0);
+    for (const char* projection : {"lispsm", "logpsm"}) {
+        const MapView view = fit(scene, along, {{"projection", projection}}).views.at(0);
+        EXPECT_EQ(std::memcmp(&view, &uniform, sizeof(view)), 0) << projection;
+    }
+}
+
+// Points belong to the side their ray leaves through, found here by the ray itself; on a long side u is the picture's
+// own coordinate of that place, and v its depth's logarithm.
+TEST(projection, frustum_sides_hold_the_rays_that_leave_through_them) {
+    Scene scene;
+    const double n = 4, f = 100;
+    for (const auto& [name, light] : lights()) {
+        SCOPED_TRACE(name);
+        Settings settings = whole_frustum_of("logpsm");
+        settings.emplace_back("partition", "faces");
+        const Fitted fitted = fit(scene, light, settings);
+        Random random(7);
+        for (int i = 0; i < 200; ++i) {
+            const double z = random.between(4.1f, 99);
+            const Double3 p = from_camera(scene, random.between(-1, 1) * 0.999, random.between(-1, 1) * 0.999, z);
+            const Double3 away = gnomon::scaled(towards(light, p), -1);
+            // Values of the six planes at p and along the ray, in the order of the views.
+            const auto planes = [&](const Double3& q) {
+                const double x = gnomon::dot(q, scene.camera.right), y = gnomon::dot(q, scene.camera.up),
+                             depth = gnomon::dot(q, scene.camera.forward);
+                const double s = depth * scene.tangent_right(), t = depth * scene.tangent_up();
+                return std::array<double, 6>{x - s, -x - s, y - t, -y - t, depth, -depth};
+            };
+            const Double3 from_eye{p[0] - scene.camera.eye[0], p[1] - scene.camera.eye[1], p[2] - scene.camera.eye[2]};
+            std::array<double, 6> at = planes(from_eye), along = planes(away);
+            at[4] -= f, at[5] += n;
+            int exit = -1;
+            double reach = 1e30;
+            for (int side = 0; side < 6; ++side)
+                if (along[side] > 0 && -at[side] / along[side] < reach) reach = -at[side] / along[side], exit = side;
+            const MapView& view = fitted.views[exit];
+            if (view.width == 0) continue;  // no shading point needs that side
+            const Double3 left_at = sum(p, gnomon::scaled(away, reach));
+            const Double3 c = post_perspective(scene, left_at, n, f);
+            if (std::max(std::fabs(c[0]), std::fabs(c[1])) > 1.0005) continue;
+            const Place found = place(view, p);
+            EXPECT_TRUE(is_inside(found)) << exit << " " << found.u << " " << found.v;
+            if (exit < 4) {
+                EXPECT_NEAR(found.u, (c[1 - exit / 2] + 1) / 2, 2e-3);
+                const double v = std::log1p(view.log_strength * found.v) / std::log1p(view.log_strength);
+                const double depth = gnomon::dot(scene.camera.forward, sum(from_eye, gnomon::scaled(away, reach)));
+                EXPECT_NEAR(v, std::log(f / depth) / std::log(f / n), 2e-3);
+            }
+            for (int side = 0; side < 6; ++side) {
+                if (side == exit || fitted.views[side].width == 0) continue;
+                const Place other = place(fitted.views[side], p);
+                const double rim = 2e-3;
+                EXPECT_FALSE(other.u > rim && other.u < 1 - rim && other.v > rim && other.v < 1 - rim &&
+                             other.depth > fitted.views[side].front_depth)
+                    << "left through " << exit << ", held by " << side;
+            }
+        }
+    }
+}
+
+// Thesis, eq. 6.2 and 6.3: what the slices of a logarithmic split look like under their own maps is the same for all.
+TEST(projection, self_similar_slices_repeat_the_first) {
+    Scene scene;
+    for (const char* projection : {"uniform", "lispsm", "logpsm"}) {
+        SCOPED_TRACE(projection);
+        const Settings settings{
+            {"projection", projection}, {"fit", "frustum"},       {"cascades", "3"}, {"near", "2"}, {"far", "128"},
+            {"self-similar", "on"},     {"depth-range", "planes"}};
+        const auto views = fit(scene, gnomon::Light::directional({-1, -1, 0.2f}), settings).views;
+        for (const auto& [x, y] : {std::pair{0.5, -0.3}, {-0.9, 0.1}, {0.0, 0.0}})
+            for (const double z : {2.1, 4.0, 7.5}) {
+                const Place first = place(views[0], from_camera(scene, x, y, z));
+                for (int i = 1; i < 3; ++i) {
+                    const Place other = place(views[i], from_camera(scene, x, y, z * std::pow(4, i)));
+                    EXPECT_NEAR(other.u, first.u, 2e-3);
+                    EXPECT_NEAR(other.v, first.v, 2e-3);
+                }
+            }
+    }
+}
+
+// Thesis 6.4: texels are shared out so that the largest error of a view is the same for all and along both axes.
+TEST(projection, shared_texels_even_the_errors_out) {
+    Scene scene;
+    for (const char* projection : {"uniform", "lispsm", "logpsm"}) {
+        SCOPED_TRACE(projection);
+        Settings settings{
+            {"projection", projection}, {"cascades", "3"},         {"lambda", "1"},   {"near", "4"}, {"far", "100"},
+            {"overlap", "0"},           {"depth-range", "planes"}, {"fit", "frustum"}};
+        settings.emplace_back("self-similar", "on");  // views of whole slices, so that their corners are known here
+        settings.emplace_back("share-texels", "on");
+        const Fitted fitted = fit(scene, gnomon::Light::directional({-1, -1, 0.2f}), settings, 1024);
+        std::vector<double> errors;
+        double texels = 0;
+        for (int i = 0; i < 3; ++i) {
+            const MapView& view = fitted.views[i];
+            texels += double(view.width) * view.height;
+            double worst_u = 0, worst_v = 0;
+            for (int corner = 0; corner < 8; ++corner) {
+                const double z = 4 * std::pow(25, (i + corner / 4) / 3.0);
+                const Double3 p = from_camera(scene, corner % 2 * 2 - 1, corner / 2 % 2 * 2 - 1, z);
+                const Place at = place(view, p);
+                const double k = view.log_strength;
+                const double warp = view.warp == WARP_LOGARITHMIC ? k / ((1 + k * at.v) * std::log1p(k)) : 1;
+                worst_u = std::max(worst_u, 1 / (slope(view, view.row_u, at.u, p) * view.width * z));
+                worst_v = std::max(worst_v, 1 / (slope(view, view.row_v, at.v, p) * warp * view.height * z));
+            }
+            errors.push_back(worst_u);
+            errors.push_back(worst_v);
+        }
+        EXPECT_NEAR(texels, 3 * 1024.0 * 1024, 0.01 * 3 * 1024 * 1024);
+        const auto [least, greatest] = std::minmax_element(errors.begin(), errors.end());
+        EXPECT_LT(*greatest / *least, 1.03);
+    }
+}
+
+TEST(projection, bad_settings_are_one_clear_sentence) {
+    gnomon::ViewFit stage;
+    for (const auto& [name, value] : Settings{{"cascades", "0"},
+                                              {"cascades", "9"},
+                                              {"lambda", "1.5"},
+                                              {"lambda", "nan"},
+                                              {"projection", "tetrahedral"},
+                                              {"far", "-1"},
+                                              {"partition", ""}})
+        EXPECT_THROW(stage.set(name, value), gnomon::InvalidArgument) << name << "=" << value;
+    EXPECT_FALSE(stage.set("colour", "red"));
 }
 
 }  // namespace

@@ -124,10 +124,15 @@ static void make_slice(const ViewPlan* plan, float2 range, uint i, PlannedView* 
     view->hold_far = at + 1 == m ? INFINITY : view->far_depth + reach;
 }
 
-// The slice with its overlap, as far as it lies before the camera.
+// The slice with its overlap, as far as it lies before the camera. The first and the last end where they end, unless
+// slices are to be alike.
 static float2 widened_slice(const ViewPlan* plan, const PlannedView* view) {
     float reach = plan->overlap * (view->far_depth - view->near_depth);
-    return (float2)(fmax(view->near_depth - reach, 1.0e-3f * view->near_depth), view->far_depth + reach);
+    bool is_first = view->hold_near == -INFINITY, is_last = view->hold_far == INFINITY;
+    float2 slice = (float2)(view->near_depth, view->far_depth);
+    if (!is_first || plan->self_similar) slice.x = fmax(slice.x - reach, 1.0e-3f * slice.x);
+    if (!is_last || plan->self_similar) slice.y += reach;
+    return slice;
 }
 
 // What a slice can hold: itself inside the scene's box. Slices that are to repeat each other are left whole.
