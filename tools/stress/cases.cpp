@@ -234,11 +234,12 @@ void add_soups(std::vector<Case>& list, std::uint64_t seed) {
                             subject.lights.push_back(light);
                         return subject;
                     },
-                    cube_points, 0.3});
+                    cube_points, 0.1});
     list.push_back({"skinny, nearly parallel", "500 triangles 2 long and 1e-5 wide",
                     [=](auto v) { return placed_subject(skinny(500, seed + v)); }, cube_points});
     list.push_back({"slivers", "5,000 slivers that all cross one axis",
-                    [=](auto v) { return placed_subject(support::slivers(5000, 1e-4f, seed + v)); }, cube_points});
+                    [=](auto v) { return placed_subject(support::slivers(5000, 1e-4f, seed + v)); }, cube_points,
+                    0.05});
     list.push_back({"duplicates", "every triangle three times, once with the other face in front",
                     [=](auto v) {
                         Floats once = support::soup(80, 0.6f, seed + v);
@@ -349,8 +350,6 @@ void add_places(std::vector<Case>& list, std::uint64_t seed) {
 void add_made_scenes(std::vector<Case>& list, const CaseOptions& options) {
     struct Made {
         const char *name, *recipe, *idea;
-        std::uint32_t triangles = 0;
-        double share = 1;
     };
     const Made scenes[] = {
         {"thin wires", "thin_wires", "wires a millimetre thick"},
@@ -364,20 +363,28 @@ void add_made_scenes(std::vector<Case>& list, const CaseOptions& options) {
         {"one-sided planes", "one_sided_plane", "open planes wound either way"},
         {"lit from inside", "closed_box_lit_inside", "closed meshes with lamps inside, outside and within them"},
         {"concave corners", "concave_corners", "a room's corner, stairs, an acute wedge"},
-        {"a million slivers", "million_slivers", "all through one texel", options.slivers, 0.02},
+    };
+    // Scenes differ in what they bring: each gets a sun, a sun along an axis and a lamp.
+    const auto lit = [seed = options.seed](const char* recipe, std::uint32_t triangles) {
+        Subject subject = made_scene(recipe, seed, triangles);
+        const Float3 eye = subject.views.at(0).eye;
+        for (const Light& light : {along(0.3f, -1, 0.2f), along(0, -1, 0), at(eye[0], eye[1], eye[2])})
+            subject.lights.push_back(light);
+        return subject;
     };
     for (const Made& made : scenes)
-        list.push_back(
-            {made.name, made.idea,
-             [made, seed = options.seed](auto) {
-                 Subject subject = made_scene(made.recipe, seed, made.triangles);
-                 // Scenes differ in what they bring: each gets a sun, a sun along an axis and a lamp.
-                 const Float3 eye = subject.views.at(0).eye;
-                 for (const Light& light : {along(0.3f, -1, 0.2f), along(0, -1, 0), at(eye[0], eye[1], eye[2])})
-                     subject.lights.push_back(light);
-                 return subject;
-             },
-             scene_points, 0.5 * made.share, made.share < 0.1 ? 1u : 2u});
+        list.push_back({made.name, made.idea, [=](auto) { return lit(made.recipe, 0); }, scene_points, 0.5, 2});
+    list.push_back({std::to_string(options.slivers) + " slivers",
+                    "all through one texel, a few millimetres wide",
+                    [=, count = options.slivers](auto) {
+                        Subject subject = lit("million_slivers", count);
+                        subject.lights.erase(subject.lights.begin(), subject.lights.end() - 2);
+                        std::swap(subject.views.at(0), subject.views.at(1));  // the one that looks into the texel
+                        return subject;
+                    },
+                    {points_of_a_view},
+                    0.02,
+                    1});
 }
 
 void add_extremes(std::vector<Case>& list, std::uint64_t seed) {
@@ -441,6 +448,8 @@ void add_borders(std::vector<Case>& list, const CaseOptions& options) {
                     [=](auto v) {
                         Subject subject = placed_subject(medley(seed + v));
                         subject.lights = {subject.lights[0], subject.lights[5]};
+                        // Most pixels see the sky; the last rows and columns do not.
+                        subject.views = {{{0.7f, 1.1f, 2.4f}, {-1.4f, 2.6f, 0}, {0, 1, 0}, 95}};
                         return subject;
                     },
                     {view_of(side, side), view_of(side, 7), view_of(7, side)},

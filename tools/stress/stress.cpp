@@ -15,9 +15,14 @@ namespace {
 struct Options {
     stress::CaseOptions cases;
     stress::RunOptions run;
-    std::string device, markdown_file, only;
+    std::string device, markdown_file, only, without;
     bool without_embree = false, exact_path = false, list = false;
 };
+
+bool is_wanted(const stress::Case& a_case, const Options& options) {
+    const bool is_named = a_case.name.find(options.only) != std::string::npos;
+    return is_named && (options.without.empty() || a_case.name.find(options.without) == std::string::npos);
+}
 
 stress::Report report_of(const Options& options, const std::string& command) {
     const auto start = std::chrono::steady_clock::now();
@@ -29,7 +34,7 @@ stress::Report report_of(const Options& options, const std::string& command) {
     for (const std::string& reason : report.left_out) std::cerr << "stress: " << reason << '\n';
     const bool with_embree = !options.without_embree && !stress::embree_version().empty();
     for (const stress::Case& a_case : cases.list) {
-        if (a_case.name.find(options.only) == std::string::npos) continue;
+        if (!is_wanted(a_case, options)) continue;
         stress::Judge judge(device, with_embree);
         report.cases.push_back(stress::run_case(a_case, device, judge, options.run));
         std::cout << stress::line_of(report.cases.back()) << std::endl;
@@ -66,6 +71,7 @@ int main(int argc, char** argv) {
     app.add_option("--seed", options.run.seed, "another seed, other scenes and points")->capture_default_str();
     app.add_option("--device", options.device, "as in gnomon devices");
     app.add_option("--only", options.only, "only cases whose name contains this");
+    app.add_option("--without", options.without, "no cases whose name contains this");
     app.add_option("--scenes", options.cases.shared_scenes,
                    "the folder of crytek_sponza.glb, lost_empire.glb, views.json")
         ->capture_default_str();
