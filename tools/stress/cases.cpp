@@ -169,10 +169,13 @@ void points_at_the_floor(const PointRequest& request, Question& question) {
 
 void view_of_a_star(const PointRequest& request, Question& question) {
     Random& random = request.random;
+    // The farther the eye, the coarser an ulp of it: that is what pushes points through faces.
+    constexpr float distances[] = {3, 100, 10'000};
     Viewpoint from;
-    do from.eye = support::random_vector(random, -4, 4);
-    while (std::hypot(from.eye[0], from.eye[1], from.eye[2]) < 2);
-    from.fov_y_degrees = 45;
+    from.eye = support::random_vector(random, -1, 1);
+    const float distance = distances[request.variant % 3] / std::hypot(from.eye[0], from.eye[1], from.eye[2]);
+    for (float& x : from.eye) x *= distance;
+    from.fov_y_degrees = 360 / std::numbers::pi * std::asin(1.4 / distances[request.variant % 3]);
     const auto side = std::max<std::uint32_t>(2, static_cast<std::uint32_t>(std::sqrt(double(request.count))));
     add_view(request.device, from, side, side, question);
     question.star_view = reference::PinholeCamera{from.eye, from.target, from.up, from.fov_y_degrees, side, side};
