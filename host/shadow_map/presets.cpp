@@ -40,6 +40,21 @@ constexpr ShadowMapPreset presets[] = {
      "store=moments bits=64 prefilter=gaussian"},
     {"msm128", "moment shadow map, Hamburger, 128-bit texels (Peters and Klein 2015)",
      "store=moments bits=128 prefilter=gaussian"},
+    {"psm", "perspective shadow map in its practical form (Stamminger and Drettakis 2002; Kozlov 2004)",
+     "projection=psm"},
+    {"lispsm", "light-space perspective shadow map, optimal n (Wimmer, Scherzer, Purgathofer 2004)",
+     "projection=lispsm"},
+    {"logpsm", "logarithmic perspective shadow map, truly logarithmic raster (Lloyd et al. 2008)", "projection=logpsm"},
+    {"logpsm-faces", "logarithmic maps for the sides of the view frustum, texels shared by error (Lloyd et al. 2008)",
+     "projection=logpsm partition=faces share-texels=on size=1024"},
+    {"pssm", "parallel-split shadow maps, cascades between fixed planes (Zhang et al. 2006)",
+     "cascades=4 lambda=0.5 depth-range=planes fit=frustum size=1024"},
+    {"sdsm", "sample distribution shadow maps, cascades where the points are (Lauritzen, Salvi, Lefohn 2011)",
+     "cascades=4 lambda=1 size=1024"},
+    {"stabilised-cascades", "cascades that do not swim: bounding spheres on a grid of texels (Valient 2008)",
+     "cascades=4 lambda=0.7 fit=sphere size=1024"},
+    {"quantised-cascades", "cascades that hardly swim: quantised scale and offset (Zhang et al. 2009)",
+     "cascades=4 lambda=0.7 fit=quantised size=1024"},
 };
 
 template <typename Use>

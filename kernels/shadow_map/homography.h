@@ -190,16 +190,15 @@ static float3 cone_axis(const float3* directions, int count) {
 }
 
 // The light's view of the post-perspective cube, along the axis of the cone around it. There the light is
-// L = clip(light), at L.xyz / L.w; s (L.w c - L.xyz c.w), s the sign of L.w, points from it to c whether it is at a
-// point, at infinity (L.w = 0) or behind the camera (L.w < 0), where Kozlov needs a projection whose near plane lies
-// beyond the far one: rows that vanish on the light need no cases. False if the cone is wider than a half space (light
-// from almost straight behind or ahead): no plane in front of the light then has all of the cube on it.
+// L = clip(light), at L.xyz / L.w; L.w c - L.xyz c.w points from it to c, or back if L.w < 0, whether it is at a point,
+// at infinity (L.w = 0) or behind the camera (L.w < 0), where Kozlov needs a projection whose near plane lies beyond the
+// far one: rows that vanish on the light need no cases. False if the cone is wider than a half space (light from almost
+// straight behind or ahead): no plane in front of the light then has all of the cube on it.
 static bool perspective_shadow_map(const ViewPlan* plan, float near_depth, float far_depth, Homography* h) {
     float4 light = (float4)(to_light(plan), 0.0f);
     float4 clip[4], seen[3];
     camera_clip(plan, near_depth, far_depth, clip);
-    float sign = dot4(clip[3], light) < 0.0f ? -1.0f : 1.0f;
-    for (int i = 0; i < 3; ++i) seen[i] = seen_through(clip[i], clip[3], light) * sign;
+    for (int i = 0; i < 3; ++i) seen[i] = seen_through(clip[i], clip[3], light);
     float3 directions[8];
     for (int i = 0; i < 8; ++i) {
         float4 corner = (float4)(slice_corner(plan, near_depth, far_depth, i), 1.0f);
