@@ -108,8 +108,8 @@ std::vector<std::uint8_t> difference_picture(std::span<const float> visibility, 
     for (std::size_t i = 0; i < truth.size(); ++i) {
         const float difference = static_cast<float>(answer(visibility[i], truth[i])) - truth[i];
         const Rgb& color = difference > 0 ? too_bright : too_dark;
-        // A small error must still be seen: half the colour at once, the rest with its size.
-        const float share = difference == 0 ? 0.0f : 0.5f + 0.5f * std::fabs(difference);
+        // The root, so that small errors can still be seen.
+        const float share = std::sqrt(std::fabs(difference));
         const float grey = 0.12f + 0.23f * truth[i];
         for (const float channel : color) rgb.push_back(mixed(grey, channel, share));
     }
