@@ -44,10 +44,14 @@ static Det3Row ray_row(Ray ray) {
     return row;
 }
 
+// Four determinants, so that no low part has to be negated in float, where a denormal could be flushed.
 static void accumulate_with_ray(Accumulator* sum, float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
+    const float3 none = (float3)(0.0f);
     accumulator_clear(sum);
-    accumulator_add_det3(sum, u1, u0, v1, v0, ray.column_high, -ray.column_low);
-    accumulator_add_det3(sum, u1, u0, v1, v0, ray.row_high, -ray.row_low);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.column_high, none);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.column_low, none);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.row_high, none);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.row_low, none);
 }
 
 // The ray as the float level wants it. The low parts, at most half an ulp of the high ones, are left out, and the sum
@@ -222,17 +226,20 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
 
 // ---- Shading points -------------------------------------------------------------------------------------------------
 
-static float next_up(float x) {
-    if (x == 0.0f) return as_float(1u);
-    return as_float(x > 0.0f ? as_uint(x) + 1u : as_uint(x) - 1u);
+// The next float up, or down. On bits, since a device may flush denormals that it computes with.
+static float next_towards(float x, bool up) {
+    uint bits = as_uint(x);
+    if ((bits << 1) == 0u) return as_float(up ? 0x00000001u : 0x80000001u);
+    bool away_from_zero = (bits >> 31 == 0u) == up;
+    return as_float(away_from_zero ? bits + 1u : bits - 1u);
 }
 
 // The nearest float to q on the side that `towards` points to; the nearest of all if it is 0. Never infinite.
 static float rounded_towards(Wide q, Wide towards) {
     float x = float_of_wide(q);
     if (!GN_FINITE(x)) return wide_sign(q) > 0 ? FLT_MAX : -FLT_MAX;
-    if (wide_sign(towards) > 0 && wide_less(wide_of_float(x), q)) x = next_up(x);
-    if (wide_sign(towards) < 0 && wide_less(q, wide_of_float(x))) x = -next_up(-x);
+    if (wide_sign(towards) > 0 && wide_less(wide_of_float(x), q)) x = next_towards(x, true);
+    if (wide_sign(towards) < 0 && wide_less(q, wide_of_float(x))) x = next_towards(x, false);
     return GN_FINITE(x) ? x : copysign(FLT_MAX, x);
 }
 

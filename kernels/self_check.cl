@@ -5,9 +5,10 @@
 // exclusive- or a zero from memory, so that nothing is computed at compile time; results are compared as integers.
 //
 // Float arithmetic may flush denormals: the float filter of det3.h allows for it, and the exact level computes with bit
-// patterns. What must not happen is that a denormal changes by being moved about: then the exact level would get other
-// coordinates than the caller gave. Nor may it vanish on its way to double: there the double filter takes it for exact.
-// And a double that is narrowed to a denormal must give the nearest: the camera's points near the origin are made so.
+// patterns. What must not happen is that a denormal changes by being moved about, its sign included: then the exact
+// level would get other coordinates than the caller gave (Mesa's rusticl does it, docs/drivers.md). Nor may it vanish
+// on its way to double: there the double filter takes it for exact. And a double that is narrowed to a denormal must
+// give the nearest: the camera's points near the origin are made so.
 #include "exact/det3.h"
 #include "self_check.h"
 
