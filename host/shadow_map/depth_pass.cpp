@@ -7,8 +7,9 @@ namespace {
 constexpr const char* file = "shadow_map/depth_pass.cl";
 constexpr std::uint32_t first_chunk_capacity = 1u << 16;
 
+// A little more than the texels: the last are read in groups of lanes.
 void clear(cl::Session& session, const MapSet& set, cl::Buffer& keys, std::uint32_t word) {
-    keys.reserve(session, std::size_t(set.texels) * sizeof(cl_uint));
+    keys.reserve(session, (std::size_t(set.texels) + session.lanes()) * sizeof(cl_uint));
     session.launch(file, "depth_pass_clear", cl::Range::items(set.texels), set, cl_uint(word), keys);
 }
 

@@ -3,6 +3,7 @@
 //
 // A work-item draws a small triangle at once. A larger one is listed in chunks of CHUNK_TILES tiles, so that no
 // work-item has much more to do than another; a tile that an edge excludes costs three evaluations.
+#include "../lanes.h"
 #include "../points.h"
 #include "depth_pass.h"
 
@@ -14,12 +15,9 @@ typedef struct Edge {
 typedef struct Caster {
     Edge edges[3];  // edge i lies opposite vertex i
     float depth[3];
+    float2 n_slope, s_slope;            // along u and v, of N = sum of e_i d_i and S = sum of e_i: depth is N / S
     uint low_x, low_y, high_x, high_y;  // texels, inclusive
 } Caster;
-
-static float edge_at(const Edge* e, float2 p) {
-    return e->slope_u * (p.x - e->at_u) + e->slope_v * (p.y - e->at_v) + e->offset;
-}
 
 // Is a the vertex that an edge is measured from? A total order of the values, the same from both sides of the edge.
 static bool comes_first(float4 a, float4 b) {
@@ -76,58 +74,58 @@ static bool make_caster(__global const MapView* view, __global const float* tabl
         caster->high_x = texel_below(to.x, view->width);
         caster->high_y = texel_below(to.y, view->height);
     }
+    caster->n_slope = caster->s_slope = (float2)(0.0f);
     for (int i = 0; i < 3; ++i) {
         caster->edges[i] = make_edge(h[(i + 1) % 3], h[(i + 2) % 3]);
         caster->depth[i] = h[i].w;
+        float2 slope = (float2)(caster->edges[i].slope_u, caster->edges[i].slope_v);
+        caster->n_slope += slope * h[i].w;
+        caster->s_slope += slope;
     }
     return true;
 }
 
-// Depth per texel along x and y at P: of the quotient N / S, N the sum of e_i d_i, S of e_i.
-static float2 depth_slope(const Caster* caster, float n, float s, float2 texel) {
-    float n_u = 0.0f, n_v = 0.0f, s_u = 0.0f, s_v = 0.0f;
-    for (int i = 0; i < 3; ++i) {
-        n_u += caster->edges[i].slope_u * caster->depth[i];
-        n_v += caster->edges[i].slope_v * caster->depth[i];
-        s_u += caster->edges[i].slope_u;
-        s_v += caster->edges[i].slope_v;
-    }
-    float depth = n / s;
-    return clamp((float2)(n_u - depth * s_u, n_v - depth * s_v) / s * texel, -1.0f, 1.0f);
-}
-
-// Length of a texel in u or v: the distance of the centres beside it.
+// Length of texels in u or v: taken once for a rectangle that is drawn, at most a small triangle's or a tile's, at the
+// first texel of its tile.
 static float texel_length(__global const float* centres, uint i, uint size) {
-    uint low = i > 0 ? i - 1 : 0, high = min(i + 1, size - 1);
-    return high > low ? (centres[high] - centres[low]) / (float)(high - low) : 1.0f;
+    uint first = i >> TILE_LOG2 << TILE_LOG2, next = min(first + 1, size - 1);
+    return next > first ? centres[next] - centres[first] : 1.0f;
 }
 
-static void draw_texel(const DepthPass* pass, __global const MapView* view, __global const float* columns,
-                       __global const float* rows, const Caster* caster, uint x, uint y, float2 p,
-                       __global uint* nearest, __global uint* output) {
-    float e0 = edge_at(&caster->edges[0], p), e1 = edge_at(&caster->edges[1], p), e2 = edge_at(&caster->edges[2], p);
-    bool inside = (e0 >= 0.0f && e1 >= 0.0f && e2 >= 0.0f) || (e0 <= 0.0f && e1 <= 0.0f && e2 <= 0.0f);
-    float s = e0 + e1 + e2;
-    if (!inside || s == 0.0f) return;
-    float n = e0 * caster->depth[0] + e1 * caster->depth[1] + e2 * caster->depth[2];
-    float depth = n / s;
-    if (!(depth > view->front_depth)) return;
-    float2 slope = (float2)(0.0f);
-    if (pass->slope_bias != 0.0f || pass->pass == PASS_SLOPE) {
-        float2 texel = (float2)(texel_length(columns, x, view->width), texel_length(rows, y, view->height));
-        slope = depth_slope(caster, n, s, texel);
-    }
-    float steepest = fmax(fabs(slope.x), fabs(slope.y));
-    depth += fmin(pass->slope_bias * steepest, pass->slope_limit);
-    uint key = as_uint(clamp(depth, 0.0f, 1.0f));
-    size_t at = view->first_texel + (size_t)y * view->row_stride + x;
-    if (pass->pass == PASS_NEAREST) {
-        if (key < nearest[at]) atomic_min(&nearest[at], key);
-    } else if (pass->pass == PASS_SECOND) {
-        if (key > nearest[at] && key < output[at]) atomic_min(&output[at], key);
-    } else if (key == nearest[at] && key != EMPTY_KEY) {
-        atomic_max(&output[at], as_uint(slope.x * slope.x + slope.y * slope.y));
-    }
+// GN_LANES centres from column x on. Those past the view are read from what follows, and ignored.
+static LaneFloat load_centres(__global const float* centres, uint x, uint readable) {
+#if GN_LANES == 1
+    return centres[x];
+#else
+    if (x + GN_LANES <= readable) return vload16(0, centres + x);
+    float copied[GN_LANES];
+    for (uint i = 0; i < GN_LANES; ++i) copied[i] = centres[min(x + i, readable - 1)];
+    return vload16(0, copied);
+#endif
+}
+
+#if GN_LANES == 1
+#define KEYS_OF(depth) as_int(depth)
+#define LOAD_KEYS(keys, at) ((int)(keys)[at])
+#define LOAD_DEPTHS(keys, at) as_float((keys)[at])
+#define STORE_KEYS(value, to) (*(to) = (value))
+#define STORE_FLOATS(value, to) (*(to) = (value))
+#else
+#define KEYS_OF(depth) as_int16(depth)
+#define LOAD_KEYS(keys, at) as_int16(vload16(0, (keys) + (at)))
+#define LOAD_DEPTHS(keys, at) as_float16(vload16(0, (keys) + (at)))
+#define STORE_KEYS(value, to) vstore16(value, 0, to)
+#define STORE_FLOATS(value, to) vstore16(value, 0, to)
+#endif
+
+// Lanes whose texel the pass changes. Keys are the bits of floats from 0 to 1, so they order as signed integers. What
+// is read may be larger than it is by the time of the atomic operation, never smaller.
+static LaneInt lanes_to_write(uint pass, LaneInt keys, __global const uint* nearest, __global const uint* output,
+                              size_t at) {
+    LaneInt first = LOAD_KEYS(nearest, at);
+    if (pass == PASS_NEAREST) return LANE_COMPARE(keys, <, first);
+    if (pass == PASS_SECOND) return LANE_COMPARE(keys, >, first) & LANE_COMPARE(keys, <, LOAD_KEYS(output, at));
+    return LANE_COMPARE(keys, ==, first) & LANE_COMPARE(keys, !=, (LaneInt)(EMPTY_KEY));
 }
 
 static void draw_rectangle(const DepthPass* pass, __global const MapView* view, __global const float* tables,
@@ -135,20 +133,70 @@ static void draw_rectangle(const DepthPass* pass, __global const MapView* view, 
                            __global uint* nearest, __global uint* output) {
     __global const float* columns = tables + view->centres_first;
     __global const float* rows = columns + view->width;
-    for (uint y = low_y; y <= high_y; ++y)
-        for (uint x = low_x; x <= high_x; ++x)
-            draw_texel(pass, view, columns, rows, caster, x, y, (float2)(columns[x], rows[y]), nearest, output);
+    const Edge* edges = caster->edges;
+    bool with_slope = pass->slope_bias != 0.0f || pass->pass == PASS_SLOPE;
+    float texel_u = texel_length(columns, low_x, view->width), texel_v = texel_length(rows, low_y, view->height);
+    for (uint y = low_y; y <= high_y; ++y) {
+        float base[3];
+        for (int i = 0; i < 3; ++i) base[i] = edges[i].slope_v * (rows[y] - edges[i].at_v) + edges[i].offset;
+        for (uint x = low_x; x <= high_x; x += GN_LANES) {
+            LaneFloat u = load_centres(columns, x, view->width + view->height);
+            LaneFloat e0 = edges[0].slope_u * (u - edges[0].at_u) + base[0];
+            LaneFloat e1 = edges[1].slope_u * (u - edges[1].at_u) + base[1];
+            LaneFloat e2 = edges[2].slope_u * (u - edges[2].at_u) + base[2];
+            LaneInt inside = (LANE_COMPARE(e0, >=, 0.0f) & LANE_COMPARE(e1, >=, 0.0f) & LANE_COMPARE(e2, >=, 0.0f)) |
+                             (LANE_COMPARE(e0, <=, 0.0f) & LANE_COMPARE(e1, <=, 0.0f) & LANE_COMPARE(e2, <=, 0.0f));
+            inside &= LANE_COMPARE((LaneInt)(LANE_INDEX + (int)x), <=, (LaneInt)((int)high_x));
+            if (!LANES_ANY(inside)) continue;
+            LaneFloat reciprocal = 1.0f / (e0 + e1 + e2);
+            LaneFloat depth = (e0 * caster->depth[0] + e1 * caster->depth[1] + e2 * caster->depth[2]) * reciprocal;
+            // Where all edges are 0 depth is not a number, and the comparison false.
+            inside &= LANE_COMPARE(depth, >, view->front_depth);
+            size_t at = view->first_texel + (size_t)y * view->row_stride + x;
+            LaneFloat squared_slope = (LaneFloat)(0.0f);
+            if (with_slope) {
+                // What lies behind the map already stays there when bias is added.
+                if (pass->pass == PASS_NEAREST) inside &= LANE_COMPARE(depth, <, LOAD_DEPTHS(nearest, at));
+                if (!LANES_ANY(inside)) continue;
+                LaneFloat slope_x = fabs((caster->n_slope.x - depth * caster->s_slope.x) * reciprocal) * texel_u;
+                LaneFloat slope_y = fabs((caster->n_slope.y - depth * caster->s_slope.y) * reciprocal) * texel_v;
+                slope_x = LANES_MIN(slope_x, (LaneFloat)(1.0f));
+                slope_y = LANES_MIN(slope_y, (LaneFloat)(1.0f));
+                squared_slope = slope_x * slope_x + slope_y * slope_y;
+                LaneFloat steepest = LANES_SELECT(slope_y, slope_x, LANE_COMPARE(slope_x, >, slope_y));
+                depth += LANES_MIN(pass->slope_bias * steepest, (LaneFloat)(pass->slope_limit));
+            }
+            depth = LANES_SELECT(depth, (LaneFloat)(0.0f), LANE_COMPARE(depth, <, 0.0f));
+            depth = LANES_MIN(depth, (LaneFloat)(1.0f));
+            LaneInt keys = KEYS_OF(depth);
+            inside &= lanes_to_write(pass->pass, keys, nearest, output, at);
+            if (!LANES_ANY(inside)) continue;
+            int key[GN_LANES], is_written[GN_LANES];
+            float squared[GN_LANES];
+            STORE_KEYS(keys, key);
+            STORE_KEYS(inside, is_written);
+            STORE_FLOATS(squared_slope, squared);
+            for (uint i = 0; i < GN_LANES; ++i) {
+                if (!is_written[i]) continue;
+                if (pass->pass == PASS_SLOPE)
+                    atomic_max(&output[at + i], as_uint(squared[i]));
+                else
+                    atomic_min(&output[at + i], (uint)key[i]);
+            }
+        }
+    }
 }
 
-// Does some edge keep both signs' triangles out of the rectangle of centres? Linear functions: corners decide.
+// Does some edge keep triangles of either sign out of the rectangle of centres? Its bounds there are sums of those
+// along u and v; rounding keeps their order, so no centre that draw_rectangle finds inside is lost.
 static bool misses_rectangle(const Caster* caster, float2 low, float2 high) {
     bool positive = true, negative = true;  // could the rectangle hold a point with all e >= 0? all e <= 0?
     for (int i = 0; i < 3; ++i) {
         const Edge* e = &caster->edges[i];
-        float a = edge_at(e, low), b = edge_at(e, high), c = edge_at(e, (float2)(low.x, high.y)),
-              d = edge_at(e, (float2)(high.x, low.y));
-        if (a < 0.0f && b < 0.0f && c < 0.0f && d < 0.0f) positive = false;
-        if (a > 0.0f && b > 0.0f && c > 0.0f && d > 0.0f) negative = false;
+        float u0 = e->slope_u * (low.x - e->at_u), u1 = e->slope_u * (high.x - e->at_u);
+        float v0 = e->slope_v * (low.y - e->at_v) + e->offset, v1 = e->slope_v * (high.y - e->at_v) + e->offset;
+        if (fmax(u0, u1) + fmax(v0, v1) < 0.0f) positive = false;
+        if (fmin(u0, u1) + fmin(v0, v1) > 0.0f) negative = false;
     }
     return !positive && !negative;
 }
