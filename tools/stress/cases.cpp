@@ -386,7 +386,7 @@ void add_made_scenes(std::vector<Case>& list, const CaseOptions& options) {
                         return subject;
                     },
                     {points_of_a_view},
-                    0.02,
+                    0.002,
                     1});
 }
 
