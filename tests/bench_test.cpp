@@ -120,15 +120,17 @@ void count_elements(const boost::property_tree::ptree& tree, std::map<std::strin
 // ---- The whole program ----------------------------------------------------------------------------------------------
 
 TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
-    ASSERT_EQ(run("sundial --sweep --peers --oracle 100000 --runs 1 --seconds 0 --size 320x180 --stages --json " +
-                  path("all.json") + " --csv " + path("all.csv") + " --html " + path("all.html")),
-              0)
-        << errors();
+    std::string arguments =
+        "sundial --technique frustum-traced --technique shadow-map --peers --oracle 100000 --runs 1 --size 320x180 "
+        "--stages";
+    for (const char* output : {"json", "csv", "html"})
+        arguments.append(" --").append(output).append(" ").append(path("all.")).append(output);
+    ASSERT_EQ(run(arguments), 0) << errors();
     const Json all = json("all.json");
     for (const char* key : {"date", "processor", "system", "compiler", "gnomon", "commit", "opencl_devices"})
         EXPECT_TRUE(all["machine"].contains(key)) << key;
 
-    int exact_rows = 0, rival_rows = 0, missed_nearby = 0;
+    int exact_rows = 0, approximate_rows = 0, rival_rows = 0, missed_nearby = 0;
     for (const Json& row : all["rows"]) {
         SCOPED_TRACE(row["technique"].get<std::string>() + " " + row["settings"].get<std::string>());
         ASSERT_FALSE(row.contains("failed"));
@@ -141,6 +143,11 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
         rival_rows += row["technique"] == "embree";
         // Rays that start 1e-4 of the scene along their way miss what stands nearer: their points are wrongly lit.
         if (row["settings"].get<std::string>().ends_with("offset=0.0001")) missed_nearby += e["wrongly_lit"].get<int>();
+        if (row["technique"] == "shadow-map") {
+            ++approximate_rows;
+            EXPECT_GT(e["wrong"], 0) << "a shadow map of 2048 texels is not exact";
+            EXPECT_GT(e["mean_absolute"], 0);
+        }
         if (!row["exact"].get<bool>()) continue;
         ++exact_rows;
         EXPECT_EQ(e["wrong"], 0);
@@ -149,7 +156,8 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_GT(row["counts"]["points_in_shadow"].get<int>(), 0);
         EXPECT_TRUE(row.contains("stages_ms"));
     }
-    EXPECT_GE(exact_rows, 3);
+    EXPECT_EQ(exact_rows, 1);
+    EXPECT_EQ(approximate_rows, 1);
     if (embree_version() != "not built in") {
         EXPECT_EQ(rival_rows, 16);
         EXPECT_GT(missed_nearby, 0);
@@ -163,7 +171,7 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
     EXPECT_EQ(html.get<std::string>("html.head.title"), "gnomon: benchmark");
     std::map<std::string, int> elements;
     count_elements(html, elements);
-    EXPECT_GE(elements["svg"], 2);
+    EXPECT_EQ(elements["svg"], 2);  // errors, stages
     EXPECT_EQ(elements["script"], 0);
     EXPECT_EQ(elements["circle"], int(all["rows"].size()));
     const std::string text = text_in(path("all.html"));

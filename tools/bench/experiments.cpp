@@ -52,7 +52,9 @@ Block block_of(const char* experiment, const SceneView& view, std::vector<Size> 
 std::vector<Block> errors(const SceneShelf& shelf, const Limits& limits) {
     std::vector<Block> blocks;
     for (const SceneView& view : usual_views(shelf, limits)) {
-        Block block = block_of("errors", view, within(limits, {full_hd}), swept_configurations());
+        // The settings are swept on the first view; the others show every technique as it comes.
+        Block block = block_of("errors", view, within(limits, {full_hd}),
+                               blocks.empty() ? swept_configurations() : default_configurations());
         block.errors = block.pictures = block.peers = true;
         block.oracle_points = 200'000;
         blocks.push_back(std::move(block));

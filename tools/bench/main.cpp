@@ -26,7 +26,8 @@ struct Options {
     std::vector<std::string> sizes{"1920x1080"};
     std::vector<std::string> devices{""};
     std::vector<float> light_position;
-    std::string views_file, scenes_folder, only, technique = "frustum-traced";
+    std::vector<std::string> techniques{"frustum-traced"};
+    std::string views_file, scenes_folder, only;
     std::string json_file, csv_file, html_file, markdown_file;
     Limits limits;
     RunRule rule;
@@ -57,7 +58,8 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
         if (options.sweep)
             block.configurations = swept_configurations();
         else
-            block.configurations = {{options.technique, parsed_settings(options.settings)}};
+            for (const std::string& technique : options.techniques)
+                block.configurations.push_back({technique, parsed_settings(options.settings)});
         if (const auto& p = options.light_position; !p.empty())
             block.light = gnomon::Light::positional({p[0], p[1], p[2]});
         block.stages = options.stages;
@@ -147,8 +149,8 @@ int main(int argc, char** argv) {
     app.add_option("--views", options.views_file, "views and lights by scene, as in ../shared/scenes/views.json");
     app.add_option("--only", options.only, "only cases whose VIEW.LIGHT contains this");
     app.add_option("--size", options.sizes, "WIDTHxHEIGHT, repeatable")->capture_default_str();
-    app.add_option("--technique", options.technique, "as in gnomon techniques")->capture_default_str();
-    app.add_option("--set", options.settings, "key=value of the technique, repeatable");
+    app.add_option("--technique", options.techniques, "as in gnomon techniques, repeatable")->capture_default_str();
+    app.add_option("--set", options.settings, "key=value of each --technique, repeatable");
     app.add_flag("--sweep", options.sweep, "every technique, with the settings worth comparing, and its errors");
     app.add_flag("--errors", options.errors, "compare with the exact technique's mask");
     app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");

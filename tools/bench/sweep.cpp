@@ -19,6 +19,16 @@ struct Sweep {
 std::vector<Sweep> sweeps() {
     return {
         {"frustum-traced", {{"conservative-map", {"on", "off"}}}},
+        // The basic map (survey, slides 13-21): no bias at all, a constant one, and the default, scaled by the slope.
+        {"shadow-map", {{"size", {"512", "1024", "4096", "8192"}}}},
+        {"shadow-map", {{"constant-bias", {"0", "0.001"}}, {"slope-bias", {"0"}}, {"size", {"512", "2048", "8192"}}}},
+        // The 12-tap soft map (document 004).
+        {"gaussian-12-tap", {{"size", {"512", "1024", "4096", "8192"}}}},
+        {"pcf", {{"size", {"512", "4096"}}}},
+        {"msm64", {{"size", {"512", "4096"}}}},
+        {"lispsm", {{"size", {"512", "4096"}}}},
+        {"logpsm", {{"size", {"512", "4096"}}}},
+        {"sdsm", {{"size", {"512", "4096"}}}},
     };
 }
 
@@ -38,15 +48,22 @@ std::vector<Settings> combinations(const Sweep& sweep) {
 
 }  // namespace
 
-std::vector<Configuration> swept_configurations() {
+std::vector<Configuration> default_configurations() {
     std::vector<Configuration> configurations{truth_configuration()};
-    const std::vector<Sweep> table = sweeps();
-    for (const TechniqueDescription& technique : techniques()) {
+    for (const TechniqueDescription& technique : techniques())
         if (technique.name != configurations.front().technique) configurations.push_back({technique.name, {}});
+    return configurations;
+}
+
+std::vector<Configuration> swept_configurations() {
+    std::vector<Configuration> configurations;
+    const std::vector<Sweep> table = sweeps();
+    for (const Configuration& technique : default_configurations()) {
+        configurations.push_back(technique);
         for (const Sweep& sweep : table)
-            if (technique.name == sweep.technique)
+            if (technique.technique == sweep.technique)
                 for (Settings& settings : combinations(sweep))
-                    configurations.push_back({technique.name, std::move(settings)});
+                    configurations.push_back({technique.technique, std::move(settings)});
     }
     return configurations;
 }

@@ -14,8 +14,10 @@ struct Configuration {
     Settings settings;
 };
 
-/// Every registered technique: with the settings of the table in sweep.cpp, else with its defaults alone. The first is
-/// exact, with its defaults.
+/// Every registered technique with its defaults. The first is exact.
+std::vector<Configuration> default_configurations();
+
+/// The same, and after each technique the settings that the table in sweep.cpp has for it.
 std::vector<Configuration> swept_configurations();
 
 /// The technique whose answer the others are measured against, with its defaults.
