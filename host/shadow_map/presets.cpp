@@ -47,6 +47,7 @@ constexpr ShadowMapPreset presets[] = {
     {"logpsm", "logarithmic perspective shadow map, truly logarithmic raster (Lloyd et al. 2008)", "projection=logpsm"},
     {"logpsm-faces", "logarithmic maps for the sides of the view frustum, texels shared by error (Lloyd et al. 2008)",
      "projection=logpsm partition=faces share-texels=on size=1024"},
+    {"rtw", "rectilinear texture warping, hybrid analysis (Rosen 2012)", "warp=hybrid"},
     {"pssm", "parallel-split shadow maps, cascades between fixed planes (Zhang et al. 2006)",
      "cascades=4 lambda=0.5 depth-range=planes fit=frustum size=1024"},
     {"sdsm", "sample distribution shadow maps, cascades where the points are (Lauritzen, Salvi, Lefohn 2011)",

@@ -72,6 +72,11 @@ PointInputs vertices_of(const TriangleInputs& triangles) {
     return {layout, triangles.vertices, triangles.vertices};
 }
 
+// Texel centres of all views, before the tables of warps.
+std::size_t centre_floats(const ViewPlan& plan) {
+    return std::size_t(plan.view_count) * 2 * MOST_SIDES * plan.map_size;
+}
+
 MapSet map_set(const ViewPlan& plan) {
     MapSet set{};
     const cl_uint even = plan.map_size * plan.map_size;
@@ -123,26 +128,29 @@ bool ViewFit::set(std::string_view name, std::string_view value) {
     else if (name == "storage")
         is_atlas_ = choice_setting(name, value, storages) != 0;
     else
-        return false;
+        return warp_.set(name, value);
     return true;
 }
 
 std::vector<SettingDescription> ViewFit::settings() {
-    return {{"projection", "uniform", "uniform, psm, lispsm or logpsm: how texels are laid over the light's rays"},
-            {"fit", "receivers", "receivers, frustum, casters, sphere (does not swim) or quantised: what a view holds"},
-            {"partition", "auto",
-             "auto, single, depth or faces (of the view frustum): how views are shared out; lamps: cube faces"},
-            {"depth-range", "auto", "points (as far as shading points reach), planes (near to far) or auto"},
-            {"cascades", "1", "slices of camera depth, 1 to 8"},
-            {"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"},
-            {"overlap", "0.02", "each slice holds this share more at both ends, for filters, 0 to 1"},
-            {"near", "0", "near plane of the slices, world units; 0: a thousandth of far"},
-            {"far", "0", "far plane of the slices, world units; 0: the scene's diagonal"},
-            {"slide-back", "0", "psm: move the camera back by so much, world units"},
-            {"share-texels", "off", "on or off: share texels out to views and axes by their error"},
-            {"share-v", "0.5", "share-texels: how much goes along the view, 0.05 to 0.95; 0.5 is even"},
-            {"self-similar", "off", "on or off: slices repeat the first one's fit (lambda 1, fit frustum)"},
-            {"storage", "array", "array or atlas: views one after the other, or side by side"}};
+    std::vector<SettingDescription> settings{
+        {"projection", "uniform", "uniform, psm, lispsm or logpsm: how texels are laid over the light's rays"},
+        {"fit", "receivers", "receivers, frustum, casters, sphere (does not swim) or quantised: what a view holds"},
+        {"partition", "auto",
+         "auto, single, depth or faces (of the view frustum): how views are shared out; lamps: cube faces"},
+        {"depth-range", "auto", "points (as far as shading points reach), planes (near to far) or auto"},
+        {"cascades", "1", "slices of camera depth, 1 to 8"},
+        {"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"},
+        {"overlap", "0.02", "each slice holds this share more at both ends, for filters, 0 to 1"},
+        {"near", "0", "near plane of the slices, world units; 0: a thousandth of far"},
+        {"far", "0", "far plane of the slices, world units; 0: the scene's diagonal"},
+        {"slide-back", "0", "psm: move the camera back by so much, world units"},
+        {"share-texels", "off", "on or off: share texels out to views and axes by their error"},
+        {"share-v", "0.5", "share-texels: how much goes along the view, 0.05 to 0.95; 0.5 is even"},
+        {"self-similar", "off", "on or off: slices repeat the first one's fit (lambda 1, fit frustum)"},
+        {"storage", "array", "array or atlas: views one after the other, or side by side"}};
+    for (SettingDescription& setting : RectilinearWarp::settings()) settings.push_back(std::move(setting));
+    return settings;
 }
 
 ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
@@ -175,7 +183,8 @@ ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
 }
 
 std::string ViewFit::limits(const FitInputs& inputs) const {
-    if (!inputs.camera && (projection_ != PROJECTION_UNIFORM || cascades_ > 1 || fit_ != FIT_RECEIVERS))
+    if (!inputs.camera &&
+        (projection_ != PROJECTION_UNIFORM || cascades_ > 1 || fit_ != FIT_RECEIVERS || warp_.is_on()))
         return "the points have no camera: one uniform view is fitted to them";
     if (!inputs.light.is_directional() && projection_ == PROJECTION_LISPSM)
         return "lispsm is for directional lights: the faces around this one are uniform";
@@ -189,12 +198,35 @@ void ViewFit::run_bounds(cl::Session& session, const ViewPlan& plan, cl_uint fir
                    cl::LocalBytes{sizeof(KeyBounds)});
 }
 
-void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views) {
-    const ViewPlan plan = plan_of(inputs, size);
-    const std::size_t entries = first_view + plan.view_count;
+// The views' rows, rectangles and texels, from the bounds.
+void ViewFit::run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views) {
     map_views.set = map_set(plan);
     map_views.views.reserve(session, plan.view_count * sizeof(MapView));
-    map_views.tables.reserve(session, std::size_t(plan.view_count) * 2 * MOST_SIDES * size * sizeof(float));
+    map_views.tables.reserve(session,
+                             (centre_floats(plan) + RectilinearWarp::table_floats(plan.view_count)) * sizeof(float));
+    session.launch("shadow_map/projection.cl", "projection_fit", cl::Range::items(plan.view_count), plan, bounds_,
+                   planned_, map_views.views);
+    if (plan.shares_resolution != 0)
+        session.launch("shadow_map/projection.cl", "projection_share", cl::Range::groups(1), plan, planned_,
+                       map_views.views);
+}
+
+void ViewFit::run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views) {
+    if (warp_.looks_from_light()) {
+        ViewPlan small = plan;
+        small.map_size = WARP_PIECES;
+        small.shares_resolution = small.atlas_columns = 0;
+        run_fit(session, small, small_views_);
+        fill_centres(session, small_views_);
+    }
+    warp_.run(session, plan, inputs, bounds_, small_views_, static_cast<cl_uint>(centre_floats(plan)), map_views);
+}
+
+void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views) {
+    if (warp_.is_on() && projection_ == PROJECTION_LOGPSM)
+        throw InvalidArgument("logpsm warps its map already: set warp=off, or projection=uniform, psm or lispsm");
+    const ViewPlan plan = plan_of(inputs, size);
+    const std::size_t entries = first_view + plan.view_count;
     planned_.reserve(session, entries * sizeof(PlannedView));
     bounds_.reserve(session, entries * sizeof(KeyBounds));
     session.fill(bounds_, 0xFFFFFFFFu, entries * sizeof(KeyBounds));
@@ -206,11 +238,8 @@ void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t s
     session.launch("shadow_map/projection.cl", "projection_plan", cl::Range::items(plan.view_count), plan, bounds_,
                    planned_);
     run_bounds(session, plan, first_view, plan.view_count, true, inputs.points, inputs.visibility);
-    session.launch("shadow_map/projection.cl", "projection_fit", cl::Range::items(plan.view_count), plan, bounds_,
-                   planned_, map_views.views);
-    if (plan.shares_resolution != 0)
-        session.launch("shadow_map/projection.cl", "projection_share", cl::Range::groups(1), plan, planned_,
-                       map_views.views);
+    run_fit(session, plan, map_views);
+    if (warp_.is_on() && inputs.camera) run_warp(session, plan, inputs, map_views);
     fill_centres(session, map_views);
 }
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "../../kernels/shadow_map/projection.h"
-#include "map_views.hpp"
+#include "rectilinear_warp.hpp"
 
 namespace gnomon {
 
@@ -30,6 +30,11 @@ private:
     cl_uint cascades_ = 1;
     bool shares_resolution_ = false, is_self_similar_ = false, is_atlas_ = false;
     float lambda_ = 0.5f, alpha_ = 0.5f, overlap_ = 0.02f, near_plane_ = 0, far_plane_ = 0, slide_back_ = 0;
+    void run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views);
+    void run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);
+
+    RectilinearWarp warp_;
+    MapViews small_views_;  ///< for the warp's analysis from the light
     cl::Buffer planned_, bounds_;
 };
 

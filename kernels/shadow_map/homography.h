@@ -4,7 +4,7 @@
 #ifndef GN_SHADOW_HOMOGRAPHY_H
 #define GN_SHADOW_HOMOGRAPHY_H
 
-#include "../shadow_map/polyhedron.h"
+#include "polyhedron.h"
 
 typedef struct Homography {
     float4 u, v, w;
@@ -191,9 +191,9 @@ static float3 cone_axis(const float3* directions, int count) {
 
 // The light's view of the post-perspective cube, along the axis of the cone around it. There the light is
 // L = clip(light), at L.xyz / L.w; L.w c - L.xyz c.w points from it to c, or back if L.w < 0, whether it is at a point,
-// at infinity (L.w = 0) or behind the camera (L.w < 0), where Kozlov needs a projection whose near plane lies beyond the
-// far one: rows that vanish on the light need no cases. False if the cone is wider than a half space (light from almost
-// straight behind or ahead): no plane in front of the light then has all of the cube on it.
+// at infinity (L.w = 0) or behind the camera (L.w < 0), where Kozlov needs a projection whose near plane lies beyond
+// the far one: rows that vanish on the light need no cases. False if the cone is wider than a half space (light from
+// almost straight behind or ahead): no plane in front of the light then has all of the cube on it.
 static bool perspective_shadow_map(const ViewPlan* plan, float near_depth, float far_depth, Homography* h) {
     float4 light = (float4)(to_light(plan), 0.0f);
     float4 clip[4], seen[3];

@@ -11,7 +11,7 @@
 #ifndef GN_SHADOW_PARTITION_H
 #define GN_SHADOW_PARTITION_H
 
-#include "../shadow_map/projection.h"
+#include "projection.h"
 
 #ifndef __cplusplus
 

@@ -7,7 +7,7 @@
 #ifndef GN_SHADOW_POLYHEDRON_H
 #define GN_SHADOW_POLYHEDRON_H
 
-#include "../shadow_map/projection.h"
+#include "projection.h"
 
 #define MOST_VERTICES 120
 #define MOST_POLYGON 12

@@ -4,8 +4,8 @@
 //   projection_plan    slices and homographies, one work-item per view
 //   projection_fit     the rectangle, the depth range and the texels of each view
 #include "../points.h"
-#include "../shadow_map/homography.h"
-#include "../shadow_map/partition.h"
+#include "homography.h"
+#include "partition.h"
 
 // planned[0] and [1] are not views: the scene's box in world space, and camera depths. The views follow.
 #define FIRST_VIEW 2

@@ -25,7 +25,7 @@
 #ifndef GN_SHADOW_PROJECTION_H
 #define GN_SHADOW_PROJECTION_H
 
-#include "../shadow_map/map_view.h"
+#include "map_view.h"
 
 #define PROJECTION_UNIFORM 0u
 #define PROJECTION_PSM 1u
