@@ -5,7 +5,6 @@ namespace gnomon {
 namespace {
 
 constexpr const char* file = "shadow_map/depth_pass.cl";
-constexpr std::uint32_t first_chunk_capacity = 1u << 16;
 
 // A little more than the texels: the last are read in groups of lanes.
 void clear(cl::Session& session, const MapSet& set, cl::Buffer& keys, std::uint32_t word) {
@@ -18,7 +17,6 @@ void clear(cl::Session& session, const MapSet& set, cl::Buffer& keys, std::uint3
 void DepthMap::draw(cl::Session& session, const TriangleInputs& triangles, const MapViews& map_views, DepthPass pass,
                     cl::Buffer& output) {
     if (triangles.count == 0) return;
-    if (chunk_capacity_ == 0) chunk_capacity_ = first_chunk_capacity;
     chunk_count_.reserve(session, sizeof(cl_uint));
     for (cl_uint view = 0; view < map_views.set.view_count; ++view) {
         // A minimum stays one when triangles are drawn twice: after growing, the view is drawn again.

@@ -22,12 +22,15 @@ public:
     const cl::Buffer& keys() const { return keys_; }      ///< bits of the depth, one float per texel
     const cl::Buffer& slopes() const { return slopes_; }  ///< dx^2 + dy^2, depth per texel, one float per texel
 
+    static constexpr std::uint32_t initial_capacity = 1u << 16;
+    void limit_initial_capacity(std::uint32_t capacity) { chunk_capacity_ = capacity; }
+
 private:
     void draw(cl::Session& session, const TriangleInputs& triangles, const MapViews& map_views, DepthPass pass,
               cl::Buffer& output);
 
     cl::Buffer keys_, second_, slopes_, chunk_count_, chunks_;
-    std::uint32_t chunk_capacity_ = 0;
+    std::uint32_t chunk_capacity_ = initial_capacity;
 };
 
 }  // namespace gnomon
