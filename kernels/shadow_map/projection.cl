@@ -334,7 +334,7 @@ static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, Place
         }
     }
     float range = fmax(high - low, 1.0e-3f * fmax(fabs(low), fabs(high)) + 1.0e-18f);
-    return (float2)(low - NEAR_MARGIN * range, high + 1.0e-3f * range);
+    return (float2)(low - NEAR_MARGIN * range, high + FAR_MARGIN * range);
 }
 
 // Unit-cube clipping (Kozlov 2004; survey 41): the rectangle becomes [0, 1], in homogeneous rows.

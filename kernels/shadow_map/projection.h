@@ -54,8 +54,10 @@
 #define LEAST_SIDE 16u
 
 // Depth range of the receivers: a thirty-second of it is kept free before the nearest, so that a caster clamped to the
-// near plane stays before every receiver by more than any bias.
+// near plane stays before every receiver by more than any bias; and behind the farthest, so that the surfaces that
+// points were lifted off are in the map.
 #define NEAR_MARGIN 0.03125f
+#define FAR_MARGIN 0.03125f
 
 // A run's settings and camera: host to device, by value.
 GN_STRUCT_BEGIN(ViewPlan)
