@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "../kernels/camera.h"
-#include "bins.hpp"
 #include "vectors.hpp"
 
 namespace gnomon {
@@ -48,58 +47,11 @@ void set_row(float* row, double a, const Double3& u, double b, const Double3& v)
 
 constexpr std::uint32_t largest_side = 16384;
 
-Float4 eye_of(const View& view) {
-    const Float3& eye = *view.points.eye();
-    return {eye[0], eye[1], eye[2], 0.0f};
-}
-
-// Survivors and references of the view's triangles, grown until they fit.
-struct CameraLists {
-    TriangleSetup setup;
-    Bins bins;
-};
-
-void run_visibility(cl::Session& session, const TriangleInputs& triangles, const CameraTables& tables,
-                    const cl::Buffer& projection, const cl::Buffer& rays, cl_mem visible, Statistics& statistics) {
-    const std::uint32_t bin_count = tables.projection.bins_x * tables.projection.bins_y;
-    const std::size_t pixels = std::size_t(tables.projection.width) * tables.projection.height;
-    CameraLists lists;
-    cl::Buffer counters(session, sizeof(FrameCounters));
-    FrameCounters counted;
-    bool fitted = false;
-    do {
-        session.fill(counters, 0, sizeof(FrameCounters));
-        {
-            cl::StageTimer timer(session, statistics, "camera_setup");
-            lists.setup.run(session, projection, triangles, nullptr, counters);
-        }
-        {
-            cl::StageTimer timer(session, statistics, "camera_bins");
-            lists.bins.run(session, projection, bin_count, lists.setup, nullptr, counters);
-        }
-        {
-            cl::StageTimer timer(session, statistics, "camera_visibility");
-            session.launch("camera.cl", "camera_visibility", cl::Range::items(pixels / session.lanes() + 1), projection,
-                           triangles.first_float, lists.setup.capacity(), lists.bins.capacity(), triangles.vertices,
-                           rays, lists.setup.records(), lists.setup.ids(), lists.bins.offsets(),
-                           lists.bins.references(), counters, visible);
-        }
-        session.read(counters.get(), &counted, sizeof(counted));
-        const bool records = lists.setup.fitted(session, counted);
-        fitted = lists.bins.fitted(session, counted, records) && records;
-    } while (!fitted);
-    statistics.counts = {{"pixels", pixels},
-                         {"triangles", triangles.count},
-                         {"triangles_not_finite", counted.not_finite},
-                         {"triangles_edge_on", counted.edge_on},
-                         {"triangles_outside", counted.outside},
-                         {"triangles_kept", counted.survivors},
-                         {"references", counted.references}};
-}
+Float4 float4_of_point(const Float3& p) { return {p[0], p[1], p[2], 0.0f}; }
 
 }  // namespace
 
-CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
     const double t = std::tan(camera.fov_y_radians / 2);
     const double half_width = width / 2.0, half_height = height / 2.0;
     const double pixel = t / half_height;  // pixels are square: aspect t / half_width is the same
@@ -128,18 +80,91 @@ CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint3
     p.perspective = 1;
     p.active_points = 1;
 
+    // Exact: sums of small multiples of 1 / SAMPLE_UNITS.
+    const double sample_x = 0.5 + double(offset.x) / SAMPLE_UNITS, sample_y = 0.5 + double(offset.y) / SAMPLE_UNITS;
     tables.rays.reserve((std::size_t(width) + height) * RAY_FLOATS);
     for (std::uint32_t x = 0; x < width; ++x) {
         Double3 column;
-        for (int i = 0; i < 3; ++i) column[i] = camera.forward[i] + (x + 0.5 - half_width) * pixel * camera.right[i];
+        for (int i = 0; i < 3; ++i)
+            column[i] = camera.forward[i] + (x + sample_x - half_width) * pixel * camera.right[i];
         append_split(tables.rays, column);
     }
     for (std::uint32_t y = 0; y < height; ++y) {
         Double3 row;
-        for (int i = 0; i < 3; ++i) row[i] = (half_height - (y + 0.5)) * pixel * camera.up[i];
+        for (int i = 0; i < 3; ++i) row[i] = (half_height - (y + sample_y)) * pixel * camera.up[i];
         append_split(tables.rays, row);
     }
     return tables;
+}
+
+CameraStage::CameraStage(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
+                         std::uint32_t height)
+    : session_(device.session()),
+      triangles_(triangle_inputs(triangles)),
+      camera_(camera),
+      width_(width),
+      height_(height),
+      projection_(session_, sizeof(Projection)),
+      rays_(session_, (std::size_t(width) + height) * RAY_FLOATS * sizeof(float)),
+      counters_(session_, sizeof(FrameCounters)) {
+    const Projection projection = camera_tables(camera, width, height).projection;
+    session_.write(projection_.get(), &projection, sizeof(projection));
+}
+
+void CameraStage::make_lists(Statistics& statistics) {
+    const std::uint32_t tiles_x = (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2,
+                        tiles_y = (height_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2;
+    session_.fill(counters_, 0, sizeof(FrameCounters));
+    {
+        cl::StageTimer timer(session_, statistics, "camera_setup");
+        setup_.run(session_, projection_, triangles_, nullptr, counters_);
+    }
+    {
+        cl::StageTimer timer(session_, statistics, "camera_bins");
+        bins_.run(session_, projection_, tiles_x * tiles_y, setup_, nullptr, counters_);
+    }
+}
+
+void CameraStage::find_receivers(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out,
+                                 Statistics& statistics) {
+    cl::StageTimer timer(session_, statistics, "camera_visibility");
+    const std::size_t pixels = std::size_t(width_) * height_;
+    const std::array<float, 2> moved{float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS};
+    session_.launch("camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1), projection_,
+                    triangles_.first_float, setup_.capacity(), bins_.capacity(), moved, cl_uint(out.first),
+                    cl_uint(pixel_receivers != nullptr), triangles_.vertices, rays_, setup_.records(), setup_.ids(),
+                    bins_.offsets(), bins_.references(), counters_,
+                    pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers);
+}
+
+void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
+    const std::vector<float> rays = camera_tables(camera_, width_, height_, offset).rays;
+    session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
+    if (triangles_.count == 0) {
+        session_.fill(out.receivers, no_receiver, out.count * sizeof(cl_uint));
+    } else if (fitted_) {
+        find_receivers(offset, pixel_receivers, out, statistics);
+    }
+    // Lists grow until they fit; the receivers are then those of the last pass.
+    while (triangles_.count != 0 && !fitted_) {
+        make_lists(statistics);
+        find_receivers(offset, pixel_receivers, out, statistics);
+        FrameCounters counted;
+        session_.read(counters_.get(), &counted, sizeof(counted));
+        const bool records = setup_.fitted(session_, counted);
+        fitted_ = bins_.fitted(session_, counted, records) && records;
+        statistics.counts = {{"pixels", std::size_t(width_) * height_},
+                             {"triangles", triangles_.count},
+                             {"triangles_not_finite", counted.not_finite},
+                             {"triangles_edge_on", counted.edge_on},
+                             {"triangles_outside", counted.outside},
+                             {"triangles_kept", counted.survivors},
+                             {"references", counted.references}};
+    }
+    cl::StageTimer timer(session_, statistics, "camera_points");
+    session_.launch("camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), width_, height_,
+                    cl_uint(out.first), cl_uint(out.count), float4_of_point(camera_.eye), triangles_.first_float,
+                    triangles_.vertices, rays_, out.receivers, out.positions);
 }
 
 View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
@@ -153,26 +178,12 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     const std::uint64_t before = session.memory_bytes();
     session.begin_run();
     const std::size_t pixels = std::size_t(width) * height;
-    const CameraTables tables = camera_tables(camera, width, height);
-    cl::Buffer projection(session, sizeof(Projection)), rays(session, tables.rays.size() * sizeof(float));
-    session.write(projection.get(), &tables.projection, sizeof(Projection));
-    session.write(rays.get(), tables.rays.data(), tables.rays.size() * sizeof(float));
-
     cl::Buffer positions(session, pixels * 3 * sizeof(float)), visible(session, pixels * sizeof(cl_uint));
-    const TriangleInputs inputs = triangle_inputs(triangles);
     View view;
     view.width = width;
     view.height = height;
-    if (triangles.count() == 0)
-        session.fill(visible, no_receiver, pixels * sizeof(cl_uint));
-    else
-        run_visibility(session, inputs, tables, projection, rays, visible.get(), view.statistics);
-    {
-        cl::StageTimer timer(session, view.statistics, "camera_points");
-        session.launch("camera.cl", "camera_points", cl::Range::items(pixels), width, height,
-                       Float4{camera.eye[0], camera.eye[1], camera.eye[2], 0.0f}, inputs.first_float, inputs.vertices,
-                       rays, visible, positions);
-    }
+    CameraStage(device, triangles, camera, width, height)
+        .run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
     view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, visible.get());
     view.points.set_camera(camera, width, height);
     session.finish();
@@ -182,12 +193,29 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     return view;
 }
 
+Points lift(const Device& device, const Triangles& triangles, const Points& points, const Float3& eye) {
+    for (const float c : eye)
+        if (!std::isfinite(c)) throw InvalidArgument("the eye to lift points towards must be finite numbers");
+    if (points.receivers() == nullptr) throw InvalidArgument("points without receivers have no plane to be lifted off");
+    cl::Session& session = device.session();
+    const TriangleInputs inputs = triangle_inputs(triangles);
+    const PointInputs at = point_inputs(points);
+    const cl::Buffer positions(session, points.count() * 3 * sizeof(float));
+    if (points.count() != 0)
+        session.launch("camera.cl", "lift_points", cl::Range::items(points.count()), at.layout, float4_of_point(eye),
+                       inputs.first_float, inputs.count, inputs.vertices, at.positions, at.receivers, positions);
+    Points lifted = Points::wrap(device, positions.get(), {}, points.count(), points.receivers());
+    lifted.set_eye(eye);
+    return lifted;
+}
+
 cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view) {
     cl::Session& session = device.session();
     const TriangleInputs inputs = triangle_inputs(triangles);
     cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
     session.launch("camera.cl", "camera_normals", cl::Range::items(view.points.count()), cl_uint(view.points.count()),
-                   eye_of(view), inputs.first_float, inputs.vertices, view.points.receivers(), normals);
+                   float4_of_point(*view.points.eye()), inputs.first_float, inputs.vertices, view.points.receivers(),
+                   normals);
     return normals;
 }
 

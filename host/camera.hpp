@@ -1,19 +1,50 @@
 // SPDX-License-Identifier: MIT
-// Stage camera: visibility buffer and shading points (kernels/camera.h, kernels/camera.cl). look() and read() of
-// gnomon.hpp are its face.
+// Stage camera: visibility buffer and shading points (kernels/camera.h, kernels/camera.cl). look(), read() and lift()
+// of gnomon.hpp are its face; samples.cpp runs it for many samples per pixel.
 #pragma once
 
 #include "../kernels/projection.h"
+#include "bins.hpp"
 #include "inputs.hpp"
 
 namespace gnomon {
 
-/// The camera as kernels take it: a projection to pixels and the table of exact rays.
+/// The camera as kernels take it: a projection to pixels and the table of exact rays through one sample of each pixel.
 struct CameraTables {
     Projection projection;
     std::vector<float> rays;  ///< RAY_FLOATS per column, then per row
 };
-CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height);
+CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset = {});
+
+/// Where the points of one sample of every pixel go: from `first` on in buffers for `count` points.
+struct PointSlice {
+    const cl::Buffer& positions;  ///< x of all points, then y, then z
+    const cl::Buffer& receivers;
+    std::size_t first, count;
+};
+
+/// A camera over a scene: its lists of triangles per tile are made once and serve every sample.
+class CameraStage {
+public:
+    CameraStage(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
+                std::uint32_t height);
+    /// Writes receivers and points of the sample at `offset` in every pixel. A sample whose ray meets the receiver of
+    /// its pixel takes that one; with pixel_receivers null, and otherwise, the nearest. Adds to `statistics`.
+    void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
+
+private:
+    void find_receivers(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
+    void make_lists(Statistics& statistics);
+
+    cl::Session& session_;
+    TriangleInputs triangles_;
+    Camera camera_;
+    std::uint32_t width_, height_;
+    cl::Buffer projection_, rays_, counters_;
+    TriangleSetup setup_;
+    Bins bins_;
+    bool fitted_ = false;
+};
 
 /// Unit geometric normals facing the camera, 3 floats per pixel, packed; sky: 0.
 cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view);

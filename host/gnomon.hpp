@@ -296,6 +296,11 @@ struct Statistics {
 
 // ---- Camera ---------------------------------------------------------------------------------------------------------
 
+/// Where in its pixel a sample lies: from the centre, in 1/64 pixel, x to the right and y down, each from -32 to 31.
+struct SampleOffset {
+    int x = 0, y = 0;
+};
+
 /// What a camera sees: per pixel (row by row from the top) the nearest triangle and the shading point on it.
 class View {
 public:
@@ -308,6 +313,13 @@ public:
 /// Throws InvalidArgument if width or height is 0 or over 16384, or for a camera filled by hand that is none.
 View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
           std::uint32_t height);
+
+/// A caller's own points, lifted off their receivers as the camera's are: moved along the receiver's normal towards
+/// `eye` by 4 float32 ulps of the largest coordinate of point and eye, and rounded up along it (docs/numerics.md, 9).
+/// A point that is its exact place on the receiver rounded to float32 is never under the receiver's plane afterwards,
+/// and at most 9 such ulps from where it was. Absent points, and points whose receiver has no plane, stay where they
+/// are. The points returned share the receivers and have `eye` set. Throws InvalidArgument if there are no receivers.
+Points lift(const Device& device, const Triangles& triangles, const Points& points, const Float3& eye);
 
 /// A view on the host, for pictures and files.
 struct ViewOnHost {

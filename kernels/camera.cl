@@ -159,11 +159,15 @@ static bool is_nearer(Triangle t, uint id, Triangle best, uint best_id, float3 e
     return wide_less(other, mine) || (!wide_less(mine, other) && id < best_id);
 }
 
+// `rays` are those of one sample per pixel, which lies `offset` pixels off the centre. With pixel_receivers, a sample
+// whose ray meets the receiver of its pixel takes that one, seen or not. visible[first_point + pixel] is written.
 __kernel void camera_visibility(__constant const Projection* projection, ulong first_float, uint record_capacity,
-                                uint reference_capacity, __global const float* vertices, __global const float* rays,
+                                uint reference_capacity, float2 offset, uint first_point, uint has_pixel_receivers,
+                                __global const float* vertices, __global const float* rays,
                                 __global const TriangleRecord* records, __global const uint* ids,
                                 __global const uint* reference_offsets, __global const uint* references,
-                                __global const FrameCounters* counters, __global uint* visible) {
+                                __global const FrameCounters* counters, __global const uint* pixel_receivers,
+                                __global uint* visible) {
     if (counters->survivors > record_capacity || counters->references > reference_capacity) return;
     const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
     const uint blocks_per_tile = tile_pixels * tile_pixels / GN_LANES;
@@ -177,13 +181,25 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
         if (pixel_y >= height || first_x >= width) continue;
         LaneInt column = (int)first_x + LANE_INDEX;
         LaneInt present = LANE_COMPARE(column, <, (LaneInt)((int)width));
-        LaneFloat x = (LaneFloat)((float)first_x + 0.5f);
+        LaneFloat x = (LaneFloat)((float)first_x + 0.5f + offset.x);
         for (int lane = 0; lane < GN_LANES; ++lane) ((float*)&x)[lane] += (float)lane;
-        LaneFloat y = (LaneFloat)((float)pixel_y + 0.5f);
+        LaneFloat y = (LaneFloat)((float)pixel_y + 0.5f + offset.y);
         LaneFloat best_low = (LaneFloat)(-INFINITY), best_high = (LaneFloat)(-INFINITY);
         LaneInt best_id = (LaneInt)((int)GN_NO_ID);
+        LaneInt searching = present;
+        if (has_pixel_receivers) {
+            for (int lane = 0; lane < GN_LANES; ++lane) {
+                if (!((int*)&present)[lane]) continue;
+                uint receiver = pixel_receivers[(size_t)pixel_y * width + first_x + (uint)lane];
+                if (receiver == GN_NO_ID || !covers(load_triangle(vertices + first_float, receiver), eye,
+                                                    load_ray(rays, width, first_x + (uint)lane, pixel_y)))
+                    continue;
+                ((int*)&best_id)[lane] = (int)receiver;
+                ((int*)&searching)[lane] = 0;
+            }
+        }
 
-        uint last = reference_offsets[tile + 1];
+        uint last = LANES_ANY(searching) ? reference_offsets[tile + 1] : 0u;
         for (uint i = reference_offsets[tile]; i < last; ++i) {
             uint slot = references[i];
             __global const TriangleRecord* r = &records[slot];
@@ -194,7 +210,7 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
             LaneFloat z = lanes_linear(r->plane_x, r->plane_y, r->plane_0, x, y);
             LaneFloat z_low = z - (LaneFloat)(r->margin_plane), z_high = z + (LaneFloat)(r->margin_plane);
             LaneInt possible =
-                present & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(z_high, <, best_low);
+                searching & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(z_high, <, best_low);
             if (!LANES_ANY(possible)) continue;
             int id = (int)ids[slot];
             LaneInt inside_for_certain = LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge));
@@ -220,7 +236,7 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
         }
         for (int lane = 0; lane < GN_LANES; ++lane)
             if (((int*)&present)[lane])
-                visible[(size_t)pixel_y * width + first_x + (uint)lane] = (uint)((int*)&best_id)[lane];
+                visible[first_point + (size_t)pixel_y * width + first_x + (uint)lane] = (uint)((int*)&best_id)[lane];
     }
 }
 
@@ -293,10 +309,11 @@ static Wide3 hit_of(float3 eye, Det3Row ray, Wide distance) {
     return hit;
 }
 
-// Positions as a structure of arrays: x of all pixels, then y, then z. Sky: NaN.
-__kernel void camera_points(uint width, uint height, float4 eye_and_zero, ulong first_float,
-                            __global const float* vertices, __global const float* rays, __global const uint* visible,
-                            __global float* positions) {
+// Positions as a structure of arrays: x of all points, then y, then z; pixel i is point first_point + i of point_count.
+// Sky: NaN.
+__kernel void camera_points(uint width, uint height, uint first_point, uint point_count, float4 eye_and_zero,
+                            ulong first_float, __global const float* vertices, __global const float* rays,
+                            __global const uint* visible, __global float* positions) {
     size_t count = (size_t)width * height;
     float3 eye = eye_and_zero.xyz;
     Wide eye_size = wide_of_float(fmax(fmax(fabs(eye.x), fabs(eye.y)), fabs(eye.z)));
@@ -307,9 +324,10 @@ __kernel void camera_points(uint width, uint height, float4 eye_and_zero, ulong 
     Wide3 n;
     GN_FOR_EACH(pixel, count) {
         float3 p = (float3)(NAN);
-        if (visible[pixel] != GN_NO_ID) {
-            if (visible[pixel] != id) {
-                id = visible[pixel];
+        size_t point = first_point + pixel;
+        if (visible[point] != GN_NO_ID) {
+            if (visible[point] != id) {
+                id = visible[point];
                 t = load_triangle(vertices + first_float, id);
                 plane = plane_of(t, eye);
                 n = normal_towards_eye(plane.normal, t, eye);
@@ -318,9 +336,9 @@ __kernel void camera_points(uint width, uint height, float4 eye_and_zero, ulong 
             Wide3 hit = hit_of(eye, ray_row(ray), wide_div(WIDE_ONE, nearness(plane, t, ray)));
             p = lifted(hit, n, lift_of(wide_max(largest_coordinate(hit), eye_size)));
         }
-        positions[pixel] = p.x;
-        positions[pixel + count] = p.y;
-        positions[pixel + 2 * count] = p.z;
+        positions[point] = p.x;
+        positions[point + point_count] = p.y;
+        positions[point + 2 * (size_t)point_count] = p.z;
     }
 }
 
@@ -347,5 +365,32 @@ __kernel void camera_normals(uint count, float4 eye_and_zero, ulong first_float,
             if (id != GN_NO_ID) normal = unit_normal(load_triangle(vertices + first_float, id), eye_and_zero.xyz);
         }
         vstore3(normal, pixel, normals);
+    }
+}
+
+// ---- Points of a caller ---------------------------------------------------------------------------------------------
+
+// Each point moved off its receiver as a camera's are (camera.h), the point itself in the place of the hit. Points that
+// are absent, or have no receiver with a plane, stay where they are. Packed xyz.
+__kernel void lift_points(PointsLayout layout, float4 eye_and_zero, ulong first_float, uint triangle_count,
+                          __global const float* vertices, __global const float* positions,
+                          __global const uint* receivers, __global float* lifted_positions) {
+    float3 eye = eye_and_zero.xyz;
+    Wide eye_size = wide_of_float(fmax(fmax(fabs(eye.x), fabs(eye.y)), fabs(eye.z)));
+    GN_FOR_EACH(i, layout.count) {
+        float3 p = load_point(positions, layout, i);
+        if (receivers[i] < triangle_count && is_present(p)) {
+            Triangle t = load_triangle(vertices + first_float, receivers[i]);
+            if (is_finite_triangle(t)) {
+                Wide3 hit;
+                hit.x = wide_of_float(p.x);
+                hit.y = wide_of_float(p.y);
+                hit.z = wide_of_float(p.z);
+                Wide3 n = normal_towards_eye(det3_cross(det3_row(t.b, t.a), det3_row(t.c, t.a)), t, eye);
+                if (!wide_is_zero(largest_coordinate(n)))
+                    p = lifted(hit, n, lift_of(wide_max(largest_coordinate(hit), eye_size)));
+            }
+        }
+        vstore3(p, i, lifted_positions);
     }
 }

@@ -18,12 +18,17 @@
 //   most 2^-2 unit: together below 9 units for LIFT_ULPS = 4. Why 4: a flat floor's vertices are rounded by half an ulp
 //   each; two neighbouring triangles then disagree about the floor by at most sqrt(3) / 2 units each, so 2 units clear
 //   a floor whose vertices are no larger than m, and 4 units one whose vertices are up to twice that.
+//
+// Samples: the same with every pixel's ray moved by a fixed offset, in SAMPLE_UNITS of a pixel, so that it is exact.
 #ifndef GN_CAMERA_H
 #define GN_CAMERA_H
 
 #include "prelude.h"
 
 #define LIFT_ULPS 4.0f
+
+// Offsets of samples are whole numbers of 1 / SAMPLE_UNITS pixels, less than half a pixel: no sample leaves its tile.
+#define SAMPLE_UNITS 64
 
 // A pixel tile is a bin of the camera's projection.
 #define CAMERA_TILE_LOG2 4

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <limits>
 
+#include "reference/predicates.hpp"
 #include "reference/view.hpp"
 #include "support/camera_scenes.hpp"
 #include "support/device.hpp"
@@ -170,6 +171,99 @@ TEST(camera, points_keep_their_promises) {
     EXPECT_GT(judged, 5000u);
 }
 
+/// Random places on the scene's triangles, rounded to float32: where a caller's own intersection code would put points.
+struct PlacesOnTriangles {
+    Floats points;
+    std::vector<std::uint32_t> receivers;
+};
+PlacesOnTriangles places_on(const Floats& triangles, std::size_t each) {
+    PlacesOnTriangles places;
+    Random random(131);
+    for (std::size_t id = 0; id < triangles.size() / 9; ++id)
+        for (std::size_t k = 0; k < each; ++k) {
+            const double u = random.between(0, 1), v = random.between(0, 1) * (1 - u);
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double a = triangles[9 * id + c], b = triangles[9 * id + 3 + c], d = triangles[9 * id + 6 + c];
+                places.points.push_back(static_cast<float>(a + u * (b - a) + v * (d - a)));
+            }
+            places.receivers.push_back(static_cast<std::uint32_t>(id));
+        }
+    return places;
+}
+
+std::size_t count_under(const Floats& triangles, const Floats& points, const std::vector<std::uint32_t>& receivers,
+                        const Float3& eye) {
+    reference::Effort effort;
+    std::size_t under = 0;
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        const reference::Triangle t{vertex(triangles, 3 * receivers[i]), vertex(triangles, 3 * receivers[i] + 1),
+                                    vertex(triangles, 3 * receivers[i] + 2)};
+        const int eye_side = reference::side_of_point(eye, t, effort);
+        under += eye_side != 0 && reference::side_of_point(vertex(points, i), t, effort) != eye_side;
+    }
+    return under;
+}
+
+// A caller's points: above their planes afterwards, by the exact predicate, and at most 9 ulps away. Not vacuous: about
+// half of them are under their planes, or on them, before.
+TEST(camera, lifted_points_leave_their_planes) {
+    const gnomon::Device with = device_with(), without({}, {.hide_fp64 = true});
+    std::size_t lifted_count = 0, under_before = 0;
+    for (const CameraScene& scene : camera_scenes()) {
+        SCOPED_TRACE(scene.name);
+        const PlacesOnTriangles places = places_on(scene.triangles, 10);
+        const std::size_t count = places.receivers.size();
+        Floats first;
+        for (const gnomon::Device& device : {with, without}) {
+            const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+            const auto points = gnomon::Points::upload(device, places.points, places.receivers);
+            const gnomon::Points lifted = gnomon::lift(device, triangles, points, scene.eye);
+            EXPECT_EQ(lifted.eye(), scene.eye);
+            const Floats moved = downloaded<float>(device.session(), lifted.positions(), 3 * count);
+            EXPECT_EQ(count_under(scene.triangles, moved, places.receivers, scene.eye), 0u);
+            for (std::size_t i = 0; i < count; ++i) {
+                float size = 0;
+                for (std::size_t c = 0; c < 3; ++c)
+                    size = std::max({size, std::fabs(moved[3 * i + c]), std::fabs(scene.eye[c])});
+                double squared = 0;
+                for (std::size_t c = 0; c < 3; ++c)
+                    squared += std::pow(double(moved[3 * i + c]) - places.points[3 * i + c], 2);
+                const double ulp = std::ldexp(1.0, std::max(std::ilogb(size), -126) - 23);
+                ASSERT_LE(std::sqrt(squared), 9 * ulp) << "point " << i;
+            }
+            if (first.empty()) first = moved;
+            EXPECT_EQ(std::memcmp(first.data(), moved.data(), first.size() * sizeof(float)), 0) << "without fp64";
+        }
+        lifted_count += count;
+        under_before += count_under(scene.triangles, places.points, places.receivers, scene.eye);
+    }
+    std::cout << lifted_count << " points, " << under_before << " of them not above their planes before\n";
+    EXPECT_GT(under_before, lifted_count / 4);
+}
+
+// Who has no plane stays: no receiver, one that is no triangle, absent points.
+TEST(camera, lift_leaves_alone_what_has_no_plane) {
+    const gnomon::Device device = device_with();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    Floats scene;
+    add(scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    add(scene, {2, 2, 2}, {2, 2, 2}, {2, 2, 2});
+    add(scene, {0, 0, 0}, {1, 0, nan}, {0, 1, 0});
+    const auto triangles = gnomon::Triangles::upload(device, scene);
+    const Floats places{0.25f, 0.25f, 0, 0.25f, 0.25f, 0, 2, 2, 2, 0.25f, 0.25f, 0, nan, 1, 2};
+    const auto points =
+        gnomon::Points::upload(device, places, std::vector<std::uint32_t>{0, gnomon::no_receiver, 1, 2, 0});
+    const gnomon::Points lifted = gnomon::lift(device, triangles, points, {0, 0, -1});
+    const Floats moved = downloaded<float>(device.session(), lifted.positions(), places.size());
+    EXPECT_LT(moved[2], 0) << "the first has one, and the eye is below";
+    EXPECT_EQ(moved[0], places[0]);
+    EXPECT_EQ(std::memcmp(&moved[3], &places[3], 9 * sizeof(float)), 0);
+    EXPECT_TRUE(std::isnan(moved[12]));
+    EXPECT_THROW(gnomon::lift(device, triangles, gnomon::Points::upload(device, places), {0, 0, -1}),
+                 gnomon::InvalidArgument);
+    EXPECT_THROW(gnomon::lift(device, triangles, points, {0, nan, -1}), gnomon::InvalidArgument);
+}
+
 // Triangles that are no triangles, wholly behind the eye, through the eye, with the eye in their plane or at a vertex.
 // Not vacuous: each stands in the middle of the view, in front of a wall that must be seen.
 TEST(camera, survives_degenerates) {
@@ -215,8 +309,8 @@ TEST(camera, writes_only_its_own) {
     put_canaries(session, normals);
     const gnomon::Float4 eye{scene.eye[0], scene.eye[1], scene.eye[2], 0};
     const auto range = gnomon::cl::Range::items(pixels);
-    session.launch("camera.cl", "camera_points", range, scene.width, scene.height, eye, inputs.first_float,
-                   inputs.vertices, rays, view.points.receivers(), positions);
+    session.launch("camera.cl", "camera_points", range, scene.width, scene.height, cl_uint{0}, cl_uint(pixels), eye,
+                   inputs.first_float, inputs.vertices, rays, view.points.receivers(), positions);
     session.launch("camera.cl", "camera_normals", range, cl_uint(pixels), eye, inputs.first_float, inputs.vertices,
                    view.points.receivers(), normals);
     expect_canaries(session, positions, pixels * 3 * sizeof(float), "positions");
