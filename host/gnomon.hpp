@@ -23,6 +23,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -360,6 +361,24 @@ public:
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
     virtual void set(std::string_view name, std::string_view value) = 0;
 };
+
+/// The pattern of 1, 4, 8, 16 or 32 samples per pixel. 1: the centre. 4, 8, 16: Direct3D's standard patterns. 32:
+/// Hammersley's points in base 2, x = (i + 1/2) / 32 and y = (i's five bits in reverse + 1/2) / 32 from the pixel's
+/// upper left corner, i = 0 .. 31: every row, column and elementary rectangle of 1/32 of a pixel holds one. Throws
+/// InvalidArgument for another number.
+std::span<const SampleOffset> sample_pattern(std::uint32_t samples);
+
+/// Is handed the points of some samples before their visibility is computed: sample by sample in the pattern's order,
+/// each pixel by pixel. They are valid during the call.
+using SampleSink = std::function<void(const Points& points)>;
+
+/// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. Each sample is a point of its
+/// own with its own answer: where its ray through the pixel meets the pixel's receiver it lies on that receiver, else
+/// on what its ray meets first (or creases would leak light); one that meets nothing counts as lit. Samples are
+/// processed in batches of bounded memory; times and counts add up over them. `view` must come from look(). Throws
+/// InvalidArgument like sample_pattern(), or if `mean` has fewer entries than the view has pixels.
+Statistics run_samples(Technique& technique, const Device& device, const Triangles& triangles, const View& view,
+                       const Light& light, std::uint32_t samples, const Visibility& mean, const SampleSink& sink = {});
 
 struct TechniqueDescription {
     std::string name;

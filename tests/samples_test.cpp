@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+// Stage samples: the patterns against their published definitions; each sample's ray, receiver and place against exact
+// rays; the mean against the oracle's answer for every sample.
+#include "../host/samples.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <iostream>
+#include <set>
+
+#include "reference/predicates.hpp"
+#include "reference/visibility.hpp"
+#include "support/camera_scenes.hpp"
+#include "support/device.hpp"
+
+namespace {
+
+using namespace support;
+using gnomon::SampleOffset;
+
+/// Sample by sample, each pixel by pixel.
+struct Samples {
+    Floats position;
+    std::vector<std::uint32_t> receiver;
+    std::vector<float> mean;
+    std::vector<std::uint32_t> pixel_receiver;
+    gnomon::Statistics statistics;
+};
+
+constexpr std::size_t ALL_AT_ONCE = 1u << 20;
+
+Samples sampled(const gnomon::Device& device, const CameraScene& scene, const gnomon::Light& light,
+                std::uint32_t samples, std::size_t points_at_once = ALL_AT_ONCE) {
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+    const gnomon::Visibility mean(device, view.points.count());
+    Samples result;
+    const auto keep = [&](const gnomon::Points& points) {
+        const std::size_t count = points.count();
+        const Floats planes = downloaded<float>(device.session(), points.positions(), 3 * count);
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < 3; ++c) result.position.push_back(planes[i + c * count]);
+        const auto ids = downloaded<std::uint32_t>(device.session(), points.receivers(), count);
+        result.receiver.insert(result.receiver.end(), ids.begin(), ids.end());
+    };
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    result.statistics =
+        gnomon::run_samples_in_batches(*technique, device, triangles, view, light, samples, mean, keep, points_at_once);
+    result.mean = mean.read();
+    result.pixel_receiver = downloaded<std::uint32_t>(device.session(), view.points.receivers(), view.points.count());
+    return result;
+}
+
+/// Small scenes with creases, silhouettes against the sky, ties and needles.
+std::vector<CameraScene> scenes() {
+    std::vector<CameraScene> chosen;
+    for (const CameraScene& scene : camera_scenes())
+        for (const char* name : {"ball", "inside a ball", "soup around the eye", "large soup", "needles", "tiny ball",
+                                 "eye in a wall's plane", "one pixel"})
+            if (scene.name == name) chosen.push_back(scene);
+    return chosen;
+}
+
+constexpr std::uint32_t COUNTS[] = {1, 4, 8, 16, 32};
+
+// D3D11_STANDARD_MULTISAMPLE_PATTERN as Microsoft documents it, in sixteenths; copied from there, not from our table.
+TEST(samples, patterns_are_direct3ds) {
+    const auto expect = [](std::uint32_t samples, const std::vector<std::array<int, 2>>& sixteenths) {
+        const auto pattern = gnomon::sample_pattern(samples);
+        ASSERT_EQ(pattern.size(), sixteenths.size());
+        for (std::size_t i = 0; i < pattern.size(); ++i) {
+            EXPECT_EQ(pattern[i].x, 4 * sixteenths[i][0]) << samples << " samples, number " << i;
+            EXPECT_EQ(pattern[i].y, 4 * sixteenths[i][1]) << samples << " samples, number " << i;
+        }
+    };
+    expect(1, {{0, 0}});
+    expect(4, {{-2, -6}, {6, -2}, {-6, 2}, {2, 6}});
+    expect(8, {{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}});
+    expect(16, {{1, 1},
+                {-1, -3},
+                {-3, 2},
+                {4, -1},
+                {-5, -2},
+                {2, 5},
+                {5, 3},
+                {3, -5},
+                {-2, 6},
+                {0, -7},
+                {-4, -6},
+                {-6, 4},
+                {-8, 0},
+                {7, -4},
+                {6, 7},
+                {-7, -8}});
+    for (const std::uint32_t count : {0u, 2u, 3u, 31u, 33u, 64u})
+        EXPECT_THROW(gnomon::sample_pattern(count), gnomon::InvalidArgument) << count;
+}
+
+// What makes 32 points well spread: of the 32 equal rectangles of each shape, every one holds one point.
+TEST(samples, thirty_two_fill_every_elementary_rectangle) {
+    const auto pattern = gnomon::sample_pattern(32);
+    ASSERT_EQ(pattern.size(), 32u);
+    for (int columns = 1; columns <= 32; columns *= 2) {
+        std::set<std::pair<int, int>> met;
+        for (const SampleOffset& offset : pattern) {
+            ASSERT_TRUE(offset.x >= -32 && offset.x < 32 && offset.y >= -32 && offset.y < 32);
+            met.emplace((offset.x + 32) * columns / 64, (offset.y + 32) * (32 / columns) / 64);
+        }
+        EXPECT_EQ(met.size(), 32u) << columns << " columns";
+    }
+}
+
+/// The ideal direction through a place in the picture, in pixels from its upper left corner.
+std::array<long double, 3> ideal_direction(const gnomon::Camera& camera, double width, double height, long double x,
+                                           long double y) {
+    const long double pixel = std::tan(static_cast<long double>(camera.fov_y_radians) / 2) / (height / 2);
+    std::array<long double, 3> direction{};
+    for (std::size_t i = 0; i < 3; ++i)
+        direction[i] =
+            camera.forward[i] + (x - width / 2) * pixel * camera.right[i] + (height / 2 - y) * pixel * camera.up[i];
+    return direction;
+}
+
+// Every ray of every sample is the ideal one up to 2^-46. Not vacuous: half a unit of an offset is 2^-7 of a pixel.
+TEST(samples, rays_pass_through_their_places) {
+    for (const CameraScene& scene : scenes())
+        for (const std::uint32_t count : COUNTS)
+            for (const SampleOffset& offset : gnomon::sample_pattern(count)) {
+                const gnomon::Camera camera = scene.camera();
+                const gnomon::CameraTables tables = gnomon::camera_tables(camera, scene.width, scene.height, offset);
+                for (const std::uint32_t x : {0u, scene.width - 1})
+                    for (const std::uint32_t y : {0u, scene.height - 1}) {
+                        const auto ideal = ideal_direction(camera, scene.width, scene.height,
+                                                           x + 0.5L + offset.x / 64.0L, y + 0.5L + offset.y / 64.0L);
+                        const float* column = &tables.rays[6 * std::size_t(x)];
+                        const float* row = &tables.rays[6 * (std::size_t(scene.width) + y)];
+                        for (std::size_t i = 0; i < 3; ++i) {
+                            const long double sum = static_cast<long double>(column[i]) + column[i + 3] +
+                                                    static_cast<long double>(row[i]) + row[i + 3];
+                            ASSERT_NEAR(static_cast<double>(sum - ideal[i]), 0, 0x1p-46 * 4) << scene.name;
+                        }
+                    }
+            }
+}
+
+// The receiver of each sample, by its exact ray: the pixel's where that is met, else the nearest. The point: on the
+// eye's side of it, near the exact hit. Not vacuous: samples of both kinds, and samples that see sky beside pixels that
+// do not, are counted.
+TEST(samples, receivers_and_points_equal_reference) {
+    const gnomon::Device device = device_with();
+    constexpr long double SAME_DEPTH = 0x1p-28L;  // kernels/camera.h
+    std::size_t on_pixels = 0, hidden_but_kept = 0, on_own = 0, sky = 0, sky_beside = 0;
+    for (const CameraScene& scene : scenes()) {
+        SCOPED_TRACE(scene.name);
+        const std::size_t pixels = std::size_t(scene.width) * scene.height;
+        const std::uint32_t count = scene.width > 30 ? 4 : 16;
+        const Samples seen = sampled(device, scene, gnomon::Light::directional({0.3f, -1, 0.2f}), count);
+        const auto pattern = gnomon::sample_pattern(count);
+        for (std::size_t k = 0; k < pattern.size(); ++k) {
+            const gnomon::CameraTables tables =
+                gnomon::camera_tables(scene.camera(), scene.width, scene.height, pattern[k]);
+            for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+                const std::size_t i = k * pixels + pixel;
+                const auto ray =
+                    exact_ray(tables, std::uint32_t(pixel % scene.width), std::uint32_t(pixel / scene.width));
+                const auto met = reference::meetings(ray, scene.triangles);
+                const std::uint32_t id = seen.receiver[i], of_pixel = seen.pixel_receiver[pixel];
+                const Float3 p = vertex(seen.position, i);
+                ASSERT_EQ(id == gnomon::no_receiver, met.empty());
+                if (met.empty()) {
+                    ASSERT_TRUE(std::isnan(p[0]));
+                    ++sky;
+                    sky_beside += of_pixel != gnomon::no_receiver;
+                    continue;
+                }
+                const auto find = [&](std::uint32_t wanted) {
+                    return std::find_if(met.begin(), met.end(), [&](const auto& m) { return m.id == wanted; });
+                };
+                const auto claimed = find(id);
+                ASSERT_NE(claimed, met.end()) << "sample " << k << " of pixel " << pixel << " misses its receiver";
+                if (find(of_pixel) != met.end()) {
+                    ASSERT_EQ(id, of_pixel) << "sample " << k << " of pixel " << pixel;
+                    ++on_pixels;
+                    hidden_but_kept += met[0].id != id;
+                } else {
+                    ASSERT_LE(claimed->parameter, met[0].parameter * (1 + SAME_DEPTH));
+                    ++on_own;
+                }
+                const reference::Triangle t = {vertex(scene.triangles, 3 * id), vertex(scene.triangles, 3 * id + 1),
+                                               vertex(scene.triangles, 3 * id + 2)};
+                reference::Effort effort;
+                ASSERT_EQ(reference::side_of_point(p, t, effort), reference::side_of_point(scene.eye, t, effort));
+                const auto direction =
+                    ideal_direction(scene.camera(), scene.width, scene.height,
+                                    std::uint32_t(pixel % scene.width) + 0.5L + pattern[k].x / 64.0L,
+                                    std::uint32_t(pixel / scene.width) + 0.5L + pattern[k].y / 64.0L);
+                long double squared = 0, size = 0;
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const long double hit = scene.eye[c] + claimed->parameter * direction[c];
+                    squared += (p[c] - hit) * (p[c] - hit);
+                    size = std::max({size, std::fabs(hit), std::fabs(static_cast<long double>(scene.eye[c]))});
+                }
+                const double ulp = std::ldexp(1.0, std::max(std::ilogb(size), -126) - 23);
+                ASSERT_LE(std::sqrt(squared), 16 * ulp) << "sample " << k << " of pixel " << pixel;
+            }
+        }
+    }
+    std::cout << on_pixels << " samples on their pixel's receiver (" << hidden_but_kept
+              << " of them with something before it), " << on_own << " on their own, " << sky << " of sky, "
+              << sky_beside << " of them in pixels that see a triangle\n";
+    EXPECT_GT(on_pixels, 2000u);
+    EXPECT_GT(hidden_but_kept, 20u);
+    EXPECT_GT(on_own, 500u);
+    EXPECT_GT(sky_beside, 50u);
+}
+
+// The mean of the oracle's answers, bit for bit. Not vacuous: pixels that are partly lit are counted.
+TEST(samples, mean_equals_oracle) {
+    const gnomon::Device device = device_with();
+    std::size_t partly = 0, whole = 0;
+    for (const CameraScene& scene : scenes())
+        for (const gnomon::Light& light :
+             {gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::positional({1.5f, 2, 1.25f})})
+            for (const std::uint32_t count : COUNTS) {
+                SCOPED_TRACE(scene.name + ", " + std::to_string(count) + " samples");
+                const Samples seen = sampled(device, scene, light, count);
+                const auto shadow =
+                    reference::shadowed(scene.triangles, seen.position, seen.receiver, light.xyzw, scene.eye);
+                const std::size_t pixels = seen.mean.size();
+                ASSERT_EQ(shadow.size(), pixels * count);
+                for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+                    std::uint32_t lit = 0;
+                    for (std::uint32_t k = 0; k < count; ++k) lit += shadow[k * pixels + pixel] == 0;
+                    ASSERT_EQ(seen.mean[pixel], float(lit) / float(count)) << "pixel " << pixel;
+                    ++(lit != 0 && lit != count ? partly : whole);
+                }
+            }
+    std::cout << partly << " pixels partly lit, " << whole << " wholly or not at all\n";
+    EXPECT_GT(partly, 1000u);
+    EXPECT_GT(whole, 1000u);
+}
+
+// Not vacuous: one sample per batch, and batches that do not divide the samples.
+TEST(samples, shape_free) {
+    const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    const CameraScene scene = scenes().front();
+    const std::size_t pixels = std::size_t(scene.width) * scene.height;
+    const auto same = [](const Floats& a, const Floats& b) {
+        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+    };
+    const Samples expected = sampled(device_with(), scene, light, 16);
+    for (const std::size_t at_once : {std::size_t{1}, 3 * pixels, 5 * pixels + 1})
+        for (const std::uint32_t group : {0u, 33u}) {
+            const Samples seen = sampled(device_with(group), scene, light, 16, at_once);
+            EXPECT_TRUE(same(seen.position, expected.position)) << at_once << " points at once";
+            EXPECT_EQ(seen.receiver, expected.receiver);
+            EXPECT_EQ(seen.mean, expected.mean);
+            EXPECT_EQ(seen.statistics.count("points"), 16 * pixels);
+        }
+    const gnomon::Device without({}, {.hide_fp64 = true});
+    EXPECT_TRUE(same(sampled(without, scene, light, 16).position, expected.position)) << "without double precision";
+}
+
+TEST(samples, one_sample_is_the_ordinary_view) {
+    const gnomon::Device device = device_with();
+    const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    for (const CameraScene& scene : scenes()) {
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+        const gnomon::Visibility visibility(device, view.points.count());
+        gnomon::make_technique("frustum-traced", device)->run(triangles, view.points, light, visibility);
+        EXPECT_EQ(sampled(device, scene, light, 1).mean, visibility.read()) << scene.name;
+    }
+}
+
+TEST(samples, survives_degenerates) {
+    const gnomon::Device device = device_with();
+    CameraScene scene = scenes().front();
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const gnomon::Light light = gnomon::Light::directional({0, -1, 0});
+    scene.triangles.clear();
+    EXPECT_EQ(sampled(device, scene, light, 8).mean, std::vector<float>(std::size_t(scene.width) * scene.height, 1.0f));
+    const auto nothing = gnomon::Triangles::upload(device, {});
+    const gnomon::View view = gnomon::look(device, nothing, scene.camera(), 4, 4);
+    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, view, light, 4, gnomon::Visibility(device, 15)),
+                 gnomon::InvalidArgument);
+    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, view, light, 5, gnomon::Visibility(device, 16)),
+                 gnomon::InvalidArgument);
+    gnomon::View by_hand;
+    by_hand.points = gnomon::Points::upload(device, Floats{0, 0, 0});
+    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, by_hand, light, 4, gnomon::Visibility(device, 16)),
+                 gnomon::InvalidArgument);
+}
+
+}  // namespace
