@@ -172,8 +172,7 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     require_run(triangles, points, light, visibility);
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
-    session.begin_run();
-    const std::uint64_t before = session.memory_bytes();
+    const cl::RunMemory memory(session, kept_bytes_);
     Run run{session, triangle_inputs(triangles), point_inputs(points), light, visibility.buffer(), {}};
     counters_.reserve(session, sizeof(FrameCounters));
 
@@ -224,9 +223,7 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                 {"decided_by_integers", t.exact_exact},
                 {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
                 {"lists_grown", run.grown}};
-    // What earlier runs left in this object's lists counts too.
-    s.device_memory_bytes = kept_bytes_ + session.run_peak_bytes() - before;
-    kept_bytes_ += session.memory_bytes() - before;
+    s.device_memory_bytes = memory.peak_bytes();
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
 }

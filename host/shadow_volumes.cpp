@@ -122,7 +122,7 @@ Statistics ShadowVolumes::run(const Triangles& triangles, const Points& points, 
     if (points.count() == 0) return statistics;
     const VolumeView view = view_of(points, light);
     cl::Session& session = device_.session();
-    session.begin_run();
+    const cl::RunMemory memory(session, kept_bytes_);
     const TriangleInputs triangle_data = triangle_inputs(triangles);
     const PointInputs point_data = point_inputs(points);
     const std::size_t tiles = std::size_t(view.tiles_x) * view.tiles_y;
@@ -167,7 +167,7 @@ Statistics ShadowVolumes::run(const Triangles& triangles, const Points& points, 
         {"tiles_whole", counted.tiles_whole},
         {"pixels_written", counted.pixels_written_low + (std::uint64_t(counted.pixels_written_high) << 32) +
                                std::uint64_t(counted.tiles_whole) * VOLUME_TILE * VOLUME_TILE}};
-    statistics.device_memory_bytes = session.run_peak_bytes();
+    statistics.device_memory_bytes = memory.peak_bytes();
     statistics.total_wall_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return statistics;

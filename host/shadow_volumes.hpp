@@ -27,6 +27,7 @@ private:
     Device device_;
     bool cancel_ = true, both_faces_ = true, z_fail_ = false;
 
+    std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
     cl::Buffer counters_, slot_edges_, slot_weights_, cursor_, sides_;
     cl::Buffer tile_depths_, tile_counts_, pixel_counts_, pairs_;
     cl_uint side_capacity_ = 0;

@@ -166,14 +166,23 @@ void Session::store_cached(const std::string& key, cl_program program) {
 cl_program Session::build(const std::string& file, const std::string& source) {
     const char* text = source.c_str();
     const std::size_t size = source.size();
-    cl_int code;
-    cl_program program = clCreateProgramWithSource(context_, 1, &text, &size, &code);
-    check(code, "reading kernels/" + file);
-    code = clBuildProgram(program, 1, &description_.device_id, build_options().c_str(), nullptr, nullptr);
-    if (code == CL_SUCCESS) return program;
-    const std::string log = build_log(program, description_.device_id);
-    clReleaseProgram(program);
-    throw OpenClError("compiling kernels/" + file, code, log);
+    const std::string options = build_options();
+    cl_program program = nullptr;
+    attempt("reading kernels/" + file, [&] {
+        cl_int code;
+        program = clCreateProgramWithSource(context_, 1, &text, &size, &code);
+        return code;
+    });
+    try {
+        attempt("compiling kernels/" + file,
+                [&] { return clBuildProgram(program, 1, &description_.device_id, options.c_str(), nullptr, nullptr); });
+    } catch (const OpenClError& error) {
+        const std::string log = build_log(program, description_.device_id);
+        clReleaseProgram(program);
+        if (error.code() != CL_BUILD_PROGRAM_FAILURE) throw;
+        throw OpenClError("compiling kernels/" + file, error.code(), log);
+    }
+    return program;
 }
 
 cl_program Session::program_of(const std::string& file) {

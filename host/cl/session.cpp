@@ -51,9 +51,12 @@ cl_mem Session::allocate(std::size_t bytes) {
         throw OutOfDeviceMemory(what + ", more than its largest allocation of " +
                                     std::to_string(description_.largest_allocation_bytes) + ",",
                                 CL_INVALID_BUFFER_SIZE, "ask for fewer points at once, or use another device");
-    cl_int code;
-    cl_mem memory = clCreateBuffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
-    check(code, what);
+    cl_mem memory = nullptr;
+    attempt(what, [&] {
+        cl_int code;
+        memory = clCreateBuffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
+        return code;
+    });
     memory_bytes_ += bytes;
     peak_memory_bytes_ = std::max(peak_memory_bytes_, memory_bytes_);
     run_peak_bytes_ = std::max(run_peak_bytes_, memory_bytes_);
@@ -146,11 +149,15 @@ void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index
 cl_kernel Session::kernel_of(const char* file, const char* name, std::size_t argument_count) {
     auto found = kernels_.find(name);
     if (found == kernels_.end()) {
-        cl_int code;
-        cl_kernel kernel = clCreateKernel(program_of(file), name, &code);
-        check(code, std::string("making kernel ") + name + " of " + file);
+        cl_program program = program_of(file);
+        cl_kernel kernel = nullptr;
+        attempt(std::string("making kernel ") + name + " of " + file, [&] {
+            cl_int code;
+            kernel = clCreateKernel(program, name, &code);
+            return code;
+        });
         cl_uint count = 0;
-        check(clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof(count), &count, nullptr), "counting kernel arguments");
+        clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof(count), &count, nullptr);
         found = kernels_.emplace(name, CachedKernel{kernel, count}).first;
     }
     if (found->second.argument_count != argument_count)
@@ -166,8 +173,10 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     const std::size_t global = std::max<std::size_t>(groups, 1) * local;
     cl_event event = nullptr;
     const auto start = std::chrono::steady_clock::now();
-    check(clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr, profiles_ ? &event : nullptr),
-          std::string("launching kernel ") + name);
+    attempt(std::string("launching kernel ") + name, [&] {
+        return clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr,
+                                      profiles_ ? &event : nullptr);
+    });
     if (event != nullptr) note_event(event);
     if (traces_) {
         finish();
@@ -180,25 +189,28 @@ void Session::note_event(cl_event event) { events_.push_back(event); }
 
 void Session::fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) {
     cl_event event = nullptr;
-    check(clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr,
-                              profiles_ ? &event : nullptr),
-          "filling a buffer");
+    attempt("filling a buffer", [&] {
+        return clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr,
+                                   profiles_ ? &event : nullptr);
+    });
     if (event != nullptr) note_event(event);
 }
 
 void Session::write(cl_mem buffer, const void* data, std::size_t bytes) {
-    if (bytes != 0)
-        check(clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
-              "writing to the device");
+    if (bytes == 0) return;
+    attempt("writing to the device",
+            [&] { return clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr); });
 }
 
 void Session::read(cl_mem buffer, void* data, std::size_t bytes) {
-    if (bytes != 0)
-        check(clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr),
-              "reading from the device");
+    if (bytes == 0) return;
+    attempt("reading from the device",
+            [&] { return clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr); });
 }
 
-void Session::finish() { check(clFinish(queue_), "waiting for the device"); }
+void Session::finish() {
+    attempt("waiting for the device", [&] { return clFinish(queue_); });
+}
 
 double Session::take_device_ms() {
     if (events_.empty()) return 0;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <type_traits>
 #include <unordered_map>
 
@@ -107,11 +108,22 @@ public:
     /// functions of the headers under kernels of their own.
     void add_source(const std::string& file, std::string text) { added_sources_[file] = std::move(text); }
 
+    /// Asked before each OpenCL call that may fail on a sound device, with the call as errors name it; returns the code
+    /// that it is to fail with instead of being made, or CL_SUCCESS. For tests; none is set otherwise.
+    using FaultInjector = std::function<cl_int(std::string_view call)>;
+    void inject_faults(FaultInjector injector) { injector_ = std::move(injector); }
+
     /// Device time of what was enqueued since the last call, in ms (waits); 0 without profiling.
     double take_device_ms();
 
 private:
     friend class Buffer;
+    /// Makes an OpenCL call (a function that returns its code); throws as check() does.
+    template <typename Call>
+    void attempt(std::string_view what, Call&& call) {
+        const cl_int injected = injector_ ? injector_(what) : CL_SUCCESS;
+        check(injected != CL_SUCCESS ? injected : call(), what);
+    }
     cl_mem allocate(std::size_t bytes);
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
     std::string source_of(const std::string& file) const;
@@ -146,6 +158,7 @@ private:
     bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false, caches_binaries_ = false;
     std::size_t work_group_size_ = 1;
     std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, run_peak_bytes_ = 0, memory_limit_bytes_ = 0;
+    FaultInjector injector_;
     std::unordered_map<std::string, std::string> added_sources_;
     std::unordered_map<std::string, cl_program> programs_;
     struct CachedKernel {
@@ -154,6 +167,26 @@ private:
     };
     std::unordered_map<std::string, CachedKernel> kernels_;
     std::vector<cl_event> events_;
+};
+
+/// Device memory of one run of something that keeps buffers from run to run, also when the run ends by an exception.
+class RunMemory {
+public:
+    /// `kept`: the bytes kept from earlier runs; brought up to date when this one ends.
+    RunMemory(Session& session, std::uint64_t& kept) : session_(session), kept_(kept), before_(session.memory_bytes()) {
+        session.begin_run();
+    }
+    ~RunMemory() { kept_ += session_.memory_bytes() - before_; }
+    RunMemory(const RunMemory&) = delete;
+    RunMemory& operator=(const RunMemory&) = delete;
+
+    /// The most so far, without what others hold.
+    std::uint64_t peak_bytes() const { return kept_ + session_.run_peak_bytes() - before_; }
+
+private:
+    Session& session_;
+    std::uint64_t& kept_;
+    std::uint64_t before_;
 };
 
 /// Times one stage into Statistics: wall time, and device time where the session profiles.

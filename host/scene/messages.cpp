@@ -23,7 +23,10 @@ void fail(const std::filesystem::path& file, const std::string& what) {
 
 std::string in_quotes(std::string_view text) {
     constexpr std::size_t longest = 60;
-    return "'" + without_control_characters(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
+    std::string out = "'";
+    out += without_control_characters(text.substr(0, longest));
+    if (text.size() > longest) out += "...";
+    return out + "'";
 }
 
 std::string counted(std::size_t count, std::string_view thing) {

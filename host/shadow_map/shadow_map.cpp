@@ -232,15 +232,11 @@ void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
 
 Statistics ShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
                           const Visibility& visibility) {
-    require_light(light);
+    require_run(triangles, points, light, visibility);
     require_consistent(light.is_directional());
-    if (visibility.count() < points.count())
-        throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
-                              std::to_string(points.count()) + " points");
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
-    session.begin_run();
-    const std::uint64_t before = session.memory_bytes();
+    const cl::RunMemory memory(session, kept_bytes_);
     const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                            points.camera()};
     Statistics statistics;
@@ -265,8 +261,7 @@ Statistics ShadowMap::run(const Triangles& triangles, const Points& points, cons
                          {"map_views", map_views_.set.view_count},
                          {"map_texels", map_views_.set.texels}};
     session.finish();
-    statistics.device_memory_bytes = kept_bytes_ + session.run_peak_bytes() - before;
-    kept_bytes_ += session.memory_bytes() - before;
+    statistics.device_memory_bytes = memory.peak_bytes();
     statistics.total_wall_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return statistics;
