@@ -228,6 +228,16 @@ TEST(BenchParts, TimesAreMedianExtremesAndQuartileDistance) {
     EXPECT_EQ(times_of({2}).spread_ms, 0);
 }
 
+TEST(BenchParts, RunsEndByNumberOrTime) {
+    const RunRule rule{.most = 10, .seconds = 2};
+    EXPECT_TRUE(rule.goes_on(0, 1e9)) << "one run at least";
+    EXPECT_TRUE(rule.goes_on(9, 1999));
+    EXPECT_FALSE(rule.goes_on(10, 1)) << "the most";
+    EXPECT_FALSE(rule.goes_on(3, 2001)) << "time is spent";
+    EXPECT_TRUE(rule.goes_on(2, 2001)) << "but not fewer than three";
+    EXPECT_FALSE(rule.goes_on(2, 6001)) << "unless they take very long";
+}
+
 TEST(BenchParts, TheParetoFrontHoldsWhatNothingBeats) {
     //                                error, ms
     const std::vector<Mark> marks{

@@ -71,8 +71,11 @@ run() {
     cmake --build /tmp/build --parallel "$(nproc)"
     # One GPU: tests one after the other, so that a time limit means something.
     ctest --test-dir /tmp/build --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
+    # Every view of the scenes with its hash and stages, then the benchmark's page and the paper's tables.
     /tmp/build/tools/bench .device/scenes/*.glb --views .device/scenes/views.json --size 1920x1080 --size 3840x2160 \
-        --stages --json "$out/bench.json" | tee "$out/bench.txt" || status=$?
+        --stages --json "$out/views.json" | tee "$out/bench.txt" || status=$?
+    /tmp/build/tools/bench --experiment all --scenes-folder .device/scenes --seconds 1 --json "$out/bench.json" \
+        --csv "$out/bench.csv" --html "$out/bench.html" --markdown "$out/bench.md" | tee -a "$out/bench.txt" || status=$?
     return $status
 }
 

@@ -81,6 +81,7 @@ std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
         if (!asked("all") && !asked(experiment.name.c_str())) continue;
         std::ranges::move(experiment.blocks(shelf, options.limits), std::back_inserter(blocks));
     }
+    std::erase_if(blocks, [&](const Block& b) { return b.only.find(options.only) == std::string::npos; });
     if (blocks.empty()) throw gnomon::InvalidArgument("name scenes or an --experiment to run; --help lists them");
     return blocks;
 }
@@ -122,8 +123,10 @@ int run(const Options& options) {
     const std::vector<Block> blocks = all_blocks(options, shelf);
     const nlohmann::ordered_json machine = machine_json(options.threads);
     Runner runner(shelf, {options.devices, options.rule, options.threads}, print);
-    for (const Block& block : blocks) runner.run(block);
-    write_outputs(options, machine, runner.rows());
+    for (const Block& block : blocks) {
+        runner.run(block);
+        write_outputs(options, machine, runner.rows());  // a run that is cut short leaves what it has
+    }
     return all_well(runner.rows()) ? 0 : 1;
 }
 
@@ -157,7 +160,8 @@ int main(int argc, char** argv) {
     app.add_flag("--peers", options.peers, "Embree too, if it was there when this was built");
     app.add_option("--light-position", options.light_position, "light every view from this point: X Y Z")->expected(3);
     app.add_option("--runs", options.rule.most, "timed runs")->capture_default_str()->check(CLI::Range(1, 100000));
-    app.add_option("--seconds", options.rule.seconds, "no more runs after this time (but at least 3)")
+    app.add_option("--seconds", options.rule.seconds,
+                   "no more runs of the same after this time (but at least 3 where they do not take thrice as long)")
         ->capture_default_str();
     app.add_option("--threads", options.threads, "CPU threads of PoCL and of the rivals; 0: all")
         ->capture_default_str();

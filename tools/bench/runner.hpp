@@ -66,7 +66,8 @@ private:
                     std::vector<Row>& rows) const;
     void add_peers(const Block& block, const NamedScene& scene, const Seen& seen, const std::optional<Truth>& truth);
     void run_case(const Block& block, const NamedScene& scene, const Case& c, Size size);
-    void add(Row row);
+    /// Rows that still wait for their stages are reported here, the others as soon as they are measured.
+    void add(Row row, bool is_reported);
 
     SceneShelf& shelf_;
     RunOptions options_;

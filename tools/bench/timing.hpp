@@ -25,12 +25,15 @@ double time_ms(Work&& work) {
     return clock.elapsed_ms();
 }
 
-/// `most` timed runs, or fewer once `seconds` are spent, but not fewer than 3 for that.
+/// `most` timed runs, or fewer once `seconds` are spent: then at least 3 within three times that, and always 1.
 struct RunRule {
     int most = 15;
     double seconds = 4;
 
-    bool goes_on(int runs, double spent_ms) const { return runs < most && (runs < 3 || spent_ms < seconds * 1e3); }
+    bool goes_on(int runs, double spent_ms) const {
+        const double share = spent_ms / (seconds * 1e3);
+        return runs == 0 || (runs < most && (share < 1 || (runs < 3 && share < 3)));
+    }
 };
 
 /// Times of `work`, after `warm_ups` runs that are not counted.
