@@ -206,6 +206,55 @@ TEST(partition, stabilised_views_move_by_whole_texels) {
     EXPECT_GT(with("frustum"), 0.1) << "the test would not see swimming";
 }
 
+// The masks themselves: the same points, seen by a camera that creeps by fractions of a texel.
+TEST(partition, stabilised_masks_stay_as_they_are) {
+    const Scene scene;
+    const auto points = gnomon::Points::upload(scene.device, scene.positions);
+    const auto changes = [&](const char* form) {
+        const auto technique = gnomon::make_technique("shadow-map", scene.device);
+        for (const auto& [name, value] :
+             Settings{{"size", "64"}, {"fit", form}, {"near", "1"}, {"far", "120"}, {"depth-range", "planes"}})
+            technique->set(name, value);
+        std::vector<float> before;
+        std::size_t changed = 0;
+        for (int step = 0; step < 8; ++step) {
+            const float t = 0.04f * static_cast<float>(step);
+            gnomon::Points moving = points;
+            moving.set_camera(gnomon::Camera::look_at({t, 3, 30}, {2, 1 + t, 0}, {0, 1, 0}, 50), 96, 64);
+            const gnomon::Visibility visibility(scene.device, points.count());
+            technique->run(scene.triangles, moving, gnomon::Light::directional({0.5f, -1, 0.3f}), visibility);
+            const std::vector<float> now = visibility.read();
+            for (std::size_t i = 0; i < before.size(); ++i) changed += now[i] != before[i];
+            before = now;
+        }
+        return changed;
+    };
+    EXPECT_EQ(changes("sphere"), 0u);
+    EXPECT_EQ(changes("quantised"), 0u);
+    EXPECT_GT(changes("frustum"), 5u) << "the test would not see swimming";
+}
+
+// Sums of nothing, minima and maxima alone: the same bits for every work-group size.
+TEST(partition, is_the_same_for_every_work_group_size) {
+    std::vector<Fitted> first;
+    for (const std::uint32_t work_group_size : FEW_WORK_GROUP_SIZES) {
+        Scene scene(device_with(work_group_size));
+        std::vector<Fitted> all;
+        for (const Settings& settings : {Settings{{"cascades", "4"}, {"share-texels", "on"}, {"projection", "lispsm"}},
+                                         Settings{{"warp", "hybrid"}}})
+            all.push_back(fit(scene, gnomon::Light::directional({0.5f, -1, 0.3f}), settings));
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            ASSERT_EQ(all[i].views.size(), first[i].views.size());
+            for (std::size_t v = 0; v < all[i].views.size(); ++v)
+                EXPECT_EQ(std::memcmp(&all[i].views[v], &first[i].views[v], sizeof(MapView)), 0) << i << " " << v;
+            const MapView& view = all[i].views[0];
+            for (std::uint32_t k = 0; k < view.width + view.height; ++k)
+                ASSERT_EQ(all[i].tables[view.centres_first + k], first[i].tables[view.centres_first + k]);
+        }
+        if (first.empty()) first = std::move(all);
+    }
+}
+
 // ---- Projections ----------------------------------------------------------------------------------------------------
 
 /// The camera's post-perspective place of p, for planes n and f.

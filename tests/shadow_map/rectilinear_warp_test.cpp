@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "../host/shadow_map/depth_pass.hpp"
+#include "../../host/shadow_map/depth_pass.hpp"
 #include "support/map_fits.hpp"
 
 namespace {
