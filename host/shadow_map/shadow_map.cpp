@@ -194,6 +194,8 @@ void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
         cl::StageTimer timer(session, statistics, "fit");
         fit_.run(session, inputs, s.size, map_views_);
     }
+    if (const std::string limits = fit_.limits(inputs); !limits.empty())
+        statistics.stages.push_back({"fit_along_view", 0, 0, limits});
     {
         cl::StageTimer timer(session, statistics, "depth_pass");
         DepthBias bias;
