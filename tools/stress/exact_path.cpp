@@ -3,6 +3,7 @@
 #include "exact_path.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "gnomon.hpp"
 #include "scenes.hpp"
@@ -10,12 +11,7 @@
 namespace stress {
 namespace {
 
-constexpr int RUNS = 7;
-
-double median(std::vector<double> values) {
-    std::ranges::sort(values);
-    return values[values.size() / 2];
-}
+constexpr int RUNS = 15;
 
 std::string name_of(const Light& light) {
     char text[64];
@@ -31,28 +27,25 @@ ExactPathRow measured(const gnomon::Device& device, const gnomon::Triangles& tri
     const gnomon::View view = gnomon::look(device, triangles, camera, 1920, 1080);
     const auto technique = gnomon::make_technique("frustum-traced", device);
     const gnomon::Visibility visibility(device, view.points.count());
-    std::vector<double> trace, exact, all;
-    gnomon::Statistics statistics;
-    for (int run = -2; run < RUNS; ++run) {
-        statistics = technique->run(triangles, view.points, gnomon::Light{light}, visibility);
-        if (run < 0) continue;
-        double sum = 0, of_trace = 0, of_exact = 0;
+    ExactPathRow row;
+    row.light = name_of(light);
+    row.points = view.points.count();
+    row.trace_ms = row.exact_ms = row.all_ms = std::numeric_limits<double>::infinity();
+    for (int run = 0; run < RUNS; ++run) {
+        const auto statistics = technique->run(triangles, view.points, gnomon::Light{light}, visibility);
+        double all = 0, trace = 0, exact = 0;
         for (const auto& stage : statistics.stages) {
-            sum += stage.device_ms;
-            if (stage.name == "trace") of_trace = stage.device_ms;
-            if (stage.name == "exact_trace") of_exact = stage.device_ms;
+            all += stage.device_ms;
+            if (stage.name == "trace") trace = stage.device_ms;
+            if (stage.name == "exact_trace") exact = stage.device_ms;
         }
-        trace.push_back(of_trace), exact.push_back(of_exact), all.push_back(sum);
+        row.trace_ms = std::min(row.trace_ms, trace);
+        row.exact_ms = std::min(row.exact_ms, exact);
+        row.all_ms = std::min(row.all_ms, all);
+        row.open_pairs = statistics.count("uncertain_pairs");
+        row.by_integers = statistics.count("decided_by_integers");
     }
-    return {{},
-            {},
-            name_of(light),
-            median(trace),
-            median(exact),
-            median(all),
-            view.points.count(),
-            statistics.count("uncertain_pairs"),
-            statistics.count("decided_by_integers")};
+    return row;
 }
 
 }  // namespace

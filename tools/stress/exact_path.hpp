@@ -11,7 +11,7 @@ namespace stress {
 
 struct ExactPathRow {
     std::string scene, view, light;
-    double trace_ms = 0, exact_ms = 0, all_ms = 0;  ///< medians of the stages' device times
+    double trace_ms = 0, exact_ms = 0, all_ms = 0;  ///< the stages' device times, the least of 15 runs each
     std::uint64_t points = 0, open_pairs = 0, by_integers = 0;
 };
 

@@ -97,7 +97,7 @@ void ask_embree(const Question& question, const EmbreeScene& none, const EmbreeS
     const Stopwatch time;
     tally.has_embree = true;
     for (std::size_t way = 0; way < EMBREE_WAYS.size(); ++way) {
-        const auto [is_robust, offset] = EMBREE_WAYS[way];
+        const auto [name, is_robust, offset] = EMBREE_WAYS[way];
         const auto got =
             (is_robust ? robust : none).shadowed(question.points, question.receivers, question.light, offset * size);
         tally.embree_wrong[way] += count_wrong(got, truth, kinds);

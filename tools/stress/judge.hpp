@@ -14,11 +14,16 @@
 namespace stress {
 
 struct EmbreeWay {
+    const char* name;
     bool is_robust;
     double offset;  ///< of the scene's size
 };
-inline constexpr std::array<EmbreeWay, 6> EMBREE_WAYS = {
-    {{false, 0}, {false, 1e-6}, {false, 1e-4}, {true, 0}, {true, 1e-6}, {true, 1e-4}}};
+inline constexpr std::array<EmbreeWay, 6> EMBREE_WAYS = {{{"Embree 0", false, 0},
+                                                          {"Embree 1e-6", false, 1e-6},
+                                                          {"Embree 1e-4", false, 1e-4},
+                                                          {"robust 0", true, 0},
+                                                          {"robust 1e-6", true, 1e-6},
+                                                          {"robust 1e-4", true, 1e-4}}};
 
 /// What is known of one case, over all its questions.
 struct Tally {

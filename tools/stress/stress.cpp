@@ -88,7 +88,11 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     options.cases.seed = options.run.seed;
     std::string command = "build/tools/stress";
-    for (int i = 1; i < argc; ++i) command += std::string(" ") + argv[i];
+    for (int i = 1; i < argc; ++i) {
+        const std::string argument = argv[i];
+        const bool is_quoted = argument.find(' ') != std::string::npos;
+        command.append(is_quoted ? " '" : " ").append(argument).append(is_quoted ? "'" : "");
+    }
     try {
         return run(options, command);
     } catch (const std::exception& error) {
