@@ -391,4 +391,25 @@ std::vector<TechniqueDescription> techniques();
 /// Makes one by name. Throws InvalidArgument with the list of names.
 std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device);
 
+// ---- Scenes larger than the device's memory -------------------------------------------------------------------------
+
+/// What a camera sees of a scene that stays on the host.
+struct ViewOfParts {
+    View view;                       ///< its receivers are positions in `ids`
+    Triangles triangles;             ///< those that `ids` names, on the device: for read() and shade() of this view
+    std::vector<std::uint32_t> ids;  ///< in the whole scene, rising: all that are seen, and maybe more
+};
+/// As look(), bit for bit, for triangles on the host (9 floats each) of which the device holds as many at a time as fit
+/// into its memory or under the limit given to Device. Throws OutOfDeviceMemory if the view itself does not fit.
+ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices, const Camera& camera,
+                          std::uint32_t width, std::uint32_t height);
+
+/// As Technique::run(), for triangles on the host of which the device holds as many at a time as fit, and for as many
+/// points at a time. Bit for bit the same for an exact technique; for others, each point gets the darkest of its
+/// parts. `make` makes the technique, anew after a try that did not fit. A receiver r of the points is triangle ids[r]
+/// of `vertices`, or r if `ids` is empty. Throws OutOfDeviceMemory if even small parts do not fit.
+Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
+                        std::span<const float> vertices, const Points& points, std::span<const std::uint32_t> ids,
+                        const Light& light, const Visibility& visibility);
+
 }  // namespace gnomon

@@ -3,3 +3,6 @@
 gnomon_test(faults_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/faults_test.cpp
   LIBRARIES gnomon::gnomon gnomon_reference)
+gnomon_test(parts_test
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/parts_test.cpp
+  LIBRARIES gnomon::gnomon gnomon_reference)

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// Scenes that are too large for the device's memory, made so by a limit: in parts, every bit is that of the whole.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "gnomon.hpp"
+#include "support/scene_makers.hpp"
+
+namespace {
+
+using gnomon::Device;
+using gnomon::Light;
+using support::Floats;
+
+constexpr std::uint32_t width = 160, height = 120;
+constexpr std::size_t triangle_count = 20000, point_count = 30000;
+
+const Floats& vertices() {
+    static const Floats soup = support::soup(triangle_count, 0.04f, 11);
+    return soup;
+}
+const Floats& places() {
+    static const Floats points = support::random_points(point_count, -1, 1, 12);
+    return points;
+}
+const gnomon::Camera camera = gnomon::Camera::look_at({0.3f, 1, 4}, {0, 0, 0}, {0, 1, 0}, 40);
+const Light lights[] = {Light::directional({0.2f, -1, 0.1f}), Light::positional({0.1f, 0.2f, 0.3f})};
+
+Device limited_to(std::uint64_t bytes) {
+    gnomon::DeviceOptions options;
+    options.memory_limit_bytes = bytes;
+    return Device({}, options);
+}
+
+/// Few entries at first, or it were one list that takes all the memory.
+std::unique_ptr<gnomon::Technique> made(const Device& device) {
+    auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("first-capacity", "4096");
+    return technique;
+}
+
+/// Each triangle a colour of its own.
+gnomon::Materials colors_of(const std::vector<std::uint32_t>& ids) {
+    gnomon::Materials materials;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        materials.triangle_material.push_back(std::uint32_t(i));
+        materials.base_color.push_back({float(ids[i] % 7) / 7, float(ids[i] % 31) / 31, float(ids[i] % 101) / 101});
+    }
+    return materials;
+}
+
+struct Bits {
+    gnomon::ViewOnHost view;
+    Floats seen[2], scattered[2];  ///< by light
+    std::vector<std::uint8_t> picture;
+};
+
+Bits whole(const Device& device) {
+    Bits bits;
+    const auto triangles = gnomon::Triangles::upload(device, vertices());
+    const gnomon::View view = look(device, triangles, camera, width, height);
+    bits.view = read(device, triangles, view);
+    const auto points = gnomon::Points::upload(device, places());
+    const gnomon::Visibility seen(device, view.points.count()), scattered(device, points.count());
+    const auto technique = made(device);
+    for (int i = 0; i < 2; ++i) {
+        technique->run(triangles, points, lights[i], scattered);
+        bits.scattered[i] = scattered.read();
+        technique->run(triangles, view.points, lights[i], seen);
+        bits.seen[i] = seen.read();
+    }
+    std::vector<std::uint32_t> ids(triangle_count);
+    for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = std::uint32_t(i);
+    bits.picture = shade(device, triangles, view, seen, colors_of(ids), lights[1]);
+    return bits;
+}
+
+Bits in_parts(const Device& device, std::uint64_t& most_parts) {
+    Bits bits;
+    const gnomon::ViewOfParts looked = look_in_parts(device, vertices(), camera, width, height);
+    bits.view = read(device, looked.triangles, looked.view);
+    for (std::uint32_t& receiver : bits.view.receiver)
+        if (receiver != gnomon::no_receiver) receiver = looked.ids.at(receiver);
+    const auto points = gnomon::Points::upload(device, places());
+    const gnomon::Visibility seen(device, looked.view.points.count()), scattered(device, points.count());
+    const auto make = [&] { return made(device); };
+    most_parts = 0;
+    for (int i = 0; i < 2; ++i) {
+        for (const gnomon::Statistics& run :
+             {run_in_parts(make, device, vertices(), points, {}, lights[i], scattered),
+              run_in_parts(make, device, vertices(), looked.view.points, looked.ids, lights[i], seen)})
+            most_parts = std::max(most_parts, run.count("parts"));
+        bits.scattered[i] = scattered.read();
+        bits.seen[i] = seen.read();
+    }
+    bits.picture = shade(device, looked.triangles, looked.view, seen, colors_of(looked.ids), lights[1]);
+    return bits;
+}
+
+void expect_same(const Bits& found, const Bits& wanted) {
+    EXPECT_EQ(found.view.receiver, wanted.view.receiver);
+    EXPECT_EQ(found.view.position, wanted.view.position);
+    EXPECT_EQ(found.view.normal, wanted.view.normal);
+    EXPECT_EQ(found.picture, wanted.picture);
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_EQ(found.seen[i], wanted.seen[i]) << "light " << i;
+        EXPECT_EQ(found.scattered[i], wanted.scattered[i]) << "light " << i;
+    }
+}
+
+TEST(Parts, GiveTheBitsOfTheWhole) {
+    const Device plenty;
+    const Bits wanted = whole(plenty);
+    const std::uint64_t needed = plenty.peak_memory_bytes();
+    ASSERT_NE(std::count(wanted.seen[0].begin(), wanted.seen[0].end(), 0.0f), 0);
+    std::uint64_t parts = 0;
+    expect_same(in_parts(plenty, parts), wanted);
+    EXPECT_EQ(parts, 1u) << "all of it fits";
+    // The lists start with 4 MiB, so that half does not do.
+    for (const int percent : {80, 70, 60}) {
+        const std::uint64_t limit = needed * std::uint64_t(percent) / 100;
+        SCOPED_TRACE(std::to_string(limit) + " of " + std::to_string(needed) + " bytes");
+        EXPECT_THROW(whole(limited_to(limit)), gnomon::OutOfDeviceMemory);
+        const Device device = limited_to(limit);
+        expect_same(in_parts(device, parts), wanted);
+        EXPECT_LE(device.peak_memory_bytes(), limit);
+        EXPECT_EQ(device.memory_bytes(), 0u);
+    }
+    EXPECT_GT(parts, 1u);
+}
+
+TEST(Parts, WhatFitsInNoPartIsAClearError) {
+    const Device device = limited_to(400000);
+    try {
+        look_in_parts(device, vertices(), camera, width * 4, height * 4);
+        ADD_FAILURE() << "a picture that does not fit";
+    } catch (const gnomon::OutOfDeviceMemory& error) {
+        EXPECT_NE(std::string(error.what()).find("limit of 400000"), std::string::npos) << error.what();
+    }
+    {
+        const auto points = gnomon::Points::upload(device, Floats(3 * 20000, 0.0f));
+        const gnomon::Visibility visibility(device, points.count());
+        EXPECT_THROW(run_in_parts([&] { return made(device); }, device, vertices(), points, {}, lights[0], visibility),
+                     gnomon::OutOfDeviceMemory);
+    }
+    EXPECT_EQ(device.memory_bytes(), 0u);
+}
+
+TEST(Parts, WithoutTrianglesEverythingIsLit) {
+    const Device device;
+    const gnomon::ViewOfParts looked = look_in_parts(device, {}, camera, 4, 3);
+    EXPECT_TRUE(looked.ids.empty());
+    const gnomon::Visibility visibility(device, 12);
+    const auto run =
+        run_in_parts([&] { return made(device); }, device, {}, looked.view.points, looked.ids, lights[0], visibility);
+    EXPECT_EQ(run.count("parts"), 0u);
+    EXPECT_EQ(visibility.read(), Floats(12, 1.0f));
+    EXPECT_THROW(look_in_parts(device, Floats(8), camera, 4, 3), gnomon::InvalidArgument);
+}
+
+}  // namespace
