@@ -220,20 +220,13 @@ cl::Buffer camera_normals(const Device& device, const Triangles& triangles, cons
 }
 
 ViewOnHost read(const Device& device, const Triangles& triangles, const View& view) {
-    cl::Session& session = device.session();
-    const std::size_t pixels = view.points.count();
-    ViewOnHost host;
-    host.receiver.resize(pixels);
-    host.normal.resize(pixels * 3);
-    host.position.resize(pixels * 3);
-    session.read(view.points.receivers(), host.receiver.data(), pixels * sizeof(cl_uint));
+    PointsOnHost points = read(device, view.points);
+    ViewOnHost host{std::move(points.position), {}, std::move(points.receiver)};
     const cl::Buffer normals = camera_normals(device, triangles, view);
-    session.read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
-    std::vector<float> planes(pixels * 3);
-    session.read(view.points.positions(), planes.data(), planes.size() * sizeof(float));
-    for (std::size_t i = 0; i < pixels; ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            host.position[3 * i + c] = host.receiver[i] == no_receiver ? 0.0f : planes[i + c * pixels];
+    host.normal.resize(host.position.size());
+    device.session().read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
+    for (std::size_t i = 0; i < host.receiver.size(); ++i)
+        if (host.receiver[i] == no_receiver) std::fill_n(&host.position[3 * i], 3, 0.0f);
     return host;
 }
 

@@ -244,6 +244,13 @@ private:
     std::optional<PointsCamera> camera_;
 };
 
+/// Points on the host, for files and checks.
+struct PointsOnHost {
+    std::vector<float> position;          ///< 3 per point
+    std::vector<std::uint32_t> receiver;  ///< one per point; no_receiver if the points have none
+};
+PointsOnHost read(const Device& device, const Points& points);
+
 /// Visibility per point, one float32 each: 1 lit, 0 in shadow; filtered techniques write values between.
 class Visibility {
 public:

@@ -154,6 +154,21 @@ Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& l
 cl_mem Points::positions() const { return static_cast<cl_mem>(positions_.get()); }
 cl_mem Points::receivers() const { return static_cast<cl_mem>(receivers_.get()); }
 
+PointsOnHost read(const Device& device, const Points& points) {
+    cl::Session& session = device.session();
+    const std::size_t count = points.count();
+    PointsOnHost host{std::vector<float>(3 * count), std::vector<std::uint32_t>(count, no_receiver)};
+    if (count == 0) return host;
+    const PointLayout& at = points.layout();
+    std::vector<float> floats(at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1);
+    session.read(points.positions(), floats.data(), floats.size() * sizeof(float));
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            host.position[3 * i + c] = floats[at.first + i * at.point_stride + c * at.coordinate_stride];
+    if (points.receivers() != nullptr) session.read(points.receivers(), host.receiver.data(), count * sizeof(cl_uint));
+    return host;
+}
+
 // ---- Visibility -----------------------------------------------------------------------------------------------------
 
 Visibility::Visibility(const Device& device, std::size_t count) : device_(device), count_(count) {

@@ -275,6 +275,8 @@ TEST_F(Command, HelpNamesEveryOption) {
                                "--mask",
                                "--aov",
                                "--dump-triangles",
+                               "--dump-points",
+                               "--samples",
                                "--technique",
                                "--set",
                                "--conservative-map",
@@ -349,6 +351,8 @@ TEST_F(Command, WrongCommandLines) {
         {{"render", "-o", "a.png", "--size", "0x5"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "16385x1"}, "from 1 to 16384"},
         {{"render", "-o", "a.png", "--size", "1x16385"}, "from 1 to 16384"},
+        {{"render", "-o", "a.png", "--samples", "2"}, "--samples needs 1, 4, 8, 16 or 32, not \"2\""},
+        {{"render", "-o", "a.png", "--samples", "64"}, "--samples needs"},
         {{"render", "-o", "a.png", "--size", "64"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "64x64x64"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "64x64 "}, "--size needs"},
@@ -483,6 +487,55 @@ TEST_F(Command, AnInterruptLeavesNothing) {
 }
 
 // ---- Rendering ------------------------------------------------------------------------------------------------------
+
+struct DumpedPoint {
+    std::array<float, 3> position;
+    std::uint32_t receiver;
+};
+std::vector<DumpedPoint> read_points(const fs::path& file) {
+    static_assert(sizeof(DumpedPoint) == 16);
+    std::vector<DumpedPoint> points(fs::file_size(file) / sizeof(DumpedPoint));
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(reinterpret_cast<char*>(points.data()), std::streamsize(points.size() * sizeof(DumpedPoint)));
+    return points;
+}
+
+// The points of one sample are those of the AOV; of eight, they lie around them, and the mask has eighths.
+TEST_F(Command, SamplesAndTheirPoints) {
+    const Outcome one = run({"render", "--size", "48x32", "--aov", "a.exr", "--dump-points", "one.bin"});
+    EXPECT_EQ(one.exit_code, 0) << one.err;
+    const std::vector<Pixel> pixels = read_aov(in_folder("a.exr"));
+    const std::vector<DumpedPoint> points = read_points(in_folder("one.bin"));
+    ASSERT_EQ(points.size(), 48u * 32u);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        ASSERT_EQ(points[i].receiver, pixels[i].receiver) << i;
+        if (points[i].receiver != sky)
+            ASSERT_EQ(points[i].position, pixels[i].position) << i;
+        else
+            ASSERT_TRUE(std::isnan(points[i].position[0])) << i;
+    }
+
+    const Outcome eight = run({"render", "--size", "48x32", "--samples", "8", "--mask", "m.png", "--aov", "b.exr",
+                               "--dump-points", "eight.bin", "--stats", "stats.json"});
+    EXPECT_EQ(eight.exit_code, 0) << eight.err;
+    EXPECT_EQ(statistics("stats.json").at("image").at("samples"), 8);
+    const std::vector<DumpedPoint> samples = read_points(in_folder("eight.bin"));
+    ASSERT_EQ(samples.size(), 8 * points.size());
+    std::size_t same_receiver = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        same_receiver += samples[i].receiver == points[i % points.size()].receiver;
+    EXPECT_GT(same_receiver, samples.size() / 2);
+    const std::vector<Pixel> means = read_aov(in_folder("b.exr"));
+    const Bytes mask = read_bytes(in_folder("m.png"));
+    std::size_t partly = 0;
+    for (std::size_t i = 0; i < means.size(); ++i) {
+        const float eighths = 8 * means[i].visibility;
+        ASSERT_EQ(eighths, std::round(eighths)) << i;
+        ASSERT_EQ(mask.values[i], std::lround(255 * means[i].visibility)) << i;
+        partly += eighths != 0 && eighths != 8;
+    }
+    EXPECT_GT(partly, 20u);  // a shadow's edge
+}
 
 TEST_F(Command, TheDefaultSceneWithEveryOutput) {
     const Outcome outcome = run({"render", "--size", "96x64", "-o", "a.png", "--mask", "mask.png", "--aov", "a.exr",

@@ -121,7 +121,8 @@ void add_output_options(CLI::App& app, RenderOptions& options) {
                   options.picture = parse_file("-o (" + option + ")", text, ".png");
               });
     add_value(
-        app, group, "--mask", "FILE.png", "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow",
+        app, group, "--mask", "FILE.png",
+        "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow, else the mean of --samples",
         [&](const std::string& option, const std::string& text) { options.mask = parse_file(option, text, ".png"); });
     add_value(
         app, group, "--aov", "FILE.exr",
@@ -133,6 +134,11 @@ void add_output_options(CLI::App& app, RenderOptions& options) {
               [&](const std::string& option, const std::string& text) {
                   options.triangle_dump = parse_file(option, text, "");
               });
+    add_value(
+        app, group, "--dump-points", "FILE",
+        "The points whose shadow is decided, 16 little-endian bytes each: x, y, z (float32; sky: NaN)\n"
+        "and receiver (uint32); pixel by pixel, for each of --samples in turn",
+        [&](const std::string& option, const std::string& text) { options.point_dump = parse_file(option, text, ""); });
     add_value(
         app, group, "--stats", "FILE.json",
         "What was done: times per stage (measured on the device too),\n"
@@ -150,6 +156,13 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
     add_value(
         app, group, "--technique", "NAME", "How visibility is computed (default frustum-traced)",
         [&](const std::string& option, const std::string& text) { options.technique = parse_name(option, text); });
+    add_value(app, group, "--samples", "1|4|8|16|32",
+              "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
+              [&](const std::string& option, const std::string& text) {
+                  options.samples = parse_count(option, text, 32);
+                  if (options.samples != 1 && (options.samples < 4 || (options.samples & (options.samples - 1)) != 0))
+                      throw UsageError(option + " needs 1, 4, 8, 16 or 32, not \"" + text + "\"");
+              });
     add_value(app, group, "--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
               [&](const std::string& option, const std::string& text) {
                   options.settings.push_back(parse_setting(option, text));
@@ -191,8 +204,10 @@ void check_light_options(const ViewOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
-    if (!options.picture && !options.mask && !options.aov && !options.triangle_dump && !options.statistics)
-        throw UsageError("nothing to write: give -o FILE.png (or --mask, --aov, --dump-triangles or --stats)");
+    if (!options.picture && !options.mask && !options.aov && !options.triangle_dump && !options.point_dump &&
+        !options.statistics)
+        throw UsageError(
+            "nothing to write: give -o FILE.png (or --mask, --aov, --dump-triangles, --dump-points or --stats)");
 }
 
 /// CLI11's help with one blank line between groups instead of two.

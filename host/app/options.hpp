@@ -53,7 +53,9 @@ struct ViewOptions {
 /// `gnomon render`
 struct RenderOptions : ViewOptions {
     // At least one of these.
-    std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, statistics;
+    std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, point_dump, statistics;
+
+    std::uint32_t samples = 1;  ///< per pixel
 
     std::string technique = "frustum-traced";
     std::vector<std::pair<std::string, std::string>> settings;  ///< for Technique::set, in this order

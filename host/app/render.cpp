@@ -58,11 +58,13 @@ struct Outputs {
         mask = open(options.mask);
         aov = open(options.aov);
         triangle_dump = open(options.triangle_dump);
+        point_dump = open(options.point_dump);
         statistics = open(options.statistics);
     }
 
     OutputFiles files;
-    OutputFile *picture = nullptr, *mask = nullptr, *aov = nullptr, *triangle_dump = nullptr, *statistics = nullptr;
+    OutputFile *picture = nullptr, *mask = nullptr, *aov = nullptr, *triangle_dump = nullptr, *point_dump = nullptr,
+               *statistics = nullptr;
 };
 
 std::uint64_t count_non_finite(std::span<const float> triangles) {
@@ -86,6 +88,22 @@ void write_triangles(OutputFile& file, std::span<const float> triangles) {
     file.check();
 }
 
+/// Appends points: x, y, z and receiver, 4 bytes each.
+void write_points(OutputFile& file, const PointsOnHost& points) {
+    struct Record {
+        float position[3];
+        std::uint32_t receiver;
+    };
+    static_assert(sizeof(Record) == 16);
+    std::vector<Record> records(points.receiver.size());
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        std::copy_n(&points.position[3 * i], 3, records[i].position);
+        records[i].receiver = points.receiver[i];
+    }
+    file.write(records.data(), records.size() * sizeof(Record));
+    file.check();
+}
+
 void write_statistics(OutputFile& file, const Report& report) {
     const std::string text =
         statistics_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -101,7 +119,8 @@ struct Seen {
     std::vector<float> visible;  ///< visibility, on the host
 };
 
-Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices) {
+Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
+         OutputFile* point_dump) {
     const auto [width, height] = report.options.size;
     const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device",
                                           [&] { return Triangles::upload(device, vertices); });
@@ -110,7 +129,16 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
     report.camera_statistics = view.statistics;
     const Visibility visibility(device, view.points.count());
     std::vector<float> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
-        report.shadow_statistics = technique.run(triangles, view.points, report.light.light, visibility);
+        const SampleSink dump = [&](const Points& points) {
+            if (point_dump) write_points(*point_dump, read(device, points));
+        };
+        if (report.options.samples == 1) {
+            dump(view.points);
+            report.shadow_statistics = technique.run(triangles, view.points, report.light.light, visibility);
+        } else {
+            report.shadow_statistics = run_samples(technique, device, triangles, view, report.light.light,
+                                                   report.options.samples, visibility, dump);
+        }
         return visibility.read();
     });
     return {triangles, view, visibility, std::move(visible)};
@@ -169,7 +197,7 @@ void render(const RenderOptions& options) {
     report.light = choose_light(options, scene);
 
     // What the camera sees, and which of it the light reaches.
-    const Seen seen = see(steps, report, device, *technique, scene.triangles);
+    const Seen seen = see(steps, report, device, *technique, scene.triangles, outputs.point_dump);
 
     // The files, each complete before the first appears.
     write_files(steps, outputs, device, scene, report.light.light, seen);

@@ -164,6 +164,7 @@ std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const Rend
     add("mask", options.mask);
     add("aov", options.aov);
     add("dump-triangles", options.triangle_dump);
+    add("dump-points", options.point_dump);
     add("stats", options.statistics);
     return outputs;
 }
@@ -175,7 +176,10 @@ nlohmann::ordered_json statistics_json(const Report& report) {
             {"triangles", report.triangles},
             {"non_finite_triangles", report.non_finite_triangles},
             {"warnings", report.warnings},
-            {"image", {{"width", report.options.size.width}, {"height", report.options.size.height}}},
+            {"image",
+             {{"width", report.options.size.width},
+              {"height", report.options.size.height},
+              {"samples", report.options.samples}}},
             {"camera", camera_json(report.camera)},
             {"light", light_json(report.light)},
             {"technique", technique_json(report.options)},
