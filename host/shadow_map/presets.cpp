@@ -15,7 +15,7 @@ constexpr ShadowMapPreset presets[] = {
      "lookup=twelve softness=1.5 slope-bias=4"},
     {"fast-9x9", "smooth 9 x 9 filter that reads each texel once (Gruen 2010)", "lookup=gaussian taps=9 slope-bias=5"},
     {"adaptive-bias", "hard shadow map, each texel compared with the receiver's plane there (Dou et al. 2014)",
-     "bias=adaptive constant-bias=0.00001"},
+     "bias=adaptive"},
     {"dual-layer", "hard shadow map half-way between the two nearest layers (Weiskopf and Ertl 2003)",
      "bias=dual constant-bias=0.00001"},
     {"pcss", "percentage-closer soft shadows: penumbra as wide as blockers and light make it (Fernando 2005)",

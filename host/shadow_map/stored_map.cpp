@@ -59,7 +59,8 @@ void StoredMap::prefilter(cl::Session& session, const MapViews& map_views, Prefi
     // Sums of a box stay below 2^32: as many bits as its number of texels leaves.
     plan.width = static_cast<float>(width);
     plan.summed_scale = std::ldexp(1.0f, 31 - static_cast<int>(std::ceil(2 * std::log2(width))));
-    const float low = plan.store == STORE_CONVOLUTION ? -1.0f : 0.0f, scale_in = low < 0 ? 0.5f : 1.0f;
+    const bool is_signed = plan.store == STORE_CONVOLUTION || (plan.store == STORE_MOMENTS && plan.half_bits == 0);
+    const float low = is_signed ? -1.0f : 0.0f, scale_in = low < 0 ? 0.5f : 1.0f;
     session.launch(prefilter_file, "prefilter_sum_rows", cl::Range::items(numbers), set, plan.planes, plan.summed_scale,
                    low, scale_in, map_views.views, planes_, scratch_);
     session.launch(prefilter_file, "prefilter_sum_columns", cl::Range::items(numbers), set, plan.planes,

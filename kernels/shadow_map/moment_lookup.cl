@@ -55,7 +55,7 @@ static void fetch_summed(const StorePlan* plan, const Receiver* r, uint texels, 
     }
     for (uint p = 0; p < plan->planes; ++p) {
         means[p] /= all;
-        if (plan->store == STORE_CONVOLUTION) means[p] = 2.0f * means[p] - 1.0f;
+        if (is_signed(plan)) means[p] = 2.0f * means[p] - 1.0f;
     }
 }
 

@@ -54,7 +54,7 @@ __kernel void moments_fill(StorePlan plan, MapSet set, __global const float* dep
                 break;
             }
             case STORE_MOMENTS: {
-                float4 m = plan.half_bits ? optimised_moments(z) : (float4)(z, z * z, z * z * z, z * z * z * z);
+                float4 m = plan.half_bits ? optimised_moments(z) : (float4)(x, x * x, x * x * x, x * x * x * x);
                 at[0] = m.x;
                 at[texels] = m.y;
                 at[2 * texels] = m.z;

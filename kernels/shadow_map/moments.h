@@ -10,7 +10,8 @@
 //   evsm2           w, w^2 with w = exp(c x), x = 2 z - 1             Lauritzen and McCool 2008; 123-124
 //   evsm4           the same, and n, n^2 with n = -exp(-c_negative x)
 //   ewgf            as evsm2                                          Gumbau, Sbert, Szirmay-Kalos et al. 2013; 125
-//   moments         z, z^2, z^3, z^4 (Hamburger 4MSM)                 Peters and Klein 2015; 126-131
+//   moments         x, x^2, x^3, x^4 (Hamburger 4MSM), x = 2 z - 1    Peters and Klein 2015; 126-131
+//                   with half_bits: those of z, transformed for 16 bits per number
 // z is in [0, 1]. dx, dy are the caster's depth per texel: the moment bias, for a texel seen as a Gaussian of half a
 // texel's deviation.
 #ifndef GN_MOMENTS_H
@@ -41,12 +42,12 @@ GN_STRUCT_BEGIN(StorePlan)
     float negative_exponent;  // c_negative
     float receiver_bias;      // depth; subtracted from the receiver's
     float bleeding;           // survey 113: visibility below this becomes 0, the rest is stretched to [0, 1]
-    float moment_bias;   // moments: share of the vector (1/2, 1/2, 1/2, 1/2) mixed in; others: least deviation, depth
-    uint half_bits;      // moments: 16 bits per number (64-bit texels) after the optimised transform; else 32
-    uint edges_only;     // variance: only where the four texels around the point disagree (Sterna 2011; 114-116)
-    uint summed;         // planes are summed areas (prefilter.h)
-    float width;         // of the box that is looked up in summed areas, texels
-    float summed_scale;  // fixed point: 1 is this much
+    float moment_bias;        // moments: share of a constant vector mixed in; others: least deviation, depth
+    uint half_bits;           // moments: 16 bits per number (64-bit texels) after the optimised transform; else 32
+    uint edges_only;          // variance: only where the four texels around the point disagree (Sterna 2011; 114-116)
+    uint summed;              // planes are summed areas (prefilter.h)
+    float width;              // of the box that is looked up in summed areas, texels
+    float summed_scale;       // fixed point: 1 is this much
     uint padding[2];
 GN_STRUCT_END(StorePlan, 64)
 
@@ -56,6 +57,11 @@ GN_STRUCT_END(StorePlan, 64)
 static float2 layer_range(const StorePlan* plan, uint l) {
     float length = 1.0f / (float)plan->layers;
     return (float2)((float)l * length - (l > 0 ? LAYER_OVERLAP * length : 0.0f), (float)(l + 1) * length);
+}
+
+// Are the planes' numbers in [-1, 1]?
+static bool is_signed(const StorePlan* plan) {
+    return plan->store == STORE_CONVOLUTION || (plan->store == STORE_MOMENTS && !plan->half_bits);
 }
 
 static float frequency(uint k) { return M_PI_F * (float)(2 * k + 1); }  // k from 0

@@ -5,7 +5,7 @@
 //                border texels are repeated beyond it
 //   summed area  S(x, y) = sum of the texels up to (x, y): any box is four lookups (Crow 1984; Lauritzen 2007). In
 //                fixed point modulo 2^32, so that no precision is lost however large the map is: a box whose own sum
-//                is below 2^32 comes out exact. For quantities in [0, 1] (sines and cosines are moved there).
+//                is below 2^32 comes out exact. For quantities in [0, 1]; those in [-1, 1] are moved there.
 #include "map_view.h"
 
 #define MOST_FILTER_TAPS 33

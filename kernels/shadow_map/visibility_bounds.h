@@ -77,8 +77,8 @@ static float4 moments_from_optimised(float4 o) {
 // the smallest share nearer than t. One with three depths, t among them, attains it: with H the Hankel matrix of
 // (1, b), c = H^-1 (1, t, t^2) by Cholesky factors, the other two depths are the roots of c_3 z^2 + c_2 z + c_1 = 0,
 // and their weights follow from the moments. The mix-in keeps H positive definite where rounding would not.
-static float hamburger_shadow(float4 moments, float t, float moment_bias) {
-    float4 b = moments + moment_bias * (0.5f - moments);
+static float hamburger_shadow(float4 moments, float t, float moment_bias, float4 mixed_in) {
+    float4 b = moments + moment_bias * (mixed_in - moments);
     float d22 = b.y - b.x * b.x;
     float l32_d22 = b.z - b.x * b.y;
     float d33_d22 = (b.w - b.y * b.y) * d22 - l32_d22 * l32_d22;
@@ -122,8 +122,12 @@ static float visibility_estimate(const StorePlan* plan, const float* means, floa
             break;
         case STORE_MOMENTS: {
             float4 b = (float4)(means[0], means[1], means[2], means[3]);
-            if (plan->half_bits) b = moments_from_optimised(b);
-            lit = 1.0f - hamburger_shadow(b, t, plan->moment_bias);
+            // Mixed in: moments of a distribution over the whole range, as Peters and Klein choose them.
+            if (plan->half_bits)
+                lit = 1.0f - hamburger_shadow(moments_from_optimised(b), t, plan->moment_bias, (float4)(0.5f));
+            else
+                lit = 1.0f -
+                      hamburger_shadow(b, 2.0f * t - 1.0f, plan->moment_bias, (float4)(0.0f, 0.375f, 0.0f, 0.375f));
             break;
         }
     }

