@@ -226,6 +226,8 @@ TEST(BenchParts, TimesAreMedianExtremesAndQuartileDistance) {
     EXPECT_EQ(times.spread_ms, 7 - 3);
     EXPECT_EQ(times.runs, 5u);
     EXPECT_EQ(times_of({2}).spread_ms, 0);
+    EXPECT_EQ(times_of({4, 2}).median_ms, 3);
+    EXPECT_EQ(times_of({4, 2}).spread_ms, 3.5 - 2.5);
 }
 
 TEST(BenchParts, RunsEndByNumberOrTime) {
@@ -316,7 +318,7 @@ TEST(BenchParts, TablesShowFailuresAndErrors) {
     good.scene = bad.scene = "scene";
     good.view = bad.view = "view";
     good.technique = "one|technique";
-    good.total = times_of({2.5});
+    good.total = times_of({2, 2.5, 3});
     good.errors.emplace();
     good.errors->points = 100;
     good.errors->wrongly_lit = 7;
@@ -326,7 +328,7 @@ TEST(BenchParts, TablesShowFailuresAndErrors) {
     const std::vector<Table> tables = tables_of(rows, "times");
     ASSERT_EQ(tables.size(), 1u);
     ASSERT_EQ(tables[0].lines.size(), 2u);
-    EXPECT_EQ(tables[0].lines[0][1], "2.50 ± 0");
+    EXPECT_EQ(tables[0].lines[0][1], "2.50 ± 0.250");
     EXPECT_EQ(tables[0].lines[0][2], "7");
     EXPECT_EQ(tables[0].lines[0][3], "7.00 %");
     EXPECT_EQ(tables[0].lines[1][1], "it broke");

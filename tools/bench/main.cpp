@@ -15,7 +15,6 @@
 #include "machine.hpp"
 #include "output.hpp"
 #include "page.hpp"
-#include "tables.hpp"
 
 namespace {
 
@@ -90,21 +89,15 @@ void write_outputs(const Options& options, const nlohmann::ordered_json& machine
     if (!options.json_file.empty()) write_file(options.json_file, report_json(machine, rows).dump(1) + "\n");
     if (!options.csv_file.empty()) write_file(options.csv_file, report_csv(machine, rows));
     if (!options.html_file.empty()) write_file(options.html_file, page(machine, rows));
-    if (options.markdown_file.empty()) return;
-    std::string text;
-    for (const Experiment& experiment : experiments()) {
-        const std::vector<Table> tables = tables_of(rows, experiment.name);
-        if (!tables.empty()) text += "## " + experiment.title + "\n\n" + experiment.idea + "\n\n";
-        for (const Table& table : tables) text += markdown(table);
-    }
-    write_file(options.markdown_file, text);
+    if (!options.markdown_file.empty()) write_file(options.markdown_file, markdown_report(machine, rows));
 }
 
 // What must not be in a benchmark of exact shadows: a technique that failed, or an exact one that is wrong.
 bool all_well(const std::vector<Row>& rows) {
     bool well = true;
     const auto complain = [&](const Row& row, const std::string& what) {
-        std::cerr << "bench: error: " << name_of(row) << " on " << view_of(row) << ": " << what << '\n';
+        std::cerr << "bench: error: " << row.name() << " on " << row.scene << " " << row.view << "." << row.light
+                  << ": " << what << '\n';
         well = false;
     };
     for (const Row& row : rows) {
@@ -169,7 +162,8 @@ int main(int argc, char** argv) {
     app.add_option("--json", options.json_file, "write all rows there");
     app.add_option("--csv", options.csv_file, "the same as a table");
     app.add_option("--html", options.html_file, "the same as a page with charts and pictures");
-    app.add_option("--markdown", options.markdown_file, "the tables of the experiments");
+    app.add_option("--markdown", options.markdown_file,
+                   "machine, and the tables of the experiments, as in docs/performance.md");
     app.add_flag("--stages", options.stages, "also run with profiling: each stage's time, and the counts");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -153,4 +153,21 @@ std::string page(const Json& machine, std::span<const Row> rows) {
     return html + "</body></html>\n";
 }
 
+std::string markdown_report(const Json& machine, std::span<const Row> rows) {
+    std::string text = "| machine and versions | |\n| --- | --- |\n";
+    for (const auto& [key, value] : machine.items())
+        text.append("| ")
+            .append(key)
+            .append(" | ")
+            .append(value.is_string() ? value.get<std::string>() : value.dump())
+            .append(" |\n");
+    for (const Experiment& experiment : experiments()) {
+        const std::vector<Table> tables = tables_of(rows, experiment.name);
+        if (!tables.empty())
+            text.append("\n## ").append(experiment.title).append("\n\n").append(experiment.idea).append("\n");
+        for (const Table& table : tables) text.append("\n").append(markdown(table));
+    }
+    return text;
+}
+
 }  // namespace gnomon::bench

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The benchmark as one self-contained HTML page: charts, pictures and tables, no script and nothing to load.
+// The benchmark as one self-contained HTML page (charts, pictures and tables, no script and nothing to load), and its
+// tables alone as Markdown.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,5 +13,8 @@ namespace gnomon::bench {
 
 /// Well-formed XML as well, so that any parser can check it.
 std::string page(const nlohmann::ordered_json& machine, std::span<const Row> rows);
+
+/// Machine, versions and date, then the tables: what docs/performance.md shows.
+std::string markdown_report(const nlohmann::ordered_json& machine, std::span<const Row> rows);
 
 }  // namespace gnomon::bench

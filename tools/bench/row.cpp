@@ -13,8 +13,13 @@ std::string text_of(const Settings& settings) {
 
 Times times_of(std::vector<double> ms) {
     std::sort(ms.begin(), ms.end());
-    const auto at = [&](std::size_t quarter) { return ms[quarter * (ms.size() - 1) / 4]; };
-    return {ms[ms.size() / 2], ms.front(), ms.back(), at(3) - at(1), ms.size()};
+    const auto quartile = [&](int which) {
+        const double place = which * double(ms.size() - 1) / 4;
+        const auto before = static_cast<std::size_t>(place);
+        const std::size_t after = std::min(before + 1, ms.size() - 1);
+        return ms[before] + (place - double(before)) * (ms[after] - ms[before]);
+    };
+    return {quartile(2), ms.front(), ms.back(), quartile(3) - quartile(1), ms.size()};
 }
 
 std::uint64_t Row::count(std::string_view name) const {

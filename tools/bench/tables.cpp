@@ -24,6 +24,7 @@ std::string five_decimals(double value) {
 }
 
 std::string times_text(const Times& times) {
+    if (times.runs == 1) return three_digits(times.median_ms) + " (1 run)";
     return three_digits(times.median_ms) + " ± " + three_digits(times.spread_ms / 2);
 }
 
@@ -279,10 +280,12 @@ std::string markdown(const Table& table) {
         for (std::size_t i = 0; i < table.heads.size(); ++i) text += " " + (i < cells.size() ? cells[i] : "") + " |";
         return text + "\n";
     };
-    std::string text = table.title.empty() ? "" : "**" + table.title + "**\n\n";
+    std::string text;
+    if (!table.title.empty()) text.append("**").append(table.title).append("**\n\n");
     text += line_of(table.heads) + line_of(std::vector<std::string>(table.heads.size(), "---"));
     for (const auto& line : table.lines) text += line_of(line);
-    return text + (table.note.empty() ? "\n" : "\n" + table.note + "\n\n");
+    if (!table.note.empty()) text.append("\n").append(table.note).append("\n");
+    return text;
 }
 
 }  // namespace gnomon::bench
