@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// Diagnostics of shadow maps: the aliasing error against its figure worked out on paper (survey, slides 23-29), and
+// what the pictures show.
+#include "../../host/shadow_map/diagnostic.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/map_fits.hpp"
+
+namespace {
+
+using namespace support;
+
+gnomon::MapDiagnostic draw(Scene& scene, const gnomon::Light& light, const Settings& settings, cl_uint diagnostic,
+                           std::uint32_t size) {
+    gnomon::ViewFit stage;
+    for (const auto& [name, value] : settings) stage.set(name, value);
+    gnomon::cl::Session& session = scene.device.session();
+    const auto visibility = uploaded(session, std::vector<float>(scene.view.points.count(), 1.0f));
+    const gnomon::FitInputs inputs{gnomon::triangle_inputs(scene.triangles), gnomon::point_inputs(scene.view.points),
+                                   visibility.get(), light, scene.view.points.camera()};
+    gnomon::MapViews map_views;
+    stage.run(session, inputs, size, map_views);
+    return gnomon::run_map_diagnostic(session, diagnostic, inputs, map_views);
+}
+
+/// Two triangles, seen at an angle; every pixel meets them.
+Scene floor_scene() {
+    Scene scene(gnomon::Camera::look_at({0, 10, 40}, {0, 0, 0}, {0, 1, 0}, 12));
+    Floats floor;
+    add(floor, {-200, 0, -200}, {200, 0, -200}, {200, 0, 200});
+    add(floor, {-200, 0, -200}, {200, 0, 200}, {-200, 0, 200});
+    scene.triangles = gnomon::Triangles::upload(scene.device, floor);
+    scene.view = gnomon::look(scene.device, scene.triangles, scene.camera, 96, 64);
+    return scene;
+}
+
+// Slides 23-29 for a directional light and an orthographic map: on a plane the footprint of a pixel along the view is
+// (pixel width at distance d, across the ray) / cos psi_e, psi_e between ray and normal; that of a texel is
+// (texel width across the light) / cos psi_l. Their ratio is the error m; across the view neither is stretched. The
+// light travels in the plane of the view, so both directions are axes of map and picture.
+TEST(diagnostic, aliasing_error_is_the_analytic_figure) {
+    Scene scene = floor_scene();
+    const double tilt = 0.6;  // of the light, from straight down towards the camera's far side
+    const auto light = gnomon::Light::directional({0, float(-std::cos(tilt)), float(-std::sin(tilt))});
+    const std::uint32_t size = 512;
+    const Settings settings{{"fit", "casters"}};
+    const MapView view = fit(scene, light, settings, size).views.at(0);
+    const auto drawn = draw(scene, light, settings, DIAGNOSTIC_ALIASING, size);
+    const gnomon::ViewOnHost host = gnomon::read(scene.device, scene.triangles, scene.view);
+    const double step = 2 * scene.tangent_up() / 64;
+    for (const std::uint32_t row : {2u, 20u, 40u, 61u}) {
+        const std::size_t pixel = row * 96 + 48;
+        const Double3 p = to_double(&host.position[3 * pixel]);
+        const double x = p[0] - scene.camera.eye[0], y = p[1] - scene.camera.eye[1], z = p[2] - scene.camera.eye[2];
+        const double distance = std::sqrt(x * x + y * y + z * z), depth = scene.depth(p);
+        // A pixel subtends less away from the middle: its width across the ray by the cosine to the axis, along y.
+        const double cos_axis = depth / distance, cos_view = -y / distance, cos_light = std::cos(tilt);
+        const double pixel_along = step * depth * cos_axis / cos_view;
+        const double pixel_across = step * depth;
+        const double texel_u = 1 / (slope(view, view.row_u, 0.5, p) * size),
+                     texel_v = 1 / (slope(view, view.row_v, 0.5, p) * size) / cos_light;
+        const double along = pixel_along / texel_v, across = pixel_across / texel_u;
+        EXPECT_NEAR(drawn.texels_per_pixel[pixel], std::hypot(along, across), 0.02 * std::hypot(along, across));
+    }
+}
+
+// One texel to a pixel is green; finer is blue, coarser red.
+TEST(diagnostic, colours_are_those_of_the_survey) {
+    Scene scene = floor_scene();
+    const auto light = gnomon::Light::directional({0.1f, -1, 0.1f});
+    const auto coarse = draw(scene, light, {}, DIAGNOSTIC_ALIASING, 16),
+               fine = draw(scene, light, {}, DIAGNOSTIC_ALIASING, 4096);
+    const std::size_t pixel = 32 * 96 + 48;
+    EXPECT_LT(coarse.texels_per_pixel[pixel], 1);
+    EXPECT_GT(fine.texels_per_pixel[pixel], 1);
+    EXPECT_GT(coarse.colors[3 * pixel], coarse.colors[3 * pixel + 2]) << "red before blue";
+    EXPECT_LT(fine.colors[3 * pixel], fine.colors[3 * pixel + 2]) << "blue before red";
+    // Twice the texels, twice the error.
+    const auto finer = draw(scene, light, {{"fit", "casters"}}, DIAGNOSTIC_ALIASING, 1024),
+               half = draw(scene, light, {{"fit", "casters"}}, DIAGNOSTIC_ALIASING, 512);
+    EXPECT_NEAR(finer.texels_per_pixel[pixel] / half.texels_per_pixel[pixel], 2, 0.02);
+}
+
+// LogPSM is made to even out what uniform maps leave: its errors over the picture vary less.
+TEST(diagnostic, shows_that_warps_even_the_error_out) {
+    Scene scene;
+    const auto light = gnomon::Light::directional({-1, -1, 0});
+    const auto variation = [&](const char* projection) {
+        const auto drawn = draw(scene, light, {{"projection", projection}}, DIAGNOSTIC_ALIASING, 512);
+        std::vector<float> errors;
+        for (const float error : drawn.texels_per_pixel)
+            if (error > 0) errors.push_back(error);
+        std::sort(errors.begin(), errors.end());
+        return errors[errors.size() * 95 / 100] / errors[errors.size() * 5 / 100];
+    };
+    EXPECT_LT(variation("logpsm"), 0.7 * variation("uniform"));
+}
+
+TEST(diagnostic, views_have_their_own_colours) {
+    Scene scene;
+    const auto drawn = draw(scene, gnomon::Light::directional({0, -1, 0}), {{"cascades", "4"}}, DIAGNOSTIC_VIEWS, 128);
+    std::vector<std::pair<int, int>> hues;
+    for (std::size_t i = 0; i < drawn.texels_per_pixel.size(); ++i) {
+        if (drawn.texels_per_pixel[i] == 0) continue;
+        const float* c = &drawn.colors[3 * i];
+        hues.emplace_back(std::lround(20 * c[0] / (c[1] + c[2])), std::lround(20 * c[1] / (c[0] + c[2])));
+    }
+    std::sort(hues.begin(), hues.end());
+    hues.erase(std::unique(hues.begin(), hues.end()), hues.end());
+    EXPECT_EQ(hues.size(), 4u);
+}
+
+}  // namespace
