@@ -61,12 +61,12 @@ static float3 ray_float(Ray ray, float3* size) {
     return ray.column_high + ray.row_high;
 }
 
-// det(u1 - u0, v1 - v0, r): its sign for certain.
-static int sign_with_ray(float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
+// det(u1 - u0, v1 - v0, r): its sign for certain. `cross` is that of both differences.
+static int sign_with_ray(Det3FloatCross cross, float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
     float3 size;
     float3 r = ray_float(ray, &size);
     float bound_float;
-    float value_float = det3_float(u1 - u0, v1 - v0, r, size, &bound_float);
+    float value_float = det3_float(cross, r, size, &bound_float);
     if (fabs(value_float) > bound_float) return value_float > 0.0f ? 1 : -1;
     Wide bound;
     Wide value = det3_wide(det3_cross(det3_row(u1, u0), det3_row(v1, v0)), ray_row(ray), &bound);
@@ -77,14 +77,31 @@ static int sign_with_ray(float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
     return accumulator_sign(&sum);
 }
 
-// Does the closed triangle cover the ray, t > 0? Exactly.
-static bool covers(Triangle t, float3 eye, Ray ray) {
+// What all rays that may meet a triangle share.
+typedef struct Outline {
+    Triangle t;
+    int orientation;  // as seen from the eye; 0: edge-on, and met by none
+    Det3FloatCross ab, bc, ca;
+} Outline;
+
+static Outline outline_of(Triangle t, float3 eye) {
+    Outline outline;
     int level = DET3_BY_FLOAT;
-    int orientation = det3_sign(t.a, eye, t.b, eye, t.c, eye, &level);
-    if (orientation == 0) return false;
-    return sign_with_ray(t.a, eye, t.b, eye, ray) * orientation >= 0 &&
-           sign_with_ray(t.b, eye, t.c, eye, ray) * orientation >= 0 &&
-           sign_with_ray(t.c, eye, t.a, eye, ray) * orientation >= 0;
+    outline.t = t;
+    outline.orientation = det3_sign(t.a, eye, t.b, eye, t.c, eye, &level);
+    outline.ab = det3_cross_float(t.a - eye, t.b - eye);
+    outline.bc = det3_cross_float(t.b - eye, t.c - eye);
+    outline.ca = det3_cross_float(t.c - eye, t.a - eye);
+    return outline;
+}
+
+// Does the closed triangle cover the ray, t > 0? Exactly.
+static bool covers(const Outline* outline, float3 eye, Ray ray) {
+    Triangle t = outline->t;
+    int orientation = outline->orientation;
+    return orientation != 0 && sign_with_ray(outline->ab, t.a, eye, t.b, eye, ray) * orientation >= 0 &&
+           sign_with_ray(outline->bc, t.b, eye, t.c, eye, ray) * orientation >= 0 &&
+           sign_with_ray(outline->ca, t.c, eye, t.a, eye, ray) * orientation >= 0;
 }
 
 // ---- Planes ---------------------------------------------------------------------------------------------------------
@@ -136,11 +153,12 @@ static Wide nearness(Plane plane, Triangle t, Ray ray) {
 // roundings of that sum; 1e-6 those of the quotient (2.5 ulp) and of the interval's ends, and 2^-29. All numbers are
 // normal: bounds are at least 2^-61, values at most 2^63.
 static bool nearness_float(Triangle t, float3 eye, Ray ray, float* low, float* high) {
-    float3 u = t.b - t.a, v = t.c - t.a, to_plane = t.a - eye, size;
+    Det3FloatCross n = det3_cross_float(t.b - t.a, t.c - t.a);
+    float3 to_plane = t.a - eye, size;
     float3 r = ray_float(ray, &size);
     float bound_along, bound_depth;
-    float along = det3_float(u, v, r, size, &bound_along);
-    float depth = det3_float(u, v, to_plane, fabs(to_plane), &bound_depth);
+    float along = det3_float(n, r, size, &bound_along);
+    float depth = det3_float(n, to_plane, fabs(to_plane), &bound_depth);
     if (!(4.0f * bound_along < fabs(along) && 4.0f * bound_depth < fabs(depth))) return false;
     float value = along / depth;
     float error = fabs(value) * (1.4f * (bound_along / fabs(along) + bound_depth / fabs(depth)) + 1.0e-6f);
@@ -188,12 +206,15 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
         LaneInt best_id = (LaneInt)((int)GN_NO_ID);
         LaneInt searching = present;
         if (has_pixel_receivers) {
+            Outline outline;
+            uint outlined = GN_NO_ID;
             for (int lane = 0; lane < GN_LANES; ++lane) {
                 if (!((int*)&present)[lane]) continue;
                 uint receiver = pixel_receivers[(size_t)pixel_y * width + first_x + (uint)lane];
-                if (receiver == GN_NO_ID || !covers(load_triangle(vertices + first_float, receiver), eye,
-                                                    load_ray(rays, width, first_x + (uint)lane, pixel_y)))
-                    continue;
+                if (receiver == GN_NO_ID) continue;
+                if (receiver != outlined) outline = outline_of(load_triangle(vertices + first_float, receiver), eye);
+                outlined = receiver;
+                if (!covers(&outline, eye, load_ray(rays, width, first_x + (uint)lane, pixel_y))) continue;
                 ((int*)&best_id)[lane] = (int)receiver;
                 ((int*)&searching)[lane] = 0;
             }
@@ -218,14 +239,14 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
             LaneInt certain = possible & inside_for_certain & nearer_for_certain;
             LaneInt open = possible & ~certain;
             if (LANES_ANY(open)) {
-                Triangle triangle = load_triangle(vertices + first_float, (uint)id);
+                Outline outline = outline_of(load_triangle(vertices + first_float, (uint)id), eye);
                 for (int lane = 0; lane < GN_LANES; ++lane) {
                     if (!((int*)&open)[lane]) continue;
                     Ray ray = load_ray(rays, width, first_x + (uint)lane, pixel_y);
                     uint other = (uint)((int*)&best_id)[lane];
-                    bool wins = ((int*)&inside_for_certain)[lane] || covers(triangle, eye, ray);
+                    bool wins = ((int*)&inside_for_certain)[lane] || covers(&outline, eye, ray);
                     if (wins && other != GN_NO_ID && !((int*)&nearer_for_certain)[lane])
-                        wins = is_nearer(triangle, (uint)id, load_triangle(vertices + first_float, other), other, eye,
+                        wins = is_nearer(outline.t, (uint)id, load_triangle(vertices + first_float, other), other, eye,
                                          ray);
                     ((int*)&certain)[lane] = wins ? -1 : 0;
                 }

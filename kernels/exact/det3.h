@@ -42,18 +42,27 @@
 #define DET3_BY_DOUBLE 1
 #define DET3_BY_EXACT 2
 
-// The determinant in float; *bound is at least its error, infinite where the level must not be used. size_w is at least
-// the magnitude of each coordinate of w, and u size_w (up to a factor of 1 + 2^-20) at least its error.
-static float det3_float(float3 u, float3 v, float3 w, float3 size_w, float* bound) {
-    float minor_x_plus = u.y * v.z, minor_x_minus = u.z * v.y;
-    float minor_y_plus = u.z * v.x, minor_y_minus = u.x * v.z;
-    float minor_z_plus = u.x * v.y, minor_z_minus = u.y * v.x;
-    float value = w.x * (minor_x_plus - minor_x_minus) + w.y * (minor_y_plus - minor_y_minus) +
-                  w.z * (minor_z_plus - minor_z_minus);
-    float permanent = size_w.x * (fabs(minor_x_plus) + fabs(minor_x_minus)) +
-                      size_w.y * (fabs(minor_y_plus) + fabs(minor_y_minus)) +
-                      size_w.z * (fabs(minor_z_plus) + fabs(minor_z_minus));
-    float3 largest = fmax(fmax(fabs(u), fabs(v)), size_w);
+// u x v in float: `size` adds up what `value` subtracts, `largest` is the larger magnitude of each coordinate.
+typedef struct Det3FloatCross {
+    float3 value, size, largest;
+} Det3FloatCross;
+
+static Det3FloatCross det3_cross_float(float3 u, float3 v) {
+    float3 plus = u.yzx * v.zxy, minus = u.zxy * v.yzx;
+    Det3FloatCross cross;
+    cross.value = plus - minus;
+    cross.size = fabs(plus) + fabs(minus);
+    cross.largest = fmax(fabs(u), fabs(v));
+    return cross;
+}
+
+// The determinant det(u, v, w) in float, cross = u x v; *bound is at least its error, infinite where the level must not
+// be used. size_w is at least the magnitude of each coordinate of w, and u size_w (up to a factor of 1 + 2^-20) at
+// least its error.
+static float det3_float(Det3FloatCross cross, float3 w, float3 size_w, float* bound) {
+    float value = w.x * cross.value.x + w.y * cross.value.y + w.z * cross.value.z;
+    float permanent = size_w.x * cross.size.x + size_w.y * cross.size.y + size_w.z * cross.size.z;
+    float3 largest = fmax(cross.largest, size_w);
     bool in_range = largest.x <= 0x1p20f && largest.y <= 0x1p20f && largest.z <= 0x1p20f && permanent >= 0x1p-40f;
     *bound = in_range ? DET3_FLOAT_BOUND * permanent : INFINITY;
     return value;
@@ -63,7 +72,7 @@ static float det3_float(float3 u, float3 v, float3 w, float3 size_w, float* boun
 static bool det3_sign_float(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0, int* sign) {
     float bound;
     float3 w = w1 - w0;
-    float value = det3_float(u1 - u0, v1 - v0, w, fabs(w), &bound);
+    float value = det3_float(det3_cross_float(u1 - u0, v1 - v0), w, fabs(w), &bound);
     *sign = value > 0.0f ? 1 : -1;
     return fabs(value) > bound;
 }

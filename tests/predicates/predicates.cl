@@ -36,7 +36,7 @@ __kernel void values_of_det3(uint count, __global const float* cases, __global f
         float3 v1 = vector_of(cases, i, 2), v0 = vector_of(cases, i, 3);
         float3 w1 = vector_of(cases, i, 4), w0 = vector_of(cases, i, 5);
         float bound;
-        float value = det3_float(u1 - u0, v1 - v0, w1 - w0, fabs(w1 - w0), &bound);
+        float value = det3_float(det3_cross_float(u1 - u0, v1 - v0), w1 - w0, fabs(w1 - w0), &bound);
         in_float[i] = (float2)(value, bound);
         double wide_bound;
         double wide_value = det3_wide(det3_cross(det3_row(u1, u0), det3_row(v1, v0)), det3_row(w1, w0), &wide_bound);
