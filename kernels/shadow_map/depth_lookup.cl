@@ -130,7 +130,8 @@ __kernel void depth_lookup(LookupPlan plan, MapSet set, PointsLayout layout, ulo
         if (!is_present(p)) continue;
         uint index = select_view(set, views, p);
         if (index == NO_VIEW) continue;
-        Receiver r = make_receiver(views + index, tables, p);
+        Receiver r;
+        make_receiver(views + index, tables, p, &r);
         if (plan.adaptive && layout.has_receivers && receivers[i] < plan.triangle_count) {
             float3 a, b;
             r.has_plane = plane_tangents(load_triangle(vertices + first_float, receivers[i]), &a, &b);

@@ -66,16 +66,15 @@ static bool plane_tangents(Triangle t, float3* tangent_a, float3* tangent_b) {
     return true;
 }
 
-static Receiver make_receiver(__global const MapView* view, __global const float* tables, float3 p) {
-    Receiver r;
-    r.view = view;
-    r.tables = tables;
-    r.homogeneous = map_homogeneous(view, p);
-    r.uv = r.homogeneous.xy / r.homogeneous.z;
-    r.depth = r.homogeneous.w;
-    r.at_texels = map_texels(view, tables, r.uv);
-    r.has_plane = false;
-    return r;
+// By pointer: oclgrind cannot run what clang makes of a structure this large when it is returned.
+static void make_receiver(__global const MapView* view, __global const float* tables, float3 p, Receiver* r) {
+    r->view = view;
+    r->tables = tables;
+    r->homogeneous = map_homogeneous(view, p);
+    r->uv = r->homogeneous.xy / r->homogeneous.z;
+    r->depth = r->homogeneous.w;
+    r->at_texels = map_texels(view, tables, r->uv);
+    r->has_plane = false;
 }
 
 // Depth of the receiver's plane on the ray of light through (u, v): p + a tangent_a + b tangent_b lies on it if

@@ -76,7 +76,8 @@ __kernel void moment_lookup(StorePlan plan, MapSet set, PointsLayout layout, __g
         if (!is_present(p)) continue;
         uint index = select_view(set, views, p);
         if (index == NO_VIEW) continue;
-        Receiver r = make_receiver(views + index, tables, p);
+        Receiver r;
+        make_receiver(views + index, tables, p, &r);
         if (plan.edges_only) {
             int agreed = agreement(&plan, &r, depths);
             if (agreed < 0) visibility[i] = 0.0f;
