@@ -79,6 +79,7 @@ CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint3
     p.bins_y = (height + (1u << p.bin_log2) - 1) >> p.bin_log2;
     p.perspective = 1;
     p.active_points = 1;
+    p.z_scale = 1.0f;
 
     // Exact: sums of small multiples of 1 / SAMPLE_UNITS.
     const double sample_x = 0.5 + double(offset.x) / SAMPLE_UNITS, sample_y = 0.5 + double(offset.y) / SAMPLE_UNITS;

@@ -103,6 +103,12 @@ static void set_row(float* row, uint axis_a, float a, uint axis_b, float b, floa
     row[3] = offset;
 }
 
+// Spreads the points' heights over the 16 bits of bin_lists.h. Any positive scale is right; this one tells them apart.
+static void fit_heights(float low, float high, Projection* projection) {
+    projection->z_origin = low;
+    projection->z_scale = 65535.0f / clamp(high - low, 1.0e-30f, LARGEST_EXTENT);
+}
+
 static void fit_parallel(LightFrame frame, PointBounds bounds, Projection* projection) {
     float largest = 0.0f;
     for (int i = 0; i < 3; ++i) {
@@ -129,6 +135,7 @@ static void fit_parallel(LightFrame frame, PointBounds bounds, Projection* proje
     projection->point_error = 1.01f * PROJECTION_ERROR * fmax(size_x, size_y);
     projection->height_error = 1.01f * PROJECTION_ERROR * reach[frame.axis_z];
     projection->indistinct = !(largest < LARGEST_EXTENT);
+    if (!projection->indistinct) fit_heights(-reach[frame.axis_z], reach[frame.axis_z], projection);
 }
 
 static void fit_perspective(LightFrame frame, PointBounds bounds, Projection* projection) {
@@ -151,6 +158,8 @@ static void fit_perspective(LightFrame frame, PointBounds bounds, Projection* pr
     projection->point_error = 1.01f * (PROJECTION_ERROR * (size + texels) + 4.0f * GN_U * texels);
     projection->height_error = PROJECTION_ERROR + 4.0f * GN_U;
     projection->indistinct = !(bounds.world_low[2] * unit > SMALLEST_W && bounds.world_high[2] < LARGEST_EXTENT);
+    if (!projection->indistinct)
+        fit_heights(1.0f / (bounds.world_high[2] * unit), 1.0f / (bounds.world_low[2] * unit), projection);
 }
 
 // One work-group: merges the groups' bounds and makes the projection.
@@ -176,7 +185,9 @@ __kernel void light_frame_fit(LightFrame frame, uint group_count, __global const
     projection.point_error = projection.height_error = 0.0f;
     projection.handedness = frame.sign_z;
     projection.active_points = bounds.count;
-    for (int i = 0; i < 5; ++i) projection.padding[i] = 0;
+    projection.z_origin = 0.0f;
+    projection.z_scale = 1.0f;
+    for (int i = 0; i < 3; ++i) projection.padding[i] = 0;
     if (bounds.count == 0)
         projection.indistinct = 1;
     else if (frame.perspective)

@@ -52,7 +52,9 @@ GN_STRUCT_BEGIN(Projection)
     float handedness;    // sign of the map's determinant: +1 keeps the orientation of triangles, -1 turns it
     float light[4];      // homogeneous light (or eye): w = 0 minus the direction of travel, w = 1 a position
     uint active_points;  // points this projection was fitted to
-    uint padding[5];
+    float z_origin;      // heights are brought to 16 bits as (Z - z_origin) z_scale, see bin_lists.h; z_scale > 0
+    float z_scale;
+    uint padding[3];
 GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus
