@@ -118,11 +118,12 @@ void CameraStage::make_lists(Statistics& statistics) {
     session_.fill(counters_, 0, sizeof(FrameCounters));
     {
         cl::StageTimer timer(session_, statistics, "camera_setup");
-        setup_.run(session_, projection_, triangles_, nullptr, counters_);
+        setup_.run_bounds(session_, projection_, triangles_, nullptr, counters_);
+        setup_.run_tiles(session_, projection_, triangles_, nullptr, counters_);
     }
     {
         cl::StageTimer timer(session_, statistics, "camera_bins");
-        bins_.run(session_, projection_, tiles_x * tiles_y, setup_, nullptr, counters_);
+        bins_.run(session_, projection_, tiles_x * tiles_y, setup_, false, counters_);
     }
 }
 
@@ -132,10 +133,9 @@ void CameraStage::find_receivers(SampleOffset offset, cl_mem pixel_receivers, co
     const std::size_t pixels = std::size_t(width_) * height_;
     const std::array<float, 2> moved{float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS};
     session_.launch("camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1), projection_,
-                    triangles_.first_float, setup_.capacity(), bins_.capacity(), moved, cl_uint(out.first),
-                    cl_uint(pixel_receivers != nullptr), triangles_.vertices, rays_, setup_.records(), setup_.ids(),
-                    bins_.offsets(), bins_.references(), counters_,
-                    pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers);
+                    triangles_.first_float, moved, cl_uint(out.first), cl_uint(pixel_receivers != nullptr),
+                    triangles_.vertices, rays_, setup_.records(), setup_.bounds(), bins_.offsets(), bins_.references(),
+                    counters_, pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers);
 }
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
@@ -152,14 +152,14 @@ void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSl
         find_receivers(offset, pixel_receivers, out, statistics);
         FrameCounters counted;
         session_.read(counters_.get(), &counted, sizeof(counted));
-        const bool records = setup_.fitted(session_, counted);
-        fitted_ = bins_.fitted(session_, counted, records) && records;
+        const bool setup = setup_.fitted(session_, counted);
+        fitted_ = bins_.fitted(session_, counted, setup) && setup;
         statistics.counts = {{"pixels", std::size_t(width_) * height_},
                              {"triangles", triangles_.count},
                              {"triangles_not_finite", counted.not_finite},
                              {"triangles_edge_on", counted.edge_on},
                              {"triangles_outside", counted.outside},
-                             {"triangles_kept", counted.survivors},
+                             {"triangles_kept", counted.survivors - counted.edge_on},
                              {"references", counted.references}};
     }
     cl::StageTimer timer(session_, statistics, "camera_points");

@@ -2,6 +2,7 @@
 #include "conservative_map.hpp"
 
 namespace gnomon {
+
 void ConservativeMap::run(cl::Session& session, const LightFrame& frame, const cl::Buffer& projection,
                           const TriangleSetup& setup, const cl::Buffer& pyramid, CoverTest cover_test,
                           const cl::Buffer& counters) {
@@ -9,14 +10,9 @@ void ConservativeMap::run(cl::Session& session, const LightFrame& frame, const c
     map_.reserve(session, bytes);
     session.fill(map_, 0, bytes);  // below every height's key
     const cl_uint circle_cover = cover_test == CoverTest::circle;
-    session.launch("conservative_map.cl", "conservative_map_small", cl::Range::items(setup.capacity()), projection,
-                   setup.capacity(), circle_cover, setup.records(), setup.record_bins(), setup.map_small(), pyramid,
-                   map_, counters);
-    session.launch("conservative_map.cl", "conservative_map_large", session.small_groups(), projection,
-                   setup.capacity(), circle_cover, setup.records(), setup.record_bins(), setup.large(), pyramid, map_,
-                   counters);
-    session.launch("conservative_map.cl", "conservative_map_huge", session.few_groups(), projection, setup.capacity(),
-                   circle_cover, setup.records(), setup.record_bins(), setup.large(), pyramid, map_, counters);
+    session.launch("conservative_map.cl", "conservative_map_draw", cl::Range::items(setup.map_tiles().capacity()),
+                   projection, setup.map_tiles().capacity(), circle_cover, setup.records(), setup.map_tiles().buffer(),
+                   pyramid, map_, counters);
 }
 
 }  // namespace gnomon

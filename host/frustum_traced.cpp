@@ -117,11 +117,12 @@ FrameCounters FrustumTraced::run_frame_once(Run& run, const LightFrame& frame) {
     }
     {
         cl::StageTimer timer(session, statistics, "triangle_setup");
-        setup_.run(session, projection, run.triangles, &farthest_height_.pyramid(), counters_);
+        setup_.run_bounds(session, projection, run.triangles, &farthest_height_.pyramid(), counters_);
     }
     const bool with_map = draws_map(run.points);
     if (with_map) {
         cl::StageTimer timer(session, statistics, "conservative_map");
+        setup_.run_map_tiles(session, projection, run.triangles, farthest_height_.pyramid(), counters_);
         map_.run(session, frame, projection, setup_, farthest_height_.pyramid(), cover_test_, counters_);
     }
     {
@@ -131,7 +132,9 @@ FrameCounters FrustumTraced::run_frame_once(Run& run, const LightFrame& frame) {
     }
     {
         cl::StageTimer timer(session, statistics, "bins");
-        bins_.run(session, projection, frame.bins_x * frame.bins_y, setup_, &izb_.farthest(), counters_);
+        bins_.run_heights(session, frame.bins_x, frame.bins_y, izb_.farthest());
+        setup_.run_tiles(session, projection, run.triangles, &bins_.heights(), counters_);
+        bins_.run(session, projection, frame.bins_x * frame.bins_y, setup_, true, counters_);
     }
     {
         cl::StageTimer timer(session, statistics, "trace");
@@ -146,9 +149,9 @@ FrameCounters FrustumTraced::run_frame_once(Run& run, const LightFrame& frame) {
 
 bool FrustumTraced::fitted(const FrameCounters& counted) {
     cl::Session& session = device_.session();
-    const bool records = setup_.fitted(session, counted), references = bins_.fitted(session, counted, records),
+    const bool setup = setup_.fitted(session, counted), references = bins_.fitted(session, counted, setup),
                pairs = trace_.fitted(session, counted);
-    return records && references && pairs;
+    return setup && references && pairs;
 }
 
 void FrustumTraced::run_frame(Run& run, const LightFrame& frame) {
@@ -212,7 +215,8 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                 {"triangles_not_finite", t.not_finite},
                 {"triangles_edge_on", t.edge_on},
                 {"triangles_outside", t.outside},
-                {"triangles_kept", t.survivors},
+                {"triangles_kept", t.survivors - t.edge_on},
+                {"triangles_hidden", t.hidden},
                 {"map_candidates", t.map_candidates},
                 {"map_texels_written", t.map_texels},
                 {"references", t.references},

@@ -13,10 +13,10 @@ void Trace::run(cl::Session& session, const LightFrame& frame, const PointInputs
         capacity_ = wanted;
     }
     const cl_uint bin_count = frame.bins_x * frame.bins_y;
-    session.launch("trace.cl", "trace", cl::Range::items(points.layout.count / session.lanes() + 1), bins.capacity(),
-                   setup.capacity(), bin_count, capacity_, points.layout.has_receivers, points.receivers, izb.x(),
-                   izb.y(), izb.z(), izb.order(), izb.block_bin(), izb.offsets(), bins.offsets(), bins.references(),
-                   setup.records(), setup.ids(), visibility, queue_, counters);
+    session.launch("trace.cl", "trace", cl::Range::items(points.layout.count / session.lanes() + 1), bin_count,
+                   capacity_, points.layout.has_receivers, points.receivers, izb.x(), izb.y(), izb.z(), izb.order(),
+                   izb.block_bin(), izb.offsets(), bins.offsets(), bins.references(), setup.records(), setup.bounds(),
+                   visibility, queue_, counters);
 }
 
 bool Trace::fitted(cl::Session& session, const FrameCounters& counted) {

@@ -1,35 +1,73 @@
 // SPDX-License-Identifier: MIT
 #include "triangle_setup.hpp"
 
-#include <algorithm>
+#include "../kernels/claim.h"
 
 namespace gnomon {
 
-void TriangleSetup::reserve(cl::Session& session, std::uint32_t capacity) {
-    capacity = std::max(capacity, 1u);
-    if (capacity <= capacity_) return;
-    capacity_ = 0;  // stays so if one of these throws
-    records_.reserve(session, std::size_t(capacity) * sizeof(TriangleRecord));
-    ids_.reserve(session, std::size_t(capacity) * sizeof(cl_uint));
-    record_bins_.reserve(session, std::size_t(capacity) * 4 * sizeof(cl_uint));
-    large_.reserve(session, std::size_t(capacity) * sizeof(cl_uint));
-    map_small_.reserve(session, std::size_t(capacity) * sizeof(cl_uint));
-    capacity_ = capacity;
+void GrowingList::reserve(cl::Session& session, std::uint64_t entries) {
+    if (entries <= capacity_) return;
+    capacity_ = 0;  // stays so if the next line throws
+    buffer_.reserve(session, entries * entry_bytes_);
+    capacity_ = static_cast<std::uint32_t>(entries);
 }
 
-void TriangleSetup::run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                        const cl::Buffer* pyramid, const cl::Buffer& counters) {
-    reserve(session, std::min(triangles.count, first_capacity_));
+bool GrowingList::fitted(cl::Session& session, std::uint64_t wanted, const char* what) {
+    if (wanted <= capacity_) return true;
+    if (wanted >= CLAIM_OVERFLOW)
+        throw OutOfDeviceMemory(std::string("listing more than 2^32 ") + what, CL_MEM_OBJECT_ALLOCATION_FAILURE,
+                                "set a smaller map-size");
+    reserve(session, std::min<std::uint64_t>(wanted + wanted / 4, CLAIM_OVERFLOW));
+    return false;
+}
+
+void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+                               const cl::Buffer* pyramid, const cl::Buffer& counters) {
+    // A work-item of a CPU may leave most of a block unused.
+    const std::size_t unused =
+        session.is_cpu() ? session.many_groups() * session.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
+    const std::uint64_t likely = std::min<std::uint64_t>(triangles.count + unused + 1, first_capacity_);
+    for (GrowingList* list : {&bounds_, &records_, &map_candidates_}) list->reserve(session, likely);
+    for (GrowingList* list : {&map_tiles_, &tiles_}) list->reserve(session, first_capacity_);
     const cl_uint has_pyramid = pyramid != nullptr;
-    session.launch("triangle_setup.cl", "triangle_setup", cl::Range::items(triangles.count), projection,
-                   triangles.count, triangles.first_float, capacity_, has_pyramid, triangles.vertices,
-                   pyramid ? *pyramid : ids_, records_, ids_, record_bins_, large_, map_small_, counters);
+    session.launch("triangle_setup.cl", "triangle_bounds", cl::Range::items(triangles.count), projection,
+                   triangles.count, triangles.first_float, capacity(), has_pyramid, triangles.vertices,
+                   pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(), counters);
+}
+
+void TriangleSetup::run_tiles_for(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+                                  const cl::Buffer* heights, const GrowingList& tiles, cl_uint for_map,
+                                  const cl::Buffer& counters) {
+    const cl_uint has_heights = heights != nullptr;
+    session.launch("triangle_setup.cl", "triangle_tiles", cl::Range::items(capacity()), projection,
+                   triangles.first_float, capacity(), tiles.capacity(), has_heights, for_map, triangles.vertices,
+                   heights ? *heights : bounds(), bounds(), records(), map_candidates_.buffer(), tiles.buffer(),
+                   counters, cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
+                   cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)});
+}
+
+void TriangleSetup::run_map_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+                                  const cl::Buffer& pyramid, const cl::Buffer& counters) {
+    run_tiles_for(session, projection, triangles, &pyramid, map_tiles_, 1, counters);
+}
+
+void TriangleSetup::run_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+                              const cl::Buffer* heights, const cl::Buffer& counters) {
+    run_tiles_for(session, projection, triangles, heights, tiles_, 0, counters);
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {
-    if (counted.survivors <= capacity_) return true;
-    reserve(session, counted.survivors);
-    return false;
+    const std::uint32_t slots = std::max(counted.slots, counted.map_slots);
+    const bool bounds = bounds_.fitted(session, slots, "triangles");
+    if (!bounds) {
+        records_.reserve(session, capacity());
+        map_candidates_.reserve(session, capacity());
+    }
+    // Where not all triangles were seen the tiles are guessed, so that all lists grow at once.
+    const std::uint32_t tiles = bounds ? counted.tiles : std::max(counted.tiles, slots);
+    const bool map_fitted = map_tiles_.fitted(session, counted.map_tiles, "(triangle, tile) pairs");
+    const bool tiles_fitted = tiles_.fitted(session, tiles, "(triangle, tile) pairs");
+    return bounds && map_fitted && tiles_fitted;
 }
 
 }  // namespace gnomon

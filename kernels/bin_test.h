@@ -1,10 +1,87 @@
 // SPDX-License-Identifier: MIT
-// The test of a triangle against a bin, shared by the stages that walk a triangle's bins (bins, conservative_map).
+// Which bins a triangle is in, and in which of them it can matter: shared by the stages that go from triangles to bins
+// (triangle_setup, conservative_map, bins).
+//
+// Bins are walked in tiles of 8 x 8: a tile is tested as a whole first, and is the unit in which the work is shared
+// out. A tile's code holds its place and the part of it that lies in the triangle's rectangle (outside of which the
+// record's margins do not hold).
 #ifndef GN_BIN_TEST_H
 #define GN_BIN_TEST_H
 
+#include "bin_lists.h"
+#include "claim.h"
 #include "projection.h"
 #include "triangle_setup.h"
+
+#define TILE_LOG2 3u
+#define TILE_LAST ((1u << TILE_LOG2) - 1u)
+
+// ---- Bounds ---------------------------------------------------------------------------------------------------------
+
+static void drop_bounds(__global TriangleBounds* bounds) {
+    bounds->x0 = 65535;
+    bounds->x1 = 0;
+}
+static bool is_dropped(TriangleBounds bounds) { return bounds.x0 > bounds.x1; }
+
+// With s = texel_units, a whole number, fl(X s) lies between floor(X) s and (floor(X) + 1) s, since both are floats and
+// rounding is monotone. So for q = quantised_texel(X):  (q - 1) / s <= floor(X) <= q / s  in whole numbers.
+static uint4 bins_of_bounds(TriangleBounds bounds, __constant const Projection* projection) {
+    uint x_units = 65536u / projection->width, y_units = 65536u / projection->height;
+    uint x0 = max((uint)bounds.x0, 1u) - 1u, y0 = max((uint)bounds.y0, 1u) - 1u;
+    uint4 texels = (uint4)(x0 / x_units, y0 / y_units, bounds.x1 / x_units, bounds.y1 / y_units);
+    uint2 last = (uint2)(projection->width, projection->height) - 1u;
+    return min(texels, last.xyxy) >> projection->bin_log2;
+}
+
+// In texels, as (x0, y0, x1, y1).
+static float4 square_of_bins(uint4 bins, __constant const Projection* projection) {
+    float size = (float)(1u << projection->bin_log2);
+    return (float4)((float)bins.x, (float)bins.y, (float)(bins.z + 1u), (float)(bins.w + 1u)) * size;
+}
+
+// ---- Tiles ----------------------------------------------------------------------------------------------------------
+
+static uint tile_count_of(uint4 bins) {
+    uint4 tiles = bins >> TILE_LOG2;
+    return (tiles.z - tiles.x + 1u) * (tiles.w - tiles.y + 1u);
+}
+
+// Tile i of a rectangle of bins, row by row.
+static uint tile_of_bins(uint4 bins, uint i) {
+    uint4 tiles = bins >> TILE_LOG2;
+    uint width = tiles.z - tiles.x + 1u;
+    uint x = tiles.x + i % width, y = tiles.y + i / width;
+    uint x0 = x == tiles.x ? bins.x & TILE_LAST : 0u, x1 = x == tiles.z ? bins.z & TILE_LAST : TILE_LAST;
+    uint y0 = y == tiles.y ? bins.y & TILE_LAST : 0u, y1 = y == tiles.w ? bins.w & TILE_LAST : TILE_LAST;
+    return x | y << 10 | x0 << 20 | x1 << 23 | y0 << 26 | y1 << 29;
+}
+
+static uint4 bins_of_tile(uint tile) {
+    uint x = (tile & 1023u) << TILE_LOG2, y = (tile >> 10 & 1023u) << TILE_LOG2;
+    return (uint4)(x + (tile >> 20 & TILE_LAST), y + (tile >> 26 & TILE_LAST), x + (tile >> 23 & TILE_LAST),
+                   y + (tile >> 29));
+}
+
+// ---- Tests ----------------------------------------------------------------------------------------------------------
+
+// Lowest height under a rectangle of bins, from a pyramid of minima (keys, 0xFFFFFFFF where there is no point): the
+// level at which the rectangle spans at most 2 x 2 cells.
+static float lowest_height_under(__global const uint* pyramid, __constant const Projection* projection, uint4 bins) {
+    uint span = max(bins.z - bins.x, bins.w - bins.y);
+    uint level = span <= 1u ? 0u : 32u - clz(span - 1u);
+    uint width = projection->bins_x, height = projection->bins_y, first = 0;
+    for (uint i = 0; i < level; ++i) {
+        first += width * height;
+        width = (width + 1) / 2;
+        height = (height + 1) / 2;
+    }
+    uint4 cells = bins >> level;
+    __global const uint* row_0 = pyramid + first + cells.y * width;
+    __global const uint* row_1 = pyramid + first + cells.w * width;
+    uint lowest = min(min(row_0[cells.x], row_0[cells.z]), min(row_1[cells.x], row_1[cells.z]));
+    return lowest == 0xFFFFFFFFu ? INFINITY : key_to_float(lowest);
+}
 
 static float highest_at_corners(float slope_x, float slope_y, float constant_term, float4 square) {
     float corner_x = slope_x > 0.0f ? square.z : square.x;
@@ -12,39 +89,37 @@ static float highest_at_corners(float slope_x, float slope_y, float constant_ter
     return fma(slope_x, corner_x, fma(slope_y, corner_y, constant_term));
 }
 
-// Can the triangle block any point listed in bin (x, y)? No if it certainly misses the bin's square (an edge function
-// below -margin at its best corner: conservative rasterization), or certainly lies below (farther than) the farthest
-// point listed there, by its highest vertex or its plane's highest corner. `farthest` holds keys per bin, 0xFFFFFFFF
-// where no point is listed.
-static bool may_matter(const TriangleRecord* record, __constant const Projection* projection, uint x, uint y,
-                       uint has_heights, __global const uint* farthest) {
-    float size = (float)(1u << projection->bin_log2);
-    float4 square = (float4)((float)x, (float)y, (float)(x + 1u), (float)(y + 1u)) * size;
+// Can the triangle block any open point in these bins? No if it certainly misses their square (an edge function below
+// -margin at its best corner: conservative rasterization), or certainly lies below (farther than) the farthest point
+// there, by its highest vertex or its plane's highest corner. `heights` is a pyramid as above.
+static bool may_matter(const TriangleRecord* record, __constant const Projection* projection, uint4 bins,
+                       uint has_heights, __global const uint* heights) {
+    float4 square = square_of_bins(bins, projection);
     for (int i = 0; i < 3; ++i)
         if (highest_at_corners(record->edge_x[i], record->edge_y[i], record->edge_0[i], square) < -record->margin_edge)
             return false;
     if (!has_heights) return true;
-    uint key = farthest[y * projection->bins_x + x];
-    if (key == 0xFFFFFFFFu) return false;  // no point is listed here
-    float lowest = key_to_float(key);
+    float lowest = lowest_height_under(heights, projection, bins);
+    if (lowest == INFINITY) return false;  // no point is open here
     float highest =
         highest_at_corners(record->plane_x, record->plane_y, record->plane_0, square) + record->margin_plane;
     return record->z_high >= lowest && !(highest < lowest);
 }
 
-// Bin i of a triangle's rectangle of bins, row by row.
-static uint2 bin_of_rectangle(uint4 bins, uint i) {
-    uint width = bins.z - bins.x + 1u;
-    return (uint2)(bins.x + i % width, bins.y + i / width);
-}
-static uint bins_of_rectangle(uint4 bins) { return (bins.z - bins.x + 1u) * (bins.w - bins.y + 1u); }
+// ---- The bins of a tile ---------------------------------------------------------------------------------------------
 
-// A huge triangle's chunks are numbered on from those of the huge triangles before it (`before` of them), and chunk n
-// of all belongs to work-group n % groups. The first chunk of this triangle that is this group's; the next is `groups`
-// on.
-static uint first_chunk_of_group(uint before) {
-    uint groups = (uint)get_num_groups(0);
-    return ((uint)get_group_id(0) + groups - before % groups) % groups;
+// Lanes of a GPU that share a tile; a power of two.
+#ifdef GN_CPU
+#define TILE_LANES 1u
+#else
+#define TILE_LANES 8u
+#endif
+
+static uint bins_of_rectangle(uint4 bins) { return (bins.z - bins.x + 1u) * (bins.w - bins.y + 1u); }
+static uint4 bin_of_rectangle(uint4 bins, uint i) {
+    uint width = bins.z - bins.x + 1u;
+    uint x = bins.x + i % width, y = bins.y + i / width;
+    return (uint4)(x, y, x, y);
 }
 
 #endif

@@ -4,6 +4,7 @@
 // One work-item takes GN_LANES pixels of one row of a tile and walks the tile's triangle list, keeping the nearest in
 // registers: no atomics, the same answer in any order. The records' margins tell which pixels are certain; the rest are
 // decided per pixel, exactly. Double precision is the device's own or made of integers (exact/wide.h).
+#include "bin_lists.h"
 #include "camera.h"
 #include "exact/det3.h"
 #include "lanes.h"
@@ -179,14 +180,13 @@ static bool is_nearer(Triangle t, uint id, Triangle best, uint best_id, float3 e
 
 // `rays` are those of one sample per pixel, which lies `offset` pixels off the centre. With pixel_receivers, a sample
 // whose ray meets the receiver of its pixel takes that one, seen or not. visible[first_point + pixel] is written.
-__kernel void camera_visibility(__constant const Projection* projection, ulong first_float, uint record_capacity,
-                                uint reference_capacity, float2 offset, uint first_point, uint has_pixel_receivers,
-                                __global const float* vertices, __global const float* rays,
-                                __global const TriangleRecord* records, __global const uint* ids,
-                                __global const uint* reference_offsets, __global const uint* references,
-                                __global const FrameCounters* counters, __global const uint* pixel_receivers,
-                                __global uint* visible) {
-    if (counters->survivors > record_capacity || counters->references > reference_capacity) return;
+__kernel void camera_visibility(__constant const Projection* projection, ulong first_float, float2 offset,
+                                uint first_point, uint has_pixel_receivers, __global const float* vertices,
+                                __global const float* rays, __global const TriangleRecord* records,
+                                __global const TriangleBounds* bounds, __global const uint* reference_offsets,
+                                __global const uint* references, __global const FrameCounters* counters,
+                                __global const uint* pixel_receivers, __global uint* visible) {
+    if (counters->references == GN_NO_LISTS) return;
     const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
     const uint blocks_per_tile = tile_pixels * tile_pixels / GN_LANES;
     const uint blocks_per_row = tile_pixels / GN_LANES;
@@ -233,7 +233,7 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
             LaneInt possible =
                 searching & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(z_high, <, best_low);
             if (!LANES_ANY(possible)) continue;
-            int id = (int)ids[slot];
+            int id = (int)bounds[slot].id;
             LaneInt inside_for_certain = LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge));
             LaneInt nearer_for_certain = LANE_COMPARE(z_low, >, best_high);
             LaneInt certain = possible & inside_for_certain & nearer_for_certain;

@@ -60,64 +60,22 @@ static uint draw_bin(const TriangleRecord* record, __constant const Projection* 
     return written;
 }
 
-static uint draw_if_matters(const TriangleRecord* record, __constant const Projection* projection, uint2 bin,
-                            uint circle_cover, __global const uint* pyramid, __global uint* map) {
-    return may_matter(record, projection, bin.x, bin.y, 1u, pyramid)
-               ? draw_bin(record, projection, bin.x, bin.y, circle_cover, map)
-               : 0u;
-}
-
-__kernel void conservative_map_small(__constant const Projection* projection, uint capacity, uint circle_cover,
-                                     __global const TriangleRecord* records, __global const uint4* record_bins,
-                                     __global const uint* map_small, __global const uint* pyramid, __global uint* map,
-                                     __global FrameCounters* counters) {
-    uint count = min(counters->map_small, capacity);
-    uint written = 0;
-    GN_FOR_EACH(i, count) {
-        TriangleRecord record = records[map_small[i]];
-        uint4 bins = record_bins[map_small[i]];
-        uint bin_count = bins_of_rectangle(bins);
-        for (uint b = 0; b < bin_count; ++b)
-            written += draw_if_matters(&record, projection, bin_of_rectangle(bins, b), circle_cover, pyramid, map);
-    }
-    if (written != 0) atomic_add(&counters->map_texels, written);
-}
-
-__kernel void conservative_map_large(__constant const Projection* projection, uint capacity, uint circle_cover,
-                                     __global const TriangleRecord* records, __global const uint4* record_bins,
-                                     __global const uint* large, __global const uint* pyramid, __global uint* map,
-                                     __global FrameCounters* counters) {
-    uint count = min(counters->large, capacity);
-    uint written = 0;
-    for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
-        if (!LARGE_ENTRY_FOR_MAP(large[i])) continue;
-        TriangleRecord record = records[LARGE_ENTRY_SLOT(large[i])];
-        uint4 bins = record_bins[LARGE_ENTRY_SLOT(large[i])];
-        uint bin_count = bins_of_rectangle(bins);
-        for (uint b = (uint)get_local_id(0); b < bin_count; b += (uint)get_local_size(0))
-            written += draw_if_matters(&record, projection, bin_of_rectangle(bins, b), circle_cover, pyramid, map);
-    }
-    if (written != 0) atomic_add(&counters->map_texels, written);
-}
-
-__kernel void conservative_map_huge(__constant const Projection* projection, uint capacity, uint circle_cover,
-                                    __global const TriangleRecord* records, __global const uint4* record_bins,
-                                    __global const uint* large, __global const uint* pyramid, __global uint* map,
+__kernel void conservative_map_draw(__constant const Projection* projection, uint tile_capacity, uint circle_cover,
+                                    __global const TriangleRecord* records, __global const uint2* tiles,
+                                    __global const uint* heights, __global uint* map,
                                     __global FrameCounters* counters) {
-    uint count = min(counters->huge, capacity);
-    uint chunks_before = 0, written = 0;
-    for (uint i = 0; i < count; ++i) {
-        uint entry = large[capacity - 1 - i];
-        if (!LARGE_ENTRY_FOR_MAP(entry)) continue;
-        uint4 bins = record_bins[LARGE_ENTRY_SLOT(entry)];
-        uint bin_count = bins_of_rectangle(bins), chunks = (bin_count + HUGE_CHUNK_BINS - 1) / HUGE_CHUNK_BINS;
-        for (uint chunk = first_chunk_of_group(chunks_before); chunk < chunks; chunk += (uint)get_num_groups(0)) {
-            TriangleRecord record = records[LARGE_ENTRY_SLOT(entry)];
-            uint last = min((chunk + 1) * HUGE_CHUNK_BINS, bin_count);
-            for (uint b = chunk * HUGE_CHUNK_BINS + (uint)get_local_id(0); b < last; b += (uint)get_local_size(0))
-                written += draw_if_matters(&record, projection, bin_of_rectangle(bins, b), circle_cover, pyramid, map);
+    uint count = min(counters->map_tiles, tile_capacity), written = 0;
+    GN_FOR_EACH(i, count * TILE_LANES) {
+        uint2 tile = tiles[i / TILE_LANES];
+        if (tile.x == GN_NO_ID) continue;
+        TriangleRecord record = records[tile.x];
+        uint4 bins = bins_of_tile(tile.y);
+        uint bin_count = bins_of_rectangle(bins);
+        for (uint b = (uint)i % TILE_LANES; b < bin_count; b += TILE_LANES) {
+            uint4 bin = bin_of_rectangle(bins, b);
+            if (may_matter(&record, projection, bin, 1u, heights))
+                written += draw_bin(&record, projection, bin.x, bin.y, circle_cover, map);
         }
-        chunks_before += chunks;
     }
     if (written != 0) atomic_add(&counters->map_texels, written);
 }

@@ -5,6 +5,7 @@
 // proven margins) goes to the queue of the exact stage, unless the triangle is the point's own receiver. A work-item
 // takes GN_LANES points of one bin (lists are padded to a multiple of that), so a CPU tests 16 at once.
 // One writer per point: no atomics on visibility here.
+#include "bin_lists.h"
 #include "lanes.h"
 #include "triangle_setup.h"
 
@@ -40,12 +41,12 @@ static LaneInt settle(const TraceOutput* out, LaneInt certain, LaneInt uncertain
     return shadowed;
 }
 
-__kernel void trace(uint reference_capacity, uint record_capacity, uint bin_count, uint queue_capacity,
-                    uint has_receivers, __global const uint* receivers, __global const LaneFloat* sorted_x,
-                    __global const LaneFloat* sorted_y, __global const LaneFloat* sorted_z,
-                    __global const LaneInt* sorted_order, __global const uint* block_bin,
-                    __global const uint* point_offsets, __global const uint* reference_offsets,
-                    __global const uint* references, __global const TriangleRecord* records, __global const uint* ids,
+__kernel void trace(uint bin_count, uint queue_capacity, uint has_receivers, __global const uint* receivers,
+                    __global const LaneFloat* sorted_x, __global const LaneFloat* sorted_y,
+                    __global const LaneFloat* sorted_z, __global const LaneInt* sorted_order,
+                    __global const uint* block_bin, __global const uint* point_offsets,
+                    __global const uint* reference_offsets, __global const uint* references,
+                    __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                     __global float* visibility, __global uint2* queue, __global FrameCounters* counters) {
     TraceOutput out;
     out.receivers = receivers;
@@ -55,7 +56,7 @@ __kernel void trace(uint reference_capacity, uint record_capacity, uint bin_coun
     out.has_receivers = has_receivers;
 
     // An overflow upstream: the host will grow and run again, so there is nothing to do for now.
-    if (counters->survivors > record_capacity || counters->references > reference_capacity) return;
+    if (counters->references == GN_NO_LISTS) return;
 
     uint block_count = point_offsets[bin_count] / GN_LANES;
     ulong tests = 0;
@@ -85,7 +86,7 @@ __kernel void trace(uint reference_capacity, uint record_capacity, uint bin_coun
             LaneInt certain =
                 possible & LANE_COMPARE(inside, >, (LaneFloat)(margin_edge)) &
                 (LANE_COMPARE(height, >, (LaneFloat)(margin_plane)) | LANE_COMPARE(z, <, (LaneFloat)(r->z_low)));
-            lit &= ~settle(&out, certain, possible & ~certain, order, ids[slot]);
+            lit &= ~settle(&out, certain, possible & ~certain, order, bounds[slot].id);
             if (!LANES_ANY(lit)) break;
         }
         LaneInt shadowed = alive & ~lit;

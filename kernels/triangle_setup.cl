@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Triangle setup: projects every triangle, drops those that cannot matter, and makes the float filter of the rest.
+// Triangle setup: bounds every triangle in the grid, drops those that cannot matter, and makes records for the rest.
 //
-// Dropped, each counted: a NaN or infinite vertex; behind the light or outside the grid; farther from the light than
-// every point it could cover (a pyramid of farthest heights); exactly edge-on to the rays (never blocks, by contract).
+// triangle_bounds looks at the whole scene and drops, each counted: a NaN or infinite vertex; behind the light or
+// outside the grid; farther from the light than every point it could cover (a pyramid of farthest heights). What is
+// left goes into a list of 16 bytes each. triangle_tiles takes that list, or the part of it that may cover whole texels
+// (the conservative map is drawn first, and then hides many of the others): it makes the record, drops what is exactly
+// edge-on to the rays (never blocks, by contract), and cuts the triangle's bins into tiles. So no later stage walks a
+// triangle: they walk tiles, which are all of about the same size.
 //
 // Error bounds. Let a, b, c be the projected vertices, p = (X, Y, 1) a point of the grid, and r_a = a - a_w p the first
 // two coordinates of a relative to p. Then (Mizoguchi's and everybody's) edge function is
@@ -34,10 +38,9 @@
 // what any of their sums can lose. In perspective all coordinates shrink with the distance from the light, so N and the
 // determinant underflow for triangles within about 1e-11 of it; UNDERFLOW is more than what the products of a plane can
 // lose together, flushed denormals included, and swamps the bound there. (Parallel: error_z has 2^-20 |d| in it.)
+#include "bin_test.h"
 #include "exact/det3.h"
 #include "points.h"
-#include "projection.h"
-#include "triangle_setup.h"
 
 #define BOUND_INFLATION 1.01f
 #define UNDERFLOW 1.0e-36f
@@ -269,87 +272,104 @@ static bool can_cover_texel(const Projected* v) {
     return twice_area >= 0.5f * perimeter;
 }
 
-// Lowest listed height under the rectangle, from the pyramid: the level at which it spans at most 2 x 2 cells.
-static float lowest_height_under(__global const uint* pyramid, __constant const Projection* projection, uint4 bins) {
-    uint level = 0, width = projection->bins_x, height = projection->bins_y, first = 0;
-    while ((bins.z >> level) - (bins.x >> level) > 1u || (bins.w >> level) - (bins.y >> level) > 1u) {
-        first += width * height;
-        width = (width + 1) / 2;
-        height = (height + 1) / 2;
-        ++level;
-    }
-    uint lowest = 0xFFFFFFFFu;
-    for (uint y = bins.y >> level; y <= bins.w >> level; ++y)
-        for (uint x = bins.x >> level; x <= bins.z >> level; ++x) lowest = min(lowest, pyramid[first + y * width + x]);
-    return lowest == 0xFFFFFFFFu ? INFINITY : key_to_float(lowest);
-}
-
 #define NOT_FINITE 1
 #define EDGE_ON 2
 #define OUTSIDE 3
 #define SURVIVES 0
 
-// The whole setup of one triangle. `pyramid` is ignored unless `has_pyramid`.
-static int set_up_triangle(Triangle t, __constant const Projection* projection, __global const uint* pyramid,
-                           bool has_pyramid, TriangleRecord* record, uint4* bins, bool* for_map, int* level) {
-    *record = undecided_record();
-    *bins = (uint4)(0, 0, projection->bins_x - 1, projection->bins_y - 1);
-    *for_map = false;
-    if (!is_finite_triangle(t)) return NOT_FINITE;
-    if (projection->indistinct) {
-        *bins = (uint4)(0, 0, 0, 0);
-        return SURVIVES;
-    }
-
+// The projected vertices, and what they say at once.
+typedef struct ProjectedTriangle {
     Projected v[3];
-    v[0] = project(projection, t.a);
-    v[1] = project(projection, t.b);
-    v[2] = project(projection, t.c);
+    bool wild;       // too far for floats: in every bin, and every test is exact
+    bool behind;     // the light: wholly
+    bool straddles;  // not wholly in front of the light for certain
+} ProjectedTriangle;
+
+static ProjectedTriangle project_triangle(Triangle t, __constant const Projection* projection) {
+    ProjectedTriangle p;
+    p.v[0] = project(projection, t.a);
+    p.v[1] = project(projection, t.b);
+    p.v[2] = project(projection, t.c);
     float wildest = 0.0f;
-    bool behind = true, straddles = false;
+    p.behind = true;
+    p.straddles = false;
     for (int i = 0; i < 3; ++i) {
-        wildest = fmax(wildest, fmax(fmax(fabs(v[i].x), fabs(v[i].y)), fmax(fabs(v[i].w), v[i].error)));
-        behind = behind && v[i].w < -v[i].error_w;
-        straddles = straddles || !(v[i].w > 2.0f * v[i].error_w);
+        wildest = fmax(wildest, fmax(fmax(fabs(p.v[i].x), fabs(p.v[i].y)), fmax(fabs(p.v[i].w), p.v[i].error)));
+        p.behind = p.behind && p.v[i].w < -p.v[i].error_w;
+        p.straddles = p.straddles || !(p.v[i].w > 2.0f * p.v[i].error_w);
     }
-    bool wild = !(wildest < WILD_TEXELS) || !GN_FINITE(v[0].x + v[1].x + v[2].x) ||
-                !GN_FINITE(v[0].y + v[1].y + v[2].y) || !GN_FINITE(v[0].w + v[1].w + v[2].w);
-    if (wild) return SURVIVES;  // undecided record, every bin
-    if (behind) return OUTSIDE;
+    p.wild = !(wildest < WILD_TEXELS) || !GN_FINITE(p.v[0].x + p.v[1].x + p.v[2].x) ||
+             !GN_FINITE(p.v[0].y + p.v[1].y + p.v[2].y) || !GN_FINITE(p.v[0].w + p.v[1].w + p.v[2].w);
+    return p;
+}
 
-    float4 rectangle;
-    if (!covered_rectangle(v, projection, &rectangle)) return OUTSIDE;
-    uint4 range = (uint4)(texel_index(rectangle.x, projection->width), texel_index(rectangle.y, projection->height),
-                          texel_index(rectangle.z, projection->width), texel_index(rectangle.w, projection->height)) >>
-                  projection->bin_log2;
-    *bins = range;
-
-    // Heights: in perspective Z = 1 / W with W off by error_w and the division by 2.5 ulp, 5u.
+// The vertices' least and greatest height, moved out by their errors and the points'.
+static float2 height_interval(const ProjectedTriangle* p, __constant const Projection* projection) {
+    if (p->straddles) return (float2)(-INFINITY, INFINITY);
     float z_low = INFINITY, z_high = -INFINITY;
-    if (straddles) {
-        z_low = -INFINITY;
-        z_high = INFINITY;
-    } else {
-        for (int i = 0; i < 3; ++i) {
-            float slack = projection->perspective
-                              ? BOUND_INFLATION * v[i].z * (v[i].error_w / (v[i].w - v[i].error_w) + 6.0f * GN_U)
-                              : v[i].error_z;
-            z_low = fmin(z_low, v[i].z - slack);
-            z_high = fmax(z_high, v[i].z + slack);
-        }
-        // The points' own error: absolute (parallel), or relative to Z (perspective).
-        float height_error = projection->height_error;
-        z_low -= BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_low) : height_error);
-        z_high += BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_high) : height_error);
+    for (int i = 0; i < 3; ++i) {
+        // In perspective Z = 1 / W with W off by error_w and the division by 2.5 ulp, 5u.
+        const Projected* v = &p->v[i];
+        float slack = projection->perspective
+                          ? BOUND_INFLATION * v->z * (v->error_w / (v->w - v->error_w) + 6.0f * GN_U)
+                          : v->error_z;
+        z_low = fmin(z_low, v->z - slack);
+        z_high = fmax(z_high, v->z + slack);
     }
-    if (has_pyramid && z_high < lowest_height_under(pyramid, projection, range)) return OUTSIDE;
+    // The points' own error: absolute (parallel), or relative to Z (perspective).
+    float height_error = projection->height_error;
+    z_low -= BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_low) : height_error);
+    z_high += BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_high) : height_error);
+    return (float2)(z_low, z_high);
+}
 
+// Bounds that say nothing: every bin, or (indistinct) the one that all points share.
+static TriangleBounds open_bounds(__constant const Projection* projection) {
+    TriangleBounds bounds;
+    bounds.x0 = bounds.y0 = 0;
+    bounds.x1 = projection->indistinct ? (ushort)(texel_units(projection->width) - 1.0f) : 65535;
+    bounds.y1 = projection->indistinct ? (ushort)(texel_units(projection->height) - 1.0f) : 65535;
+    bounds.z = 65535;
+    bounds.frame = 0;
+    bounds.id = GN_NO_ID;
+    return bounds;
+}
+
+// `pyramid` is ignored unless `has_pyramid`.
+static int bound_triangle(Triangle t, __constant const Projection* projection, __global const uint* pyramid,
+                          bool has_pyramid, TriangleBounds* bounds) {
+    *bounds = open_bounds(projection);
+    if (!is_finite_triangle(t)) return NOT_FINITE;
+    if (projection->indistinct) return SURVIVES;
+    ProjectedTriangle p = project_triangle(t, projection);
+    if (p.wild) return SURVIVES;
+    if (p.behind) return OUTSIDE;
+    float4 rectangle;
+    if (!covered_rectangle(p.v, projection, &rectangle)) return OUTSIDE;
+    bounds->x0 = quantised_texel(rectangle.x, projection->width);
+    bounds->y0 = quantised_texel(rectangle.y, projection->height);
+    bounds->x1 = quantised_texel(rectangle.z, projection->width);
+    bounds->y1 = quantised_texel(rectangle.w, projection->height);
+    float z_high = height_interval(&p, projection).y;
+    if (has_pyramid && z_high < lowest_height_under(pyramid, projection, bins_of_bounds(*bounds, projection)))
+        return OUTSIDE;
+    bounds->z = quantised_height(z_high, projection->z_origin, projection->z_scale);
+    if (p.straddles || can_cover_texel(p.v)) bounds->frame |= BOUNDS_FOR_MAP;
+    return SURVIVES;
+}
+
+// The float filter of a triangle that survived, for all points of its bins. False if it is exactly edge-on.
+static bool make_record(Triangle t, __constant const Projection* projection, uint4 bins, TriangleRecord* record,
+                        int* level) {
+    *record = undecided_record();
+    if (projection->indistinct) return true;
+    ProjectedTriangle p = project_triangle(t, projection);
+    if (p.wild) return true;
+    const Projected* v = p.v;
     float orientation = (float)orientation_from_light(t, projection, level) * projection->handedness;
-    if (orientation == 0.0f) return EDGE_ON;
+    if (orientation == 0.0f) return false;
 
-    // The tests hold for all points of the triangle's bins.
-    float bin_size = (float)(1u << projection->bin_log2);
-    float4 domain = (float4)((float)range.x, (float)range.y, (float)(range.z + 1u), (float)(range.w + 1u)) * bin_size;
+    float4 domain = square_of_bins(bins, projection);
     float reach = fmax(domain.z, domain.w) + projection->point_error;
     float rho[3], error[3];
     for (int i = 0; i < 3; ++i) {
@@ -369,52 +389,181 @@ static int set_up_triangle(Triangle t, __constant const Projection* projection, 
         margin = fmax(margin, BOUND_INFLATION * bound);
     }
     record->margin_edge = margin + 1.0e-30f;
-    record->z_low = z_low;
-    record->z_high = z_high;
+    float2 heights = height_interval(&p, projection);
+    record->z_low = heights.x;
+    record->z_high = heights.y;
     if (projection->perspective)
-        set_plane_perspective(record, v, domain, orientation, straddles, projection->point_error,
+        set_plane_perspective(record, v, domain, orientation, p.straddles, projection->point_error,
                               projection->height_error);
     else
         set_plane_parallel(record, v, domain, orientation, projection->point_error, projection->height_error);
-    *for_map = record->margin_plane < INFINITY && (straddles || can_cover_texel(v));
-    return SURVIVES;
+    return true;
 }
 
 // One work-item per triangle, over the whole scene.
-__kernel void triangle_setup(__constant const Projection* projection, uint triangle_count, ulong first_float,
-                             uint capacity, uint has_pyramid, __global const float* vertices,
-                             __global const uint* pyramid, __global TriangleRecord* records, __global uint* ids,
-                             __global uint4* record_bins, __global uint* large, __global uint* map_small,
-                             __global FrameCounters* counters) {
-    uint tally[4] = {0, 0, 0, 0};
-    uint exact = 0;
+__kernel void triangle_bounds(__constant const Projection* projection, uint triangle_count, ulong first_float,
+                              uint capacity, uint has_pyramid, __global const float* vertices,
+                              __global const uint* pyramid, __global TriangleBounds* bounds,
+                              __global uint* map_candidates, __global FrameCounters* counters) {
+    uint tally[4] = {0, 0, 0, 0}, candidate_count = 0;
     if (projection->active_points == 0u) return;
+    Claim slots = no_claim(), candidates = no_claim();
     GN_FOR_EACH(id, triangle_count) {
-        TriangleRecord record;
-        uint4 bins;
-        bool for_map;
-        int level = DET3_BY_FLOAT;
-        int verdict = set_up_triangle(load_triangle(vertices + first_float, id), projection, pyramid, has_pyramid != 0u,
-                                      &record, &bins, &for_map, &level);
+        TriangleBounds mine;
+        int verdict =
+            bound_triangle(load_triangle(vertices + first_float, id), projection, pyramid, has_pyramid != 0u, &mine);
         ++tally[verdict];
-        exact += level == DET3_BY_EXACT;
         if (verdict != SURVIVES) continue;
-        uint slot = atomic_inc(&counters->survivors);
+        candidate_count += (mine.frame & BOUNDS_FOR_MAP) != 0u;
+        mine.id = (uint)id;
+        uint slot = claim(&slots, &counters->slots);
         if (slot >= capacity) continue;
-        records[slot] = record;
-        ids[slot] = (uint)id;
-        record_bins[slot] = bins;
-        if (for_map) atomic_inc(&counters->map_candidates);
-        uint bin_count = (bins.z - bins.x + 1u) * (bins.w - bins.y + 1u);
-        if (bin_count > LARGE_BINS)
-            large[capacity - 1 - atomic_inc(&counters->huge)] = LARGE_ENTRY(slot, for_map);
-        else if (bin_count > SMALL_BINS)
-            large[atomic_inc(&counters->large)] = LARGE_ENTRY(slot, for_map);
-        else if (for_map)
-            map_small[atomic_inc(&counters->map_small)] = slot;
+        bounds[slot] = mine;
+        if (!(mine.frame & BOUNDS_FOR_MAP)) continue;
+        uint place = claim(&candidates, &counters->map_slots);
+        if (place < capacity) map_candidates[place] = slot;
     }
+    for (; slots.next < min(slots.end, capacity); ++slots.next) drop_bounds(&bounds[slots.next]);
+    for (; candidates.next < min(candidates.end, capacity); ++candidates.next)
+        map_candidates[candidates.next] = GN_NO_ID;
+    if (tally[SURVIVES] != 0) atomic_add(&counters->survivors, tally[SURVIVES]);
+    if (candidate_count != 0) atomic_add(&counters->map_candidates, candidate_count);
     if (tally[NOT_FINITE] != 0) atomic_add(&counters->not_finite, tally[NOT_FINITE]);
-    if (tally[EDGE_ON] != 0) atomic_add(&counters->edge_on, tally[EDGE_ON]);
     if (tally[OUTSIDE] != 0) atomic_add(&counters->outside, tally[OUTSIDE]);
-    if (exact != 0) atomic_add(&counters->setup_exact, exact);
+}
+
+// ---- Records and tiles ----------------------------------------------------------------------------------------------
+
+typedef struct TileWork {
+    __constant const Projection* projection;
+    __global const float* vertices;  // of the first triangle
+    __global const uint* heights;
+    __global TriangleBounds* bounds;
+    __global TriangleRecord* records;
+    __global const uint* map_candidates;
+    __global uint2* tiles;
+    __global uint* tiles_wanted;
+    uint capacity, tile_capacity, has_heights, for_map;
+    uint hidden, edge_on, exact;
+    Claim places;
+} TileWork;
+
+// Makes the record of the i-th triangle. False if it is dropped. What is dropped from the lists keeps empty bounds.
+static bool prepare(TileWork* work, uint i, uint* slot, uint4* bins) {
+    *slot = work->for_map ? work->map_candidates[i] : i;
+    if (*slot == GN_NO_ID) return false;
+    TriangleBounds bounds = work->bounds[*slot];
+    if (is_dropped(bounds)) return false;
+    *bins = bins_of_bounds(bounds, work->projection);
+    if (work->has_heights) {
+        float lowest = lowest_height_under(work->heights, work->projection, *bins);
+        if (bounds.z < quantised_height(lowest, work->projection->z_origin, work->projection->z_scale) ||
+            lowest == INFINITY) {
+            if (!work->for_map) drop_bounds(&work->bounds[*slot]);
+            ++work->hidden;
+            return false;
+        }
+    }
+    TriangleRecord record;
+    int level = DET3_BY_FLOAT;
+    bool survives = make_record(load_triangle(work->vertices, bounds.id), work->projection, *bins, &record, &level);
+    work->exact += level == DET3_BY_EXACT;
+    if (!survives) {
+        drop_bounds(&work->bounds[*slot]);
+        ++work->edge_on;
+        return false;
+    }
+    work->records[*slot] = record;
+    return !work->for_map || record.margin_plane < INFINITY;
+}
+
+static void append_tile(TileWork* work, uint slot, uint tile) {
+    uint place = claim(&work->places, work->tiles_wanted);
+    if (place < work->tile_capacity) work->tiles[place] = (uint2)(slot, tile);
+}
+
+static void append_tile_if_matters(TileWork* work, uint slot, uint4 bins, uint i) {
+    uint tile = tile_of_bins(bins, i);
+    TriangleRecord record = work->records[slot];
+    if (may_matter(&record, work->projection, bins_of_tile(tile), work->has_heights, work->heights))
+        append_tile(work, slot, tile);
+}
+
+// A GPU's work-group shares out the tiles of its triangles evenly: a triangle may have one or thousands. A CPU's
+// work-item takes them as they come.
+__kernel void triangle_tiles(__constant const Projection* projection, ulong first_float, uint capacity,
+                             uint tile_capacity, uint has_heights, uint for_map, __global const float* vertices,
+                             __global const uint* heights, __global TriangleBounds* bounds,
+                             __global TriangleRecord* records, __global const uint* map_candidates,
+                             __global uint2* tiles, __global FrameCounters* counters, __local uint* ends,
+                             __local uint4* ranges) {
+    TileWork work;
+    work.projection = projection;
+    work.vertices = vertices + first_float;
+    work.heights = heights;
+    work.bounds = bounds;
+    work.records = records;
+    work.map_candidates = map_candidates;
+    work.tiles = tiles;
+    work.tiles_wanted = for_map ? &counters->map_tiles : &counters->tiles;
+    work.capacity = capacity;
+    work.tile_capacity = tile_capacity;
+    work.has_heights = has_heights;
+    work.for_map = for_map;
+    work.hidden = work.edge_on = work.exact = 0;
+    work.places = no_claim();
+    uint count = min(for_map ? counters->map_slots : counters->slots, capacity);
+#ifdef GN_CPU
+    GN_FOR_EACH(i, count) {
+        uint slot;
+        uint4 bins;
+        if (!prepare(&work, (uint)i, &slot, &bins)) continue;
+        uint tile_count = tile_count_of(bins);
+        if (tile_count == 1u)
+            append_tile(&work, slot, tile_of_bins(bins, 0));
+        else
+            for (uint tile = 0; tile < tile_count; ++tile) append_tile_if_matters(&work, slot, bins, tile);
+    }
+    for (; work.places.next < min(work.places.end, tile_capacity); ++work.places.next)
+        tiles[work.places.next] = (uint2)(GN_NO_ID, 0);
+#else
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    for (uint base = (uint)get_group_id(0) * items; base < count; base += (uint)get_num_groups(0) * items) {
+        uint slot;
+        uint4 bins;
+        uint tile_count = 0;
+        if (base + item < count && prepare(&work, base + item, &slot, &bins)) tile_count = tile_count_of(bins);
+        if (tile_count == 1u) {
+            append_tile(&work, slot, tile_of_bins(bins, 0));
+            tile_count = 0;
+        }
+        ends[item] = tile_count;
+        ranges[item] = bins;
+        // Also makes the records of this group visible to all of it.
+        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+        for (uint step = 1; step < items; step *= 2) {
+            uint before = item >= step ? ends[item - step] : 0u;
+            barrier(CLK_LOCAL_MEM_FENCE);
+            ends[item] += before;
+            barrier(CLK_LOCAL_MEM_FENCE);
+        }
+        uint total = ends[items - 1];
+        for (uint i = item; i < total; i += items) {
+            uint low = 0, high = items - 1;  // the first whose end lies beyond i
+            while (low < high) {
+                uint middle = (low + high) / 2;
+                if (ends[middle] > i)
+                    high = middle;
+                else
+                    low = middle + 1;
+            }
+            uint owner = for_map ? map_candidates[base + low] : base + low;
+            append_tile_if_matters(&work, owner, ranges[low], low == 0u ? i : i - ends[low - 1]);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+#endif
+    if (work.edge_on != 0) atomic_add(&counters->edge_on, work.edge_on);
+    if (work.exact != 0) atomic_add(&counters->setup_exact, work.exact);
+    if (work.hidden != 0) atomic_add(for_map ? &counters->map_hidden : &counters->hidden, work.hidden);
 }

@@ -25,16 +25,20 @@ GN_STRUCT_END(TriangleRecord, 64)
 
 // Counters of one projection's run, zeroed at its start, written by the stages named.
 GN_STRUCT_BEGIN(FrameCounters)
-    uint survivors;         // triangle_setup: records wanted (may exceed the capacity: grow and re-run)
-    uint large;             // triangle_setup: of those, in more than SMALL_BINS and at most LARGE_BINS bins
-    uint huge;              // triangle_setup: of those, in more than LARGE_BINS bins
-    uint map_small;         // triangle_setup: of those, able to cover a whole texel, in at most SMALL_BINS bins
-    uint map_candidates;    // triangle_setup: of those, able to cover a whole texel, of any size
+    uint slots;             // triangle_setup: places in the list of bounds wanted (may exceed the capacity)
+    uint map_slots;         // triangle_setup: places in the list of the map's candidates wanted
+    uint survivors;         // triangle_setup: triangles with bounds
+    uint map_candidates;    // triangle_setup: of those, able to cover a whole texel
     uint not_finite;        // triangle_setup: left out for a NaN or infinite vertex
     uint edge_on;           // triangle_setup: left out, exactly edge-on to the light or of zero area
     uint outside;           // triangle_setup: left out, outside the fitted frustum or farther than every point there
+    uint hidden;            // triangle_setup: with bounds, but farther than every point that is still open
+    uint map_hidden;        // triangle_setup: not for the map for the same reason
     uint setup_exact;       // triangle_setup: orientations decided at the exact level
-    uint references;        // bins: (triangle, bin) pairs wanted
+    uint map_tiles;         // triangle_setup: tiles for the map wanted
+    uint tiles;             // triangle_setup: tiles for the lists wanted
+    uint pairs;             // bins: places for (triangle, bin) pairs wanted
+    uint references;        // bins: (triangle, bin) pairs; GN_NO_LISTS if they did not fit: nothing may read the lists
     uint map_texels;        // conservative_map: texels written
     uint decided_by_map;    // izb: points in shadow by the conservative map
     uint listed;            // izb: points listed
@@ -49,19 +53,8 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint facing_exact;      // facing: points whose facing needed the exact level
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
-GN_STRUCT_END(FrameCounters, 96)
+GN_STRUCT_END(FrameCounters, 112)
 
-// Size classes: how a triangle's bins are walked. At most SMALL_BINS: by one work-item. At most LARGE_BINS: by one
-// work-group. More: cut into chunks of HUGE_CHUNK_BINS, which a few work-groups share out; each of them walks the whole
-// list of huge triangles for that, so both stay few. (H200, Sponza 2K, median of four views: 1.43, 1.16, 1.08, 1.10,
-// 1.26 ms for LARGE_BINS of 1024, 2048, 4096, 8192, 16384.)
-#define SMALL_BINS 16
-#define LARGE_BINS 4096
-#define HUGE_CHUNK_BINS 1024
-
-// Entries of the list of large triangles (from its front) and huge ones (from its back).
-#define LARGE_ENTRY(slot, for_map) ((slot)*2u + ((for_map) ? 1u : 0u))
-#define LARGE_ENTRY_SLOT(entry) ((entry) >> 1)
-#define LARGE_ENTRY_FOR_MAP(entry) (((entry)&1u) != 0u)
+#define GN_NO_LISTS 0xFFFFFFFFu
 
 #endif

@@ -186,7 +186,8 @@ gnomon::FrameCounters set_up(gnomon::cl::Session& session, gnomon::TriangleSetup
     gnomon::FrameCounters counted{};
     do {
         session.fill(counters, 0, sizeof(counted));
-        setup.run(session, projected, gnomon::triangle_inputs(triangles), nullptr, counters);
+        setup.run_bounds(session, projected, gnomon::triangle_inputs(triangles), nullptr, counters);
+        setup.run_tiles(session, projected, gnomon::triangle_inputs(triangles), nullptr, counters);
         session.read(counters.get(), &counted, sizeof(counted));
     } while (!setup.fitted(session, counted));
     return counted;
@@ -198,11 +199,11 @@ void attack_view(gnomon::cl::Session& session, const gnomon::Device& device, con
     gnomon::TriangleSetup setup;
     const gnomon::FrameCounters counted =
         set_up(session, setup, tables.projection, gnomon::Triangles::upload(device, scene.triangles));
-    const auto records = downloaded<TriangleRecord>(session, setup.records().get(), counted.survivors);
-    const auto ids = downloaded<std::uint32_t>(session, setup.ids().get(), counted.survivors);
-    const auto bins = downloaded<BinRange>(session, setup.record_bins().get(), counted.survivors);
+    const auto records = downloaded<TriangleRecord>(session, setup.records().get(), counted.slots);
+    const auto bounds = downloaded<gnomon::TriangleBounds>(session, setup.bounds().get(), counted.slots);
     std::map<std::uint32_t, std::size_t> slots;
-    for (std::size_t i = 0; i < ids.size(); ++i) slots[ids[i]] = i;
+    for (std::size_t i = 0; i < bounds.size(); ++i)
+        if (!is_dropped(bounds[i])) slots[bounds[i].id] = i;
 
     const gnomon::Camera camera = scene.camera();
     const auto wide = [](const std::array<double, 3>& v) { return reference::Wide3{v[0], v[1], v[2]}; };
@@ -217,7 +218,8 @@ void attack_view(gnomon::cl::Session& session, const gnomon::Device& device, con
                 const reference::Triangle triangle = reference::triangle_at(scene.triangles, id);
                 const bool meets = ray.meets(triangle);
                 const auto slot = slots.find(id);
-                if (slot == slots.end() || !bins[slot->second].contains(x >> CAMERA_TILE_LOG2, y >> CAMERA_TILE_LOG2)) {
+                if (slot == slots.end() || !bins_of(bounds[slot->second], tables.projection)
+                                                .contains(x >> CAMERA_TILE_LOG2, y >> CAMERA_TILE_LOG2)) {
                     ++tally.missing;
                     EXPECT_FALSE(meets) << "triangle " << id << " has no record at pixel " << x << ", " << y;
                     continue;
@@ -341,7 +343,7 @@ TEST(triangle_setup, survives_degenerates) {
     run_stages_once(device.session(), stages, inputs, {}, first);
     EXPECT_EQ(first.counters.not_finite, 3u);
     EXPECT_EQ(first.counters.edge_on, 3u);
-    EXPECT_EQ(first.counters.survivors, 3u);
+    EXPECT_EQ(first.counters.survivors, 6u);  // with those that are edge-on
     for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
     // The light in the plane of a triangle, at a vertex, at a point; and every point at one place.
     scene.light = at(0, 1, 0);
@@ -365,15 +367,16 @@ TEST(triangle_setup, writes_only_its_own) {
     gnomon::TriangleSetup setup;
     const gnomon::FrameCounters all =
         set_up(session, setup, tables.projection, gnomon::Triangles::upload(device, scene.triangles));
-    for (const gnomon::cl::Buffer* buffer : {&setup.records(), &setup.ids(), &setup.record_bins(), &setup.large()})
+    for (const gnomon::cl::Buffer* buffer : {&setup.records(), &setup.bounds(), &setup.tiles().buffer()})
         put_canaries(session, *buffer);
     const gnomon::FrameCounters few = set_up(
         session, setup, tables.projection, gnomon::Triangles::upload(device, std::span(scene.triangles).first(9 * 50)));
     ASSERT_LT(few.survivors, all.survivors);
     ASSERT_GT(few.survivors, 0u);
-    expect_canaries(session, setup.records(), few.survivors * sizeof(TriangleRecord), "records");
-    expect_canaries(session, setup.ids(), few.survivors * sizeof(cl_uint), "ids");
-    expect_canaries(session, setup.record_bins(), few.survivors * sizeof(BinRange), "bins of records");
+    ASSERT_LT(few.slots, setup.capacity());
+    expect_canaries(session, setup.records(), few.slots * sizeof(TriangleRecord), "records");
+    expect_canaries(session, setup.bounds(), few.slots * sizeof(gnomon::TriangleBounds), "bounds");
+    expect_canaries(session, setup.tiles().buffer(), few.tiles * 2 * sizeof(cl_uint), "tiles");
 }
 
 TEST(triangle_setup, grows) {

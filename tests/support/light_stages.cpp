@@ -25,12 +25,12 @@ std::size_t pyramid_cells(const gnomon::LightFrame& frame) {
 }
 
 std::vector<SetUpTriangle> read_triangles(Session& session, const LightStages& stages,
-                                          const gnomon::FrameCounters& counted) {
-    const auto records = downloaded<gnomon::TriangleRecord>(session, stages.setup.records().get(), counted.survivors);
-    const auto ids = downloaded<std::uint32_t>(session, stages.setup.ids().get(), counted.survivors);
-    const auto bins = downloaded<BinRange>(session, stages.setup.record_bins().get(), counted.survivors);
+                                          const gnomon::FrameCounters& counted, const gnomon::Projection& projection) {
+    const auto records = downloaded<gnomon::TriangleRecord>(session, stages.setup.records().get(), counted.slots);
+    const auto bounds = downloaded<gnomon::TriangleBounds>(session, stages.setup.bounds().get(), counted.slots);
     std::vector<SetUpTriangle> triangles;
-    for (std::size_t i = 0; i < records.size(); ++i) triangles.push_back({ids[i], records[i], bins[i]});
+    for (std::size_t i = 0; i < records.size(); ++i)
+        if (!is_dropped(bounds[i])) triangles.push_back({bounds[i].id, records[i], bins_of(bounds[i], projection)});
     std::sort(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return triangles;
 }
@@ -54,16 +54,29 @@ std::vector<std::vector<std::uint32_t>> read_references(Session& session, const 
                                                         std::uint32_t bin_count, const gnomon::FrameCounters& counted) {
     const auto offsets = downloaded<std::uint32_t>(session, stages.bins.offsets().get(), bin_count + 1);
     const auto slots = downloaded<std::uint32_t>(session, stages.bins.references().get(), counted.references);
-    const auto ids = downloaded<std::uint32_t>(session, stages.setup.ids().get(), counted.survivors);
+    const auto bounds = downloaded<gnomon::TriangleBounds>(session, stages.setup.bounds().get(), counted.slots);
     std::vector<std::vector<std::uint32_t>> lists(bin_count);
     for (std::uint32_t bin = 0; bin < bin_count; ++bin) {
-        for (std::uint32_t i = offsets[bin]; i < offsets[bin + 1]; ++i) lists[bin].push_back(ids[slots[i]]);
+        for (std::uint32_t i = offsets[bin]; i < offsets[bin + 1]; ++i) lists[bin].push_back(bounds[slots[i]].id);
         std::sort(lists[bin].begin(), lists[bin].end());
     }
     return lists;
 }
 
 }  // namespace
+
+bool is_dropped(const gnomon::TriangleBounds& bounds) { return bounds.x0 > bounds.x1; }
+
+BinRange bins_of(const gnomon::TriangleBounds& bounds, const gnomon::Projection& projection) {
+    // The first texel of which a coordinate may have been rounded to this whole number, and the last.
+    const auto first = [&](std::uint32_t q, std::uint32_t texels) { return (q > 0 ? q - 1 : 0) / (65536 / texels); };
+    const auto last = [&](std::uint32_t q, std::uint32_t texels) {
+        return std::min(q / (65536 / texels), texels - 1) >> projection.bin_log2;
+    };
+    return {first(bounds.x0, projection.width) >> projection.bin_log2,
+            first(bounds.y0, projection.height) >> projection.bin_log2, last(bounds.x1, projection.width),
+            last(bounds.y1, projection.height)};
+}
 
 UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& scene)
     : triangles(gnomon::Triangles::upload(device, scene.triangles)),
@@ -87,21 +100,25 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     session.read(projection.get(), &out.projection, sizeof(out.projection));
     if (out.projection.active_points == 0) return true;
     stages.farthest_height.run(session, out.frame, points, projection, visibility);
-    stages.setup.run(session, projection, triangles, &stages.farthest_height.pyramid(), scene.counters);
-    if (settings.with_map)
+    stages.setup.run_bounds(session, projection, triangles, &stages.farthest_height.pyramid(), scene.counters);
+    if (settings.with_map) {
+        stages.setup.run_map_tiles(session, projection, triangles, stages.farthest_height.pyramid(), scene.counters);
         stages.map.run(session, out.frame, projection, stages.setup, stages.farthest_height.pyramid(),
                        settings.cover_test, scene.counters);
+    }
     stages.izb.run(session, out.frame, triangles, points, projection, settings.with_map ? &stages.map.map() : nullptr,
                    visibility, scene.counters);
     out.visibility_after_izb = downloaded<float>(session, visibility, scene.points.count());
-    stages.bins.run(session, projection, bin_count, stages.setup, &stages.izb.farthest(), scene.counters);
+    stages.bins.run_heights(session, out.frame.bins_x, out.frame.bins_y, stages.izb.farthest());
+    stages.setup.run_tiles(session, projection, triangles, &stages.bins.heights(), scene.counters);
+    stages.bins.run(session, projection, bin_count, stages.setup, true, scene.counters);
     stages.trace.run(session, out.frame, points, stages.izb, stages.bins, stages.setup, visibility, scene.counters);
     gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
     session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
-    const bool records = stages.setup.fitted(session, out.counters);
-    const bool references = stages.bins.fitted(session, out.counters, records);
+    const bool setup = stages.setup.fitted(session, out.counters);
+    const bool references = stages.bins.fitted(session, out.counters, setup);
     const bool pairs = stages.trace.fitted(session, out.counters);
-    return records && references && pairs;
+    return setup && references && pairs;
 }
 
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
@@ -127,7 +144,7 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
             session.write(uploaded_scene.visibility.get(), before.data(), before.size() * sizeof(float));
         if (out.projection.active_points == 0) continue;
         out.pyramid = downloaded<std::uint32_t>(session, stages.farthest_height.pyramid().get(), pyramid_cells(frame));
-        out.triangles = read_triangles(session, stages, out.counters);
+        out.triangles = read_triangles(session, stages, out.counters, out.projection);
         if (settings.with_map)
             out.map = downloaded<std::uint32_t>(session, stages.map.map().get(), frame.width * frame.height);
         out.points = read_points(session, stages, bin_count);

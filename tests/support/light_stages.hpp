@@ -38,6 +38,10 @@ struct BinRange {
     bool contains(std::uint32_t x, std::uint32_t y) const { return x0 <= x && x <= x1 && y0 <= y && y <= y1; }
 };
 
+/// The bins of a triangle's quantised bounds (kernels/bin_lists.h), and whether they are empty.
+BinRange bins_of(const gnomon::TriangleBounds& bounds, const gnomon::Projection& projection);
+bool is_dropped(const gnomon::TriangleBounds& bounds);
+
 struct SetUpTriangle {
     std::uint32_t id;
     gnomon::TriangleRecord record;
