@@ -54,6 +54,30 @@ void trace(const gnomon::Device& device, const Case& c) {
                 static_cast<unsigned long long>(statistics.count("uncertain_pairs")));
 }
 
+/// Four samples per pixel, lifted once more as a caller's own points would be.
+void sample(const gnomon::Device& device, const gnomon::Triangles& triangles, const Floats& scene,
+            const gnomon::View& view, const Light& light) {
+    const std::size_t pixels = view.points.count();
+    const gnomon::Visibility mean(device, pixels);
+    std::vector<int> lit(pixels, 0);
+    const auto judge = [&](const gnomon::Points& points) {
+        const gnomon::PointsOnHost host = gnomon::read(device, points);
+        const auto shadowed = reference::shadowed(scene, host.position, host.receiver, light, points.eye());
+        for (std::size_t i = 0; i < shadowed.size(); ++i) lit[i % pixels] += shadowed[i] == 0;
+        require(gnomon::lift(device, triangles, points, *points.eye()).count() == points.count(), "lifted points");
+    };
+    gnomon::run_samples(*gnomon::make_technique("frustum-traced", device), device, triangles, view,
+                        gnomon::Light{light}, 4, mean, judge);
+    const std::vector<float> got = mean.read();
+    std::size_t wrong = 0, partly = 0;
+    for (std::size_t i = 0; i < pixels; ++i) {
+        wrong += 4 * got[i] != static_cast<float>(lit[i]);
+        partly += lit[i] != 0 && lit[i] != 4;
+    }
+    require(wrong == 0, "samples: " + std::to_string(wrong) + " pixels");
+    require(partly > 0, "samples: pixels that are partly lit must occur");
+}
+
 void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size) {
     const auto triangles = gnomon::Triangles::upload(device, scene);
     const auto camera = gnomon::Camera::look_at({4, 5, 6}, {1, 1, 1}, {0, 1, 0}, 40);
@@ -76,6 +100,7 @@ void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size)
     const gnomon::Materials white{std::vector<std::uint32_t>(triangles.count(), 0), {{1, 1, 1}}};
     require(gnomon::shade(device, triangles, view, visibility, white, gnomon::Light{light}).size() == 4 * got.size(),
             "picture");
+    sample(device, triangles, scene, view, light);
     std::printf("camera view: %zu pixels, %zu seen, %zu in shadow\n", got.size(), seen, dark);
 }
 
