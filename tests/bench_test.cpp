@@ -244,7 +244,8 @@ TEST(BenchParts, TheParetoFrontHoldsWhatNothingBeats) {
     //                                error, ms
     const std::vector<Mark> marks{
         {0.1, 5, 0, "beaten by the next"}, {0.1, 4, 0, "fastest"}, {0.01, 6, 0, "between"},
-        {0.02, 7, 0, "beaten by between"}, {0, 20, 0, "exact"},    {0, 30, 0, "exact, slower"}};
+        {0.02, 7, 0, "beaten by between"}, {0, 20, 0, "exact"},    {0, 1, 0, "no build", true},
+        {0, 30, 0, "exact, slower"}};
     EXPECT_EQ(pareto_front(marks), (std::vector<std::size_t>{1, 2, 4}));
 }
 

@@ -152,7 +152,8 @@ std::vector<std::size_t> pareto_front(const std::vector<Mark>& marks) {
     std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(marks[i].ms, marks[i].error_share); });
     std::vector<std::size_t> front;
     for (const std::size_t i : order)
-        if (front.empty() || marks[i].error_share < marks[front.back()].error_share) front.push_back(i);
+        if (!marks[i].is_aside && (front.empty() || marks[i].error_share < marks[front.back()].error_share))
+            front.push_back(i);
     return front;
 }
 
@@ -175,8 +176,9 @@ std::string scatter(const std::vector<Mark>& marks) {
         path += (path.empty() ? "M" : " L") + number(x_of(marks[i])) + " " + number(y(marks[i].ms));
     svg += "<path class=\"front\" d=\"" + path + "\"/>\n";
     for (const Mark& mark : marks)
-        svg += "<circle class=\"mark " + class_of(mark.series) + "\" cx=\"" + number(x_of(mark)) + "\" cy=\"" +
-               number(y(mark.ms)) + "\" r=\"5\"><title>" + escaped(mark.tip) + "</title></circle>\n";
+        svg += std::string("<circle class=\"mark ") + (mark.is_aside ? "hollow " : "") + class_of(mark.series) +
+               "\" cx=\"" + number(x_of(mark)) + "\" cy=\"" + number(y(mark.ms)) + "\" r=\"5\"><title>" +
+               escaped(mark.tip) + "</title></circle>\n";
     for (std::size_t k = 0; k < front.size(); ++k) {
         const Mark& mark = marks[front[k]];
         svg += text_at(x_of(mark) + 8, y(mark.ms) - 7, "start", std::to_string(k + 1), "label");

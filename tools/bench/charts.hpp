@@ -18,6 +18,7 @@ struct Mark {
     double error_share = 0, ms = 0;
     std::size_t series = 0;  ///< colour
     std::string tip;
+    bool is_aside = false;  ///< hollow and never on the front: its time leaves out what the others' holds
 };
 /// The marks that no other one beats in both run time and error, from the fastest to the most accurate.
 std::vector<std::size_t> pareto_front(const std::vector<Mark>& marks);

@@ -34,16 +34,24 @@ private:
     std::vector<std::string> names_;
 };
 
+// What a mark's colour says; its name is in its tooltip.
+std::string family_of(const Row& row) {
+    if (row.exact) return "exact";
+    if (row.technique == "embree")
+        return row.mode == "static" ? "embree, rays alone (hollow)" : "embree, build and rays";
+    return row.technique == "shadow-map" ? "basic shadow map" : "other techniques";
+}
+
 std::string error_chart(const Comparison& view) {
     Names names;
     std::vector<Mark> marks;
     std::vector<std::string> labels;
     for (const Row* row : view.rows) {
         if (!row->failed.empty() || !row->errors) continue;
-        const std::string series = row->technique + (row->mode == "static" ? " (static)" : "");
         labels.push_back(name_of(*row) + ": " + three_digits(row->total.median_ms) + " ms, " +
                          with_spaces(double(row->errors->wrong())) + " wrong");
-        marks.push_back({row->errors->wrong_share(), row->total.median_ms, names(series), labels.back()});
+        marks.push_back({row->errors->wrong_share(), row->total.median_ms, names(family_of(*row)), labels.back(),
+                         row->mode == "static"});
     }
     if (marks.empty()) return {};
     std::string html = "<h3>" + escaped(view.title) + "</h3>\n" + names.legend() + scatter(marks);
@@ -52,8 +60,19 @@ std::string error_chart(const Comparison& view) {
     return html + "</ol>\n";
 }
 
-std::string picture(const std::string& uri, const std::string& caption) {
-    return "<figure><img src=\"" + uri + "\" alt=\"" + escaped(caption) + "\"/><figcaption>" + escaped(caption) +
+std::string image(const std::string& uri, const std::string& text) {
+    return "<img src=\"" + uri + "\" alt=\"" + escaped(text) + "\"/>";
+}
+
+// A mask and, if it has errors, where they are, side by side.
+std::string figure(const Row& row) {
+    std::string images = image(row.mask_picture, "mask"), caption = name_of(row);
+    if (row.errors->wrong() != 0 || row.errors->mean_absolute != 0) {
+        images += image(row.difference_picture, "difference");
+        caption += ": " + with_spaces(double(row.errors->wrongly_lit)) + " wrongly lit (orange), " +
+                   with_spaces(double(row.errors->wrongly_shadowed)) + " wrongly shadowed (blue)";
+    }
+    return "<figure><div class=\"pair\">" + images + "</div><figcaption>" + escaped(caption) +
            "</figcaption></figure>\n";
 }
 
@@ -63,11 +82,7 @@ std::string gallery(const Comparison& view) {
     for (const Row* row : view.rows) {
         if (row->mask_picture.empty() || std::ranges::find(shown, row->mask_hash) != shown.end()) continue;
         shown.push_back(row->mask_hash);
-        html += picture(row->mask_picture, name_of(*row));
-        if (row->errors->wrong() == 0 && row->errors->mean_absolute == 0) continue;
-        html += picture(row->difference_picture,
-                        "difference: " + with_spaces(double(row->errors->wrongly_lit)) + " wrongly lit (orange), " +
-                            with_spaces(double(row->errors->wrongly_shadowed)) + " wrongly shadowed (blue)");
+        html += figure(*row);
     }
     if (html.empty()) return {};
     return "<details open=\"open\"><summary>Masks and differences: " + escaped(view.title) +

@@ -22,21 +22,23 @@ table { border-collapse: collapse; font-size: 13px; margin: 6px 0 12px; } th, td
   font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
 td.bad { color: var(--c1); font-weight: 600; }
 summary { cursor: pointer; color: var(--faint); margin: 6px 0; }
-.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 320px), 1fr)); gap: 12px; }
-figure { margin: 0; } figure img { width: 100%; display: block; border: 1px solid var(--line); }
+.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 480px), 1fr)); gap: 12px; }
+figure { margin: 0; } .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 4px; }
+figure img { width: 100%; display: block; border: 1px solid var(--line); }
 .legend { display: flex; flex-wrap: wrap; gap: 4px 16px; font-size: 13px; margin: 6px 0; padding: 0; list-style: none; }
 .swatch { display: inline-block; width: 11px; height: 11px; border-radius: 2px; margin-right: 5px; }
 ol.front { font-size: 13px; margin: 4px 0; padding-left: 22px; columns: 2 300px; }
 svg text { font: 12px system-ui, sans-serif; fill: var(--ink); } svg .tick, svg .axis { fill: var(--faint); }
 svg .label { font-weight: 600; } .grid { stroke: var(--line); } .front { fill: none; stroke: var(--faint);
-  stroke-dasharray: 5 4; } .mark { stroke: var(--paper); } .line { fill: none !important; stroke-width: 2; }
+  stroke-dasharray: 5 4; } .mark { stroke: var(--paper); } .mark.hollow { fill-opacity: 0.15; stroke-width: 2; }
+.line { fill: none !important; stroke-width: 2; }
 .s0 { fill: var(--c0); background: var(--c0); } .s1 { fill: var(--c1); background: var(--c1); }
 .s2 { fill: var(--c2); background: var(--c2); } .s3 { fill: var(--c3); background: var(--c3); }
 .s4 { fill: var(--c4); background: var(--c4); } .s5 { fill: var(--c5); background: var(--c5); }
 .s6 { fill: var(--c6); background: var(--c6); } .s7 { fill: var(--c7); background: var(--c7); }
-.line.s0 { stroke: var(--c0); } .line.s1 { stroke: var(--c1); } .line.s2 { stroke: var(--c2); }
-.line.s3 { stroke: var(--c3); } .line.s4 { stroke: var(--c4); } .line.s5 { stroke: var(--c5); }
-.line.s6 { stroke: var(--c6); } .line.s7 { stroke: var(--c7); }
+.line.s0, .hollow.s0 { stroke: var(--c0); } .line.s1, .hollow.s1 { stroke: var(--c1); } .line.s2, .hollow.s2 { stroke: var(--c2); }
+.line.s3, .hollow.s3 { stroke: var(--c3); } .line.s4, .hollow.s4 { stroke: var(--c4); } .line.s5, .hollow.s5 { stroke: var(--c5); }
+.line.s6, .hollow.s6 { stroke: var(--c6); } .line.s7, .hollow.s7 { stroke: var(--c7); }
 )";
 
 }  // namespace gnomon::bench
