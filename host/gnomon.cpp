@@ -68,6 +68,11 @@ std::vector<Registered> registered() {
 
 }  // namespace
 
+std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
+    throw InvalidArgument("this technique has no diagnostic named \"" + std::string(name) +
+                          "\": shadow-map and its presets have aliasing, grid, views and depth");
+}
+
 std::vector<TechniqueDescription> techniques() {
     std::vector<TechniqueDescription> all;
     for (Registered& r : registered()) all.push_back(std::move(r.description));

@@ -367,6 +367,11 @@ public:
                            const Visibility& visibility) = 0;
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
     virtual void set(std::string_view name, std::string_view value) = 0;
+    /// Draws how the technique samples what a camera sees: RGBA, 4 bytes per point (sRGB). Shadow maps have "aliasing"
+    /// (texels per pixel, in colours), "grid" (texels), "views" (which cascade or face serves) and "depth". Throws
+    /// InvalidArgument for a name that is none of the technique's, or for points that no camera made.
+    virtual std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                               const Light& light);
 };
 
 /// The pattern of 1, 4, 8, 16 or 32 samples per pixel. 1: the centre. 4, 8, 16: Direct3D's standard patterns. 32:

@@ -167,6 +167,10 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
               [&](const std::string& option, const std::string& text) {
                   options.settings.push_back(parse_setting(option, text));
               });
+    add_value(
+        app, group, "--diagnostic", "NAME",
+        "Draw how a shadow map's texels lie over the picture instead of it: aliasing, grid, views or depth",
+        [&](const std::string& option, const std::string& text) { options.diagnostic = parse_name(option, text); });
     add_value(app, group, "--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
               set("conservative-map"));
     add_value(app, group, "--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));

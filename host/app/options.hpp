@@ -55,7 +55,8 @@ struct RenderOptions : ViewOptions {
     // At least one of these.
     std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, point_dump, statistics;
 
-    std::uint32_t samples = 1;  ///< per pixel
+    std::uint32_t samples = 1;              ///< per pixel
+    std::optional<std::string> diagnostic;  ///< drawn instead of the picture
 
     std::string technique = "frustum-traced";
     std::vector<std::pair<std::string, std::string>> settings;  ///< for Technique::set, in this order

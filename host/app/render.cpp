@@ -146,11 +146,19 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
 
 /// Fills every file but the statistics.
 void write_files(Steps& steps, const Outputs& outputs, const Device& device, const scene::Scene& scene,
-                 const Light& light, const Seen& seen) {
+                 const Report& report, const Seen& seen) {
     const std::uint32_t width = seen.view.width, height = seen.view.height;
+    const Light& light = report.light.light;
     if (outputs.picture)
         steps.run("write_picture", "writing the picture", [&] {
-            const auto rgba = shade(device, seen.triangles, seen.view, seen.visibility, scene.materials, light);
+            if (report.options.diagnostic) {
+                const auto technique = make_technique(device, report.options.technique, report.options.settings);
+                const auto drawn =
+                    technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, light);
+                return write_picture(*outputs.picture, width, height, drawn);
+            }
+            const auto rgba =
+                shade(device, seen.triangles, seen.view, seen.visibility, materials_of(scene, seen), light);
             write_picture(*outputs.picture, width, height, rgba);
         });
     if (outputs.mask)
@@ -200,7 +208,7 @@ void render(const RenderOptions& options) {
     const Seen seen = see(steps, report, device, *technique, scene.triangles, outputs.point_dump);
 
     // The files, each complete before the first appears.
-    write_files(steps, outputs, device, scene, report.light.light, seen);
+    write_files(steps, outputs, device, scene, report, seen);
     complete(report, device, scene, seen.visible);
     report.total_ms = ms_since(start);
     if (outputs.statistics) write_statistics(*outputs.statistics, report);

@@ -15,6 +15,7 @@
 
 #include "../../kernels/triangle_setup.h"
 #include "../facing.hpp"
+#include "diagnostic.hpp"
 #include "setting_values.hpp"
 
 namespace gnomon {
@@ -22,7 +23,6 @@ namespace {
 
 constexpr std::uint32_t largest_size = 16384;
 
-using Names = std::span<const std::string_view>;
 // In the order of the constants they stand for.
 constexpr std::string_view store_names[] = {"depth", "variance", "layered", "convolution", "exponential",
                                             "evsm2", "evsm4",    "ewgf",    "moments"};
@@ -111,7 +111,7 @@ std::array<float, 24> gaussian_offsets() {
 
 }  // namespace
 
-void ShadowMap::require_consistent(bool) const {
+void ShadowMap::require_consistent() const {
     const ShadowMapSettings& s = settings_;
     const std::string store(store_names[s.store]);
     const bool is_depth = s.store == STORE_DEPTH;
@@ -235,7 +235,7 @@ void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
 Statistics ShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
                           const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
-    require_consistent(light.is_directional());
+    require_consistent();
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
@@ -243,6 +243,7 @@ Statistics ShadowMap::run(const Triangles& triangles, const Points& points, cons
                            points.camera()};
     Statistics statistics;
     FrameCounters facing{};
+    map_views_.set = {};
     if (points.count() != 0) {
         {
             cl::StageTimer timer(session, statistics, "facing");
@@ -267,6 +268,20 @@ Statistics ShadowMap::run(const Triangles& triangles, const Points& points, cons
     statistics.total_wall_ms =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return statistics;
+}
+
+std::vector<std::uint8_t> ShadowMap::diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                              const Light& light) {
+    const std::uint32_t diagnostic = choice_setting("the diagnostic", name, map_diagnostics());
+    const Visibility visibility(device_, points.count());
+    run(triangles, points, light, visibility);  // leaves its views behind
+    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+                           points.camera()};
+    const MapDiagnostic drawn = run_map_diagnostic(device_.session(), diagnostic, inputs, map_views_);
+    std::vector<std::uint8_t> rgba(4 * points.count(), 255);
+    for (std::size_t i = 0; i < drawn.colors.size(); ++i)
+        rgba[i / 3 * 4 + i % 3] = static_cast<std::uint8_t>(std::lround(255 * drawn.colors[i]));
+    return rgba;
 }
 
 void ShadowMap::set(std::string_view name, std::string_view value) {

@@ -36,11 +36,14 @@ public:
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
     void set(std::string_view name, std::string_view value) override;
+    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                       const Light& light) override;
 
     static TechniqueDescription describe();
 
 private:
-    void require_consistent(bool is_directional) const;
+    /// Throws InvalidArgument where settings contradict each other.
+    void require_consistent() const;
     StorePlan store_plan() const;
     LookupPlan lookup_plan(const TriangleInputs& triangles) const;
     void run_stages(const FitInputs& inputs, Statistics& statistics);
