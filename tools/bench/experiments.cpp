@@ -180,7 +180,8 @@ const std::vector<Experiment>& experiments() {
     static const std::vector<Experiment> all{
         {"errors", "Run time against error",
          "One mark for each technique and setting; towards the lower left is better. The line joins the marks that no "
-         "other one beats in both. Rays alone, without the build that goes before them, are hollow and stand aside. The "
+         "other one beats in both. Rays alone, without the build that goes before them, are hollow and stand aside. "
+         "The "
          "exact technique is checked against an independent oracle; all others are measured against it.",
          errors},
         {"rivals", "Stages, and rivals on the same points",
