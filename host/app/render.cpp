@@ -157,8 +157,7 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
                     technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, light);
                 return write_picture(*outputs.picture, width, height, drawn);
             }
-            const auto rgba =
-                shade(device, seen.triangles, seen.view, seen.visibility, materials_of(scene, seen), light);
+            const auto rgba = shade(device, seen.triangles, seen.view, seen.visibility, scene.materials, light);
             write_picture(*outputs.picture, width, height, rgba);
         });
     if (outputs.mask)
