@@ -156,7 +156,8 @@ std::string page(const Json& machine, std::span<const Row> rows) {
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
         "<title>gnomon: benchmark</title>\n<style>" +
         std::string(page_style) + "</style></head><body>\n<h1>gnomon: run time against error</h1>\n<p class=\"note\">" +
-        text("date") + " · " + text("processor") + ", " + machine["threads"].dump() + " threads · gnomon " +
+        text("date") + " · " + text("processor") + ", " +
+        (machine["threads"] == 0 ? std::string("all") : machine["threads"].dump()) + " threads · gnomon " +
         text("gnomon") + " (" + text("commit") + ")</p>\n" +
         "<p>Times are medians of wall-clock runs after warm-up, from resident triangles and points to the resident "
         "mask. A wrong point is one whose visibility is on the other side of one half. Modes: animated keeps nothing "
