@@ -111,4 +111,26 @@ TEST(diagnostic, views_have_their_own_colours) {
     EXPECT_EQ(hues.size(), 4u);
 }
 
+// As the command asks for it: the technique's own views, four bytes per pixel, opaque; a sentence where there is none.
+TEST(diagnostic, techniques_draw_their_own) {
+    Scene scene;
+    const auto light = gnomon::Light::directional({0.3f, -1, 0});
+    const auto technique = gnomon::make_technique("sdsm", scene.device);
+    const auto views = technique->diagnose("views", scene.triangles, scene.view.points, light);
+    const auto drawn = draw(scene, light, {{"cascades", "4"}, {"lambda", "1"}}, DIAGNOSTIC_VIEWS, 1024);
+    ASSERT_EQ(views.size(), 4 * scene.view.points.count());
+    std::size_t same = 0;
+    for (std::size_t i = 0; i < scene.view.points.count(); ++i) {
+        EXPECT_EQ(views[4 * i + 3], 255);
+        same += views[4 * i] == std::lround(255 * drawn.colors[3 * i]);
+    }
+    // Points that face away take part in the fit above, and not in the technique's: slices differ a little.
+    EXPECT_GT(same, scene.view.points.count() * 9 / 10);
+    EXPECT_THROW(technique->diagnose("smell", scene.triangles, scene.view.points, light), gnomon::InvalidArgument);
+    const auto bare = gnomon::Points::upload(scene.device, scene.positions);
+    EXPECT_THROW(technique->diagnose("grid", scene.triangles, bare, light), gnomon::InvalidArgument);
+    const auto exact = gnomon::make_technique("frustum-traced", scene.device);
+    EXPECT_THROW(exact->diagnose("grid", scene.triangles, scene.view.points, light), gnomon::InvalidArgument);
+}
+
 }  // namespace
