@@ -35,8 +35,8 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t
                    with_heights ? heights_ : counts_, counts_, pairs_.buffer(), counters);
     scan_.run(session, bin_count, 1, counts_, offsets_);
     session.launch("bins.cl", "bins_scatter", cl::Range::items(pairs_.capacity()), bin_count, setup.capacity(),
-                   setup.tiles().capacity(), pairs_.capacity(), pairs_.buffer(), offsets_, references_.buffer(),
-                   counters);
+                   setup.map_tiles().capacity(), setup.tiles().capacity(), pairs_.capacity(), pairs_.buffer(), offsets_,
+                   references_.buffer(), counters);
 }
 
 bool Bins::fitted(cl::Session& session, const FrameCounters& counted, bool setup_fitted) {

@@ -2,12 +2,30 @@
 #include "facing.hpp"
 
 namespace gnomon {
+namespace {
+
+void launch(cl::Session& session, const LightFrame& light_frame, bool opens, const TriangleInputs& triangles,
+            const PointInputs& points, cl_mem visibility, const cl::Buffer& frame_bounds, const cl::Buffer& counters) {
+    session.launch("facing.cl", "facing", cl::Range::items(points.layout.count / session.lanes() + 1), points.layout,
+                   light_frame, cl_uint(opens), triangles.first_float, triangles.count, points.positions,
+                   points.receivers, triangles.vertices, visibility, frame_bounds, counters,
+                   cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
+}
+
+}  // namespace
+
+void Facing::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                 const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
+    const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
+    frame_bounds_.reserve(session, bytes);
+    session.fill(frame_bounds_, 0, bytes);
+    launch(session, light_frame, triangles.count != 0, triangles, points, visibility, frame_bounds_, counters);
+}
 
 void run_facing(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points, const Light& light,
                 cl_mem visibility, const cl::Buffer& counters) {
-    session.launch("facing.cl", "facing", cl::Range::items(points.layout.count), points.layout, float4_of(light.xyzw),
-                   triangles.first_float, triangles.count, points.positions, points.receivers, triangles.vertices,
-                   visibility, counters);
+    // No bounds are taken of points that are not opened.
+    launch(session, make_light_frame(light, {1, 0}), false, triangles, points, visibility, counters, counters);
 }
 
 }  // namespace gnomon

@@ -1,11 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Stage facing: every point starts lit; those that face away from the light are decided (kernels/facing.cl).
+// Stage facing: points that face away are decided, the others are open, and their bounds are taken (kernels/facing.cl).
 #pragma once
 
-#include "inputs.hpp"
+#include "light_frame.hpp"
 
 namespace gnomon {
 
+class Facing {
+public:
+    /// Writes every point's visibility, frame_bounds(), and the points' counts in `counters`.
+    void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+             const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
+    const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
+
+private:
+    cl::Buffer frame_bounds_;
+};
+
+/// For techniques without frames: decides the points that face away, and leaves all others lit.
 void run_facing(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points, const Light& light,
                 cl_mem visibility, const cl::Buffer& counters);
 

@@ -9,12 +9,19 @@ namespace gnomon {
 
 class FarthestHeight {
 public:
-    void run(cl::Session& session, const LightFrame& frame, const PointInputs& points, const cl::Buffer& projection,
-             cl_mem visibility);
+    /// Of the frames from `first_frame` on, `frame_count` of them, whose projections lie one behind the other.
+    void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
+             const PointInputs& points, const cl::Buffer& projections, cl_mem visibility);
     const cl::Buffer& pyramid() const { return pyramid_; }
+    const cl::Buffer& doubtful() const { return doubtful_; }  ///< per bin, of doubtful points alone
+
+    /// After the map (null: none): per bin a height below which no point needs a list of triangles.
+    void run_open_heights(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
+                          const cl::Buffer& projections, const cl::Buffer* map);
+    const cl::Buffer& open_heights() const { return open_heights_; }
 
 private:
-    cl::Buffer pyramid_;
+    cl::Buffer pyramid_, doubtful_, open_heights_;
 };
 
 }  // namespace gnomon

@@ -2,25 +2,26 @@
 // The pipeline of exact shadows. Each stage is a room of its own (kernels/<stage>.cl, host/<stage>.cpp); only this file
 // knows their order:
 //
-//   facing            points that face away are decided
-//   light_frame       grid fitted to the others; one for a direction, up to six for a position
-//   farthest_height   how far from the light points reach, per bin
+//   facing            one pass over the points: those that face away are decided, the others are open
+//   light_frame       grid fitted to the open points; one for a direction, six for a position
+//   farthest_height   how far from the light they reach, per bin
 //   triangle_setup    triangles that can matter, each with a float filter
 //   conservative_map  where one triangle covers a whole texel
-//   izb               points below that are decided; the others are listed by bin
 //   bins              triangles are listed by bin
-//   trace             points against triangles by the filter
+//   trace             open points against the map, then against their bin's triangles by the filter
 //   exact_trace       what the filter left open
 //
-// Lists are filled optimistically: a list that turns out too small is grown and the frame is run again. What a frame
-// decided before is true all the same, so the second run only has less to do.
+// With traversal=triangles, the baseline to compare with, izb lists the open points by bin and the trace takes each
+// listed triangle over them.
+//
+// Lists are filled optimistically: a list that turns out too small is grown and the frame is run again; the trace does
+// nothing before they fit. Undecided pairs that found no room are decided by a second look at their points.
 #include "frustum_traced.hpp"
 
 #include <algorithm>
 #include <charconv>
 
 #include "exact_trace.hpp"
-#include "facing.hpp"
 
 namespace gnomon {
 
@@ -29,8 +30,9 @@ struct FrustumTraced::Run {
     TriangleInputs triangles;
     PointInputs points;
     Light light;
+    LightFrame light_frame;
     cl_mem visibility;
-    Statistics statistics;
+    Statistics statistics{};
     FrameCounters total{};  ///< over the frames
     std::uint64_t tests = 0;
     std::uint64_t frames = 0, grown = 0;
@@ -99,74 +101,80 @@ bool FrustumTraced::draws_map(const PointInputs& points) const {
     return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
 }
 
-FrameCounters FrustumTraced::run_frame_once(Run& run, const LightFrame& frame) {
+std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint frame) {
     cl::Session& session = run.session;
     Statistics& statistics = run.statistics;
+    const LightFrame& light_frame = run.light_frame;
     clear(session, counters_);
     {
-        cl::StageTimer timer(session, statistics, "light_frame");
-        light_frame_.run(session, frame, run.points, run.visibility);
-    }
-    const cl::Buffer& projection = light_frame_.projection();
-    // A face of a positional light without points costs nothing more.
-    if (frame.perspective && light_frame_.read_active_points(session) == 0) return {};
-    ++run.frames;
-    {
-        cl::StageTimer timer(session, statistics, "farthest_height");
-        farthest_height_.run(session, frame, run.points, projection, run.visibility);
-    }
-    {
         cl::StageTimer timer(session, statistics, "triangle_setup");
-        setup_.run_bounds(session, projection, run.triangles, &farthest_height_.pyramid(), counters_);
+        setup_.run_bounds(session, projection_, run.triangles, &farthest_height_.pyramid(), counters_);
     }
-    const bool with_map = draws_map(run.points);
-    if (with_map) {
+    const cl::Buffer* map = nullptr;
+    if (draws_map(run.points)) {
         cl::StageTimer timer(session, statistics, "conservative_map");
-        setup_.run_map_tiles(session, projection, run.triangles, farthest_height_.pyramid(), counters_);
-        map_.run(session, frame, projection, setup_, farthest_height_.pyramid(), cover_test_, counters_);
-    }
-    {
-        cl::StageTimer timer(session, statistics, "izb");
-        izb_.run(session, frame, run.triangles, run.points, projection, with_map ? &map_.map() : nullptr,
-                 run.visibility, counters_);
+        setup_.run_map_tiles(session, projection_, run.triangles, farthest_height_.pyramid(), counters_);
+        map_.run(session, light_frame, projection_, setup_, farthest_height_.pyramid(), cover_test_, counters_);
+        map = &map_.map();
     }
     {
         cl::StageTimer timer(session, statistics, "bins");
-        bins_.run_heights(session, frame.bins_x, frame.bins_y, izb_.farthest());
-        setup_.run_tiles(session, projection, run.triangles, &bins_.heights(), counters_);
-        bins_.run(session, projection, frame.bins_x * frame.bins_y, setup_, true, counters_);
+        farthest_height_.run_open_heights(session, light_frame, 1, projection_, map);
+        bins_.run_heights(session, light_frame.bins_x, light_frame.bins_y, farthest_height_.open_heights());
+        setup_.run_tiles(session, projection_, run.triangles, &bins_.heights(), counters_);
+        bins_.run(session, projection_, light_frame.bins_x * light_frame.bins_y, setup_, true, counters_);
     }
-    {
+    if (traversal_ == Traversal::triangles) {
+        {
+            cl::StageTimer timer(session, statistics, "izb");
+            izb_.run(session, light_frame, frame, run.points, projection_, map, run.visibility, counters_);
+        }
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, frame, run.points, izb_, bins_, setup_, run.visibility, counters_);
+        trace_.run_triangles(session, light_frame, run.triangles, run.points, izb_, bins_, setup_, run.visibility,
+                             counters_);
+    } else {
+        cl::StageTimer timer(session, statistics, "trace");
+        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, bins_, setup_,
+                   run.visibility, counters_);
     }
     {
         cl::StageTimer timer(session, statistics, "exact_trace");
         run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     }
-    return read_counters(session, counters_);
+    FrameCounters counted = read_counters(session, counters_);
+    const bool setup = setup_.fitted(session, counted), references = bins_.fitted(session, counted, setup);
+    if (!setup || !references) return {};
+    if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
+        cl::StageTimer timer(session, statistics, "trace");
+        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, bins_, setup_,
+                   run.visibility, counters_, Trace::Look::second);
+        counted = read_counters(session, counters_);
+    }
+    return counted;
 }
 
-bool FrustumTraced::fitted(const FrameCounters& counted) {
-    cl::Session& session = device_.session();
-    const bool setup = setup_.fitted(session, counted), references = bins_.fitted(session, counted, setup),
-               pairs = trace_.fitted(session, counted);
-    return setup && references && pairs;
+void FrustumTraced::run_frame(Run& run, cl_uint frame) {
+    ++run.frames;
+    std::optional<FrameCounters> counted;
+    while (!(counted = run_frame_once(run, frame))) ++run.grown;
+    add(run.total, *counted);
+    run.tests += counted->tests_low + (std::uint64_t(counted->tests_high) << 32);
 }
 
-void FrustumTraced::run_frame(Run& run, const LightFrame& frame) {
-    for (;;) {
-        FrameCounters counted = run_frame_once(run, frame);
-        run.tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
-        if (fitted(counted)) {
-            add(run.total, counted);
-            return;
+void FrustumTraced::run_frames(Run& run) {
+    cl::Session& session = run.session;
+    std::array<Projection, LAMP_FRAMES> projections;
+    const cl_uint frame_count = frame_count_of(run.light_frame);
+    session.read(light_frame_.projections().get(), projections.data(), frame_count * sizeof(Projection));
+    projection_.reserve(session, sizeof(Projection));
+    for (cl_uint frame = 0; frame < frame_count; ++frame) {
+        if (projections[frame].active_points == 0) continue;
+        session.write(projection_.get(), &projections[frame], sizeof(Projection));
+        {
+            cl::StageTimer timer(session, run.statistics, "farthest_height");
+            farthest_height_.run(session, run.light_frame, frame, 1, run.points, projection_, run.visibility);
         }
-        // Of a run that is repeated only its decisions count.
-        ++run.grown;
-        run.total.decided_by_map += counted.decided_by_map;
-        run.total.decided_by_trace += counted.decided_by_trace;
-        run.total.decided_by_exact += counted.decided_by_exact;
+        run_frame(run, frame);
     }
 }
 
@@ -176,20 +184,29 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    Run run{session, triangle_inputs(triangles), point_inputs(points), light, visibility.buffer(), {}};
+    Run run{session,
+            triangle_inputs(triangles),
+            point_inputs(points),
+            light,
+            make_light_frame(light, grid(points.count())),
+            visibility.buffer()};
     counters_.reserve(session, sizeof(FrameCounters));
 
     FrameCounters facing{};
     if (points.count() != 0) {
+        clear(session, counters_);
         {
             cl::StageTimer timer(session, run.statistics, "facing");
-            clear(session, counters_);
-            run_facing(session, run.triangles, run.points, light, run.visibility, counters_);
+            facing_.run(session, run.light_frame, run.triangles, run.points, run.visibility, counters_);
         }
         facing = read_counters(session, counters_);
-        const bool anything = triangles.count() != 0 && facing.absent + facing.facing_away < points.count();
-        if (anything)
-            for (const LightFrame& frame : light_frames(light, grid(points.count()))) run_frame(run, frame);
+        if (triangles.count() != 0) {
+            {
+                cl::StageTimer timer(session, run.statistics, "light_frame");
+                light_frame_.run(session, run.light_frame, facing_.frame_bounds());
+            }
+            run_frames(run);
+        }
     }
 
     Statistics& s = run.statistics;
@@ -249,6 +266,13 @@ void FrustumTraced::set(std::string_view name, std::string_view value) {
             cover_test_ = CoverTest::circle;
         else
             throw InvalidArgument("cover-test is tight or circle, not \"" + std::string(value) + "\"");
+    } else if (name == "traversal") {
+        if (value == "points")
+            traversal_ = Traversal::points;
+        else if (value == "triangles")
+            traversal_ = Traversal::triangles;
+        else
+            throw InvalidArgument("traversal is points or triangles, not \"" + std::string(value) + "\"");
     } else if (name == "map-size") {
         std::uint32_t size = 0;
         const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), size);
@@ -269,20 +293,23 @@ void FrustumTraced::set(std::string_view name, std::string_view value) {
         trace_.limit_initial_capacity(capacity);
     } else {
         throw InvalidArgument("frustum-traced has no setting \"" + std::string(name) +
-                              "\": it has conservative-map, cover-test, map-size and first-capacity");
+                              "\": it has conservative-map, cover-test, map-size, traversal and first-capacity");
     }
 }
 
 TechniqueDescription FrustumTraced::describe() {
-    return {"frustum-traced",
-            "exact hard shadows: frustum tracing over an irregular z-buffer, with a conservative map",
-            true,
-            {{"conservative-map", "auto",
-              "on, off or auto: decide points behind triangles that cover a whole texel at once"},
-             {"cover-test", "tight",
-              "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
-             {"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
-             {"first-capacity", "262144", "entries that growing lists start with, from 1: for tests"}}};
+    return {
+        "frustum-traced",
+        "exact hard shadows: frustum tracing over an irregular z-buffer, with a conservative map",
+        true,
+        {{"conservative-map", "auto",
+          "on, off or auto: decide points behind triangles that cover a whole texel at once"},
+         {"cover-test", "tight",
+          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+         {"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
+         {"traversal", "points",
+          "points (each over its bin's triangles) or triangles (each over its bins' points; a baseline to compare)"},
+         {"first-capacity", "262144", "entries that growing lists start with, from 1: for tests"}}};
 }
 
 }  // namespace gnomon

@@ -3,9 +3,11 @@
 // The order of the stages is in frustum_traced.cpp, top to bottom.
 #pragma once
 
+#include <optional>
+
 #include "conservative_map.hpp"
+#include "facing.hpp"
 #include "farthest_height.hpp"
-#include "light_frame.hpp"
 #include "trace.hpp"
 
 namespace gnomon {
@@ -21,22 +23,26 @@ public:
 
 private:
     enum class MapMode { automatic, on, off };
+    enum class Traversal { points, triangles };
     struct Run;
 
     FrameGrid grid(std::size_t point_count) const;
     bool draws_map(const PointInputs& points) const;
-    void run_frame(Run& run, const LightFrame& frame);
-    FrameCounters run_frame_once(Run& run, const LightFrame& frame);
-    bool fitted(const FrameCounters& counted);
+    void run_frames(Run& run);
+    void run_frame(Run& run, cl_uint frame);
+    /// Nothing if a list was too short, which is longer now.
+    std::optional<FrameCounters> run_frame_once(Run& run, cl_uint frame);
 
     Device device_;
     MapMode map_mode_ = MapMode::automatic;
     CoverTest cover_test_ = CoverTest::tight;
+    Traversal traversal_ = Traversal::points;
     std::uint32_t map_size_ = 0;  ///< 0: chosen by the device and the number of points
 
     std::uint64_t kept_bytes_ = 0;  ///< of the lists below, kept from run to run
 
-    cl::Buffer counters_;
+    cl::Buffer counters_, projection_;
+    Facing facing_;
     LightFrameFit light_frame_;
     FarthestHeight farthest_height_;
     TriangleSetup setup_;

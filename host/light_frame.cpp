@@ -34,34 +34,16 @@ LightFrame parallel_frame(const Light& light, const FrameGrid& grid) {
 
 }  // namespace
 
-std::vector<LightFrame> light_frames(const Light& light, const FrameGrid& grid) {
-    if (light.is_directional()) return {parallel_frame(light, grid)};
-    std::vector<LightFrame> faces;
-    for (int axis = 0; axis < 3; ++axis)
-        for (float sign : {1.0f, -1.0f}) {
-            faces.push_back(make_frame(light, grid, axis, sign));
-            faces.back().perspective = 1;
-        }
-    return faces;
+LightFrame make_light_frame(const Light& light, const FrameGrid& grid) {
+    if (light.is_directional()) return parallel_frame(light, grid);
+    LightFrame frame = make_frame(light, grid, 0, 1.0f);
+    frame.perspective = 1;
+    return frame;
 }
 
-void LightFrameFit::run(cl::Session& session, const LightFrame& frame, const PointInputs& points, cl_mem visibility) {
-    const std::size_t local = session.work_group_size();
-    const auto groups = static_cast<cl_uint>(std::clamp<std::size_t>(
-        (points.layout.count + local - 1) / local, 1, std::min<std::size_t>(session.many_groups(), 1024)));
-    const cl::LocalBytes shared{local * sizeof(PointBounds)};
-    group_bounds_.reserve(session, groups * sizeof(PointBounds));
-    projection_.reserve(session, sizeof(Projection));
-    session.launch("light_frame.cl", "light_frame_bounds", cl::Range::groups(groups), frame, points.layout,
-                   points.positions, visibility, group_bounds_, shared);
-    session.launch("light_frame.cl", "light_frame_fit", cl::Range::groups(1), frame, groups, group_bounds_, projection_,
-                   shared);
-}
-
-std::uint32_t LightFrameFit::read_active_points(cl::Session& session) const {
-    Projection projection;
-    session.read(projection_.get(), &projection, sizeof(projection));
-    return projection.active_points;
+void LightFrameFit::run(cl::Session& session, const LightFrame& light_frame, const cl::Buffer& frame_bounds) {
+    projections_.reserve(session, LAMP_FRAMES * sizeof(Projection));
+    session.launch("light_frame.cl", "light_frame_fit", cl::Range::groups(1), light_frame, frame_bounds, projections_);
 }
 
 }  // namespace gnomon

@@ -15,19 +15,18 @@ struct FrameGrid {
     std::uint32_t bin_count() const { return bins() * bins(); }
 };
 
-/// One frame for a directional light, six (the faces of a cube around it) for a positional one.
-std::vector<LightFrame> light_frames(const Light& light, const FrameGrid& grid);
+/// The frame of a directional light, or the first of a positional one's LAMP_FRAMES (the faces of a cube around it).
+LightFrame make_light_frame(const Light& light, const FrameGrid& grid);
+inline cl_uint frame_count_of(const LightFrame& light_frame) { return light_frame.perspective ? LAMP_FRAMES : 1; }
 
 class LightFrameFit {
 public:
-    /// Fits projection() to the points of the frame whose visibility is still 1.
-    void run(cl::Session& session, const LightFrame& frame, const PointInputs& points, cl_mem visibility);
-    const cl::Buffer& projection() const { return projection_; }
-    /// Waits, and says how many points the frame has.
-    std::uint32_t read_active_points(cl::Session& session) const;
+    /// Fits projections(), one per frame, to the points that the facing stage left open, by their bounds.
+    void run(cl::Session& session, const LightFrame& light_frame, const cl::Buffer& frame_bounds);
+    const cl::Buffer& projections() const { return projections_; }
 
 private:
-    cl::Buffer group_bounds_, projection_;
+    cl::Buffer projections_;
 };
 
 }  // namespace gnomon

@@ -5,27 +5,42 @@
 
 namespace gnomon {
 
-void Trace::run(cl::Session& session, const LightFrame& frame, const PointInputs& points, const Izb& izb,
-                const Bins& bins, const TriangleSetup& setup, cl_mem visibility, const cl::Buffer& counters) {
-    if (capacity_ == 0) {
-        const std::uint32_t wanted = std::max(std::min(first_capacity_, points.layout.count), 1u);
-        queue_.reserve(session, std::size_t(wanted) * 2 * sizeof(cl_uint));
-        capacity_ = wanted;
-    }
-    const cl_uint bin_count = frame.bins_x * frame.bins_y;
-    session.launch("trace.cl", "trace", cl::Range::items(points.layout.count / session.lanes() + 1), bin_count,
-                   capacity_, points.layout.has_receivers, points.receivers, izb.x(), izb.y(), izb.z(), izb.order(),
-                   izb.block_bin(), izb.offsets(), bins.offsets(), bins.references(), setup.records(), setup.bounds(),
-                   visibility, queue_, counters);
+void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
+                const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
+                const cl::Buffer* map, const Bins& bins, const TriangleSetup& setup, cl_mem visibility,
+                const cl::Buffer& counters, Look look) {
+    if (capacity_ == 0) reserve(session, first_capacity_);
+    const cl_uint has_map = map != nullptr;
+    const bool first = look == Look::first;
+    session.launch(first ? "trace.cl" : "trace_again.cl", first ? "trace" : "trace_again",
+                   cl::Range::items(points.layout.count / session.lanes() + 1), light_frame, first_frame, frame_count,
+                   points.layout, projections, has_map, capacity_, triangles.first_float, points.positions,
+                   points.receivers, triangles.vertices, map != nullptr ? *map : queue_, bins.offsets(),
+                   bins.references(), setup.records(), setup.bounds(), visibility, queue_, counters);
 }
 
-bool Trace::fitted(cl::Session& session, const FrameCounters& counted) {
+void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                          const PointInputs& points, const Izb& izb, const Bins& bins, const TriangleSetup& setup,
+                          cl_mem visibility, const cl::Buffer& counters) {
+    if (capacity_ == 0) reserve(session, first_capacity_);
+    session.launch("trace_triangles.cl", "trace_triangles", cl::Range::items(bins.capacity()), light_frame,
+                   points.layout, capacity_, triangles.first_float, points.positions, points.receivers,
+                   triangles.vertices, izb.x(), izb.y(), izb.z(), izb.order(), izb.offsets(), bins.offsets(),
+                   bins.references(), setup.records(), setup.bounds(), visibility, queue_, counters);
+}
+
+void Trace::reserve(cl::Session& session, std::uint32_t capacity) {
+    capacity_ = 0;  // stays so if the next line throws
+    capacity = std::max(capacity, 1u);
+    queue_.reserve(session, std::size_t(capacity) * 2 * sizeof(cl_uint));
+    capacity_ = capacity;
+}
+
+bool Trace::fitted(cl::Session& session, const PointInputs& points, const FrameCounters& counted) {
     if (counted.uncertain <= capacity_) return true;
-    capacity_ = 0;
-    const std::size_t wanted =
-        std::min<std::size_t>(counted.uncertain + std::size_t(counted.uncertain) / 4, 0xFFFFFFFEu);
-    queue_.reserve(session, wanted * 2 * sizeof(cl_uint));
-    capacity_ = static_cast<std::uint32_t>(wanted);
+    const std::uint64_t wanted = counted.uncertain + std::uint64_t(counted.uncertain) / 4;
+    const std::uint32_t most = std::max({points.layout.count, capacity_, initial_capacity});
+    reserve(session, static_cast<std::uint32_t>(std::min<std::uint64_t>(wanted, most)));
     return false;
 }
 

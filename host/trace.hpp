@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage trace: listed points against listed triangles by the float filter; what it cannot decide is queued
-// (kernels/trace.cl).
+// Stage trace: open points against the map and their bins' triangles by the float filter; what it cannot decide is
+// queued (kernels/trace.cl).
 #pragma once
 
 #include "bins.hpp"
@@ -10,10 +10,24 @@ namespace gnomon {
 
 class Trace {
 public:
-    void run(cl::Session& session, const LightFrame& frame, const PointInputs& points, const Izb& izb, const Bins& bins,
-             const TriangleSetup& setup, cl_mem visibility, const cl::Buffer& counters);
-    /// True if all uncertain pairs fitted; else grows, and the run must be repeated.
-    bool fitted(cl::Session& session, const FrameCounters& counted);
+    /// The first look queues undecided pairs and leaves points open whose pairs find no room; the second, only needed
+    /// then, decides theirs in place.
+    enum class Look { first, second };
+
+    /// Of the frames from `first_frame` on, whose projections (and bins, and maps) lie one behind the other. `map` may
+    /// be null: no coarse test.
+    void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
+             const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
+             const cl::Buffer* map, const Bins& bins, const TriangleSetup& setup, cl_mem visibility,
+             const cl::Buffer& counters, Look look = Look::first);
+    /// The other traversal, of one frame: triangles over the lists of points (kernels/trace_triangles.cl). Needs no
+    /// second look.
+    void run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                       const PointInputs& points, const Izb& izb, const Bins& bins, const TriangleSetup& setup,
+                       cl_mem visibility, const cl::Buffer& counters);
+    /// True if all undecided pairs fitted. Else a second look is needed; later runs have more room, at most
+    /// one pair per point or initial_capacity.
+    bool fitted(cl::Session& session, const PointInputs& points, const FrameCounters& counted);
 
     std::uint32_t capacity() const { return capacity_; }
     const cl::Buffer& queue() const { return queue_; }
@@ -22,6 +36,8 @@ public:
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
+    void reserve(cl::Session& session, std::uint32_t capacity);
+
     cl::Buffer queue_;
     std::uint32_t capacity_ = 0, first_capacity_ = initial_capacity;
 };

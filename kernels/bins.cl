@@ -74,12 +74,14 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
     for (; places.next < min(places.end, pair_capacity); ++places.next) pairs[places.next].bin = GN_NO_ID;
 }
 
-__kernel void bins_scatter(uint bin_count, uint slot_capacity, uint tile_capacity, uint pair_capacity,
-                           __global const Pair* pairs, __global const uint* offsets, __global uint* references,
-                           __global FrameCounters* counters) {
-    // What found no room on the way is in no list: the host will grow its list and run again.
-    bool fits =
-        counters->slots <= slot_capacity && counters->tiles <= tile_capacity && counters->pairs <= pair_capacity;
+__kernel void bins_scatter(uint bin_count, uint slot_capacity, uint map_tile_capacity, uint tile_capacity,
+                           uint pair_capacity, __global const Pair* pairs, __global const uint* offsets,
+                           __global uint* references, __global FrameCounters* counters) {
+    // What found no room on the way is in no list: the host will grow its list and run again (the same conditions as
+    // fitted() of the stages, so that nothing is read that is not counted).
+    bool fits = max(counters->slots, counters->map_slots) <= slot_capacity &&
+                counters->map_tiles <= map_tile_capacity && counters->tiles <= tile_capacity &&
+                counters->pairs <= pair_capacity;
     if (get_global_id(0) == 0) counters->references = fits ? offsets[bin_count] : GN_NO_LISTS;
     if (!fits) return;
     GN_FOR_EACH(i, counters->pairs) {

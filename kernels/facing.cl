@@ -1,50 +1,224 @@
 // SPDX-License-Identifier: MIT
-// Facing: starts every point as lit, and puts into shadow those that the light cannot reach by definition of shading.
+// Facing: the one pass over all points. Decides those that the light cannot reach by definition of shading, opens the
+// others, and takes the bounds of the light's frames on the way.
 //
 // A point faces away if the light is not strictly on the eye's side of its receiver's plane: with e and l the signs of
 // det(b - a, c - a, eye - a) and det(b - a, c - a, D) (D = minus the direction of travel, or S - a), unless e l > 0.
-// Decided exactly. Asked only where the points carry an eye; absent points (NaN) stay lit and cost nothing further.
-#include "exact/det3.h"
-#include "points.h"
+// Decided exactly. Asked only where the points carry an eye. Absent points (NaN) and points at the lamp are lit.
+//
+// An open point is doubtful if its receiver's plane is strictly between it and the light, that is if det(b - a, c - a,
+// a - P) has the sign l: only then can the receiver block it (exact/blocks.h), which by contract it never does. What
+// the camera makes is lifted off its receiver and never doubtful; a caller's point may be.
+#include "facing.h"
+#include "light_frame.h"
 #include "triangle_setup.h"
 
-static int side_of_light(Triangle t, float4 light, int* level) {
-    return light.w != 0.0f ? det3_sign(t.b, t.a, t.c, t.a, light.xyz, t.a, level)
-                           : det3_sign(t.b, t.a, t.c, t.a, light.xyz, (float3)(0.0f), level);
-}
+// What is known of a receiver. Neighbours often share one, and its answers.
+typedef struct Receiver {
+    uint id;
+    bool asked;  // exists and is finite
+    bool faces_away;
+    int side;  // of the light; 0: in the plane
+    Triangle t;
+    float3 minor_plus, minor_minus;  // n = minor_plus - minor_minus, as in det3_float
+    bool in_range;                   // may the float level be used as far as b - a and c - a go?
+} Receiver;
 
-static bool faces_away(Triangle receiver, float4 light, float3 eye, int* level) {
-    if (!is_finite_triangle(receiver)) return false;
-    int side = side_of_light(receiver, light, level);
-    return side == 0 || side * det3_sign(receiver.b, receiver.a, receiver.c, receiver.a, eye, receiver.a, level) <= 0;
-}
-
-__kernel void facing(PointsLayout layout, float4 light, ulong first_float, uint triangle_count,
-                     __global const float* positions, __global const uint* receivers, __global const float* vertices,
-                     __global float* visibility, __global FrameCounters* counters) {
-    uint absent = 0, away = 0, exact = 0;
-    float3 eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
-    // Neighbours often share a receiver, and its answer.
-    uint known_receiver = GN_NO_ID;
-    bool known_away = false;
-    GN_FOR_EACH(i, layout.count) {
-        visibility[i] = 1.0f;
-        if (!is_present(load_point(positions, layout, i))) {
-            ++absent;
-            continue;
-        }
-        if (!layout.has_eye || !layout.has_receivers || receivers[i] >= triangle_count) continue;
-        if (receivers[i] != known_receiver) {
-            known_receiver = receivers[i];
-            int level = DET3_BY_FLOAT;
-            known_away = faces_away(load_triangle(vertices + first_float, known_receiver), light, eye, &level);
-            exact += level == DET3_BY_EXACT;
-        }
-        if (!known_away) continue;
-        visibility[i] = 0.0f;
-        ++away;
+static Receiver ask_receiver(uint id, PointsLayout layout, float4 light, __global const float* vertices, uint* exact) {
+    Receiver receiver;
+    receiver.id = id;
+    receiver.t = load_triangle(vertices, id);
+    receiver.asked = is_finite_triangle(receiver.t);
+    receiver.faces_away = false;
+    if (!receiver.asked) return receiver;
+    Triangle t = receiver.t;
+    int level = DET3_BY_FLOAT;
+    receiver.side = side_of_light(t, light, &level);
+    if (layout.has_eye) {
+        float3 eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
+        receiver.faces_away = faces_away_with_side(t, receiver.side, eye, &level);
     }
-    if (absent != 0) atomic_add(&counters->absent, absent);
-    if (away != 0) atomic_add(&counters->facing_away, away);
+    *exact += level == DET3_BY_EXACT;
+    float3 u = t.b - t.a, v = t.c - t.a;
+    receiver.minor_plus = (float3)(u.y * v.z, u.z * v.x, u.x * v.y);
+    receiver.minor_minus = (float3)(u.z * v.y, u.x * v.z, u.y * v.x);
+    float3 largest = fmax(fabs(u), fabs(v));
+    receiver.in_range = largest.x <= 0x1p20f && largest.y <= 0x1p20f && largest.z <= 0x1p20f;
+    return receiver;
+}
+
+// det3_float(b - a, c - a, a - P) for many P, and its sign times `side`: which points does the plane part from the
+// light for certain, and which certainly not?
+static LaneInt lanes_behind_receiver(const Receiver* receiver, PointBlock points, LaneInt lanes) {
+    if (receiver->side == 0) return (LaneInt)(0);
+    float3 a = receiver->t.a, normal = receiver->minor_plus - receiver->minor_minus;
+    float3 size = fabs(receiver->minor_plus) + fabs(receiver->minor_minus);
+    LaneFloat x = a.x - points.x, y = a.y - points.y, z = a.z - points.z;
+    LaneFloat value = x * normal.x + y * normal.y + z * normal.z;
+    LaneFloat permanent = fabs(x) * size.x + fabs(y) * size.y + fabs(z) * size.z;
+    LaneFloat bound = permanent * DET3_FLOAT_BOUND;
+    LaneInt certain = LANE_COMPARE(fabs(x), <=, (LaneFloat)(0x1p20f)) &
+                      LANE_COMPARE(fabs(y), <=, (LaneFloat)(0x1p20f)) &
+                      LANE_COMPARE(fabs(z), <=, (LaneFloat)(0x1p20f)) &
+                      LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f)) & LANE_COMPARE(fabs(value), >, bound);
+    LaneInt behind = LANE_COMPARE(value * (float)receiver->side, >, (LaneFloat)(0.0f));
+    if (!receiver->in_range) certain = (LaneInt)(0);
+    LaneInt open = lanes & ~certain;
+    while (LANES_ANY(open)) {
+        int lane = first_lane(open), level = DET3_BY_FLOAT;
+        Triangle t = receiver->t;
+        LANE_OF_INT(open, lane) = 0;
+        LANE_OF_INT(behind, lane) =
+            det3_sign(t.b, t.a, t.c, t.a, t.a, lane_point(points, lane), &level) == receiver->side ? -1 : 0;
+    }
+    return behind & lanes;
+}
+
+// ---- Bounds of the frames -------------------------------------------------------------------------------------------
+
+static LaneFloat along(PointBlock v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
+
+// The values that a frame's bounds are taken of.
+static void bounded_values(LightFrame frame, PointBlock points, LaneFloat* values) {
+    if (frame.perspective) {
+        PointBlock d = {points.x - frame.light[0], points.y - frame.light[1], points.z - frame.light[2]};
+        LaneFloat w = along(d, frame.axis_z) * frame.sign_z;
+        values[0] = along(d, frame.axis_x) / w;
+        values[1] = along(d, frame.axis_y) / w;
+        values[4] = w;
+    } else {
+        LaneFloat z = along(points, frame.axis_z);
+        values[0] = along(points, frame.axis_x) - frame.shear_x * z;
+        values[1] = along(points, frame.axis_y) - frame.shear_y * z;
+        values[4] = points.z;
+    }
+    values[2] = points.x;
+    values[3] = points.y;
+}
+
+// A work-item's bounds of the frame that its last points were in.
+typedef struct RunningBounds {
+    uint frame;
+    LaneFloat lowest[BOUNDED_VALUES], highest[BOUNDED_VALUES];
+    LaneInt minus_count;
+} RunningBounds;
+
+static void start_bounds(RunningBounds* bounds, uint frame) {
+    bounds->frame = frame;
+    bounds->minus_count = (LaneInt)(0);
+    for (int i = 0; i < BOUNDED_VALUES; ++i) {
+        bounds->lowest[i] = (LaneFloat)(INFINITY);
+        bounds->highest[i] = (LaneFloat)(-INFINITY);
+    }
+}
+
+// Into the work-group's bounds of all frames. Most values are inside already: a look saves the atomic.
+static void raise_to(volatile __local uint* highest, LaneFloat values) {
+    uint key = order_to_key(LANES_MAXIMUM(lanes_in_order(values)));
+    if (key > *highest) atomic_max(highest, key);
+}
+static void flush_bounds(const RunningBounds* bounds, __local uint* shared) {
+    uint count = (uint)-LANES_SUM(bounds->minus_count);
+    if (count == 0u) return;
+    __local uint* words = shared + bounds->frame * BOUNDS_WORDS;
+    for (int i = 0; i < BOUNDED_VALUES; ++i) {
+        raise_to(&words[i], bounds->highest[i]);
+        raise_to(&words[BOUNDED_VALUES + i], -bounds->lowest[i]);
+    }
+    atomic_add(&words[2 * BOUNDED_VALUES], count);
+}
+
+static void include_points(RunningBounds* bounds, LightFrame light_frame, PointBlock points, LaneInt lanes,
+                           __local uint* shared) {
+    LaneInt frames = frames_of(light_frame, points);
+    while (LANES_ANY(lanes)) {
+        int frame = LANE_OF_INT(frames, first_lane(lanes));
+        LaneInt same = lanes & LANE_COMPARE(frames, ==, (LaneInt)(frame));
+        lanes &= ~same;
+        if (bounds->frame != (uint)frame) {
+            flush_bounds(bounds, shared);
+            start_bounds(bounds, (uint)frame);
+        }
+        LaneFloat values[BOUNDED_VALUES];
+        bounded_values(face_of(light_frame, (uint)frame), points, values);
+        for (int i = 0; i < BOUNDED_VALUES; ++i) {
+            LaneInt lower = same & LANE_COMPARE(values[i], <, bounds->lowest[i]);
+            LaneInt higher = same & LANE_COMPARE(values[i], >, bounds->highest[i]);
+            bounds->lowest[i] = LANES_SELECT(bounds->lowest[i], values[i], lower);
+            bounds->highest[i] = LANES_SELECT(bounds->highest[i], values[i], higher);
+        }
+        bounds->minus_count += same;
+    }
+}
+
+// Without `opens` points that do not face away are lit for good. `shared`: BOUNDS_WORDS for each frame. The frames'
+// bounds and the counters are zeroed before.
+__kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ulong first_float, uint triangle_count,
+                     __global const float* positions, __global const uint* receivers, __global const float* vertices,
+                     __global float* visibility, volatile __global uint* frame_bounds, __global FrameCounters* counters,
+                     __local uint* shared) {
+    uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
+    // One atomic per work-group, not per item: many on one address take longer than the pass.
+    __local uint group_counts[2];
+    if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
+    for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+
+    float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+    uint exact = 0;
+    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
+    Receiver receiver;
+    receiver.id = GN_NO_ID;
+    RunningBounds bounds;
+    start_bounds(&bounds, 0u);
+    GN_FOR_EACH(block, block_count(layout)) {
+        LaneInt valid = valid_lanes(layout, block);
+        PointBlock points = load_block(positions, layout, block);
+        LaneInt open = valid & present_lanes(points);
+        LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0);
+        if (layout.has_receivers) {
+            LaneInt ids = load_lane_ids(receivers, layout, block);
+            // Ids are unsigned: turn the top bit to compare them.
+            LaneInt top = (LaneInt)((int)0x80000000);
+            LaneInt asked = open & LANE_COMPARE(ids ^ top, <, (LaneInt)((int)triangle_count) ^ top);
+            while (LANES_ANY(asked)) {
+                int id = LANE_OF_INT(ids, first_lane(asked));
+                LaneInt same = asked & LANE_COMPARE(ids, ==, (LaneInt)(id));
+                asked &= ~same;
+                if (receiver.id != (uint)id)
+                    receiver = ask_receiver((uint)id, layout, light, vertices + first_float, &exact);
+                if (!receiver.asked) continue;
+                if (receiver.faces_away)
+                    away |= same;
+                else
+                    doubtful |= lanes_behind_receiver(&receiver, points, same);
+            }
+        }
+        minus_absent += valid & ~open;
+        minus_away += away;
+        if (!opens) open = (LaneInt)(0);
+        open &= ~away & LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
+        LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
+        result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
+        result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_DOUBTFUL), open & doubtful);
+        store_lanes(result, visibility, layout, block);
+        if (LANES_ANY(open)) include_points(&bounds, light_frame, points, open, shared);
+    }
+    flush_bounds(&bounds, shared);
+    atomic_add(&group_counts[0], (uint)-LANES_SUM(minus_absent));
+    atomic_add(&group_counts[1], (uint)-LANES_SUM(minus_away));
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) {
+        uint word = shared[i];
+        if (word == 0u) continue;
+        if (i % BOUNDS_WORDS == 2 * BOUNDED_VALUES)
+            atomic_add(&frame_bounds[i], word);
+        else if (word > frame_bounds[i])
+            atomic_max(&frame_bounds[i], word);
+    }
+    if (get_local_id(0) == 0) {
+        if (group_counts[0] != 0) atomic_add(&counters->absent, group_counts[0]);
+        if (group_counts[1] != 0) atomic_add(&counters->facing_away, group_counts[1]);
+    }
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
 }

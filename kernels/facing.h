@@ -15,10 +15,14 @@ static int side_of_light(Triangle t, float4 light, int* level) {
                            : det3_sign(t.b, t.a, t.c, t.a, light.xyz, (float3)(0.0f), level);
 }
 
-static bool faces_away(Triangle receiver, float4 light, float3 eye, int* level) {
-    if (!is_finite_triangle(receiver)) return false;
-    int side = side_of_light(receiver, light, level);
+// `side`: of the light, for this triangle.
+static bool faces_away_with_side(Triangle receiver, int side, float3 eye, int* level) {
     return side == 0 || side * det3_sign(receiver.b, receiver.a, receiver.c, receiver.a, eye, receiver.a, level) <= 0;
+}
+
+static bool faces_away(Triangle receiver, float4 light, float3 eye, int* level) {
+    return is_finite_triangle(receiver) &&
+           faces_away_with_side(receiver, side_of_light(receiver, light, level), eye, level);
 }
 
 #endif

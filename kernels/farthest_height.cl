@@ -4,28 +4,96 @@
 // al. 2016, "Frustum-Traced Irregular Z-Buffers", section on early-z; the pyramid is ours).
 //
 // Heights are kept as order-preserving keys, so that integer minima serve; an empty bin holds 0xFFFFFFFF, above all.
+// The same per bin for doubtful points alone (point_blocks.h): what the conservative map must not decide.
+// Of several frames: bins frame by frame; the pyramid level by level, inside a level frame by frame.
 #include "light_frame.h"
 
-__kernel void farthest_height(LightFrame frame, PointsLayout layout, __constant const Projection* projection,
-                              __global const float* positions, __global const float* visibility,
-                              __global uint* pyramid) {
-    GN_FOR_EACH(i, layout.count) {
-        float3 p;
-        if (!is_open_in_frame(frame, layout, positions, visibility, i, &p)) continue;
-        float3 point = project_point(projection, p);
-        atomic_min(&pyramid[bin_of(projection, point)], float_to_key(point.z));
+// A look first: most points are not the farthest of their bin. What it sees can only be too high.
+static void lower_to(volatile __global uint* lowest, uint key) {
+    if (key < *lowest) atomic_min(lowest, key);
+}
+
+// One atomic for all lanes of a bin.
+static void lower_bins(LaneInt bins, LaneInt heights, LaneInt lanes, volatile __global uint* lowest) {
+    while (LANES_ANY(lanes)) {
+        int bin = LANE_OF_INT(bins, first_lane(lanes));
+        LaneInt same = lanes & LANE_COMPARE(bins, ==, (LaneInt)(bin));
+        lanes &= ~same;
+        int least = LANES_MINIMUM(LANES_SELECT((LaneInt)(INT_MAX), heights, same));
+        lower_to(&lowest[bin], order_to_key(least));
     }
 }
 
-// One level from the one below it: each cell is the minimum of up to 2 x 2.
-__kernel void farthest_height_reduce(uint width_below, uint height_below, uint first_below, __global uint* pyramid) {
-    uint width = (width_below + 1) / 2, height = (height_below + 1) / 2;
-    __global const uint* below = pyramid + first_below;
-    __global uint* level = pyramid + first_below + width_below * height_below;
-    GN_FOR_EACH(i, width * height) {
-        uint x = 2 * (uint)(i % width), y = 2 * (uint)(i / width);
-        uint x1 = min(x + 1, width_below - 1), y1 = min(y + 1, height_below - 1);
-        level[i] = min(min(below[y * width_below + x], below[y * width_below + x1]),
-                       min(below[y1 * width_below + x], below[y1 * width_below + x1]));
+__kernel void farthest_height(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
+                              __constant const Projection* projections, __global const float* positions,
+                              __global const float* visibility, __global uint* pyramid, __global uint* doubtful) {
+    uint bin_count = light_frame.bins_x * light_frame.bins_y;
+    GN_FOR_EACH(block, block_count(layout)) {
+        LaneFloat state = load_lanes(visibility, layout, block);
+        LaneInt left = open_lanes(state);
+        if (!LANES_ANY(left)) continue;
+        PointBlock points = load_block(positions, layout, block);
+        LaneInt frames = frames_of(light_frame, points) - (int)first_frame;
+        left &= LANE_COMPARE(frames, >=, (LaneInt)(0)) & LANE_COMPARE(frames, <, (LaneInt)((int)frame_count));
+        while (LANES_ANY(left)) {
+            int frame = LANE_OF_INT(frames, first_lane(left));
+            LaneInt same = left & LANE_COMPARE(frames, ==, (LaneInt)(frame));
+            left &= ~same;
+            PointBlock places = project_points(&projections[frame], points);
+            LaneInt bins = bins_of(&projections[frame], places) + frame * (int)bin_count;
+            LaneInt heights = lanes_in_order(places.z);
+            lower_bins(bins, heights, same, pyramid);
+            lower_bins(bins, heights, same & doubtful_lanes(state), doubtful);
+        }
+    }
+}
+
+// The levels `from` + 1 to `from` + PYRAMID_LEVELS (or the last), from level `from`: each cell is the minimum of up to
+// 2 x 2 below. A work-group takes a square of 2^PYRAMID_LEVELS cells of one frame, which is whole cells of every level
+// it makes, so that it reads nothing that another group writes.
+__kernel void farthest_height_reduce(uint frame_count, uint width, uint height, uint first, __global uint* pyramid) {
+    uint squares_x = (width + (1u << PYRAMID_LEVELS) - 1u) >> PYRAMID_LEVELS;
+    uint squares_y = (height + (1u << PYRAMID_LEVELS) - 1u) >> PYRAMID_LEVELS;
+    uint square = (uint)get_group_id(0) % (squares_x * squares_y),
+         frame = (uint)get_group_id(0) / (squares_x * squares_y);
+    uint x0 = square % squares_x << PYRAMID_LEVELS, y0 = square / squares_x << PYRAMID_LEVELS;
+    for (uint level = 1; level <= PYRAMID_LEVELS && (width > 1u || height > 1u); ++level) {
+        uint half_width = (width + 1u) / 2u, half_height = (height + 1u) / 2u;
+        __global const uint* below = pyramid + first + frame * width * height;
+        first += frame_count * width * height;
+        __global uint* cells = pyramid + first + frame * half_width * half_height;
+        x0 /= 2u;
+        y0 /= 2u;
+        uint side = 1u << (PYRAMID_LEVELS - level);
+        for (uint i = (uint)get_local_id(0); i < side * side; i += (uint)get_local_size(0)) {
+            uint x = x0 + i % side, y = y0 + i / side;
+            if (x >= half_width || y >= half_height) continue;
+            uint x1 = min(2u * x + 1u, width - 1u), y1 = min(2u * y + 1u, height - 1u);
+            cells[y * half_width + x] = min(min(below[2u * y * width + 2u * x], below[2u * y * width + x1]),
+                                            min(below[y1 * width + 2u * x], below[y1 * width + x1]));
+        }
+        barrier(CLK_GLOBAL_MEM_FENCE);
+        width = half_width;
+        height = half_height;
+    }
+}
+
+// Per bin a height below which no point needs a list of triangles: the map decides what is below its texel, so beside
+// the farthest point the lowest height of the bin's texels counts; but doubtful points need a list wherever they are.
+__kernel void open_heights(uint frame_count, __constant const Projection* projections, uint has_map,
+                           __global const uint* map, __global const uint* pyramid, __global const uint* doubtful,
+                           __global uint* heights) {
+    uint bins_x = projections->bins_x, bins_y = projections->bins_y;
+    uint width = projections->width, height = projections->height, size = 1u << projections->bin_log2;
+    GN_FOR_EACH(i, frame_count * bins_x * bins_y) {
+        uint bin = (uint)i % (bins_x * bins_y), frame = (uint)i / (bins_x * bins_y);
+        uint lowest_cover = has_map ? 0xFFFFFFFFu : 0u;
+        if (has_map) {
+            uint x0 = bin % bins_x * size, y0 = bin / bins_x * size;
+            for (uint y = y0; y < min(y0 + size, height); ++y)
+                for (uint x = x0; x < min(x0 + size, width); ++x)
+                    lowest_cover = min(lowest_cover, map[((size_t)frame * height + y) * width + x]);
+        }
+        heights[i] = min(max(pyramid[i], lowest_cover), doubtful[i]);
     }
 }

@@ -13,6 +13,11 @@ typedef int LaneInt;
 #define LANES_ANY(mask) ((mask) != 0)
 #define LANES_SELECT(no, yes, mask) ((mask) ? (yes) : (no))
 #define LANE_INDEX 0
+#define LANES_AS_INT(x) as_int(x)
+#define LANES_TO_INT(x) ((int)(x))
+#define LANES_MINIMUM(v) (v)
+#define LANES_MAXIMUM(v) (v)
+#define LANES_SUM(v) (v)
 #elif GN_LANES == 16
 typedef float16 LaneFloat;
 typedef int16 LaneInt;
@@ -20,12 +25,46 @@ typedef int16 LaneInt;
 #define LANES_ANY(mask) any(mask)
 #define LANES_SELECT(no, yes, mask) select(no, yes, mask)
 #define LANE_INDEX (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
+#define LANES_AS_INT(x) as_int16(x)
+#define LANES_TO_INT(x) convert_int16(x)
+#define LANES_MINIMUM(v) least_of_16(v)
+#define LANES_MAXIMUM(v) ~least_of_16(~(v))
+#define LANES_SUM(v) sum_of_16(v)
+
+static int least_of_16(int16 v) {
+    int8 a = min(v.lo, v.hi);
+    int4 b = min(a.lo, a.hi);
+    int2 c = min(b.lo, b.hi);
+    return min(c.x, c.y);
+}
+static int sum_of_16(int16 v) {
+    int8 a = v.lo + v.hi;
+    int4 b = a.lo + a.hi;
+    return b.x + b.y + b.z + b.w;
+}
 #else
 #error "GN_LANES must be 1 or 16"
 #endif
 
-// Minimum without fmin's rules for NaN, which cost instructions: no NaN gets here.
+// Minimum and maximum without fmin's rules for NaN, which cost instructions. A NaN as `a` gives b.
 #define LANES_MIN(a, b) LANES_SELECT(b, a, LANE_COMPARE(a, <, b))
+#define LANES_MAX(a, b) LANES_SELECT(b, a, LANE_COMPARE(a, >, b))
+
+// One lane of a vector (of a variable).
+#define LANE_OF_INT(v, lane) (((int*)&(v))[lane])
+#define LANE_OF_FLOAT(v, lane) (((float*)&(v))[lane])
+
+// The first lane that is set, of a mask that has one; and how many are.
+static int first_lane(LaneInt mask) { return LANES_MINIMUM(LANES_SELECT((LaneInt)(GN_LANES), LANE_INDEX, mask)); }
+static uint count_lanes(LaneInt mask) { return (uint)-LANES_SUM(mask); }
+
+// Signed integers in the order of the floats (no NaN): float_to_key() with the top bit turned.
+static LaneInt lanes_in_order(LaneFloat x) {
+    LaneInt bits = LANES_AS_INT(x);
+    return bits ^ ((bits >> 31) & 0x7FFFFFFF);
+}
+static uint order_to_key(int order) { return (uint)order ^ 0x80000000u; }
+static int key_to_order(uint key) { return (int)(key ^ 0x80000000u); }
 
 // slope_x x + slope_y y + constant_term, rounded as the records' margins assume.
 static LaneFloat lanes_linear(float slope_x, float slope_y, float constant_term, LaneFloat x, LaneFloat y) {

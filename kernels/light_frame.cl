@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Light frame: fits the grid to the points that face the light (Mizoguchi and Tokuyoshi, section 3: "the light's
-// frustum is fitted to the bounding box of the shading points"), by a reduction on the device, without a read-back.
+// frustum is fitted to the bounding box of the shading points"). The bounds come from the facing stage, which sees
+// every point anyway; no read-back.
 //
 // Conservative by padding: the raw coordinates below are off by at most 4u M (M the largest world coordinate; 4u for
 // ratios), the projected ones by point_error; the fit leaves FRAME_PADDING = 32u M and a quarter of a texel on each
@@ -14,80 +15,25 @@
 // Nor points nearer to a positional light than this, once the farthest is brought within 2 (nearer, floats underflow).
 #define SMALLEST_W 1.0e-15f
 
-static float along(float3 v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
+// What light_frame_fit needs of the bounds, as floats.
+typedef struct FittedBounds {
+    float grid_low[2], grid_high[2];
+    float world_low[3], world_high[3];  // in perspective [2] of both: W
+    uint count;
+} FittedBounds;
 
-static PointBounds no_points(void) {
-    PointBounds bounds;
-    for (int i = 0; i < 2; ++i) bounds.grid_low[i] = INFINITY, bounds.grid_high[i] = -INFINITY;
-    for (int i = 0; i < 3; ++i) bounds.world_low[i] = INFINITY, bounds.world_high[i] = -INFINITY;
-    bounds.count = 0;
-    bounds.padding[0] = 0;
-    return bounds;
-}
-
-static void include_point(PointBounds* bounds, LightFrame frame, float3 p) {
-    float3 world = p;
-    float x, y;
-    if (frame.perspective) {
-        float3 d = p - (float3)(frame.light[0], frame.light[1], frame.light[2]);
-        float w = along(d, frame.axis_z) * frame.sign_z;
-        x = along(d, frame.axis_x) / w;
-        y = along(d, frame.axis_y) / w;
-        world.z = w;
-    } else {
-        float z = along(p, frame.axis_z);
-        x = along(p, frame.axis_x) - frame.shear_x * z;
-        y = along(p, frame.axis_y) - frame.shear_y * z;
-    }
-    bounds->grid_low[0] = fmin(bounds->grid_low[0], x);
-    bounds->grid_high[0] = fmax(bounds->grid_high[0], x);
-    bounds->grid_low[1] = fmin(bounds->grid_low[1], y);
-    bounds->grid_high[1] = fmax(bounds->grid_high[1], y);
-    bounds->world_low[0] = fmin(bounds->world_low[0], world.x);
-    bounds->world_high[0] = fmax(bounds->world_high[0], world.x);
-    bounds->world_low[1] = fmin(bounds->world_low[1], world.y);
-    bounds->world_high[1] = fmax(bounds->world_high[1], world.y);
-    bounds->world_low[2] = fmin(bounds->world_low[2], world.z);
-    bounds->world_high[2] = fmax(bounds->world_high[2], world.z);
-    ++bounds->count;
-}
-
-static PointBounds merged(PointBounds a, PointBounds b) {
+static FittedBounds read_bounds(__global const PointBounds* keys) {
+    FittedBounds bounds;
     for (int i = 0; i < 2; ++i) {
-        a.grid_low[i] = fmin(a.grid_low[i], b.grid_low[i]);
-        a.grid_high[i] = fmax(a.grid_high[i], b.grid_high[i]);
+        bounds.grid_low[i] = -key_to_float(keys->minus_lowest[i]);
+        bounds.grid_high[i] = key_to_float(keys->highest[i]);
     }
     for (int i = 0; i < 3; ++i) {
-        a.world_low[i] = fmin(a.world_low[i], b.world_low[i]);
-        a.world_high[i] = fmax(a.world_high[i], b.world_high[i]);
+        bounds.world_low[i] = -key_to_float(keys->minus_lowest[2 + i]);
+        bounds.world_high[i] = key_to_float(keys->highest[2 + i]);
     }
-    a.count += b.count;
-    return a;
-}
-
-// Merges the work-group's bounds into element 0 of `shared`. For any work-group size.
-static void merge_group(PointBounds mine, __local PointBounds* shared) {
-    size_t item = get_local_id(0);
-    shared[item] = mine;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (size_t count = get_local_size(0); count > 1;) {
-        size_t half_count = (count + 1) / 2;
-        if (item + half_count < count) shared[item] = merged(shared[item], shared[item + half_count]);
-        count = half_count;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-}
-
-__kernel void light_frame_bounds(LightFrame frame, PointsLayout layout, __global const float* positions,
-                                 __global const float* visibility, __global PointBounds* group_bounds,
-                                 __local PointBounds* shared) {
-    PointBounds bounds = no_points();
-    GN_FOR_EACH(i, layout.count) {
-        float3 p;
-        if (is_open_in_frame(frame, layout, positions, visibility, i, &p)) include_point(&bounds, frame, p);
-    }
-    merge_group(bounds, shared);
-    if (get_local_id(0) == 0) group_bounds[get_group_id(0)] = shared[0];
+    bounds.count = keys->count;
+    return bounds;
 }
 
 // Texels per unit and the offset that brings [low, high] inside [EDGE_TEXELS, texels - EDGE_TEXELS].
@@ -109,7 +55,7 @@ static void fit_heights(float low, float high, Projection* projection) {
     projection->z_scale = 65535.0f / clamp(high - low, 1.0e-30f, LARGEST_EXTENT);
 }
 
-static void fit_parallel(LightFrame frame, PointBounds bounds, Projection* projection) {
+static void fit_parallel(LightFrame frame, FittedBounds bounds, Projection* projection) {
     float largest = 0.0f;
     for (int i = 0; i < 3; ++i) {
         projection->center[i] = 0.5f * bounds.world_low[i] + 0.5f * bounds.world_high[i];
@@ -138,7 +84,7 @@ static void fit_parallel(LightFrame frame, PointBounds bounds, Projection* proje
     if (!projection->indistinct) fit_heights(-reach[frame.axis_z], reach[frame.axis_z], projection);
 }
 
-static void fit_perspective(LightFrame frame, PointBounds bounds, Projection* projection) {
+static void fit_perspective(LightFrame frame, FittedBounds bounds, Projection* projection) {
     for (int i = 0; i < 3; ++i) projection->center[i] = frame.light[i];
     float scale_x = fitted_scale(bounds.grid_low[0], bounds.grid_high[0], FRAME_PADDING, (float)frame.width);
     float scale_y = fitted_scale(bounds.grid_low[1], bounds.grid_high[1], FRAME_PADDING, (float)frame.height);
@@ -162,37 +108,34 @@ static void fit_perspective(LightFrame frame, PointBounds bounds, Projection* pr
         fit_heights(1.0f / (bounds.world_high[2] * unit), 1.0f / (bounds.world_low[2] * unit), projection);
 }
 
-// One work-group: merges the groups' bounds and makes the projection.
-__kernel void light_frame_fit(LightFrame frame, uint group_count, __global const PointBounds* group_bounds,
-                              __global Projection* projection_out, __local PointBounds* shared) {
-    PointBounds bounds = no_points();
-    for (uint i = get_local_id(0); i < group_count; i += get_local_size(0)) bounds = merged(bounds, group_bounds[i]);
-    merge_group(bounds, shared);
-    if (get_local_id(0) != 0) return;
-
-    Projection projection;
-    bounds = shared[0];
-    for (int i = 0; i < 4; ++i) {
-        projection.row_x[i] = projection.row_y[i] = projection.row_z[i] = projection.center[i] = 0.0f;
-        projection.light[i] = frame.light[i];
+__kernel void light_frame_fit(LightFrame light_frame, __global const PointBounds* frame_bounds,
+                              __global Projection* projections) {
+    GN_FOR_EACH(face, frame_count_of(light_frame)) {
+        LightFrame frame = face_of(light_frame, (uint)face);
+        FittedBounds bounds = read_bounds(&frame_bounds[face]);
+        Projection projection;
+        for (int i = 0; i < 4; ++i) {
+            projection.row_x[i] = projection.row_y[i] = projection.row_z[i] = projection.center[i] = 0.0f;
+            projection.light[i] = frame.light[i];
+        }
+        projection.width = frame.width;
+        projection.height = frame.height;
+        projection.bin_log2 = frame.bin_log2;
+        projection.bins_x = frame.bins_x;
+        projection.bins_y = frame.bins_y;
+        projection.perspective = frame.perspective;
+        projection.point_error = projection.height_error = 0.0f;
+        projection.handedness = frame.sign_z;
+        projection.active_points = bounds.count;
+        projection.z_origin = 0.0f;
+        projection.z_scale = 1.0f;
+        for (int i = 0; i < 3; ++i) projection.padding[i] = 0;
+        if (bounds.count == 0)
+            projection.indistinct = 1;
+        else if (frame.perspective)
+            fit_perspective(frame, bounds, &projection);
+        else
+            fit_parallel(frame, bounds, &projection);
+        projections[face] = projection;
     }
-    projection.width = frame.width;
-    projection.height = frame.height;
-    projection.bin_log2 = frame.bin_log2;
-    projection.bins_x = frame.bins_x;
-    projection.bins_y = frame.bins_y;
-    projection.perspective = frame.perspective;
-    projection.point_error = projection.height_error = 0.0f;
-    projection.handedness = frame.sign_z;
-    projection.active_points = bounds.count;
-    projection.z_origin = 0.0f;
-    projection.z_scale = 1.0f;
-    for (int i = 0; i < 3; ++i) projection.padding[i] = 0;
-    if (bounds.count == 0)
-        projection.indistinct = 1;
-    else if (frame.perspective)
-        fit_perspective(frame, bounds, &projection);
-    else
-        fit_parallel(frame, bounds, &projection);
-    *projection_out = projection;
 }

@@ -5,7 +5,8 @@
 
 #include "projection.h"
 
-// What the host knows of a frame before the points are looked at.
+// What the host knows of a light's frames before the points are looked at. A direction has one frame. A position has
+// LAMP_FRAMES, the faces of a cube around it: what is said below is of the first, face_of() makes the others.
 GN_STRUCT_BEGIN(LightFrame)
     float light[4];          // homogeneous: w = 0 minus the direction of travel, w = 1 the position
     uint axis_x, axis_y;     // world coordinates that span the grid; axis_x, axis_y, axis_z are a cyclic order
@@ -17,40 +18,95 @@ GN_STRUCT_BEGIN(LightFrame)
     uint bin_log2, bins_x, bins_y;
 GN_STRUCT_END(LightFrame, 64)
 
-// Bounds of the points of a frame; light_frame_bounds writes one per work-group, light_frame_fit reads them.
+#define LAMP_FRAMES 6u
+
+// Bounds of the points of a frame: keys of the highest values and of minus the lowest ones, so that atomic maxima
+// collect them and zero bytes mean "no point".
+#define BOUNDED_VALUES 5
 GN_STRUCT_BEGIN(PointBounds)
-    float grid_low[2], grid_high[2];    // sheared coordinates or, in perspective, ratios; before scaling
-    float world_low[3], world_high[3];  // in perspective [2] of both: W
+    // Of each value: grid x, grid y (sheared coordinates or, in perspective, ratios; before scaling), world x, y, z (in
+    // perspective W instead of z).
+    uint highest[BOUNDED_VALUES];
+    uint minus_lowest[BOUNDED_VALUES];
     uint count;
-    uint padding[1];
-GN_STRUCT_END(PointBounds, 48)
+GN_STRUCT_END(PointBounds, 44)
+#define BOUNDS_WORDS 11
+
+// Levels of the farthest heights' pyramid that one launch makes.
+#define PYRAMID_LEVELS 5
 
 #ifndef __cplusplus
 
-#include "points.h"
+#include "point_blocks.h"
 
-// Does the point belong to the frame? Parallel: always. Perspective: if the frame's axis is the one of the largest
-// difference to the light (first of equals), on the frame's side. A point at the light itself belongs to none: nothing
-// lies strictly between.
-static bool is_in_frame(LightFrame frame, float3 p_world) {
-    if (!frame.perspective) return true;
-    float3 d = p_world - (float3)(frame.light[0], frame.light[1], frame.light[2]);
-    float3 size = fabs(d);
-    uint axis = size.x >= size.y ? (size.x >= size.z ? 0u : 2u) : (size.y >= size.z ? 1u : 2u);
-    float along = axis == 0u ? d.x : axis == 1u ? d.y : d.z;
-    // Where denormals are flushed a difference can vanish between unlike positions. Such a point goes to the first
-    // frame, whose heights it makes indistinct.
-    if (along == 0.0f && any(as_int3(p_world) != as_int3((float3)(frame.light[0], frame.light[1], frame.light[2]))))
-        return frame.axis_z == 0u && frame.sign_z > 0.0f;
-    return axis == frame.axis_z && along * frame.sign_z > 0.0f;
+static uint frame_count_of(LightFrame light_frame) { return light_frame.perspective ? LAMP_FRAMES : 1u; }
+
+// Frame `face` of a light: the faces are +x, -x, +y, -y, +z, -z.
+static LightFrame face_of(LightFrame light_frame, uint face) {
+    LightFrame frame = light_frame;
+    if (frame.perspective) {
+        frame.axis_z = face / 2u;
+        frame.axis_x = (frame.axis_z + 1u) % 3u;
+        frame.axis_y = (frame.axis_z + 2u) % 3u;
+        frame.sign_z = face % 2u == 0u ? 1.0f : -1.0f;
+    }
+    return frame;
 }
 
-// Does point i still need an answer from this frame? Loads it if so.
-static bool is_open_in_frame(LightFrame frame, PointsLayout layout, __global const float* positions,
-                             __global const float* visibility, size_t i, float3* p_world) {
-    if (visibility[i] != 1.0f) return false;
-    *p_world = load_point(positions, layout, i);
-    return is_present(*p_world) && is_in_frame(frame, *p_world);
+// Which frame each point belongs to, LAMP_FRAMES if none. Parallel: 0. Perspective: the face of the largest difference
+// to the light (first of equals), on its side. A point at the light itself belongs to none: nothing lies strictly
+// between.
+static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
+    if (!light_frame.perspective) return (LaneInt)(0);
+    LaneFloat light_x = light_frame.light[0], light_y = light_frame.light[1], light_z = light_frame.light[2];
+    LaneFloat x = points.x - light_x, y = points.y - light_y, z = points.z - light_z;
+    LaneFloat size_x = fabs(x), size_y = fabs(y), size_z = fabs(z);
+    LaneInt z_over_x = ~LANE_COMPARE(size_x, >=, size_z), z_over_y = ~LANE_COMPARE(size_y, >=, size_z);
+    LaneInt along_x = LANE_COMPARE(size_x, >=, size_y) & ~z_over_x;
+    LaneInt along_y = ~LANE_COMPARE(size_x, >=, size_y) & ~z_over_y;
+    LaneFloat along = LANES_SELECT(LANES_SELECT(z, y, along_y), x, along_x);
+    LaneInt face = LANES_SELECT(LANES_SELECT((LaneInt)(4), (LaneInt)(2), along_y), (LaneInt)(0), along_x);
+    face -= LANE_COMPARE(along, <, (LaneFloat)(0.0f));
+    // Where denormals are flushed a difference can vanish between unlike positions. Such a point goes to the first
+    // frame, whose heights it makes indistinct.
+    LaneInt none = LANE_COMPARE(along, ==, (LaneFloat)(0.0f));
+    LaneInt unlike = LANE_COMPARE(LANES_AS_INT(points.x), !=, LANES_AS_INT(light_x)) |
+                     LANE_COMPARE(LANES_AS_INT(points.y), !=, LANES_AS_INT(light_y)) |
+                     LANE_COMPARE(LANES_AS_INT(points.z), !=, LANES_AS_INT(light_z));
+    return LANES_SELECT(face, LANES_SELECT((LaneInt)(LAMP_FRAMES), (LaneInt)(0), unlike), none);
+}
+
+static LaneFloat lanes_row_dot(__constant const float* row, PointBlock d) {
+    return fma((LaneFloat)(row[0]), d.x,
+               fma((LaneFloat)(row[1]), d.y, fma((LaneFloat)(row[2]), d.z, (LaneFloat)(row[3]))));
+}
+
+// Points in the grid: X, Y in texels and Z. In perspective the division may be off by 3 ulp. Every kernel takes the
+// places of points from here, so that on one device they agree to the bit.
+static PointBlock project_points(__constant const Projection* projection, PointBlock points) {
+    PointBlock d = {points.x - projection->center[0], points.y - projection->center[1],
+                    points.z - projection->center[2]};
+    PointBlock h = {lanes_row_dot(projection->row_x, d), lanes_row_dot(projection->row_y, d),
+                    lanes_row_dot(projection->row_z, d)};
+    if (projection->perspective) {
+        h.x = h.x / h.z;
+        h.y = h.y / h.z;
+        h.z = (LaneFloat)(1.0f) / h.z;
+    }
+    if (projection->indistinct) {
+        h.x = h.y = (LaneFloat)(0.5f);
+        h.z = (LaneFloat)(0.0f);
+    }
+    return h;
+}
+
+static LaneInt texel_indices(LaneFloat coordinate, uint count) {
+    return clamp(LANES_TO_INT(coordinate), (LaneInt)(0), (LaneInt)((int)count - 1));
+}
+static LaneInt bins_of(__constant const Projection* projection, PointBlock places) {
+    LaneInt x = texel_indices(places.x, projection->width) >> (int)projection->bin_log2;
+    LaneInt y = texel_indices(places.y, projection->height) >> (int)projection->bin_log2;
+    return y * (int)projection->bins_x + x;
 }
 
 #endif

@@ -101,28 +101,8 @@ static Projected project(__constant const Projection* projection, float3 p_world
     return h;
 }
 
-// A shading point in the grid: X, Y in texels and Z. In perspective the division may be off by 3 ulp.
-static float3 project_point(__constant const Projection* projection, float3 p_world) {
-    float3 d = p_world - center_of(projection);
-    float x = row_dot(projection->row_x, d);
-    float y = row_dot(projection->row_y, d);
-    float z = row_dot(projection->row_z, d);
-    if (projection->perspective) {
-        x = x / z;
-        y = y / z;
-        z = 1.0f / z;
-    }
-    if (projection->indistinct) return (float3)(0.5f, 0.5f, 0.0f);
-    return (float3)(x, y, z);
-}
-
-// Points are fitted inside the grid with a margin above their error; the clamp only guards the index.
+// The index of a texel. Points are fitted inside the grid with a margin above their error; the clamp only guards.
 static uint texel_index(float coordinate, uint count) { return (uint)clamp((int)coordinate, 0, (int)count - 1); }
-static uint bin_of(__constant const Projection* projection, float3 point) {
-    uint x = texel_index(point.x, projection->width) >> projection->bin_log2;
-    uint y = texel_index(point.y, projection->height) >> projection->bin_log2;
-    return y * projection->bins_x + x;
-}
 
 #endif
 #endif

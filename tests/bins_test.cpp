@@ -146,12 +146,14 @@ TEST(bins, writes_only_its_own) {
     FrameOutput out{};
     for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{64, 1}, {64, 3}}) {
         const UploadedScene inputs(device, scene);
-        out.frame = gnomon::light_frames(inputs.light, grid)[0];
+        out.frame = light_frames(inputs.light, grid)[0];
         if (grid.bin_log2 == 3) {
             put_canaries(session, stages.bins.offsets());
             put_canaries(session, stages.bins.references());
         }
-        run_stages_once(session, stages, inputs, {}, out);
+        StageSettings settings;
+        settings.grid = grid;
+        run_stages_once(session, stages, inputs, settings, out);
     }
     expect_canaries(session, stages.bins.offsets(), (8 * 8 + 1) * sizeof(std::uint32_t), "offsets");
     expect_canaries(session, stages.bins.references(), out.counters.references * sizeof(std::uint32_t), "references");
@@ -167,7 +169,7 @@ TEST(bins, grows) {
     stages.bins.limit_initial_capacity(1);
     stages.setup.limit_initial_capacity(1);
     FrameOutput out{};
-    out.frame = gnomon::light_frames(inputs.light, settings.grid)[0];
+    out.frame = light_frames(inputs.light, settings.grid)[0];
     int passes = 1;
     while (!run_stages_once(device.session(), stages, inputs, settings, out)) ++passes;
     EXPECT_GE(passes, 2);

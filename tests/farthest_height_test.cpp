@@ -11,11 +11,19 @@ namespace {
 using namespace support;
 using Keys = std::vector<std::uint32_t>;
 
+/// The minimum of these points of each bin.
+template <typename Include>
+Keys expected_bins(const FrameOutput& out, Include include) {
+    Keys bins(std::size_t(out.frame.bins_x) * out.frame.bins_y, NO_KEY);
+    for (const ListedPoint& p : out.points)
+        if (include(p)) bins[p.bin] = std::min(bins[p.bin], key_of_float(p.z));
+    return bins;
+}
+
 /// The definition: the minimum of the points of each bin, then of up to 2 x 2 cells, level by level.
 Keys expected(const FrameOutput& out) {
     std::uint32_t width = out.frame.bins_x, height = out.frame.bins_y;
-    Keys level(std::size_t(width) * height, NO_KEY);
-    for (const ListedPoint& p : out.points) level[p.bin] = std::min(level[p.bin], key_of_float(p.z));
+    Keys level = expected_bins(out, [](const ListedPoint&) { return true; });
     Keys pyramid = level;
     while (width > 1 || height > 1) {
         const std::uint32_t half_width = (width + 1) / 2, half_height = (height + 1) / 2;
@@ -89,6 +97,39 @@ TEST(farthest_height, survives_degenerates) {
     }
 }
 
+// Doubtful points by themselves, and what is left to be listed behind a map. Not vacuous: the receivers part half of
+// the points from the light, and the map raises hundreds of bins.
+TEST(farthest_height, what_the_map_leaves) {
+    const gnomon::Device device = device_with();
+    std::uint64_t doubtful = 0, raised = 0;
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        SCOPED_TRACE(name);
+        const Floats triangles = soup(20, 1.5f, 76);
+        LightScene scene{name, triangles, random_points(2000, -2, 2, 77), light};
+        Random random(78);
+        for (int i = 0; i < 2000; ++i) scene.receivers.push_back(random.below(24));
+        StageSettings settings;
+        for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
+            const Keys expected_doubtful =
+                expected_bins(out, [&](const ListedPoint& p) { return is_doubtful(out.visibility_before[p.id]); });
+            EXPECT_EQ(out.doubtful, expected_doubtful);
+            EXPECT_EQ(out.open_heights, Keys(out.pyramid.begin(), out.pyramid.begin() + long(out.doubtful.size())));
+            doubtful += std::count_if(out.doubtful.begin(), out.doubtful.end(), [](auto key) { return key != NO_KEY; });
+        }
+        settings.with_map = true;
+        for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
+            // Nothing that the map leaves open lies below.
+            for (const ListedPoint& p : out.points) EXPECT_GE(key_of_float(p.z), out.open_heights[p.bin]);
+            for (std::size_t bin = 0; bin < out.doubtful.size(); ++bin) {
+                EXPECT_GE(out.open_heights[bin], std::min(out.pyramid[bin], out.doubtful[bin]));
+                raised += out.open_heights[bin] > out.pyramid[bin];
+            }
+        }
+    }
+    EXPECT_GT(doubtful, 500u);
+    EXPECT_GT(raised, 100u);
+}
+
 // Not vacuous: the first grid's pyramid is 16 times as large as the second's, so canaries lie right behind that.
 TEST(farthest_height, writes_only_its_own) {
     const gnomon::Device device = device_with();
@@ -96,16 +137,56 @@ TEST(farthest_height, writes_only_its_own) {
     const LightScene scene = comparison_scene();
     const UploadedScene inputs(device, scene);
     LightStages stages;
-    FrameOutput out{};
     for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{128, 2}, {64, 3}}) {
-        out.frame = gnomon::light_frames(inputs.light, grid)[0];
-        stages.light_frame.run(session, out.frame, inputs.point_inputs(), inputs.visibility.get());
-        if (grid.size == 64) put_canaries(session, stages.farthest_height.pyramid());
-        stages.farthest_height.run(session, out.frame, inputs.point_inputs(), stages.light_frame.projection(),
+        FrameOutput out{};
+        out.frame = light_frames(inputs.light, grid)[0];
+        StageSettings settings;
+        settings.grid = grid;
+        if (grid.size == 64)
+            for (const auto* keys : {&stages.farthest_height.pyramid(), &stages.farthest_height.doubtful(),
+                                     &stages.farthest_height.open_heights()})
+                put_canaries(session, *keys);
+        stages.light_frame.run(session, out.frame, inputs.facing.frame_bounds());
+        stages.farthest_height.run(session, out.frame, 0, 1, inputs.point_inputs(), stages.light_frame.projections(),
                                    inputs.visibility.get());
+        stages.farthest_height.run_open_heights(session, out.frame, 1, stages.light_frame.projections(), nullptr);
     }
-    const std::size_t cells = 64 + 16 + 4 + 1;
-    expect_canaries(session, stages.farthest_height.pyramid(), cells * sizeof(std::uint32_t), "pyramid");
+    const std::size_t bins = 8 * 8, cells = bins + 16 + 4 + 1, key = sizeof(std::uint32_t);
+    expect_canaries(session, stages.farthest_height.pyramid(), cells * key, "pyramid");
+    expect_canaries(session, stages.farthest_height.doubtful(), bins * key, "heights of doubtful points");
+    expect_canaries(session, stages.farthest_height.open_heights(), bins * key, "heights of open points");
+}
+
+// All six frames of a lamp at once: the same as each by itself.
+TEST(farthest_height, takes_frames_together) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    for (const gnomon::FrameGrid grid : GRIDS) {
+        LightScene scene = comparison_scene();
+        scene.light = at(0.1f, 0.2f, -0.3f);
+        const UploadedScene inputs(device, scene);
+        const gnomon::LightFrame frame = gnomon::make_light_frame(inputs.light, grid);
+        LightStages stages;
+        stages.light_frame.run(session, frame, inputs.facing.frame_bounds());
+        stages.farthest_height.run(session, frame, 0, LAMP_FRAMES, inputs.point_inputs(),
+                                   stages.light_frame.projections(), inputs.visibility.get());
+        StageSettings settings;
+        settings.grid = grid;
+        const auto single = run_light_stages(device, scene, settings);
+        ASSERT_EQ(single.size(), std::size_t(LAMP_FRAMES));
+        // Level by level, inside a level frame by frame.
+        Keys expected_keys;
+        std::size_t first = 0;
+        for (std::uint32_t w = frame.bins_x, h = frame.bins_y;; w = (w + 1) / 2, h = (h + 1) / 2) {
+            for (const FrameOutput& out : single)
+                expected_keys.insert(expected_keys.end(), out.pyramid.begin() + long(first),
+                                     out.pyramid.begin() + long(first + std::size_t(w) * h));
+            first += std::size_t(w) * h;
+            if (w == 1 && h == 1) break;
+        }
+        EXPECT_EQ(downloaded<std::uint32_t>(session, stages.farthest_height.pyramid().get(), expected_keys.size()),
+                  expected_keys);
+    }
 }
 
 }  // namespace

@@ -157,13 +157,12 @@ TEST(light_frame, equals_reference_in_odd_grids) {
     EXPECT_LE(largest.place, 1);
 }
 
-/// The projection made for these points, and the number of work-groups that made it unknown to the caller.
+/// The projection made for these points.
 gnomon::Projection fit(const gnomon::Device& device, const LightScene& scene, std::size_t frame) {
     const UploadedScene inputs(device, scene);
     gnomon::LightFrameFit stage;
-    stage.run(device.session(), gnomon::light_frames(inputs.light, {64, 3})[frame], inputs.point_inputs(),
-              inputs.visibility.get());
-    return downloaded<gnomon::Projection>(device.session(), stage.projection().get(), 1)[0];
+    stage.run(device.session(), gnomon::make_light_frame(inputs.light, {64, 3}), inputs.facing.frame_bounds());
+    return downloaded<gnomon::Projection>(device.session(), stage.projections().get(), frame + 1)[frame];
 }
 
 bool same(const gnomon::Projection& a, const gnomon::Projection& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
@@ -233,6 +232,7 @@ TEST(light_frame, indistinct_frames_are_right) {
             for (const FrameOutput& out : run_light_stages(device, scene)) {
                 gave_up += out.projection.indistinct;
                 visibility = out.visibility;
+                std::transform(visibility.begin(), visibility.end(), visibility.begin(), decided);
             }
             const auto truth = reference::shadowed(scene.triangles, scene.points, {}, scene.light);
             for (std::size_t i = 0; i < truth.size(); ++i) {
@@ -245,27 +245,20 @@ TEST(light_frame, indistinct_frames_are_right) {
     EXPECT_GT(lit, 500u);
 }
 
-// The kernels themselves, with canaries behind what they write.
+// Six frames in a buffer with room behind them.
 TEST(light_frame, writes_only_its_own) {
     const gnomon::Device device = device_with(16);
     gnomon::cl::Session& session = device.session();
     const LightScene scene = large_cloud();
     const UploadedScene inputs(device, scene);
-    const gnomon::LightFrame frame = gnomon::light_frames(inputs.light, {64, 3})[0];
-    constexpr std::size_t groups = 5;
-    gnomon::cl::Buffer bounds(session, (groups + 1) * sizeof(gnomon::PointBounds));
-    gnomon::cl::Buffer projection(session, sizeof(gnomon::Projection) + 64);
-    put_canaries(session, bounds);
-    put_canaries(session, projection);
-    const gnomon::PointInputs points = inputs.point_inputs();
-    const gnomon::cl::LocalBytes shared{16 * sizeof(gnomon::PointBounds)};
-    session.launch("light_frame.cl", "light_frame_bounds", gnomon::cl::Range::groups(groups), frame, points.layout,
-                   points.positions, inputs.visibility, bounds, shared);
-    session.launch("light_frame.cl", "light_frame_fit", gnomon::cl::Range::groups(1), frame, cl_uint(groups), bounds,
-                   projection, shared);
-    expect_canaries(session, bounds, groups * sizeof(gnomon::PointBounds), "bounds");
-    expect_canaries(session, projection, sizeof(gnomon::Projection), "projection");
-    EXPECT_TRUE(same(downloaded<gnomon::Projection>(session, projection.get(), 1)[0], fit(device, scene, 0)));
+    gnomon::cl::Buffer projections(session, LAMP_FRAMES * sizeof(gnomon::Projection) + 64);
+    put_canaries(session, projections);
+    session.launch("light_frame.cl", "light_frame_fit", gnomon::cl::Range::groups(1),
+                   gnomon::make_light_frame(inputs.light, {64, 3}), inputs.facing.frame_bounds(), projections);
+    expect_canaries(session, projections, LAMP_FRAMES * sizeof(gnomon::Projection), "projections");
+    for (std::size_t frame = 0; frame < LAMP_FRAMES; ++frame)
+        EXPECT_TRUE(same(downloaded<gnomon::Projection>(session, projections.get(), LAMP_FRAMES)[frame],
+                         fit(device, scene, frame)));
 }
 
 }  // namespace

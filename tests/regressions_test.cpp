@@ -156,9 +156,12 @@ private:
 // Where a device flushes denormals, which is allowed, a point whose difference to the lamp vanishes belonged to no
 // frame and stayed lit. This machine's devices flush nothing, so a copy of the kernels does.
 TEST(Regressions, PointsWithinFlushedDenormalsOfALamp) {
-    const std::string difference = "float3 d = p_world - (float3)(frame.light[0], frame.light[1], frame.light[2]);";
-    const ChangedKernels kernels("light_frame.h", difference,
-                                 difference + " d = select(d, (float3)(0.0f), fabs(d) < (float3)(FLT_MIN));");
+    const std::string difference = "LaneFloat x = points.x - light_x, y = points.y - light_y, z = points.z - light_z;";
+    std::string flush;
+    for (const std::string v : {"x", "y", "z"})
+        flush += " " + v + " = LANES_SELECT(" + v + ", (LaneFloat)(0.0f), LANE_COMPARE(fabs(" + v +
+                 "), <, (LaneFloat)(FLT_MIN)));";
+    const ChangedKernels kernels("light_frame.h", difference, difference + flush);
     EXPECT_EQ(ask_within_denormals_of_a_lamp(Device()).wrong, 0u);
 }
 

@@ -339,7 +339,7 @@ TEST(triangle_setup, survives_degenerates) {
     const UploadedScene inputs(device, scene);
     LightStages stages;
     FrameOutput first{};
-    first.frame = gnomon::light_frames(inputs.light, StageSettings{}.grid)[0];
+    first.frame = light_frames(inputs.light, StageSettings{}.grid)[0];
     run_stages_once(device.session(), stages, inputs, {}, first);
     EXPECT_EQ(first.counters.not_finite, 3u);
     EXPECT_EQ(first.counters.edge_on, 3u);

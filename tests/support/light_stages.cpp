@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "light_stages.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
-#include <bit>
 
 namespace support {
 namespace {
@@ -78,55 +79,105 @@ BinRange bins_of(const gnomon::TriangleBounds& bounds, const gnomon::Projection&
             last(bounds.y1, projection.height)};
 }
 
+std::vector<gnomon::LightFrame> light_frames(const gnomon::Light& light, const gnomon::FrameGrid& grid) {
+    const gnomon::LightFrame first = gnomon::make_light_frame(light, grid);
+    std::vector<gnomon::LightFrame> frames(gnomon::frame_count_of(first), first);
+    if (first.perspective != 0)
+        for (std::uint32_t face = 0; face < frames.size(); ++face) {
+            frames[face].axis_z = face / 2;
+            frames[face].axis_x = (face / 2 + 1) % 3;
+            frames[face].axis_y = (face / 2 + 2) % 3;
+            frames[face].sign_z = face % 2 == 0 ? 1.0f : -1.0f;
+        }
+    return frames;
+}
+
 UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& scene)
     : triangles(gnomon::Triangles::upload(device, scene.triangles)),
       points(upload_points(device, scene)),
       light{scene.light},
       visibility(device.session(), scene.points.size() / 3 * sizeof(float)),
       counters(device.session(), sizeof(gnomon::FrameCounters)) {
-    device.session().fill(visibility, std::bit_cast<std::uint32_t>(1.0f), scene.points.size() / 3 * sizeof(float));
     device.session().fill(counters, 0, sizeof(gnomon::FrameCounters));
+    facing.run(device.session(), gnomon::make_light_frame(light, StageSettings{}.grid), triangle_inputs(),
+               point_inputs(), visibility.get(), counters);
 }
+
+namespace {
+
+/// The other traversal from the same state on: lists the points, and must come to `expected`.
+void run_triangles_traversal(Session& session, LightStages& stages, const UploadedScene& scene,
+                             const StageSettings& settings, std::uint32_t face, const gnomon::FrameCounters& counted,
+                             FrameOutput& out, const std::vector<float>& expected) {
+    const gnomon::PointInputs points = scene.point_inputs();
+    const cl_mem visibility = scene.visibility.get();
+    session.write(visibility, out.visibility_before.data(), out.visibility_before.size() * sizeof(float));
+    session.write(scene.counters.get(), &counted, sizeof(counted));
+    stages.izb.run(session, gnomon::make_light_frame(scene.light, settings.grid), face, points, stages.projection,
+                   settings.with_map ? &stages.map.map() : nullptr, visibility, scene.counters);
+    out.visibility_after_izb = downloaded<float>(session, visibility, scene.points.count());
+    session.read(scene.counters.get(), &out.izb_counters, sizeof(out.izb_counters));
+    stages.trace.run_triangles(session, out.frame, scene.triangle_inputs(), points, stages.izb, stages.bins,
+                               stages.setup, visibility, scene.counters);
+    gnomon::run_exact_trace(session, scene.triangle_inputs(), points, scene.light, stages.trace, visibility,
+                            scene.counters);
+    EXPECT_EQ(downloaded<float>(session, visibility, scene.points.count()), expected)
+        << "triangles over points and points over triangles differ";
+}
+
+}  // namespace
 
 bool run_stages_once(Session& session, LightStages& stages, const UploadedScene& scene, const StageSettings& settings,
                      FrameOutput& out) {
     const gnomon::TriangleInputs triangles = scene.triangle_inputs();
     const gnomon::PointInputs points = scene.point_inputs();
     const cl_mem visibility = scene.visibility.get();
-    const Buffer& projection = stages.light_frame.projection();
+    const gnomon::LightFrame first_frame = gnomon::make_light_frame(scene.light, settings.grid);
+    const std::uint32_t face = first_frame.perspective != 0 ? 2 * out.frame.axis_z + (out.frame.sign_z < 0) : 0;
     const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y;
     session.fill(scene.counters, 0, sizeof(gnomon::FrameCounters));
-    stages.light_frame.run(session, out.frame, points, visibility);
-    session.read(projection.get(), &out.projection, sizeof(out.projection));
+    stages.light_frame.run(session, first_frame, scene.facing.frame_bounds());
+    out.projection = downloaded<gnomon::Projection>(session, stages.light_frame.projections().get(), face + 1).at(face);
     if (out.projection.active_points == 0) return true;
-    stages.farthest_height.run(session, out.frame, points, projection, visibility);
-    stages.setup.run_bounds(session, projection, triangles, &stages.farthest_height.pyramid(), scene.counters);
+    stages.projection.reserve(session, sizeof(gnomon::Projection));
+    session.write(stages.projection.get(), &out.projection, sizeof(out.projection));
+    out.visibility_before = downloaded<float>(session, visibility, scene.points.count());
+    stages.farthest_height.run(session, first_frame, face, 1, points, stages.projection, visibility);
+    stages.setup.run_bounds(session, stages.projection, triangles, &stages.farthest_height.pyramid(), scene.counters);
     if (settings.with_map) {
-        stages.setup.run_map_tiles(session, projection, triangles, stages.farthest_height.pyramid(), scene.counters);
-        stages.map.run(session, out.frame, projection, stages.setup, stages.farthest_height.pyramid(),
+        stages.setup.run_map_tiles(session, stages.projection, triangles, stages.farthest_height.pyramid(),
+                                   scene.counters);
+        stages.map.run(session, out.frame, stages.projection, stages.setup, stages.farthest_height.pyramid(),
                        settings.cover_test, scene.counters);
     }
-    stages.izb.run(session, out.frame, triangles, points, projection, settings.with_map ? &stages.map.map() : nullptr,
-                   visibility, scene.counters);
-    out.visibility_after_izb = downloaded<float>(session, visibility, scene.points.count());
-    stages.bins.run_heights(session, out.frame.bins_x, out.frame.bins_y, stages.izb.farthest());
-    stages.setup.run_tiles(session, projection, triangles, &stages.bins.heights(), scene.counters);
-    stages.bins.run(session, projection, bin_count, stages.setup, true, scene.counters);
-    stages.trace.run(session, out.frame, points, stages.izb, stages.bins, stages.setup, visibility, scene.counters);
-    gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
-    session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
+    const Buffer* map = settings.with_map ? &stages.map.map() : nullptr;
+    stages.farthest_height.run_open_heights(session, first_frame, 1, stages.projection, map);
+    stages.bins.run_heights(session, out.frame.bins_x, out.frame.bins_y, stages.farthest_height.open_heights());
+    stages.setup.run_tiles(session, stages.projection, triangles, &stages.bins.heights(), scene.counters);
+    stages.bins.run(session, stages.projection, bin_count, stages.setup, true, scene.counters);
+    gnomon::FrameCounters listed{};
+    session.read(scene.counters.get(), &listed, sizeof(listed));
+    const auto trace = [&](gnomon::Trace::Look look) {
+        stages.trace.run(session, first_frame, face, 1, triangles, points, stages.projection, map, stages.bins,
+                         stages.setup, visibility, scene.counters, look);
+        if (look == gnomon::Trace::Look::first)
+            gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
+        session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
+    };
+    trace(gnomon::Trace::Look::first);
     const bool setup = stages.setup.fitted(session, out.counters);
     const bool references = stages.bins.fitted(session, out.counters, setup);
-    const bool pairs = stages.trace.fitted(session, out.counters);
-    return setup && references && pairs;
+    if (!setup || !references) return false;
+    if (!stages.trace.fitted(session, points, out.counters)) trace(gnomon::Trace::Look::second);
+    out.visibility = downloaded<float>(session, visibility, scene.points.count());
+    run_triangles_traversal(session, stages, scene, settings, face, listed, out, out.visibility);
+    return true;
 }
 
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
                                           const StageSettings& settings) {
     Session& session = device.session();
     const UploadedScene uploaded_scene(device, scene);
-    gnomon::run_facing(session, uploaded_scene.triangle_inputs(), uploaded_scene.point_inputs(), uploaded_scene.light,
-                       uploaded_scene.visibility.get(), uploaded_scene.counters);
     LightStages stages;
     if (settings.first_capacity != 0) {
         stages.setup.limit_initial_capacity(settings.first_capacity);
@@ -134,23 +185,21 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
         stages.trace.limit_initial_capacity(settings.first_capacity);
     }
     std::vector<FrameOutput> outputs;
-    for (const gnomon::LightFrame& frame : gnomon::light_frames(uploaded_scene.light, settings.grid)) {
+    for (const gnomon::LightFrame& frame : light_frames(uploaded_scene.light, settings.grid)) {
         FrameOutput out{};
         out.frame = frame;
         const std::uint32_t bin_count = frame.bins_x * frame.bins_y;
-        // A repeated pass starts from where the first one did, so that its outputs speak of all points.
-        const auto before = downloaded<float>(session, uploaded_scene.visibility.get(), uploaded_scene.points.count());
-        while (!run_stages_once(session, stages, uploaded_scene, settings, out))
-            session.write(uploaded_scene.visibility.get(), before.data(), before.size() * sizeof(float));
+        while (!run_stages_once(session, stages, uploaded_scene, settings, out)) {
+        }
         if (out.projection.active_points == 0) continue;
         out.pyramid = downloaded<std::uint32_t>(session, stages.farthest_height.pyramid().get(), pyramid_cells(frame));
+        out.doubtful = downloaded<std::uint32_t>(session, stages.farthest_height.doubtful().get(), bin_count);
+        out.open_heights = downloaded<std::uint32_t>(session, stages.farthest_height.open_heights().get(), bin_count);
         out.triangles = read_triangles(session, stages, out.counters, out.projection);
         if (settings.with_map)
             out.map = downloaded<std::uint32_t>(session, stages.map.map().get(), frame.width * frame.height);
         out.points = read_points(session, stages, bin_count);
-        out.farthest = downloaded<std::uint32_t>(session, stages.izb.farthest().get(), bin_count);
         out.references = read_references(session, stages, bin_count, out.counters);
-        out.visibility = downloaded<float>(session, uploaded_scene.visibility.get(), uploaded_scene.points.count());
         outputs.push_back(std::move(out));
     }
     return outputs;

@@ -11,6 +11,7 @@
 #include "../../host/exact_trace.hpp"
 #include "../../host/facing.hpp"
 #include "../../host/farthest_height.hpp"
+#include "../../host/izb.hpp"
 #include "device.hpp"
 #include "reference/predicates.hpp"
 
@@ -50,16 +51,19 @@ struct SetUpTriangle {
 
 /// What one frame's stages left behind.
 struct FrameOutput {
-    gnomon::LightFrame frame;
+    gnomon::LightFrame frame;  ///< as face_of() makes it
     gnomon::Projection projection;
     std::vector<std::uint32_t> pyramid;                  ///< farthest_height, base level first
+    std::vector<std::uint32_t> doubtful;                 ///< farthest_height, per bin
+    std::vector<std::uint32_t> open_heights;             ///< farthest_height after the map, per bin
     std::vector<SetUpTriangle> triangles;                ///< triangle_setup, by id
     std::vector<std::uint32_t> map;                      ///< conservative_map, as keys; empty if not run
     std::vector<ListedPoint> points;                     ///< izb, by id
-    std::vector<std::uint32_t> farthest;                 ///< izb, per bin
     std::vector<std::vector<std::uint32_t>> references;  ///< bins, triangle ids per bin, sorted
-    std::vector<float> visibility_after_izb;
-    std::vector<float> visibility;  ///< after exact_trace
+    std::vector<float> visibility_before;                ///< of the frame's stages
+    std::vector<float> visibility_after_izb;             ///< listed points are 1 here
+    std::vector<float> visibility;                       ///< after exact_trace
+    gnomon::FrameCounters izb_counters;                  ///< what the izb stage alone counted
     gnomon::FrameCounters counters;
 };
 
@@ -70,7 +74,16 @@ struct StageSettings {
     std::uint32_t first_capacity = 0;  ///< 0: the stages' own
 };
 
-/// The stages' inputs on the device.
+/// Visibility of a point that is still to be decided (kernels/point_blocks.h).
+inline bool is_open(float visibility) { return visibility >= 2.0f; }
+inline bool is_doubtful(float visibility) { return visibility == 3.0f; }
+/// Visibility as a run leaves it, from that of its last frame: points of frames that did not run stay lit.
+inline float decided(float visibility) { return is_open(visibility) ? 1.0f : visibility; }
+
+/// All frames of a light, as the kernels make them.
+std::vector<gnomon::LightFrame> light_frames(const gnomon::Light& light, const gnomon::FrameGrid& grid);
+
+/// The stages' inputs on the device; the facing stage has opened the points.
 class UploadedScene {
 public:
     UploadedScene(const gnomon::Device& device, const LightScene& scene);
@@ -81,6 +94,7 @@ public:
     gnomon::Points points;
     gnomon::Light light;
     gnomon::cl::Buffer visibility, counters;
+    gnomon::Facing facing;
 };
 
 struct LightStages {
@@ -91,13 +105,15 @@ struct LightStages {
     gnomon::Izb izb;
     gnomon::Bins bins;
     gnomon::Trace trace;
+    gnomon::cl::Buffer projection;  ///< of the frame that runs
 };
 
-/// Runs the stages once for one frame. False if a list was too short (it is longer now): to be repeated.
+/// Runs the stages once for one frame, `out.frame`; both traversals, whose answers must be equal. False if a list was
+/// too short (it is longer now): to be repeated.
 bool run_stages_once(gnomon::cl::Session& session, LightStages& stages, const UploadedScene& scene,
                      const StageSettings& settings, FrameOutput& out);
 
-/// Facing, then everything for each frame of the light that has points. Lists grow as in the pipeline.
+/// Everything for each frame of the light that has points. Lists grow as in the pipeline.
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
                                           const StageSettings& settings = {});
 

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+// Frustum trace: every open point against the map, then against the triangles of its bin's list, by the float filter of
+// the records. Points are not sorted: a work-item takes a block of GN_LANES neighbours, which mostly share a bin; where
+// they do not, each of the bins is walked for its lanes.
+//
+// The filter only says what is certain. A pair it cannot decide (the point near an edge's ray or near the plane, by the
+// proven margins) goes to the queue of the exact stage, unless the triangle is the point's own receiver. Where the
+// queue is full the point stays open, and a second look decides such pairs in place: so the memory of open pairs is
+// bounded. One writer per point: no atomics on visibility here.
+#ifndef GN_TRACE_POINTS_H
+#define GN_TRACE_POINTS_H
+
+#include "bin_lists.h"
+#include "coarse_test.h"
+#include "trace.h"
+
+typedef struct TraceLists {
+    __global const uint* offsets;
+    __global const uint* references;
+    __global const TriangleRecord* records;
+    __global const TriangleBounds* bounds;  // of the records, for their ids
+} TraceLists;
+
+// What a work-group counts. The tests in two words: their low 16 bits and the rest, so that neither sum overflows.
+enum { COUNT_MAP, COUNT_TRACE, COUNT_EXACT, COUNT_LISTED, COUNT_TESTS_LOW, COUNT_TESTS_HIGH, TRACE_COUNTS };
+
+// What becomes of a block: points in shadow, and points that must be looked at again.
+typedef struct BlockAnswer {
+    LaneInt shadowed, postponed;
+    LaneInt by_exact;  // of the shadowed ones
+    LaneInt waiting;   // a triangle that the filter left open, GN_NO_ID: none
+} BlockAnswer;
+
+// Looks at the lanes that the filter did not dismiss; returns those that need no more triangles.
+static LaneInt settle(const ExactPairs* pairs, FilterAnswer found, PointBlock points, uint first_point, uint id,
+                      BlockAnswer* answer) {
+    LaneInt settled = (LaneInt)(0);
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        if (!LANE_OF_INT(found.possible, lane) || is_receiver(pairs, first_point + lane, id)) continue;
+        if (LANE_OF_INT(found.certain, lane)) {
+            LANE_OF_INT(answer->shadowed, lane) = LANE_OF_INT(settled, lane) = -1;
+        } else if (TRACE_IN_PLACE) {
+            if (!blocks_exactly(pairs, lane_point(points, lane), id)) continue;
+            LANE_OF_INT(answer->shadowed, lane) = LANE_OF_INT(answer->by_exact, lane) = LANE_OF_INT(settled, lane) = -1;
+        } else if (LANE_OF_INT(answer->waiting, lane) == (int)GN_NO_ID) {
+            LANE_OF_INT(answer->waiting, lane) = (int)id;
+        } else if (!hand_over(pairs, first_point + lane, id)) {
+            LANE_OF_INT(answer->postponed, lane) = LANE_OF_INT(settled, lane) = -1;
+        }
+    }
+    return settled;
+}
+
+// Most points with an open pair have but one. It waits until the block's lists are walked: then most such points turn
+// out to be in shadow anyway, and the walk's loop does not have to fork.
+static void hand_over_waiting(const ExactPairs* pairs, uint first_point, BlockAnswer* answer) {
+    LaneInt lanes =
+        ~answer->shadowed & ~answer->postponed & LANE_COMPARE(answer->waiting, !=, (LaneInt)((int)GN_NO_ID));
+    if (!LANES_ANY(lanes)) return;
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        if (LANE_OF_INT(lanes, lane) && !hand_over(pairs, first_point + lane, (uint)LANE_OF_INT(answer->waiting, lane)))
+            LANE_OF_INT(answer->postponed, lane) = -1;
+}
+
+// The list of one bin for some lanes of a block; returns the number of triangles looked at.
+static uint walk(const ExactPairs* pairs, TraceLists lists, uint bin, LaneInt lit, PointBlock points, PointBlock places,
+                 uint first_point, BlockAnswer* answer) {
+    uint first = lists.offsets[bin], last = lists.offsets[bin + 1];
+    for (uint i = first; i < last; ++i) {
+        uint slot = lists.references[i];
+        FilterAnswer found = filter(&lists.records[slot], places, lit);
+        if (!LANES_ANY(found.possible)) continue;
+        lit &= ~settle(pairs, found, points, first_point, lists.bounds[slot].id, answer);
+        if (!LANES_ANY(lit)) return i + 1u - first;
+    }
+    return last - first;
+}
+
+__kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
+                           __constant const Projection* projections, uint has_map, uint queue_capacity,
+                           ulong first_float, __global const float* positions, __global const uint* receivers,
+                           __global const float* vertices, __global const uint* map, __global const uint* offsets,
+                           __global const uint* references, __global const TriangleRecord* records,
+                           __global const TriangleBounds* bounds, __global float* visibility, __global uint2* queue,
+                           __global FrameCounters* counters) {
+    // An overflow upstream: the host will grow the lists and run again.
+    if (counters->references == GN_NO_LISTS) return;
+#ifndef GN_CPU
+    // One atomic per work-group and counter: hundreds of thousands on one address would take longer than the trace.
+    __local uint group_counts[TRACE_COUNTS];
+    for (uint i = (uint)get_local_id(0); i < TRACE_COUNTS; i += (uint)get_local_size(0)) group_counts[i] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
+    TraceLists lists = {offsets, references, records, bounds};
+    ExactPairs pairs;
+    pairs.receivers = receivers;
+    pairs.vertices = vertices + first_float;
+    pairs.queue = queue;
+    pairs.queue_capacity = queue_capacity;
+    pairs.has_receivers = layout.has_receivers;
+    pairs.light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+    pairs.counters = counters;
+    uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
+    ulong tests = 0;
+    uint by_map = 0, by_trace = 0, by_exact = 0, listed = 0;
+    GN_FOR_EACH(block, block_count(layout)) {
+        LaneFloat state = load_lanes(visibility, layout, block);
+        LaneInt left = open_lanes(state);
+        if (!LANES_ANY(left)) continue;
+        PointBlock points = load_block(positions, layout, block);
+        LaneInt frames = frames_of(light_frame, points) - (int)first_frame;
+        left &= LANE_COMPARE(frames, >=, (LaneInt)(0)) & LANE_COMPARE(frames, <, (LaneInt)((int)frame_count));
+        LaneInt looked_at = left;
+        BlockAnswer answer = {(LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)((int)GN_NO_ID)};
+        while (LANES_ANY(left)) {
+            int frame = LANE_OF_INT(frames, first_lane(left));
+            LaneInt same_frame = left & LANE_COMPARE(frames, ==, (LaneInt)(frame));
+            left &= ~same_frame;
+            PointBlock places = project_points(&projections[frame], points);
+            if (has_map) {
+                LaneInt below =
+                    lanes_below_map(&projections[frame], places, state, same_frame, map + (size_t)frame * texel_count);
+                answer.shadowed |= below;
+                same_frame &= ~below;
+                by_map += count_lanes(below);
+            }
+            listed += count_lanes(same_frame);
+            LaneInt bins = bins_of(&projections[frame], places);
+            while (LANES_ANY(same_frame)) {
+                int bin = LANE_OF_INT(bins, first_lane(same_frame));
+                LaneInt same_bin = same_frame & LANE_COMPARE(bins, ==, (LaneInt)(bin));
+                same_frame &= ~same_bin;
+                LaneInt before = answer.shadowed;
+                tests += walk(&pairs, lists, (uint)frame * bin_count + (uint)bin, same_bin, points, places,
+                              (uint)block * GN_LANES, &answer);
+                by_trace += count_lanes(answer.shadowed & ~before & ~answer.by_exact);
+            }
+        }
+        hand_over_waiting(&pairs, (uint)block * GN_LANES, &answer);
+        by_exact += count_lanes(answer.by_exact);
+        LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer.shadowed);
+        result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
+        store_lanes(LANES_SELECT(state, result, looked_at), visibility, layout, block);
+    }
+#ifdef GN_CPU
+    // Few work-items; and PoCL 3.1 keeps vectors misaligned across a barrier of work-groups of 3, 7 and so on.
+    if (by_map != 0) atomic_add(&counters->decided_by_map, by_map);
+    if (by_trace != 0) atomic_add(&counters->decided_by_trace, by_trace);
+    if (by_exact != 0) atomic_add(&counters->decided_by_exact, by_exact);
+    if (listed != 0 && !TRACE_IN_PLACE) atomic_add(&counters->listed, listed);
+    count_tests(tests * GN_LANES, counters);
+#else
+    atomic_add(&group_counts[COUNT_MAP], by_map);
+    atomic_add(&group_counts[COUNT_TRACE], by_trace);
+    atomic_add(&group_counts[COUNT_EXACT], by_exact);
+    atomic_add(&group_counts[COUNT_LISTED], TRACE_IN_PLACE ? 0u : listed);
+    atomic_add(&group_counts[COUNT_TESTS_LOW], (uint)tests & 0xFFFFu);
+    atomic_add(&group_counts[COUNT_TESTS_HIGH], (uint)(tests >> 16));
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) != 0) return;
+    if (group_counts[COUNT_MAP] != 0) atomic_add(&counters->decided_by_map, group_counts[COUNT_MAP]);
+    if (group_counts[COUNT_TRACE] != 0) atomic_add(&counters->decided_by_trace, group_counts[COUNT_TRACE]);
+    if (group_counts[COUNT_EXACT] != 0) atomic_add(&counters->decided_by_exact, group_counts[COUNT_EXACT]);
+    if (group_counts[COUNT_LISTED] != 0) atomic_add(&counters->listed, group_counts[COUNT_LISTED]);
+    count_tests((group_counts[COUNT_TESTS_LOW] + ((ulong)group_counts[COUNT_TESTS_HIGH] << 16)) * GN_LANES, counters);
+#endif
+}
+
+#endif
