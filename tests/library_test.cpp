@@ -594,7 +594,7 @@ TEST_F(KernelsTest, AFolderOfTheSameKernelsWorks) {
 
 TEST_F(KernelsTest, CompileErrorsNameTheTrueFileAndLine) {
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
-    for (const std::string broken : {"izb.cl", "points.h", "exact/det3.h"}) {
+    for (const std::string broken : {"trace.cl", "points.h", "exact/det3.h"}) {
         std::ifstream original(folder_ / broken, std::ios::binary);
         const std::string text{std::istreambuf_iterator<char>(original), {}};
         const auto line = std::to_string(std::count(text.begin(), text.end(), '\n') + 1);
@@ -615,8 +615,8 @@ TEST_F(KernelsTest, CompileErrorsNameTheTrueFileAndLine) {
 
 TEST_F(KernelsTest, AMissingFileIsNamed) {
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
-    std::filesystem::remove(folder_ / "izb.cl");
-    EXPECT_TRUE(throws<gnomon::Error>(run_something, {"izb.cl", folder_.string()}));
+    std::filesystem::remove(folder_ / "trace.cl");
+    EXPECT_TRUE(throws<gnomon::Error>(run_something, {"trace.cl", folder_.string()}));
 }
 
 TEST_F(KernelsTest, AChangedKernelIsTheOneThatRuns) {
@@ -703,7 +703,7 @@ TEST(Statistics, CountEveryPointOnce) {
                 EXPECT_LE(stages_ms, s.total_wall_ms);
                 std::sort(names.begin(), names.end());
                 EXPECT_EQ(std::unique(names.begin(), names.end()), names.end()) << "a stage is listed twice";
-                for (const char* stage : {"facing", "light_frame", "conservative_map", "izb", "bins", "trace"})
+                for (const char* stage : {"facing", "light_frame", "conservative_map", "bins", "trace"})
                     EXPECT_TRUE(std::binary_search(names.begin(), names.end(), stage)) << stage;
             }
 }
