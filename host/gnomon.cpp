@@ -11,6 +11,7 @@
 #include "shadow_map/presets.hpp"
 #include "shadow_map/shadow_map.hpp"
 #include "shadow_volumes.hpp"
+#include "sub_pixel_shadow_map.hpp"
 
 namespace gnomon {
 
@@ -60,6 +61,7 @@ std::vector<Registered> registered() {
         entry<FrustumTraced>(),
         entry<ShadowMap>(),
         entry<ShadowVolumes>(),
+        entry<SubPixelShadowMap>(),
     };
     for (const ShadowMapPreset& preset : shadow_map_presets())
         all.push_back({describe(preset), [&preset](const Device& device) { return make(preset, device); }});

@@ -29,7 +29,8 @@ const Floats& vertices() {
 std::vector<gnomon::TechniqueDescription> all_techniques() {
     std::vector<gnomon::TechniqueDescription> chosen;
     for (const gnomon::TechniqueDescription& technique : gnomon::techniques())
-        if (technique.exact || technique.name == "shadow-map" || technique.name == "shadow-volumes")
+        if (technique.exact || technique.name == "shadow-map" || technique.name == "shadow-volumes" ||
+            technique.name == "sub-pixel")
             chosen.push_back(technique);
     return chosen;
 }

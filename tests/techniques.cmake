@@ -3,3 +3,7 @@
 gnomon_test(shadow_volumes_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/shadow_volumes_test.cpp
   LIBRARIES gnomon_stage_support)
+
+gnomon_test(sub_pixel_shadow_map_test
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/sub_pixel_shadow_map_test.cpp
+  LIBRARIES gnomon_stage_support)

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Contract of technique sub-pixel: a shadow map that stores which triangle, not how deep (Lecocq, Marvie, Sourimant and
+// Gautron 2014, "Sub-Pixel Shadow Mapping"; survey, slide 135).
+//
+// Per texel of a light's frame the map keeps the triangle that comes nearest to the light among those that touch the
+// texel anywhere (conservative rasterization), GN_NO_ID where there is none. A point asks the exact predicate
+// (exact/blocks.h) whether the triangle of its texel blocks it; with neighbours also those of the 8 texels around.
+// So a shadow's edge is the triangle's edge, however large the texels are, and nothing needs a bias.
+//
+// Promise: a point is in shadow only if a triangle other than its receiver blocks it, so none is wrongly in shadow.
+// Limit: one triangle a texel. Where several overlap in one, or are smaller than it, points are wrongly lit.
+#ifndef GN_SUB_PIXEL_SHADOW_MAP_H
+#define GN_SUB_PIXEL_SHADOW_MAP_H
+
+#include "prelude.h"
+
+// Of a frame, zeroed at its start.
+GN_STRUCT_BEGIN(SubPixelCounters)
+    uint texels;     // that hold a triangle
+    uint in_shadow;  // points
+GN_STRUCT_END(SubPixelCounters, 8)
+
+#endif

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+// Sub-pixel shadow map by its promises: never wrongly in shadow; the truth itself where one triangle casts, however
+// large the texels; more texels and neighbours only help.
+#include <gtest/gtest.h>
+
+#include "support/device.hpp"
+#include "support/scene_makers.hpp"
+
+namespace {
+
+using namespace support;
+
+constexpr std::uint32_t width = 128, height = 96;
+
+const std::vector<gnomon::Light>& lights() {
+    static const std::vector<gnomon::Light> all = {gnomon::Light::directional({-0.4f, -1, -0.3f}),
+                                                   gnomon::Light::directional({1, -0.75f, 0.5f}),
+                                                   gnomon::Light::positional({0.5f, 3, 0.25f})};
+    return all;
+}
+
+Floats over_a_floor(const Floats& casters) {
+    Floats triangles;
+    add(triangles, {-6, -1, -6}, {-6, -1, 6}, {6, -1, 6});
+    add(triangles, {-6, -1, -6}, {6, -1, 6}, {6, -1, -6});
+    append(triangles, casters);
+    return triangles;
+}
+
+const Floats one_triangle{-1, 0.5f, -1, 1, 0.75f, -0.5f, 0, 0.25f, 1};
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+struct Errors {
+    std::size_t wrongly_lit = 0, wrongly_shadowed = 0, in_shadow = 0, lit = 0;
+};
+
+Errors errors_of(const std::vector<float>& mask, const std::vector<float>& truth) {
+    Errors errors;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        errors.wrongly_lit += mask[i] == 1 && truth[i] == 0;
+        errors.wrongly_shadowed += mask[i] == 0 && truth[i] == 1;
+        errors.in_shadow += truth[i] == 0;
+        errors.lit += truth[i] == 1;
+    }
+    return errors;
+}
+
+class SubPixelShadowMap : public testing::Test {
+protected:
+    std::vector<float> run(const Floats& scene, const gnomon::Light& light, const std::string& technique,
+                           const Settings& settings = {}) {
+        const auto triangles = gnomon::Triangles::upload(device_, scene);
+        const auto camera = gnomon::Camera::look_at({0, 2, 4}, {0, -0.25f, 0}, {0, 1, 0}, 60);
+        const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
+        const auto made = gnomon::make_technique(technique, device_);
+        for (const auto& [key, value] : settings) made->set(key, value);
+        const gnomon::Visibility visibility(device_, view.points.count());
+        statistics_ = made->run(triangles, view.points, light, visibility);
+        return visibility.read();
+    }
+
+    Errors errors(const Floats& scene, const gnomon::Light& light, const Settings& settings) {
+        const std::vector<float> truth = run(scene, light, "frustum-traced");
+        return errors_of(run(scene, light, "sub-pixel", settings), truth);
+    }
+
+    gnomon::Device device_;
+    gnomon::Statistics statistics_;  ///< of the last run
+};
+
+TEST_F(SubPixelShadowMap, OneCasterIsTheTruthHoweverLargeTheTexels) {
+    for (const gnomon::Light& light : lights())
+        for (const char* size : {"16", "100", "512"})
+            for (const char* neighbours : {"on", "off"}) {
+                SCOPED_TRACE(std::string(size) + ", neighbours " + neighbours + ", w " + std::to_string(light.xyzw[3]));
+                const Errors found =
+                    errors(over_a_floor(one_triangle), light, {{"map-size", size}, {"neighbours", neighbours}});
+                EXPECT_EQ(found.wrongly_lit, 0u);
+                EXPECT_EQ(found.wrongly_shadowed, 0u);
+                EXPECT_GT(found.in_shadow, 100u) << "a scene without shadow proves nothing";
+                EXPECT_GT(found.lit, 100u);
+            }
+}
+
+TEST_F(SubPixelShadowMap, NothingIsWronglyInShadow) {
+    for (const Floats& casters : {icosphere(2, 0.8f), soup(200, 0.5f, 5), slivers(50, 0.02f, 3)})
+        for (const gnomon::Light& light : lights())
+            for (const char* size : {"16", "256"}) {
+                const Errors found = errors(over_a_floor(casters), light, {{"map-size", size}});
+                EXPECT_EQ(found.wrongly_shadowed, 0u);
+                EXPECT_GT(found.in_shadow, found.wrongly_lit) << "some of the shadow must be found";
+                EXPECT_GT(found.lit, 100u);
+            }
+}
+
+TEST_F(SubPixelShadowMap, TexelsAndNeighboursOnlyHelp) {
+    const Floats scene = over_a_floor(icosphere(3, 0.8f));
+    for (const gnomon::Light& light : lights()) {
+        const std::size_t coarse = errors(scene, light, {{"map-size", "32"}}).wrongly_lit;
+        const std::size_t fine = errors(scene, light, {{"map-size", "512"}}).wrongly_lit;
+        const std::size_t alone = errors(scene, light, {{"map-size", "32"}, {"neighbours", "off"}}).wrongly_lit;
+        EXPECT_LT(fine, coarse);
+        EXPECT_LT(coarse, alone);
+    }
+}
+
+TEST_F(SubPixelShadowMap, CountsWhatItSays) {
+    const std::vector<float> mask =
+        run(over_a_floor(one_triangle), lights().front(), "sub-pixel", {{"map-size", "64"}});
+    EXPECT_EQ(statistics_.count("points_in_shadow"), std::uint64_t(std::count(mask.begin(), mask.end(), 0.0f)));
+    EXPECT_EQ(statistics_.count("texels"), 64u * 64u);
+    EXPECT_GT(statistics_.count("texels_with_triangle"), 64u * 64u / 2);
+    EXPECT_LE(statistics_.count("texels_with_triangle"), 64u * 64u);
+}
+
+// Triangles that cover a grid of 4096 x 4096 are in more tiles than there is room for at first.
+TEST_F(SubPixelShadowMap, ListsThatAreTooShortGrow) {
+    const Errors found = errors(over_a_floor({-9, 2, -9, -9, 2, 9, 9, 2, 9}), lights().front(), {{"map-size", "4096"}});
+    EXPECT_EQ(found.wrongly_lit + found.wrongly_shadowed, 0u);
+    EXPECT_GT(found.in_shadow, 100u);
+    EXPECT_GT(statistics_.count("lists_grown"), 0u);
+}
+
+TEST_F(SubPixelShadowMap, SameBitsForEveryOrderAndWorkGroupSize) {
+    // Every triangle twice: which of two at one height is kept must not depend on the order of work.
+    Floats casters = soup(100, 0.5f, 7);
+    append(casters, casters);
+    const Floats scene = over_a_floor(casters);
+    const std::vector<float> expected = run(scene, lights().back(), "sub-pixel", {{"map-size", "64"}});
+    for (const std::uint32_t size : FEW_WORK_GROUP_SIZES) {
+        device_ = device_with(size);
+        EXPECT_EQ(run(scene, lights().back(), "sub-pixel", {{"map-size", "64"}}), expected) << size;
+    }
+}
+
+// Points given by hand, without receivers or an eye; absent points and a broken triangle among them.
+TEST_F(SubPixelShadowMap, TakesPointsAndTrianglesAsTheyAre) {
+    const float nan = std::nanf("");
+    Floats scene = one_triangle;
+    add(scene, {0, nan, 0}, {1, 2, 0}, {0, 2, 1});
+    const auto triangles = gnomon::Triangles::upload(device_, scene);
+    const auto points = gnomon::Points::upload(device_, Floats{0, -1, 0, 5, -1, 0, nan, 0, 0, 0, 2, 0});
+    const gnomon::Visibility visibility(device_, points.count());
+    const auto technique = gnomon::make_technique("sub-pixel", device_);
+    technique->run(triangles, points, gnomon::Light::directional({0, -1, 0}), visibility);
+    EXPECT_EQ(visibility.read(), (std::vector<float>{0, 1, 1, 1}));
+    // What a triangle does not do to its own points.
+    const auto owned = gnomon::Points::upload(device_, Floats{0, -1, 0, 0, -1, 0}, std::vector<std::uint32_t>{0, 1});
+    technique->run(triangles, owned, gnomon::Light::directional({0, -1, 0}), visibility);
+    EXPECT_EQ(visibility.read(), (std::vector<float>{1, 0, 1, 1}));
+    technique->run(gnomon::Triangles::upload(device_, {}), points, lights().back(), visibility);
+    EXPECT_EQ(visibility.read(), (std::vector<float>{1, 1, 1, 1}));
+}
+
+TEST_F(SubPixelShadowMap, RefusesBadSettings) {
+    const auto technique = gnomon::make_technique("sub-pixel", device_);
+    for (const auto& [key, value] :
+         Settings{{"map-size", "8"}, {"map-size", "100000"}, {"map-size", "many"}, {"neighbours", "2"}, {"bias", "1"}})
+        EXPECT_THROW(technique->set(key, value), gnomon::InvalidArgument) << key << " " << value;
+}
+
+}  // namespace
