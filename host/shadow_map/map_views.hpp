@@ -21,6 +21,7 @@ struct FitInputs {
     cl_mem visibility;
     Light light;
     std::optional<PointsCamera> camera;
+    bool keeps_casters = false;  ///< the map's depths reach to the casters nearest to the light, not only to receivers
 };
 
 /// Fills map_views.tables with the texel centres of the views (kernels/shadow_map/map_view.cl).

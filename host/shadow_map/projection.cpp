@@ -173,6 +173,7 @@ ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
     plan.overlap = overlap_;
     plan.slide_back = slide_back_;
     plan.map_size = size;
+    plan.keeps_casters = inputs.keeps_casters;
     plan.view_count = view_count(plan, cascades_);
     plan.self_similar = is_self_similar_ && plan.partition == PARTITION_DEPTH && plan.fit == FIT_FRUSTUM;
     if (plan.self_similar != 0) plan.lambda = 1;

@@ -63,7 +63,9 @@ const std::vector<Setting>& settings_table() {
         {{"bias", "scaled",
           "scaled by the caster's slope, adaptive (the receiver's plane at each texel) or dual (between two layers)"},
          [](S& s, Text n, Text v) { s.bias = static_cast<S::Bias>(choice_setting(n, v, bias_names)); }},
-        {{"constant-bias", "0.0001", "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range"},
+        {{"constant-bias", "0.0001",
+          "subtracted from the receiver's depth, 0 to 1; 1 is the map's depth range: the receivers' (pcss: to the "
+          "casters)"},
          [](S& s, Text n, Text v) { s.constant_bias = number_setting(n, v, 0, 1); }},
         {{"slope-bias", "1.5", "of bias scaled: times the caster's depth per texel, 0 to 100"},
          [](S& s, Text n, Text v) { s.slope_bias = number_setting(n, v, 0, 100); }},
@@ -239,8 +241,8 @@ Statistics ShadowMap::run(const Triangles& triangles, const Points& points, cons
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
-                           points.camera()};
+    FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
+    inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // it measures how far they are
     Statistics statistics;
     FrameCounters facing{};
     map_views_.set = {};

@@ -322,17 +322,25 @@ static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view,
     return with_rim(bounds_of_vertices(view, body->vertices, body->count), view, plan->map_size);
 }
 
+// Of the scene's box.
+static float2 depths_of_box(const PlannedView* view, Place place) {
+    float2 depths = (float2)(INFINITY, -INFINITY);
+    for (int i = 0; i < 8; ++i) {
+        float depth = dot4(vload4(0, view->row_depth), (float4)(box_corner(place.box_low, place.box_high, i), 1.0f));
+        depths = (float2)(fmin(depths.x, depth), fmax(depths.y, depth));
+    }
+    return depths;
+}
+
 // Depths the map keeps apart: those of the receivers or, where the map must not follow the camera, of the whole scene.
+// Casters nearer than that are clamped to depth 0; a lookup that measures how far they are has them kept apart.
 static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, Place place, KeyBounds points) {
     float low = least_of(&points, 2), high = greatest_of(&points, 2);
-    if (plan->fit >= FIT_CASTERS && plan->partition <= PARTITION_DEPTH) {
-        low = INFINITY, high = -INFINITY;
-        for (int i = 0; i < 8; ++i) {
-            float depth =
-                dot4(vload4(0, view->row_depth), (float4)(box_corner(place.box_low, place.box_high, i), 1.0f));
-            low = fmin(low, depth), high = fmax(high, depth);
-        }
-    }
+    float2 box = depths_of_box(view, place);
+    if (plan->fit >= FIT_CASTERS && plan->partition <= PARTITION_DEPTH)
+        low = box.x, high = box.y;
+    else if (plan->keeps_casters)
+        low = fmin(low, view->is_front_only ? fmax(box.x, 0.0f) : box.x);
     float range = fmax(high - low, 1.0e-3f * fmax(fabs(low), fabs(high)) + 1.0e-18f);
     return (float2)(low - NEAR_MARGIN * range, high + FAR_MARGIN * range);
 }

@@ -76,7 +76,8 @@ GN_STRUCT_BEGIN(ViewPlan)
     uint shares_resolution;  // 1: texels are shared out by error (thesis 6.4)
     uint atlas_columns;      // views side by side in one picture of that many columns; 0: one after the other
     uint self_similar;       // 1: depth slices of lambda 1 repeat the first one's fit (thesis, eq. 6.2-6.3)
-GN_STRUCT_END(ViewPlan, 140)
+    uint keeps_casters;      // 1: depths before the receivers are kept apart too, as far as the scene's box reaches
+GN_STRUCT_END(ViewPlan, 144)
 
 // Least values over points, as float_to_key: of u, v, depth and w, then of their negatives. All ones: no point.
 GN_STRUCT_BEGIN(KeyBounds)
