@@ -62,22 +62,10 @@ struct OpenPoints {
 };
 
 OpenPoints all_open(const Device& device, const Points& points, std::span<const std::uint32_t> ids) {
-    OpenPoints open;
-    const std::size_t count = points.count();
-    if (count == 0) return open;
-    const PointLayout& at = points.layout();
-    std::vector<float> floats(at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1);
-    device.session().read(points.positions(), floats.data(), floats.size() * sizeof(float));
-    open.positions.reserve(3 * count);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t c = 0; c < 3; ++c)
-            open.positions.push_back(floats[at.first + i * at.point_stride + c * at.coordinate_stride]);
-    open.receivers.assign(count, no_receiver);
-    if (points.receivers() != nullptr)
-        device.session().read(points.receivers(), open.receivers.data(), count * sizeof(std::uint32_t));
+    PointsOnHost host = read(device, points);
+    OpenPoints open{std::move(host.position), std::move(host.receiver), Ids(points.count())};
     if (!ids.empty())
         for (std::uint32_t& receiver : open.receivers) receiver = receiver < ids.size() ? ids[receiver] : no_receiver;
-    open.places.resize(count);
     std::iota(open.places.begin(), open.places.end(), 0u);
     return open;
 }

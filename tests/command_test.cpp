@@ -471,6 +471,65 @@ TEST_F(Command, TooLittleDeviceMemory) {
                    "out of device memory: ");
 }
 
+TEST_F(Command, ASceneThatDoesNotFitIsProcessedInPartsWithTheSameFiles) {
+    std::vector<float> vertices = floor_and_square();
+    for (int i = 0; i < 100000; ++i) {  // specks over the floor, a few seen and most of them hidden by others
+        const float x = float(i % 173) / 23 - 3.7f, y = 0.1f + float(i % 89) / 100,
+                    z = float(i / 173 % 173) / 23 - 3.7f;
+        for (const float corner : {x, y, z, x + 0.05f, y + 0.01f, z, x, y, z + 0.05f}) vertices.push_back(corner);
+    }
+    write_scene(folder_, "specks", vertices);
+    const Arguments scene{"specks.gltf",        "--size", "160x120", "--light", "lamp", "--map-size", "2048", "--set",
+                          "first-capacity=4096"};
+    const auto with = [&](const Arguments& more) {
+        Arguments all = scene;
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    const auto files_of = [](const std::string& name) {
+        return Arguments{"-o",    name + ".png", "--mask",  name + "_mask.png",
+                         "--aov", name + ".exr", "--stats", name + ".json"};
+    };
+    render_quietly(with(files_of("whole")));
+    const auto peak = statistics("whole.json").at("memory").at("device_peak_bytes").get<std::uint64_t>();
+    const std::string limit = std::to_string(peak * 3 / 4);
+    Arguments limited = files_of("parts");
+    limited.insert(limited.end(), {"--memory-limit", limit});
+    render_quietly(with(limited));
+    EXPECT_GT(statistics("parts.json").at("shadow_stages").at("counts").at("parts"), 1);
+    for (const char* end : {".png", "_mask.png", ".exr"})
+        EXPECT_TRUE(text_of(in_folder("whole" + std::string(end))) == text_of(in_folder("parts" + std::string(end))))
+            << end;
+
+    // Where parts would not answer for the whole, and where not even one fits.
+    const auto expect_too_little = [&](const std::string& bytes, const Arguments& more) {
+        Arguments all = with(more);
+        all.insert(all.begin(), "render");
+        all.insert(all.end(), {"-o", "a.png", "--memory-limit", bytes});
+        expect_failure(all, 1, "out of device memory: ");
+    };
+    expect_too_little(limit, {"--samples", "4"});
+    expect_too_little(limit, {"--dump-points", "points.bin"});
+    expect_too_little("300K", {});
+}
+
+TEST_F(Command, AKillWhileItWritesLeavesTheOldFilesWhole) {
+    std::ofstream(in_folder("a.exr")) << "old";
+    const pid_t child = start({"render", "--aov", "a.exr", "--size", "3000x2000", "--quiet"});
+    const auto has_begun = [&] {
+        for (const auto& entry : fs::directory_iterator(folder_))
+            if (entry.path().extension() == ".partial" && entry.file_size() > 0) return true;
+        return false;
+    };
+    bool begun = false;
+    while (!(begun = has_begun()) && waitpid(child, nullptr, WNOHANG) == 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_TRUE(begun);
+    ASSERT_EQ(kill(child, SIGKILL), 0);
+    EXPECT_EQ(finish(child).signal_number, SIGKILL);
+    EXPECT_EQ(text_of(in_folder("a.exr")), "old");
+}
+
 TEST_F(Command, AnInterruptLeavesNothing) {
     // At once, and in the midst of the work, when drivers have installed signal handlers of their own.
     for (const auto& [signal_number, wait_ms] :
@@ -701,7 +760,7 @@ TEST_F(Command, StatisticsHaveEveryField) {
     EXPECT_EQ("gnomon " + std::string(stats.at("version")) + "\n", run({"--version"}).out);
     EXPECT_EQ(stats.at("scene"), "square.gltf");
     EXPECT_EQ(stats.at("triangles"), 4);
-    EXPECT_EQ(stats.at("image"), (nlohmann::json{{"width", 32}, {"height", 24}}));
+    EXPECT_EQ(stats.at("image"), (nlohmann::json{{"width", 32}, {"height", 24}, {"samples", 1}}));
     EXPECT_EQ(stats.at("technique"), (nlohmann::json{{"name", "frustum-traced"}, {"settings", {{"map-size", "512"}}}}));
     EXPECT_EQ(stats.at("outputs"), (nlohmann::json{{"output", "a.png"}, {"stats", "s.json"}}));
     EXPECT_EQ(stats.at("warnings"), nlohmann::json::array());

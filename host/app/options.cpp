@@ -183,7 +183,8 @@ void add_device_options(CLI::App& app, ViewOptions& options) {
               "name (default: $GNOMON_DEVICE, else the first usable GPU, else CPU)",
               [&](const std::string& option, const std::string& text) { options.device = parse_name(option, text); });
     add_value(app, group, "--memory-limit", "BYTES",
-              "Allocate no more than this on the device; K, M, G and T are powers of 1024",
+              "Allocate no more than this on the device; K, M, G and T are powers of\n1024. A scene that does not fit "
+              "is processed in parts, with the same bits",
               [&](const std::string& option, const std::string& text) {
                   options.memory_limit_bytes = parse_bytes(option, text);
               });

@@ -116,7 +116,8 @@ struct Seen {
     Triangles triangles;
     View view;
     Visibility visibility;
-    std::vector<float> visible;  ///< visibility, on the host
+    std::vector<float> visible;      ///< visibility, on the host
+    std::vector<std::uint32_t> ids;  ///< where the triangles lie in the scene; empty: they are all of it
 };
 
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
@@ -141,7 +142,49 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
         }
         return visibility.read();
     });
-    return {triangles, view, visibility, std::move(visible)};
+    return {triangles, view, visibility, std::move(visible), {}};
+}
+
+/// The same bits with the triangles on the host, for a scene that the device cannot hold at once.
+Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<const float> vertices) {
+    const auto [width, height] = report.options.size;
+    ViewOfParts looked = steps.run("camera_in_parts", "camera, in parts", [&] {
+        return look_in_parts(device, vertices, report.camera.camera, width, height);
+    });
+    report.camera_statistics = looked.view.statistics;
+    const Visibility visibility(device, looked.view.points.count());
+    const auto make = [&] { return make_technique(device, report.options.technique, report.options.settings); };
+    std::vector<float> visible = steps.run("shadow_in_parts", "shadows, in parts", [&] {
+        report.shadow_statistics =
+            run_in_parts(make, device, vertices, looked.view.points, looked.ids, report.light.light, visibility);
+        return visibility.read();
+    });
+    return {looked.triangles, looked.view, visibility, std::move(visible), std::move(looked.ids)};
+}
+
+/// Parts answer for the whole if the technique is exact. Samples, dumped points and diagnostics are for scenes that
+/// fit.
+bool can_be_in_parts(const RenderOptions& options) {
+    const std::vector<TechniqueDescription> all = techniques();
+    return options.samples == 1 && !options.point_dump && !options.diagnostic &&
+           std::any_of(all.begin(), all.end(),
+                       [&](const auto& technique) { return technique.exact && technique.name == options.technique; });
+}
+
+Materials materials_of(const scene::Scene& scene, const Seen& seen) {
+    if (seen.ids.empty()) return scene.materials;
+    Materials materials{{}, scene.materials.base_color};
+    for (const std::uint32_t id : seen.ids)
+        materials.triangle_material.push_back(scene.materials.triangle_material[id]);
+    return materials;
+}
+
+ViewOnHost view_of(const Device& device, const Seen& seen) {
+    ViewOnHost view = read(device, seen.triangles, seen.view);
+    if (seen.ids.empty()) return view;
+    for (std::uint32_t& receiver : view.receiver)
+        if (receiver != no_receiver) receiver = seen.ids[receiver];
+    return view;
 }
 
 /// Fills every file but the statistics.
@@ -157,14 +200,15 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
                     technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, light);
                 return write_picture(*outputs.picture, width, height, drawn);
             }
-            const auto rgba = shade(device, seen.triangles, seen.view, seen.visibility, scene.materials, light);
+            const auto rgba =
+                shade(device, seen.triangles, seen.view, seen.visibility, materials_of(scene, seen), light);
             write_picture(*outputs.picture, width, height, rgba);
         });
     if (outputs.mask)
         steps.run("write_mask", "writing the mask", [&] { write_mask(*outputs.mask, width, height, seen.visible); });
     if (outputs.aov)
         steps.run("write_aov", "writing the EXR", [&] {
-            const ViewOnHost view = read(device, seen.triangles, seen.view);
+            const ViewOnHost view = view_of(device, seen);
             write_aov(*outputs.aov, width, height, view, seen.visible);
         });
     if (outputs.triangle_dump)
@@ -195,8 +239,8 @@ void render(const RenderOptions& options) {
     Outputs outputs(options);
     const Device device = steps.run("open_device", "opening the device",
                                     [&] { return open_device(options, options.statistics.has_value()); });
-    const auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
-                                     [&] { return make_technique(device, options.technique, options.settings); });
+    auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
+                               [&] { return make_technique(device, options.technique, options.settings); });
 
     // The scene, its camera and its light.
     const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] { return load_scene(options); });
@@ -204,7 +248,16 @@ void render(const RenderOptions& options) {
     report.light = choose_light(options, scene);
 
     // What the camera sees, and which of it the light reaches.
-    const Seen seen = see(steps, report, device, *technique, scene.triangles, outputs.point_dump);
+    const Seen seen = [&] {
+        try {
+            return see(steps, report, device, *technique, scene.triangles, outputs.point_dump);
+        } catch (const OutOfDeviceMemory&) {
+            if (!can_be_in_parts(options)) throw;
+        }
+        technique.reset();  // what it kept would stand in the way
+        return see_in_parts(steps, report, device, scene.triangles);
+    }();
+    technique.reset();  // so that its memory serves the pictures
 
     // The files, each complete before the first appears.
     write_files(steps, outputs, device, scene, report, seen);
