@@ -10,6 +10,7 @@
 #include "self_check.hpp"
 #include "shadow_map/presets.hpp"
 #include "shadow_map/shadow_map.hpp"
+#include "shadow_map/virtual_map.hpp"
 #include "shadow_volumes.hpp"
 #include "sub_pixel_shadow_map.hpp"
 
@@ -58,10 +59,8 @@ Registered entry() {
 
 std::vector<Registered> registered() {
     std::vector<Registered> all{
-        entry<FrustumTraced>(),
-        entry<ShadowMap>(),
-        entry<ShadowVolumes>(),
-        entry<SubPixelShadowMap>(),
+        entry<FrustumTraced>(), entry<ShadowMap>(),         entry<VirtualShadowMap>(),
+        entry<ShadowVolumes>(), entry<SubPixelShadowMap>(),
     };
     for (const ShadowMapPreset& preset : shadow_map_presets())
         all.push_back({describe(preset), [&preset](const Device& device) { return make(preset, device); }});

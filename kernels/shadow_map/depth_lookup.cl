@@ -67,21 +67,6 @@ static float lookup_twelve(const LookupPlan* plan, const Receiver* r, __global c
     return sum / 12.0f;
 }
 
-// Texels that a world length across the light covers at the point, along u and v.
-static float2 texels_per_length(const Receiver* r) {
-    __global const MapView* view = r->view;
-    float u = length((float3)(view->row_u[0] - r->uv.x * view->row_w[0], view->row_u[1] - r->uv.x * view->row_w[1],
-                              view->row_u[2] - r->uv.x * view->row_w[2]));
-    float v = length((float3)(view->row_v[0] - r->uv.y * view->row_w[0], view->row_v[1] - r->uv.y * view->row_w[1],
-                              view->row_v[2] - r->uv.y * view->row_w[2]));
-    // Of a warped map: how dense its texels are where the point lies.
-    float step = 0.5f / (float)max(view->width, view->height);
-    float2 low = map_texels(view, r->tables, clamp(r->uv - step, 0.0f, 1.0f));
-    float2 high = map_texels(view, r->tables, clamp(r->uv + step, 0.0f, 1.0f));
-    float2 span = clamp(r->uv + step, 0.0f, 1.0f) - clamp(r->uv - step, 0.0f, 1.0f);
-    return (float2)(u, v) / fabs(r->homogeneous.z) * (high - low) / span;
-}
-
 // Grid of taps x taps points over `width` texels: mean visibility, and of the blockers their number and mean depth.
 static float grid_of_taps(const LookupPlan* plan, const Receiver* r, __global const float* depths, float2 width,
                           uint* blockers, float* blocker_depth) {

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// The pipeline of virtual shadow maps:
+//
+//   facing   points that face away are decided
+//   fit      views fitted to the others, as shadow-map's
+//   request  each point asks for the page under it, at its pixel's level
+//   pages    a prefix sum gives every requested page its place
+//   draw     the nearest caster per texel of these pages
+//   lookup   visibility of the points that face the light
+#include "virtual_map.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "../../kernels/triangle_setup.h"
+#include "../facing.hpp"
+#include "setting_values.hpp"
+
+namespace gnomon {
+namespace {
+
+constexpr const char* file = "shadow_map/virtual_map.cl";
+
+// From one page on, each the double of the one before.
+constexpr std::string_view sizes[] = {"128", "256", "512", "1024", "2048", "4096", "8192", "16384"};
+
+// Texels are counted in 32 bits.
+constexpr std::uint32_t most_pages = 0xFFFFFFFFu / PAGE_TEXELS;
+
+}  // namespace
+
+VirtualPlan VirtualShadowMap::plan_of(const FitInputs& inputs, std::uint32_t view_count) const {
+    VirtualPlan plan{};
+    plan.pages_across = size_ / PAGE_SIZE;
+    plan.levels = static_cast<cl_uint>(std::bit_width(plan.pages_across));
+    plan.entries_per_view = (4 * plan.pages_across * plan.pages_across - 1) / 3;
+    plan.view_count = view_count;
+    if (inputs.camera)
+        plan.pixel_size = static_cast<float>(2 * std::tan(inputs.camera->camera.fov_y_radians / 2) /
+                                             std::max(inputs.camera->height, 1u));
+    plan.detail = detail_;
+    plan.level = level_;
+    plan.receiver_bias = constant_bias_;
+    return plan;
+}
+
+void VirtualShadowMap::request(const FitInputs& inputs, const VirtualPlan& plan) {
+    cl::Session& session = device_.session();
+    const std::size_t entries = std::size_t(plan.view_count) * plan.entries_per_view;
+    level_views_.set = map_views_.set;
+    level_views_.set.view_count = plan.view_count * plan.levels;
+    level_views_.views.reserve(session, level_views_.set.view_count * sizeof(MapView));
+    level_views_.tables.reserve(session, std::size_t(plan.view_count) * 4 * size_ * sizeof(cl_float));
+    session.launch(file, "virtual_map_levels", cl::Range::items(level_views_.set.view_count), plan, map_views_.views,
+                   level_views_.views);
+    fill_centres(session, level_views_);
+    requested_.reserve(session, entries * sizeof(cl_uint));
+    point_entries_.reserve(session, std::size_t(inputs.points.layout.count) * sizeof(cl_uint));
+    session.fill(requested_, 0, entries * sizeof(cl_uint));
+    session.launch(file, "virtual_map_request", cl::Range::items(inputs.points.layout.count), plan, map_views_.set,
+                   inputs.points.layout, inputs.points.positions, inputs.visibility, map_views_.views,
+                   map_views_.tables, requested_, point_entries_, counters_);
+}
+
+void VirtualShadowMap::allocate(const VirtualPlan& plan) {
+    cl::Session& session = device_.session();
+    const cl_uint entries = plan.view_count * plan.entries_per_view;
+    page_of_.reserve(session, (std::size_t(entries) + 1) * sizeof(cl_uint));
+    scan_.run(session, entries, 1, requested_, page_of_);
+    session.read(counters_.get(), &counted_, sizeof(counted_));
+    const cl_uint pages = counted_.pages_requested;
+    if (pages > most_pages)
+        throw InvalidArgument("the points ask for " + std::to_string(pages) + " pages of a virtual map of size " +
+                              std::to_string(size_) + ", and there can be " + std::to_string(most_pages) +
+                              ": set a smaller size or detail");
+    pages_.reserve(session, pages * sizeof(MapView));
+    touched_.reserve(session, pages * sizeof(cl_uint));
+    session.fill(touched_, 0, pages * sizeof(cl_uint));
+    // A little more than the texels: the last are read in groups of lanes.
+    const std::size_t bytes = (std::size_t(pages) * PAGE_TEXELS + session.lanes()) * sizeof(cl_uint);
+    keys_.reserve(session, bytes);
+    session.fill(keys_, EMPTY_KEY, bytes);
+    session.launch(file, "virtual_map_pages", cl::Range::items(entries), plan, level_views_.views, requested_, page_of_,
+                   pages_);
+}
+
+void VirtualShadowMap::draw(const TriangleInputs& triangles, const VirtualPlan& plan) {
+    cl::Session& session = device_.session();
+    DepthPass pass{};
+    pass.pass = PASS_NEAREST;
+    pass.triangle_count = triangles.count;
+    pass.slope_bias = slope_bias_;
+    pass.slope_limit = slope_limit_;
+    // A minimum stays one when triangles are drawn twice: after growing, all are drawn again.
+    for (;;) {
+        pairs_.reserve(session, std::size_t(pair_capacity_) * 2 * sizeof(cl_uint));
+        pass.chunk_capacity = pair_capacity_;
+        session.launch(file, "virtual_map_small", cl::Range::items(triangles.count), plan, pass, triangles.first_float,
+                       triangles.vertices, level_views_.views, level_views_.tables, requested_, page_of_, pages_,
+                       touched_, keys_, counters_, pairs_);
+        session.launch(file, "virtual_map_large", session.small_groups(), plan, pass, triangles.first_float,
+                       triangles.vertices, level_views_.tables, page_of_, pages_, keys_, counters_, pairs_);
+        session.read(counters_.get(), &counted_, sizeof(counted_));
+        if (counted_.pairs <= pair_capacity_) return;
+        pair_capacity_ = counted_.pairs + counted_.pairs / 4;
+        counted_.pairs = 0;
+        session.write(counters_.get(), &counted_, sizeof(counted_));
+    }
+}
+
+void VirtualShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
+    cl::Session& session = device_.session();
+    {
+        cl::StageTimer timer(session, statistics, "fit");
+        fit_.run(session, inputs, size_, map_views_);
+    }
+    const VirtualPlan plan = plan_of(inputs, map_views_.set.view_count);
+    session.fill(counters_, 0, sizeof(VirtualCounters));
+    {
+        cl::StageTimer timer(session, statistics, "request");
+        request(inputs, plan);
+    }
+    {
+        cl::StageTimer timer(session, statistics, "pages");
+        allocate(plan);
+    }
+    {
+        cl::StageTimer timer(session, statistics, "draw");
+        draw(inputs.triangles, plan);
+    }
+    cl::StageTimer timer(session, statistics, "lookup");
+    session.launch(file, "virtual_map_lookup", cl::Range::items(inputs.points.layout.count), plan, inputs.points.layout,
+                   inputs.points.positions, level_views_.tables, point_entries_, page_of_, pages_, keys_,
+                   inputs.visibility);
+}
+
+Statistics VirtualShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
+                                 const Visibility& visibility) {
+    require_run(triangles, points, light, visibility);
+    const auto start = std::chrono::steady_clock::now();
+    cl::Session& session = device_.session();
+    const cl::RunMemory memory(session, kept_bytes_);
+    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+                           points.camera()};
+    Statistics statistics;
+    FrameCounters facing{};
+    map_views_.set = {};
+    counted_ = {};
+    if (points.count() != 0) {
+        {
+            cl::StageTimer timer(session, statistics, "facing");
+            counters_.reserve(session, std::max(sizeof(FrameCounters), sizeof(VirtualCounters)));
+            session.fill(counters_, 0, sizeof(FrameCounters));
+            run_facing(session, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
+        }
+        session.read(counters_.get(), &facing, sizeof(facing));
+        if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
+            run_stages(inputs, statistics);
+        else
+            statistics.stages.push_back({"draw", 0, 0, "no point faces the light, or there are no triangles"});
+    }
+    statistics.counts = {{"points", points.count()},
+                         {"points_absent", facing.absent},
+                         {"points_facing_away", facing.facing_away},
+                         {"points_outside", counted_.points_outside},
+                         {"triangles", triangles.count()},
+                         {"map_views", map_views_.set.view_count},
+                         {"map_texels", std::uint64_t(counted_.pages_requested) * PAGE_TEXELS},
+                         {"virtual_texels", std::uint64_t(map_views_.set.view_count) * size_ * size_},
+                         {"pages_requested", counted_.pages_requested},
+                         {"pages_drawn", counted_.pages_drawn}};
+    session.finish();
+    statistics.device_memory_bytes = memory.peak_bytes();
+    statistics.total_wall_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return statistics;
+}
+
+void VirtualShadowMap::set(std::string_view name, std::string_view value) {
+    if (name == "size")
+        size_ = PAGE_SIZE << choice_setting(name, value, sizes);
+    else if (name == "detail")
+        detail_ = number_setting(name, value, 0.01, 100);
+    else if (name == "level")
+        level_ = whole_setting(name, value, 0, std::size(sizes) - 1);
+    else if (name == "constant-bias")
+        constant_bias_ = number_setting(name, value, 0, 1);
+    else if (name == "slope-bias")
+        slope_bias_ = number_setting(name, value, 0, 100);
+    else if (name == "slope-limit")
+        slope_limit_ = number_setting(name, value, 0, 1);
+    else
+        throw InvalidArgument("virtual-shadow-map has no setting \"" + std::string(name) +
+                              "\": it has size, detail, level, constant-bias, slope-bias and slope-limit");
+}
+
+TechniqueDescription VirtualShadowMap::describe() {
+    return {
+        "virtual-shadow-map",
+        "virtual shadow map (Olsson et al. 2014): only the pages that points ask for, at their pixels' resolution",
+        false,
+        {{"size", "16384", "texels per side of each view's finest level: a power of two from 128 to 16384"},
+         {"detail", "1", "texels per pixel side that a point asks for, 0.01 to 100"},
+         {"level", "0", "of points without a camera: level they ask for, 0 (finest) to 7"},
+         {"constant-bias", "0.0001", "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range"},
+         {"slope-bias", "1.5", "times the caster's depth per texel, 0 to 100"},
+         {"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}}};
+}
+
+}  // namespace gnomon
