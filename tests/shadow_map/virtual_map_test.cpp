@@ -77,7 +77,7 @@ double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 // Without a camera all points ask for one level. On the finest, each finds in its page what the whole map of that size
-// holds. The sheets make more pairs than the first list has room for.
+// holds.
 TEST_F(VirtualMap, finest_level_is_the_shadow_map_of_its_size) {
     for (const Light& light : {sun, lamp})
         for (const char* size : {"128", "512", "2048"}) {
@@ -128,7 +128,8 @@ std::vector<float> whole_level(const gnomon::Device& device, const gnomon::Trian
     return downloaded<float>(session, visibility.get(), points.count());
 }
 
-// So it is on every level, with a whole map of the level's texels over the same rectangle.
+// So it is on every level, with a whole map of the level's texels over the same rectangle. On the finest the sheets
+// make more pairs than the first list has room for.
 TEST_F(VirtualMap, coarser_levels_are_coarser_maps) {
     const auto triangles = gnomon::Triangles::upload(device_, floor_slabs_and_sheets());
     Floats positions;
