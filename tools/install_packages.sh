@@ -21,6 +21,7 @@ test_packages=(
 )
 ci_packages=(
     ccache                         # the next run compiles only what changed
+    clang-14 libclang-rt-14-dev    # the fuzzers
     clang-format-14                # one formatter version, or the check would depend on the machine
 )
 

@@ -1,7 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Does what run.sh does, then builds and runs all tests; fails if one fails. With --ci also, and first: the format, and
-# warnings as errors; and everything once more under AddressSanitizer and UndefinedBehaviorSanitizer.
+# warnings as errors; everything once more under AddressSanitizer and UndefinedBehaviorSanitizer; the fuzzers for a
+# minute.
 # Safe to repeat. usage: test.sh [--ci]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -44,6 +45,8 @@ if $ci; then
     configure build-sanitize -D CMAKE_BUILD_TYPE=RelWithDebInfo -D "CMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" \
         -D GNOMON_SANITIZE=ON -D GNOMON_WERROR=ON
     build_and_test build-sanitize
+    step "Fuzzers"
+    tools/fuzz.sh 30
     werror=ON
 else
     tools/install_packages.sh test

@@ -303,9 +303,14 @@ void check_answer(const Scene& scene, const Floats& positions, const Ids& receiv
         require(visibility[i] == (shadowed[i] != 0 ? 0.0f : 1.0f), "the oracle's answer for every point");
 }
 
-const gnomon::TechniqueDescription& choose_technique(Choices& choices) {
+/// Mostly the first, frustum-traced; else any, with small maps.
+std::unique_ptr<gnomon::Technique> choose_technique(Choices& choices, gnomon::TechniqueDescription& chosen) {
     static const std::vector<gnomon::TechniqueDescription> all = gnomon::techniques();
-    return all[choices.below(std::uint32_t(all.size()))];
+    chosen = all[choices.once_in(4) ? choices.below(std::uint32_t(all.size())) : 0];
+    auto technique = gnomon::make_technique(chosen.name, device());
+    for (const gnomon::SettingDescription& setting : chosen.settings)
+        if (setting.name == "size") technique->set(setting.name, "128");
+    return technique;
 }
 
 void run_points(Choices& choices, Scene& scene) {
@@ -315,9 +320,9 @@ void run_points(Choices& choices, Scene& scene) {
     if (choices.once_in(4)) places.points->set_eye(*(eye = choices.vector()));
     Output output;
     choose_output(choices, scene, places, output);
-    const gnomon::TechniqueDescription& description = choose_technique(choices);
+    gnomon::TechniqueDescription description;
+    const auto technique = choose_technique(choices, description);
     const bool takes_any_points = description.name == "frustum-traced";  // others may want those of a view
-    const auto technique = gnomon::make_technique(description.name, device());
     for (std::uint32_t i = choices.below(4); i > 0; --i) choose_setting(choices, *technique);
     for (int run = 0; run < 2; ++run) {  // the second with what the first left in the technique
         const gnomon::Light light = choose_light(choices);
@@ -381,8 +386,8 @@ void run_view(Choices& choices, Scene& scene) {
     check_view(scene, host);
     const gnomon::Light light = choose_light(choices);
     if (!is_light(light)) return;
-    const gnomon::TechniqueDescription& description = choose_technique(choices);
-    const auto technique = gnomon::make_technique(description.name, device());
+    gnomon::TechniqueDescription description;
+    const auto technique = choose_technique(choices, description);
     const gnomon::Visibility visibility(device(), view.points.count());
     technique->run(*scene.triangles, view.points, light, visibility);
     Floats positions = host.position;
