@@ -123,7 +123,7 @@ void CameraStage::make_lists(Statistics& statistics) {
     }
     {
         cl::StageTimer timer(session_, statistics, "camera_bins");
-        bins_.run(session_, projection_, tiles_x * tiles_y, setup_, false, counters_);
+        bins_.run(session_, projection_, tiles_x * tiles_y, setup_, nullptr, counters_);
     }
 }
 
@@ -134,7 +134,7 @@ void CameraStage::find_receivers(SampleOffset offset, cl_mem pixel_receivers, co
     const std::array<float, 2> moved{float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS};
     session_.launch("camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1), projection_,
                     triangles_.first_float, moved, cl_uint(out.first), cl_uint(pixel_receivers != nullptr),
-                    triangles_.vertices, rays_, setup_.records(), setup_.bounds(), bins_.offsets(), bins_.references(),
+                    triangles_.vertices, rays_, setup_.records(), setup_.bounds(), bins_.ranges(), bins_.entries(),
                     counters_, pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers);
 }
 

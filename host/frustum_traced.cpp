@@ -120,9 +120,9 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     {
         cl::StageTimer timer(session, statistics, "bins");
         farthest_height_.run_open_heights(session, light_frame, 1, projection_, map);
-        bins_.run_heights(session, light_frame.bins_x, light_frame.bins_y, farthest_height_.open_heights());
-        setup_.run_tiles(session, projection_, run.triangles, &bins_.heights(), counters_);
-        bins_.run(session, projection_, light_frame.bins_x * light_frame.bins_y, setup_, true, counters_);
+        setup_.run_tiles(session, projection_, run.triangles, &farthest_height_.open_heights(), counters_);
+        bins_.run(session, projection_, light_frame.bins_x * light_frame.bins_y, setup_,
+                  &farthest_height_.open_heights(), counters_);
     }
     if (traversal_ == Traversal::triangles) {
         {

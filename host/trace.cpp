@@ -15,18 +15,18 @@ void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint fir
     session.launch(first ? "trace.cl" : "trace_again.cl", first ? "trace" : "trace_again",
                    cl::Range::items(points.layout.count / session.lanes() + 1), light_frame, first_frame, frame_count,
                    points.layout, projections, has_map, capacity_, triangles.first_float, points.positions,
-                   points.receivers, triangles.vertices, map != nullptr ? *map : queue_, bins.offsets(),
-                   bins.references(), setup.records(), setup.bounds(), visibility, queue_, counters);
+                   points.receivers, triangles.vertices, map != nullptr ? *map : queue_, bins.ranges(), bins.entries(),
+                   setup.records(), setup.bounds(), visibility, queue_, counters);
 }
 
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
                           const PointInputs& points, const Izb& izb, const Bins& bins, const TriangleSetup& setup,
                           cl_mem visibility, const cl::Buffer& counters) {
     if (capacity_ == 0) reserve(session, first_capacity_);
-    session.launch("trace_triangles.cl", "trace_triangles", cl::Range::items(bins.capacity()), light_frame,
+    session.launch("trace_triangles.cl", "trace_triangles", cl::Range::items(bins.pair_capacity()), light_frame,
                    points.layout, capacity_, triangles.first_float, points.positions, points.receivers,
-                   triangles.vertices, izb.x(), izb.y(), izb.z(), izb.order(), izb.offsets(), bins.offsets(),
-                   bins.references(), setup.records(), setup.bounds(), visibility, queue_, counters);
+                   triangles.vertices, izb.x(), izb.y(), izb.z(), izb.order(), izb.offsets(), bins.pairs(),
+                   setup.records(), setup.bounds(), visibility, queue_, counters);
 }
 
 void Trace::reserve(cl::Session& session, std::uint32_t capacity) {

@@ -45,7 +45,8 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const cl::Buffer& projec
                    triangles.first_float, capacity(), tiles.capacity(), has_heights, for_map, triangles.vertices,
                    heights ? *heights : bounds(), bounds(), records(), map_candidates_.buffer(), tiles.buffer(),
                    counters, cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
-                   cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)});
+                   cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)},
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)});
 }
 
 void TriangleSetup::run_map_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,

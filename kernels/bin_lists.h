@@ -5,7 +5,8 @@
 // GN_LANES entries of one bin lie together, coordinate by coordinate, so that a CPU looks at 16 entries with one
 // comparison. ranges[bin] = (first, past the last), in units of BinEntries. Unused lanes have x0 > x1.
 //
-// A point (X, Y, Z) of the bin, or a block of points by its own bounds, can only meet an entry with
+// The order within a list means nothing. A point (X, Y, Z) of the bin, or a block of points by its own bounds, can only
+// meet an entry with
 //     x0 <= qx <= x1,   y0 <= qy <= y1,   qz <= z          qx = quantised_texel(X, width) and so on.
 // Why: x0..y1 are made from the rectangle that holds every computed (X, Y) of points whose ray the triangle can meet
 // (all errors in it), z from the record's z_high, and the same functions quantise both sides. Each is monotone, being
@@ -46,6 +47,10 @@ typedef struct BinEntries {
 } BinEntries;
 typedef char BinEntries_has_size[sizeof(BinEntries) == GN_LANES * BIN_ENTRY_BYTES ? 1 : -1];
 
+// One lane of a member, to read or write.
+#define ENTRY_LANE(entries, member, lane) (((__global ushort*)&(entries)->member)[lane])
+#define ENTRY_SLOT(entries, lane) (((__global const uint*)&(entries)->slot)[lane])
+
 // Units per texel: a whole number, so that host, device and every kernel agree on it to the bit.
 static float texel_units(uint texels) { return (float)(65536u / texels); }
 static ushort quantised_texel(float coordinate, uint texels) {
@@ -53,6 +58,38 @@ static ushort quantised_texel(float coordinate, uint texels) {
 }
 static ushort quantised_height(float z, float z_origin, float z_scale) {
     return (ushort)clamp((z - z_origin) * z_scale, 0.0f, 65535.0f);
+}
+
+// Where a point is, or a block of points: least and greatest.
+typedef struct QuantisedBlock {
+    ushort x0, y0, x1, y1;
+    ushort z;  // the least
+} QuantisedBlock;
+
+// Bit i: entry i of these may meet the block.
+static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock block) {
+#if GN_LANES == 1
+    uint4 words = *(__global const uint4*)entries;  // one load
+    bool meets = (words.x & 0xFFFFu) <= block.x1 && words.x >> 16 <= block.y1 && block.x0 <= (words.y & 0xFFFFu) &&
+                 block.y0 <= words.y >> 16 && block.z <= (words.z & 0xFFFFu);
+    return meets ? 1u : 0u;
+#else
+    short16 meets = (entries->x0 <= block.x1) & (entries->y0 <= block.y1) & (entries->x1 >= block.x0) &
+                    (entries->y1 >= block.y0) & (entries->z >= block.z) & (entries->x0 <= entries->x1);
+    if (!any(meets)) return 0u;
+    ushort16 bits =
+        as_ushort16(meets) & (ushort16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+    ushort8 a = bits.lo | bits.hi;
+    ushort4 b = a.lo | a.hi;
+    return (uint)(b.x | b.y) | (uint)(b.z | b.w);
+#endif
+}
+
+// The lowest bit that is set, which it clears.
+static uint take_lowest_bit(uint* bits) {
+    uint lowest = *bits & (0u - *bits);
+    *bits &= ~lowest;
+    return 31u - clz(lowest);
 }
 
 #endif

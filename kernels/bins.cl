@@ -3,56 +3,18 @@
 // and, with a bin per 16 x 16 pixels, the camera.
 //
 // A triangle enters a bin's list unless it certainly cannot matter there (bin_test.h). Each pair of triangle and bin is
-// found once: bins_pairs remembers it with its place in the bin's list, the counts are scanned, and bins_scatter writes
-// it there. No fixed capacity, contiguous lists.
+// found once: bins_pairs remembers it with its place in the bin's list, bins_ranges gives each bin its part of the
+// entries (in any order: what matters is that a list is contiguous), and bins_scatter writes it there.
+#include "bins.h"
+
 #include "bin_test.h"
-
-// The heights below which a triangle need not be listed, per bin, and three levels of minima above them: one work-item
-// per 8 x 8 bins.
-__kernel void bins_heights(uint width, uint height, uint from_farthest, uint first, __global const uint* farthest,
-                           __global uint* heights) {
-    uint tiles_x = (width + TILE_LAST) >> TILE_LOG2, tiles_y = (height + TILE_LAST) >> TILE_LOG2;
-    GN_FOR_EACH(tile, tiles_x * tiles_y) {
-        uint x = (uint)tile % tiles_x, y = (uint)tile / tiles_x;
-        uint level_first = first, level_width = width, level_height = height;
-        uint size = 1u << TILE_LOG2;
-        for (uint level = 0; level <= TILE_LOG2; ++level) {
-            __global uint* cells = heights + level_first;
-            uint below_width = level == 0u ? 0u : (width + (1u << (level - 1u)) - 1u) >> (level - 1u);
-            uint below_height = level == 0u ? 0u : (height + (1u << (level - 1u)) - 1u) >> (level - 1u);
-            __global const uint* below = cells - below_width * below_height;
-            uint last_x = min((x + 1u) * size, level_width), last_y = min((y + 1u) * size, level_height);
-            for (uint cell_y = y * size; cell_y < last_y; ++cell_y)
-                for (uint cell_x = x * size; cell_x < last_x; ++cell_x) {
-                    uint at = cell_y * level_width + cell_x;
-                    if (level == 0u) {
-                        if (from_farthest) cells[at] = farthest[at];
-                        continue;
-                    }
-                    uint x0 = 2u * cell_x, x1 = min(x0 + 1u, below_width - 1u);
-                    uint y0 = 2u * cell_y, y1 = min(y0 + 1u, below_height - 1u);
-                    cells[at] = min(min(below[y0 * below_width + x0], below[y0 * below_width + x1]),
-                                    min(below[y1 * below_width + x0], below[y1 * below_width + x1]));
-                }
-            if (level_width == 1u && level_height == 1u) break;
-            level_first += level_width * level_height;
-            level_width = (level_width + 1u) / 2u;
-            level_height = (level_height + 1u) / 2u;
-            size /= 2u;
-        }
-    }
-}
-
-// A (triangle, bin) pair, and its place in the bin's list.
-typedef struct Pair {
-    uint bin, slot, place;
-} Pair;
+#include "group_scan.h"
 
 __kernel void bins_pairs(__constant const Projection* projection, uint tile_capacity, uint has_heights,
                          uint pair_capacity, __global const TriangleRecord* records, __global const uint2* tiles,
                          __global const uint* heights, __global uint* counts, __global Pair* pairs,
                          __global FrameCounters* counters) {
-    uint tile_count = min(counters->tiles, tile_capacity);
+    uint tile_count = min(counters->tiles, tile_capacity), found = 0;
     Claim places = no_claim();
     GN_FOR_EACH(i, tile_count * TILE_LANES) {
         uint2 tile = tiles[i / TILE_LANES];
@@ -63,6 +25,7 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
         for (uint b = (uint)i % TILE_LANES; b < bin_count; b += TILE_LANES) {
             uint4 bin = bin_of_rectangle(bins, b);
             if (!may_matter(&record, projection, bin, has_heights, heights)) continue;
+            ++found;
             Pair pair;
             pair.bin = bin.y * projection->bins_x + bin.x;
             pair.slot = tile.x;
@@ -72,20 +35,66 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
         }
     }
     for (; places.next < min(places.end, pair_capacity); ++places.next) pairs[places.next].bin = GN_NO_ID;
+    if (found != 0) atomic_add(&counters->references, found);
 }
 
-__kernel void bins_scatter(uint bin_count, uint slot_capacity, uint map_tile_capacity, uint tile_capacity,
-                           uint pair_capacity, __global const Pair* pairs, __global const uint* offsets,
-                           __global uint* references, __global FrameCounters* counters) {
-    // What found no room on the way is in no list: the host will grow its list and run again (the same conditions as
-    // fitted() of the stages, so that nothing is read that is not counted).
+// Bins that one work-item takes at a time.
+#ifdef GN_CPU
+#define RANGES_RUN 128u
+#else
+#define RANGES_RUN 1u
+#endif
+
+__kernel void bins_ranges(uint bin_count, uint entry_capacity, __global const uint* counts, __global uint2* ranges,
+                          __global BinEntries* entries, __global FrameCounters* counters, __local uint* ends,
+                          __local uint* group_first) {
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    for (uint base = (uint)get_group_id(0) * items * RANGES_RUN; base < bin_count;
+         base += (uint)get_num_groups(0) * items * RANGES_RUN) {
+        uint first_bin = base + item * RANGES_RUN, last_bin = min(first_bin + RANGES_RUN, bin_count), mine = 0;
+        for (uint bin = first_bin; bin < last_bin; ++bin) mine += (counts[bin] + GN_LANES - 1u) / GN_LANES;
+        scan_group(mine, ends);
+        if (item == items - 1u) *group_first = ends[item] == 0u ? 0u : atomic_add(&counters->entries, ends[item]);
+        barrier(CLK_LOCAL_MEM_FENCE);
+        uint next = *group_first + ends[item] - mine;
+        for (uint bin = first_bin; bin < last_bin; ++bin) {
+            uint end = next + (counts[bin] + GN_LANES - 1u) / GN_LANES;
+            ranges[bin] = (uint2)(next, end);
+#if GN_LANES > 1
+            if (counts[bin] % GN_LANES != 0u && end <= entry_capacity) {
+                entries[end - 1u].x0 = (LaneUshort)(65535);
+                entries[end - 1u].x1 = (LaneUshort)(0);
+            }
+#endif
+            next = end;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}
+
+__kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile_capacity, uint pair_capacity,
+                           uint entry_capacity, __global const Pair* pairs, __global const uint2* ranges,
+                           __global const TriangleBounds* bounds, __global BinEntries* entries,
+                           __global FrameCounters* counters) {
+    // What did not fit, here or in an earlier stage, is in no list: the host will grow them and run again.
     bool fits = max(counters->slots, counters->map_slots) <= slot_capacity &&
                 counters->map_tiles <= map_tile_capacity && counters->tiles <= tile_capacity &&
-                counters->pairs <= pair_capacity;
-    if (get_global_id(0) == 0) counters->references = fits ? offsets[bin_count] : GN_NO_LISTS;
-    if (!fits) return;
+                counters->pairs <= pair_capacity && counters->entries <= entry_capacity;
+    if (!fits) {
+        if (get_global_id(0) == 0) counters->references = GN_NO_LISTS;
+        return;
+    }
     GN_FOR_EACH(i, counters->pairs) {
         Pair pair = pairs[i];
-        if (pair.bin != GN_NO_ID) references[offsets[pair.bin] + pair.place] = pair.slot;
+        if (pair.bin == GN_NO_ID) continue;
+        TriangleBounds of = bounds[pair.slot];
+        __global BinEntries* at = &entries[ranges[pair.bin].x + pair.place / GN_LANES];
+        uint lane = pair.place % GN_LANES;
+        ENTRY_LANE(at, x0, lane) = of.x0;
+        ENTRY_LANE(at, y0, lane) = of.y0;
+        ENTRY_LANE(at, x1, lane) = of.x1;
+        ENTRY_LANE(at, y1, lane) = of.y1;
+        ENTRY_LANE(at, z, lane) = of.z;
+        ((__global uint*)&at->slot)[lane] = pair.slot;
     }
 }

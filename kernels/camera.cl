@@ -183,8 +183,8 @@ static bool is_nearer(Triangle t, uint id, Triangle best, uint best_id, float3 e
 __kernel void camera_visibility(__constant const Projection* projection, ulong first_float, float2 offset,
                                 uint first_point, uint has_pixel_receivers, __global const float* vertices,
                                 __global const float* rays, __global const TriangleRecord* records,
-                                __global const TriangleBounds* bounds, __global const uint* reference_offsets,
-                                __global const uint* references, __global const FrameCounters* counters,
+                                __global const TriangleBounds* bounds, __global const uint2* ranges,
+                                __global const BinEntries* entries, __global const FrameCounters* counters,
                                 __global const uint* pixel_receivers, __global uint* visible) {
     if (counters->references == GN_NO_LISTS) return;
     const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
@@ -220,9 +220,18 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
             }
         }
 
-        uint last = LANES_ANY(searching) ? reference_offsets[tile + 1] : 0u;
-        for (uint i = reference_offsets[tile]; i < last; ++i) {
-            uint slot = references[i];
+        QuantisedBlock row;
+        row.x0 = quantised_texel((float)first_x + 0.5f + offset.x, width);
+        row.x1 = quantised_texel((float)(first_x + GN_LANES) - 0.5f + offset.x, width);
+        row.y0 = row.y1 = quantised_texel((float)pixel_y + 0.5f + offset.y, height);
+        row.z = 0;
+        uint2 range = ranges[tile];
+        if (!LANES_ANY(searching)) range.y = range.x;
+        uint i = range.x, meeting = 0;
+        while (true) {
+            while (meeting == 0u && i < range.y) meeting = entries_that_meet(&entries[i++], row);
+            if (meeting == 0u) break;
+            uint slot = ENTRY_SLOT(&entries[i - 1u], take_lowest_bit(&meeting));
             __global const TriangleRecord* r = &records[slot];
             LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], x, y);
             LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], x, y);

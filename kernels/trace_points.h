@@ -15,14 +15,30 @@
 #include "trace.h"
 
 typedef struct TraceLists {
-    __global const uint* offsets;
-    __global const uint* references;
+    __global const uint2* ranges;
+    __global const BinEntries* entries;
     __global const TriangleRecord* records;
     __global const TriangleBounds* bounds;  // of the records, for their ids
 } TraceLists;
 
 // What a work-group counts. The tests in two words: their low 16 bits and the rest, so that neither sum overflows.
 enum { COUNT_MAP, COUNT_TRACE, COUNT_EXACT, COUNT_LISTED, COUNT_TESTS_LOW, COUNT_TESTS_HIGH, TRACE_COUNTS };
+
+// The square and the least height that some lanes of a block span.
+static QuantisedBlock quantised_block(__constant const Projection* projection, PointBlock places, LaneInt lanes) {
+    const float most = 65535.0f;
+    LaneInt x = LANES_TO_INT(clamp(places.x * texel_units(projection->width), 0.0f, most));
+    LaneInt y = LANES_TO_INT(clamp(places.y * texel_units(projection->height), 0.0f, most));
+    LaneInt z = LANES_TO_INT(clamp((places.z - projection->z_origin) * projection->z_scale, 0.0f, most));
+    const LaneInt low = (LaneInt)(0), high = (LaneInt)(65535);
+    QuantisedBlock block;
+    block.x0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, x, lanes));
+    block.y0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, y, lanes));
+    block.x1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, x, lanes));
+    block.y1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, y, lanes));
+    block.z = (ushort)LANES_MINIMUM(LANES_SELECT(high, z, lanes));
+    return block;
+}
 
 // What becomes of a block: points in shadow, and points that must be looked at again.
 typedef struct BlockAnswer {
@@ -62,25 +78,31 @@ static void hand_over_waiting(const ExactPairs* pairs, uint first_point, BlockAn
             LANE_OF_INT(answer->postponed, lane) = -1;
 }
 
-// The list of one bin for some lanes of a block; returns the number of triangles looked at.
-static uint walk(const ExactPairs* pairs, TraceLists lists, uint bin, LaneInt lit, PointBlock points, PointBlock places,
-                 uint first_point, BlockAnswer* answer) {
-    uint first = lists.offsets[bin], last = lists.offsets[bin + 1];
-    for (uint i = first; i < last; ++i) {
-        uint slot = lists.references[i];
-        FilterAnswer found = filter(&lists.records[slot], places, lit);
-        if (!LANES_ANY(found.possible)) continue;
-        lit &= ~settle(pairs, found, points, first_point, lists.bounds[slot].id, answer);
-        if (!LANES_ANY(lit)) return i + 1u - first;
+// The list of one bin for some lanes of a block; returns the number of records looked at.
+static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Projection* projection, uint bin,
+                 LaneInt lit, PointBlock points, PointBlock places, uint first_point, BlockAnswer* answer) {
+    QuantisedBlock block = quantised_block(projection, places, lit);
+    uint2 range = lists.ranges[bin];
+    uint looks = 0;
+    for (uint i = range.x; i < range.y; ++i) {
+        uint meeting = entries_that_meet(&lists.entries[i], block);
+        while (meeting != 0u) {
+            uint slot = ENTRY_SLOT(&lists.entries[i], take_lowest_bit(&meeting));
+            ++looks;
+            FilterAnswer found = filter(&lists.records[slot], places, lit);
+            if (!LANES_ANY(found.possible)) continue;
+            lit &= ~settle(pairs, found, points, first_point, lists.bounds[slot].id, answer);
+            if (!LANES_ANY(lit)) return looks;
+        }
     }
-    return last - first;
+    return looks;
 }
 
 __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
                            __constant const Projection* projections, uint has_map, uint queue_capacity,
                            ulong first_float, __global const float* positions, __global const uint* receivers,
-                           __global const float* vertices, __global const uint* map, __global const uint* offsets,
-                           __global const uint* references, __global const TriangleRecord* records,
+                           __global const float* vertices, __global const uint* map, __global const uint2* ranges,
+                           __global const BinEntries* entries, __global const TriangleRecord* records,
                            __global const TriangleBounds* bounds, __global float* visibility, __global uint2* queue,
                            __global FrameCounters* counters) {
     // An overflow upstream: the host will grow the lists and run again.
@@ -91,7 +113,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     for (uint i = (uint)get_local_id(0); i < TRACE_COUNTS; i += (uint)get_local_size(0)) group_counts[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
 #endif
-    TraceLists lists = {offsets, references, records, bounds};
+    TraceLists lists = {ranges, entries, records, bounds};
     ExactPairs pairs;
     pairs.receivers = receivers;
     pairs.vertices = vertices + first_float;
@@ -131,8 +153,8 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
                 LaneInt same_bin = same_frame & LANE_COMPARE(bins, ==, (LaneInt)(bin));
                 same_frame &= ~same_bin;
                 LaneInt before = answer.shadowed;
-                tests += walk(&pairs, lists, (uint)frame * bin_count + (uint)bin, same_bin, points, places,
-                              (uint)block * GN_LANES, &answer);
+                tests += walk(&pairs, lists, &projections[frame], (uint)frame * bin_count + (uint)bin, same_bin, points,
+                              places, (uint)block * GN_LANES, &answer);
                 by_trace += count_lanes(answer.shadowed & ~before & ~answer.by_exact);
             }
         }

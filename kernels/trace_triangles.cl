@@ -5,29 +5,17 @@
 // A work-item takes one (triangle, bin) pair. Several may put one point into shadow, so visibility is written by an
 // atomic exchange, and counted where it changes. Pairs that find the queue full are decided in place.
 #include "bin_lists.h"
+#include "bins.h"
 #include "trace.h"
-
-// The bin that reference i belongs to: the last whose list starts at or before i.
-static uint bin_of_reference(__global const uint* offsets, uint bin_count, uint i) {
-    uint low = 0, high = bin_count - 1u;
-    while (low < high) {
-        uint middle = high - (high - low) / 2u;
-        if (offsets[middle] <= i)
-            low = middle;
-        else
-            high = middle - 1u;
-    }
-    return low;
-}
 
 __kernel void trace_triangles(LightFrame light_frame, PointsLayout layout, uint queue_capacity, ulong first_float,
                               __global const float* positions, __global const uint* receivers,
                               __global const float* vertices, __global const LaneFloat* sorted_x,
                               __global const LaneFloat* sorted_y, __global const LaneFloat* sorted_z,
                               __global const uint* order, __global const uint* point_offsets,
-                              __global const uint* offsets, __global const uint* references,
-                              __global const TriangleRecord* records, __global const TriangleBounds* bounds,
-                              __global uint* visibility_bits, __global uint2* queue, __global FrameCounters* counters) {
+                              __global const Pair* triangle_pairs, __global const TriangleRecord* records,
+                              __global const TriangleBounds* bounds, __global uint* visibility_bits,
+                              __global uint2* queue, __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
     ExactPairs pairs;
     pairs.receivers = receivers;
@@ -38,10 +26,12 @@ __kernel void trace_triangles(LightFrame light_frame, PointsLayout layout, uint 
     pairs.light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
     pairs.counters = counters;
 
-    uint bin_count = light_frame.bins_x * light_frame.bins_y, by_trace = 0, by_exact = 0;
+    uint by_trace = 0, by_exact = 0;
     ulong tests = 0;
-    GN_FOR_EACH(i, counters->references) {
-        uint bin = bin_of_reference(offsets, bin_count, (uint)i), slot = references[i], id = bounds[slot].id;
+    GN_FOR_EACH(i, counters->pairs) {
+        uint bin = triangle_pairs[i].bin, slot = triangle_pairs[i].slot;
+        if (bin == GN_NO_ID) continue;
+        uint id = bounds[slot].id;
         uint last = point_offsets[bin + 1] / GN_LANES;
         for (uint block = point_offsets[bin] / GN_LANES; block < last; ++block) {
             PointBlock places = {sorted_x[block], sorted_y[block], sorted_z[block]};

@@ -40,6 +40,7 @@
 // lose together, flushed denormals included, and swamps the bound there. (Parallel: error_z has 2^-20 |d| in it.)
 #include "bin_test.h"
 #include "exact/det3.h"
+#include "group_scan.h"
 #include "points.h"
 
 #define BOUND_INFLATION 1.01f
@@ -496,7 +497,7 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
                              __global const uint* heights, __global TriangleBounds* bounds,
                              __global TriangleRecord* records, __global const uint* map_candidates,
                              __global uint2* tiles, __global FrameCounters* counters, __local uint* ends,
-                             __local uint4* ranges) {
+                             __local uint4* ranges, __local uint* slots) {
     TileWork work;
     work.projection = projection;
     work.vertices = vertices + first_float;
@@ -527,26 +528,23 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     for (; work.places.next < min(work.places.end, tile_capacity); ++work.places.next)
         tiles[work.places.next] = (uint2)(GN_NO_ID, 0);
 #else
-    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
-    for (uint base = (uint)get_group_id(0) * items; base < count; base += (uint)get_num_groups(0) * items) {
-        uint slot;
-        uint4 bins;
+    // Neighbours in the list are of like size, so a group takes runs of a few triangles from all over it; and all
+    // groups have some, so that all lanes help with tiles even where there are few triangles.
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), groups = (uint)get_num_groups(0);
+    uint run = items % 4u == 0u ? 4u : 1u;
+    uint mine = (item / run * groups + (uint)get_group_id(0)) * run + item % run;
+    for (uint base = 0; base < count; base += items * groups) {
+        uint slot = GN_NO_ID;
+        uint4 bins = (uint4)(0);
         uint tile_count = 0;
-        if (base + item < count && prepare(&work, base + item, &slot, &bins)) tile_count = tile_count_of(bins);
+        if (base + mine < count && prepare(&work, base + mine, &slot, &bins)) tile_count = tile_count_of(bins);
         if (tile_count == 1u) {
             append_tile(&work, slot, tile_of_bins(bins, 0));
             tile_count = 0;
         }
-        ends[item] = tile_count;
+        slots[item] = slot;
         ranges[item] = bins;
-        // Also makes the records of this group visible to all of it.
-        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
-        for (uint step = 1; step < items; step *= 2) {
-            uint before = item >= step ? ends[item - step] : 0u;
-            barrier(CLK_LOCAL_MEM_FENCE);
-            ends[item] += before;
-            barrier(CLK_LOCAL_MEM_FENCE);
-        }
+        scan_group(tile_count, ends);  // and this group's records are visible to all of it
         uint total = ends[items - 1];
         for (uint i = item; i < total; i += items) {
             uint low = 0, high = items - 1;  // the first whose end lies beyond i
@@ -557,8 +555,7 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
                 else
                     low = middle + 1;
             }
-            uint owner = for_map ? map_candidates[base + low] : base + low;
-            append_tile_if_matters(&work, owner, ranges[low], low == 0u ? i : i - ends[low - 1]);
+            append_tile_if_matters(&work, slots[low], ranges[low], low == 0u ? i : i - ends[low - 1]);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }

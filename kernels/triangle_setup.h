@@ -39,6 +39,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint tiles;             // triangle_setup: tiles for the lists wanted
     uint pairs;             // bins: places for (triangle, bin) pairs wanted
     uint references;        // bins: pairs listed; GN_NO_LISTS if they did not fit, and nothing may read the lists
+    uint entries;           // bins: BinEntries wanted
     uint map_texels;        // conservative_map: texels written
     uint decided_by_map;    // izb: points in shadow by the conservative map
     uint listed;            // izb: points listed
@@ -53,7 +54,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint facing_exact;      // facing: points whose facing needed the exact level
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
-GN_STRUCT_END(FrameCounters, 112)
+GN_STRUCT_END(FrameCounters, 116)
 
 #define GN_NO_LISTS 0xFFFFFFFFu
 

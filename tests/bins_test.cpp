@@ -148,15 +148,17 @@ TEST(bins, writes_only_its_own) {
         const UploadedScene inputs(device, scene);
         out.frame = light_frames(inputs.light, grid)[0];
         if (grid.bin_log2 == 3) {
-            put_canaries(session, stages.bins.offsets());
-            put_canaries(session, stages.bins.references());
+            for (const gnomon::cl::Buffer* list : {&stages.bins.ranges(), &stages.bins.entries(), &stages.bins.pairs()})
+                put_canaries(session, *list);
         }
         StageSettings settings;
         settings.grid = grid;
         run_stages_once(session, stages, inputs, settings, out);
     }
-    expect_canaries(session, stages.bins.offsets(), (8 * 8 + 1) * sizeof(std::uint32_t), "offsets");
-    expect_canaries(session, stages.bins.references(), out.counters.references * sizeof(std::uint32_t), "references");
+    expect_canaries(session, stages.bins.ranges(), 8 * 8 * 2 * sizeof(std::uint32_t), "ranges");
+    expect_canaries(session, stages.bins.entries(), out.counters.entries * session.lanes() * BIN_ENTRY_BYTES,
+                    "entries");
+    expect_canaries(session, stages.bins.pairs(), out.counters.pairs * sizeof(gnomon::Pair), "pairs");
 }
 
 // Not vacuous: from room for 1 reference to thousands.
@@ -173,7 +175,7 @@ TEST(bins, grows) {
     int passes = 1;
     while (!run_stages_once(device.session(), stages, inputs, settings, out)) ++passes;
     EXPECT_GE(passes, 2);
-    EXPECT_GT(stages.bins.capacity(), 1u);
+    EXPECT_GT(stages.bins.pair_capacity(), 1u);
     settings.first_capacity = 1;
     const FrameOutput grown = run_light_stages(device, scene, settings).at(0);
     EXPECT_EQ(grown.visibility, run(device, scene, settings.grid).visibility);

@@ -154,7 +154,7 @@ TEST(farthest_height, writes_only_its_own) {
     const std::size_t bins = 8 * 8, cells = bins + 16 + 4 + 1, key = sizeof(std::uint32_t);
     expect_canaries(session, stages.farthest_height.pyramid(), cells * key, "pyramid");
     expect_canaries(session, stages.farthest_height.doubtful(), bins * key, "heights of doubtful points");
-    expect_canaries(session, stages.farthest_height.open_heights(), bins * key, "heights of open points");
+    expect_canaries(session, stages.farthest_height.open_heights(), cells * key, "heights of open points");
 }
 
 // All six frames of a lamp at once: the same as each by itself.

@@ -51,14 +51,33 @@ std::vector<ListedPoint> read_points(Session& session, const LightStages& stages
     return points;
 }
 
+/// Coordinate `word` of entry `lane` of a block of entries (kernels/bin_lists.h: lane by lane, coordinate by
+/// coordinate).
+std::uint16_t entry_word(const std::vector<std::uint16_t>& entries, std::size_t block, std::uint32_t word,
+                         std::uint32_t lane, std::uint32_t lanes) {
+    return entries[(block * 8 + word) * lanes + lane];
+}
+
 std::vector<std::vector<std::uint32_t>> read_references(Session& session, const LightStages& stages,
                                                         std::uint32_t bin_count, const gnomon::FrameCounters& counted) {
-    const auto offsets = downloaded<std::uint32_t>(session, stages.bins.offsets().get(), bin_count + 1);
-    const auto slots = downloaded<std::uint32_t>(session, stages.bins.references().get(), counted.references);
+    const std::uint32_t lanes = session.lanes();
+    const auto ranges = downloaded<std::uint32_t>(session, stages.bins.ranges().get(), 2 * bin_count);
+    const auto entries = downloaded<std::uint16_t>(session, stages.bins.entries().get(),
+                                                   std::size_t(counted.entries) * lanes * BIN_ENTRY_BYTES / 2);
     const auto bounds = downloaded<gnomon::TriangleBounds>(session, stages.setup.bounds().get(), counted.slots);
     std::vector<std::vector<std::uint32_t>> lists(bin_count);
     for (std::uint32_t bin = 0; bin < bin_count; ++bin) {
-        for (std::uint32_t i = offsets[bin]; i < offsets[bin + 1]; ++i) lists[bin].push_back(bounds[slots[i]].id);
+        for (std::uint32_t block = ranges[2 * bin]; block < ranges[2 * bin + 1]; ++block)
+            for (std::uint32_t lane = 0; lane < lanes; ++lane) {
+                const auto word = [&](std::uint32_t i) { return entry_word(entries, block, i, lane, lanes); };
+                if (word(0) > word(2)) continue;  // unused
+                std::uint32_t slot;
+                std::memcpy(&slot, &entries[(std::size_t(block) * 8 + 6) * lanes + 2 * lane], sizeof(slot));
+                const gnomon::TriangleBounds& of = bounds.at(slot);
+                EXPECT_TRUE(word(0) == of.x0 && word(1) == of.y0 && word(2) == of.x1 && word(3) == of.y1 &&
+                            word(4) == of.z);
+                lists[bin].push_back(of.id);
+            }
         std::sort(lists[bin].begin(), lists[bin].end());
     }
     return lists;
@@ -152,9 +171,10 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     }
     const Buffer* map = settings.with_map ? &stages.map.map() : nullptr;
     stages.farthest_height.run_open_heights(session, first_frame, 1, stages.projection, map);
-    stages.bins.run_heights(session, out.frame.bins_x, out.frame.bins_y, stages.farthest_height.open_heights());
-    stages.setup.run_tiles(session, stages.projection, triangles, &stages.bins.heights(), scene.counters);
-    stages.bins.run(session, stages.projection, bin_count, stages.setup, true, scene.counters);
+    stages.setup.run_tiles(session, stages.projection, triangles, &stages.farthest_height.open_heights(),
+                           scene.counters);
+    stages.bins.run(session, stages.projection, bin_count, stages.setup, &stages.farthest_height.open_heights(),
+                    scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
     const auto trace = [&](gnomon::Trace::Look look) {
