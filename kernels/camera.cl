@@ -229,8 +229,15 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
         if (!LANES_ANY(searching)) range.y = range.x;
         uint i = range.x, meeting = 0;
         while (true) {
+#if GN_LANES == 1
+            // Neighbours walk one list together: a look at the record that all of them share costs no more.
+            if (i == range.y) break;
+            meeting = 1u;
+            ++i;
+#else
             while (meeting == 0u && i < range.y) meeting = entries_that_meet(&entries[i++], row);
             if (meeting == 0u) break;
+#endif
             uint slot = ENTRY_SLOT(&entries[i - 1u], take_lowest_bit(&meeting));
             __global const TriangleRecord* r = &records[slot];
             LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], x, y);

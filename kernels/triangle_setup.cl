@@ -528,16 +528,15 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     for (; work.places.next < min(work.places.end, tile_capacity); ++work.places.next)
         tiles[work.places.next] = (uint2)(GN_NO_ID, 0);
 #else
-    // Neighbours in the list are of like size, so a group takes runs of a few triangles from all over it; and all
-    // groups have some, so that all lanes help with tiles even where there are few triangles.
+    // Where there are few triangles every group has some of them, so that all lanes help with the tiles.
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), groups = (uint)get_num_groups(0);
-    uint run = items % 4u == 0u ? 4u : 1u;
-    uint mine = (item / run * groups + (uint)get_group_id(0)) * run + item % run;
-    for (uint base = 0; base < count; base += items * groups) {
+    uint share = min(items, (count + groups - 1u) / groups);
+    for (uint base = (uint)get_group_id(0) * share; base < count; base += groups * share) {
         uint slot = GN_NO_ID;
         uint4 bins = (uint4)(0);
         uint tile_count = 0;
-        if (base + mine < count && prepare(&work, base + mine, &slot, &bins)) tile_count = tile_count_of(bins);
+        if (item < share && base + item < count && prepare(&work, base + item, &slot, &bins))
+            tile_count = tile_count_of(bins);
         if (tile_count == 1u) {
             append_tile(&work, slot, tile_of_bins(bins, 0));
             tile_count = 0;

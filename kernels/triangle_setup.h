@@ -38,7 +38,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint map_tiles;         // triangle_setup: tiles for the map wanted
     uint tiles;             // triangle_setup: tiles for the lists wanted
     uint pairs;             // bins: places for (triangle, bin) pairs wanted
-    uint references;        // bins: pairs listed; GN_NO_LISTS if they did not fit, and nothing may read the lists
+    uint references;        // bins: pairs listed; GN_NO_LISTS if something did not fit: no list may be read
     uint entries;           // bins: BinEntries wanted
     uint map_texels;        // conservative_map: texels written
     uint decided_by_map;    // izb: points in shadow by the conservative map
