@@ -115,7 +115,7 @@ static void start_bounds(RunningBounds* bounds, uint frame) {
 // Into the work-group's bounds of all frames. Most values are inside already: a look saves the atomic.
 static void raise_to(volatile __local uint* highest, LaneFloat values) {
     uint key = order_to_key(LANES_MAXIMUM(lanes_in_order(values)));
-    if (key > *highest) atomic_max(highest, key);
+    if (key > GN_LOOK(highest)) atomic_max(highest, key);
 }
 static void flush_bounds(const RunningBounds* bounds, __local uint* shared) {
     uint count = (uint)-LANES_SUM(bounds->minus_count);
@@ -213,7 +213,7 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
         if (word == 0u) continue;
         if (i % BOUNDS_WORDS == 2 * BOUNDED_VALUES)
             atomic_add(&frame_bounds[i], word);
-        else if (word > frame_bounds[i])
+        else if (word > GN_LOOK(&frame_bounds[i]))
             atomic_max(&frame_bounds[i], word);
     }
     if (get_local_id(0) == 0) {

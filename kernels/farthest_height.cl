@@ -10,7 +10,7 @@
 
 // A look first: most points are not the farthest of their bin. What it sees can only be too high.
 static void lower_to(volatile __global uint* lowest, uint key) {
-    if (key < *lowest) atomic_min(lowest, key);
+    if (key < GN_LOOK(lowest)) atomic_min(lowest, key);
 }
 
 // One atomic for all lanes of a bin.

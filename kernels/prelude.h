@@ -42,6 +42,14 @@ static uint float_to_key(float x) {
 }
 static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key & 0x7FFFFFFFu : ~key); }
 
+// A look at a word (volatile) that others change by atomics, only to save an atomic that would change nothing: what it
+// sees may be stale, and the atomic decides. oclgrind calls every such look a race; for its runs it is an atomic too.
+#ifdef GN_ATOMIC_LOOKS
+#define GN_LOOK(address) atomic_or(address, 0u)
+#else
+#define GN_LOOK(address) (*(address))
+#endif
+
 #define GN_FINITE(x) (fabs(x) <= FLT_MAX)  // false for NaN too
 
 #else  // C++

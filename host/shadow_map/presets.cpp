@@ -84,7 +84,7 @@ TechniqueDescription describe(const ShadowMapPreset& preset) {
 }
 
 std::unique_ptr<Technique> make(const ShadowMapPreset& preset, const Device& device) {
-    auto technique = std::make_unique<ShadowMap>(device);
+    auto technique = std::make_unique<ShadowMap>(device, std::string(preset.name));
     for_each_setting(preset.settings,
                      [&](std::string_view name, std::string_view value) { technique->set(name, value); });
     return technique;

@@ -292,7 +292,7 @@ void ShadowMap::set(std::string_view name, std::string_view value) {
     if (fit_.set(name, value)) return;
     std::string names;
     for (const SettingDescription& setting : describe().settings) names += (names.empty() ? "" : ", ") + setting.name;
-    throw InvalidArgument("shadow-map has no setting \"" + std::string(name) + "\": it has " + names);
+    throw InvalidArgument(name_ + " has no setting \"" + std::string(name) + "\": it has " + names);
 }
 
 TechniqueDescription ShadowMap::describe() {

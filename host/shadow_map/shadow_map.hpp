@@ -32,7 +32,9 @@ struct ShadowMapSettings {
 
 class ShadowMap final : public Technique {
 public:
-    explicit ShadowMap(const Device& device) : device_(device) {}
+    /// `name`: of the preset, for what errors say.
+    explicit ShadowMap(const Device& device, std::string name = "shadow-map")
+        : device_(device), name_(std::move(name)) {}
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
     void set(std::string_view name, std::string_view value) override;
@@ -49,6 +51,7 @@ private:
     void run_stages(const FitInputs& inputs, Statistics& statistics);
 
     Device device_;
+    std::string name_;
     ShadowMapSettings settings_;
     ViewFit fit_;
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
