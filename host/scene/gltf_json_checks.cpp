@@ -266,7 +266,7 @@ private:
             if (!primitive.is_object()) reject(part, "", "must be an object");
             const json* attributes = object(primitive, part, "attributes", Need::required);
             for (const auto& [name, value] : attributes->items())
-                check_index(value, part.in("attributes"), in_quotes(name), "accessors");
+                check_index(value, part.in("attributes"), word_or_quotes(name), "accessors");
             index(primitive, part, "indices", "accessors", Need::optional);
             index(primitive, part, "material", "materials", Need::optional);
             size(primitive, part, "mode", Need::optional, 0, 6);

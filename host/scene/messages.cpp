@@ -29,6 +29,12 @@ std::string in_quotes(std::string_view text) {
     return out + "'";
 }
 
+std::string word_or_quotes(std::string_view name) {
+    constexpr std::string_view word = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
+    const bool is_word = !name.empty() && name.size() <= 30 && name.find_first_not_of(word) == std::string_view::npos;
+    return is_word ? std::string(name) : in_quotes(name);
+}
+
 std::string counted(std::size_t count, std::string_view thing) {
     return std::to_string(count) + " " + std::string(thing) + (count == 1 ? "" : "s");
 }

@@ -16,6 +16,9 @@ namespace gnomon::scene {
 /// A text of the file in quotes, fit for one line of a terminal: control characters replaced, cut after 60 bytes.
 std::string in_quotes(std::string_view text);
 
+/// A name of the file inside a path: as it is if it is a plain word (POSITION), else in quotes.
+std::string word_or_quotes(std::string_view name);
+
 /// "3 triangles", "1 triangle".
 std::string counted(std::size_t count, std::string_view thing);
 
