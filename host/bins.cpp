@@ -9,8 +9,9 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t
     const cl_uint lanes = session.lanes(), has_heights = heights != nullptr;
     counts_.reserve(session, count_bytes);
     ranges_.reserve(session, 2 * count_bytes);
-    pairs_.reserve(session, first_capacity_);
-    entries_.reserve(session, first_capacity_);
+    const std::uint32_t likely = std::min(first_capacity_, std::max(4 * setup.capacity(), least_capacity));
+    pairs_.reserve(session, likely);
+    entries_.reserve(session, likely);
     session.fill(counts_, 0, count_bytes);
     session.launch("bins.cl", "bins_pairs", cl::Range::items(setup.tiles().capacity()), projection,
                    setup.tiles().capacity(), has_heights, pairs_.capacity(), setup.records(), setup.tiles().buffer(),

@@ -22,7 +22,9 @@ public:
     const cl::Buffer& ranges() const { return ranges_; }
     const cl::Buffer& entries() const { return entries_.buffer(); }
 
-    static constexpr std::uint32_t initial_capacity = 1u << 20;
+    /// The lists start with four entries per triangle, but from least_capacity (few triangles may be in all bins) to
+    /// initial_capacity; tests start with 1.
+    static constexpr std::uint32_t initial_capacity = 1u << 20, least_capacity = 1u << 16;
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:

@@ -28,9 +28,8 @@ void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projectio
         session.is_cpu() ? session.many_groups() * session.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
     const std::uint64_t likely = std::min<std::uint64_t>(triangles.count + unused + 1, first_capacity_);
     bounds_.reserve(session, likely);
-    // As many as there are bounds, also where an earlier run failed between these lists.
-    for (GrowingList* list : {&records_, &map_candidates_}) list->reserve(session, capacity());
-    for (GrowingList* list : {&map_tiles_, &tiles_}) list->reserve(session, first_capacity_);
+    // As many as there are bounds, also where an earlier run failed between these lists; of tiles one each.
+    for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
     const cl_uint has_pyramid = pyramid != nullptr;
     session.launch("triangle_setup.cl", "triangle_bounds", cl::Range::items(triangles.count), projection,
                    triangles.count, triangles.first_float, capacity(), has_pyramid, triangles.vertices,

@@ -119,8 +119,7 @@ TEST(Parts, GiveTheBitsOfTheWhole) {
     std::uint64_t parts = 0;
     expect_same(in_parts(plenty, parts), wanted);
     EXPECT_EQ(parts, 1u) << "all of it fits";
-    // The camera's lists start with 16 MiB, so that half does not do.
-    for (const int percent : {85, 75}) {
+    for (const int percent : {75, 50}) {
         const std::uint64_t limit = needed * std::uint64_t(percent) / 100;
         SCOPED_TRACE(std::to_string(limit) + " of " + std::to_string(needed) + " bytes");
         EXPECT_THROW(whole(limited_to(limit)), gnomon::OutOfDeviceMemory);
