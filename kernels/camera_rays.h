@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+// Rays of the camera: which triangles they meet, and which of two is the nearer, exactly. Contract in camera.h.
+#ifndef GN_CAMERA_RAYS_H
+#define GN_CAMERA_RAYS_H
+
+#include "bin_lists.h"
+#include "camera.h"
+#include "exact/det3.h"
+#include "lanes.h"
+#include "points.h"
+#include "projection.h"
+#include "triangle_setup.h"
+
+typedef struct Ray {
+    float3 column_high, column_low, row_high, row_low;
+} Ray;
+
+// By the entries of its column and its row in the table.
+static Ray load_ray(__global const float* rays, uint column, uint row) {
+    Ray ray;
+    ray.column_high = vload3(0, rays + (size_t)RAY_FLOATS * column);
+    ray.column_low = vload3(1, rays + (size_t)RAY_FLOATS * column);
+    ray.row_high = vload3(0, rays + (size_t)RAY_FLOATS * row);
+    ray.row_low = vload3(1, rays + (size_t)RAY_FLOATS * row);
+    return ray;
+}
+
+// One coordinate of the ray. Two roundings instead of one: doubling the size covers the second.
+static Wide ray_coordinate(float column_high, float column_low, float row_high, float row_low, Wide* size) {
+    Wide column = wide_add(wide_of_float(column_high), wide_of_float(column_low));
+    Wide row = wide_add(wide_of_float(row_high), wide_of_float(row_low));
+    Wide sum_of_sizes = wide_add(wide_absolute(column), wide_absolute(row));
+    *size = wide_add(sum_of_sizes, sum_of_sizes);
+    return wide_add(column, row);
+}
+
+// The ray in double precision, with the sizes of what was added, as det3_wide wants it.
+static Det3Row ray_row(Ray ray) {
+    Det3Row row;
+    row.x = ray_coordinate(ray.column_high.x, ray.column_low.x, ray.row_high.x, ray.row_low.x, &row.size_x);
+    row.y = ray_coordinate(ray.column_high.y, ray.column_low.y, ray.row_high.y, ray.row_low.y, &row.size_y);
+    row.z = ray_coordinate(ray.column_high.z, ray.column_low.z, ray.row_high.z, ray.row_low.z, &row.size_z);
+    return row;
+}
+
+// Four determinants, so that no low part has to be negated in float, where a denormal could be flushed.
+static void accumulate_with_ray(Accumulator* sum, float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
+    const float3 none = (float3)(0.0f);
+    accumulator_clear(sum);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.column_high, none);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.column_low, none);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.row_high, none);
+    accumulator_add_det3(sum, u1, u0, v1, v0, ray.row_low, none);
+}
+
+// The ray as the float level wants it. The low parts, at most half an ulp of the high ones, are left out, and the sum
+// is rounded: an error of at most u (|column| + |row|) + u |r|, below u times this size.
+static float3 ray_float(Ray ray, float3* size) {
+    *size = 2.0f * (fabs(ray.column_high) + fabs(ray.row_high));
+    return ray.column_high + ray.row_high;
+}
+
+// det(u1 - u0, v1 - v0, r): its sign for certain. `cross` is one whose product with r is the same in real arithmetic.
+static int sign_with_ray(Det3FloatCross cross, float3 u1, float3 u0, float3 v1, float3 v0, Ray ray) {
+    float3 size;
+    float3 r = ray_float(ray, &size);
+    float bound_float;
+    float value_float = det3_float(cross, r, size, &bound_float);
+    if (fabs(value_float) > bound_float) return value_float > 0.0f ? 1 : -1;
+    Wide bound;
+    Wide value = det3_wide(det3_cross(det3_row(u1, u0), det3_row(v1, v0)), ray_row(ray), &bound);
+    if (wide_less(bound, wide_absolute(value))) return wide_sign(value);
+    if (wide_is_zero(bound)) return 0;
+    Accumulator sum;
+    accumulate_with_ray(&sum, u1, u0, v1, v0, ray);
+    return accumulator_sign(&sum);
+}
+
+// What all rays that may meet a triangle share.
+typedef struct Outline {
+    Triangle t;
+    int orientation;  // as seen from the eye; 0: edge-on, and met by none
+    Det3FloatCross ab, bc, ca;
+} Outline;
+
+static Outline outline_of(Triangle t, float3 eye) {
+    Outline outline;
+    int level = DET3_BY_FLOAT;
+    outline.t = t;
+    outline.orientation = det3_sign(t.a, eye, t.b, eye, t.c, eye, &level);
+    // det(a - eye, b - eye, r) = det(a - eye, b - a, r): with the edge in it, the bound of a small triangle is small.
+    outline.ab = det3_cross_float(t.a - eye, t.b - t.a);
+    outline.bc = det3_cross_float(t.b - eye, t.c - t.b);
+    outline.ca = det3_cross_float(t.c - eye, t.a - t.c);
+    return outline;
+}
+
+// Does the closed triangle cover the ray, t > 0? Exactly.
+static bool covers(const Outline* outline, float3 eye, Ray ray) {
+    Triangle t = outline->t;
+    int orientation = outline->orientation;
+    return orientation != 0 && sign_with_ray(outline->ab, t.a, eye, t.b, eye, ray) * orientation >= 0 &&
+           sign_with_ray(outline->bc, t.b, eye, t.c, eye, ray) * orientation >= 0 &&
+           sign_with_ray(outline->ca, t.c, eye, t.a, eye, ray) * orientation >= 0;
+}
+
+// ---- Planes ---------------------------------------------------------------------------------------------------------
+
+// Is the error, at most `bound`, below 2^-30 of the value?
+static bool is_good(Wide value, Wide bound) {
+    const ulong relative = 0x3E0EEC7BD512B572ul;  // 9.0e-10
+    return !wide_less(wide_mul(wide_of_bits(relative), wide_absolute(value)), bound);
+}
+
+// n . (w1 - w0) from the accumulator, n = (b - a) x (c - a).
+static Wide exact_component(Triangle t, float3 w1, float3 w0) {
+    Accumulator sum;
+    accumulator_clear(&sum);
+    accumulator_add_det3(&sum, t.b, t.a, t.c, t.a, w1, w0);
+    return accumulator_to_wide(&sum);
+}
+
+// What all pixels of a triangle share.
+typedef struct Plane {
+    Det3Row normal;  // n, whose relative error is not bounded
+    Wide depth;      // n . (a - eye), to a relative 2^-30
+} Plane;
+
+static Plane plane_of(Triangle t, float3 eye) {
+    Plane plane;
+    plane.normal = det3_cross(det3_row(t.b, t.a), det3_row(t.c, t.a));
+    Wide bound;
+    plane.depth = det3_wide(plane.normal, det3_row(t.a, eye), &bound);
+    if (!is_good(plane.depth, bound)) plane.depth = exact_component(t, t.a, eye);
+    return plane;
+}
+
+// 1 / t of the hit: (n . r) / (n . (a - eye)).
+static Wide nearness(Plane plane, Triangle t, Ray ray) {
+    Wide bound;
+    Wide along = det3_wide(plane.normal, ray_row(ray), &bound);
+    if (!is_good(along, bound)) {
+        Accumulator sum;
+        accumulate_with_ray(&sum, t.b, t.a, t.c, t.a, ray);
+        along = accumulator_to_wide(&sum);
+    }
+    return wide_div(along, plane.depth);
+}
+
+// 1 / t in float: true and an interval in which it lies for certain, with enough on both sides for the error of
+// nearness() as well, so that intervals apart order nearness() too. N and D are off by at most a quarter of themselves;
+// with a and b their relative errors, N / D is off by a relative (a + b) / (1 - b) <= 4/3 (a + b). 1.4 covers the
+// roundings of that sum; 1e-6 those of the quotient (2.5 ulp) and of the interval's ends, and 2^-29. All numbers are
+// normal: bounds are at least 2^-61, values at most 2^63.
+static bool nearness_float(Triangle t, float3 eye, Ray ray, float* low, float* high) {
+    Det3FloatCross n = det3_cross_float(t.b - t.a, t.c - t.a);
+    float3 to_plane = t.a - eye, size;
+    float3 r = ray_float(ray, &size);
+    float bound_along, bound_depth;
+    float along = det3_float(n, r, size, &bound_along);
+    float depth = det3_float(n, to_plane, fabs(to_plane), &bound_depth);
+    if (!(4.0f * bound_along < fabs(along) && 4.0f * bound_depth < fabs(depth))) return false;
+    float value = along / depth;
+    float error = fabs(value) * (1.4f * (bound_along / fabs(along) + bound_depth / fabs(depth)) + 1.0e-6f);
+    *low = value - error;
+    *high = value + error;
+    return true;
+}
+
+static bool is_nearer(Triangle t, uint id, Triangle best, uint best_id, float3 eye, Ray ray) {
+    float low, high, best_low, best_high;
+    if (nearness_float(t, eye, ray, &low, &high) && nearness_float(best, eye, ray, &best_low, &best_high)) {
+        if (low > best_high) return true;
+        if (high < best_low) return false;
+    }
+    Wide mine = nearness(plane_of(t, eye), t, ray), other = nearness(plane_of(best, eye), best, ray);
+    return wide_less(other, mine) || (!wide_less(mine, other) && id < best_id);
+}
+
+// ---- The nearest of a tile
+// ------------------------------------------------------------------------------------------
+
+// Rays side by side: where they pass through the picture, in pixels, and their entries in the table.
+typedef struct RayBlock {
+    LaneFloat x, y;
+    LaneInt column, row;
+} RayBlock;
+
+static Ray ray_of_lane(__global const float* rays, const RayBlock* block, int lane) {
+    return load_ray(rays, (uint)LANE_OF_INT(block->column, lane), (uint)LANE_OF_INT(block->row, lane));
+}
+
+// What a tile's rays may meet.
+typedef struct TileLists {
+    __global const uint2* ranges;
+    __global const BinEntries* entries;
+    __global const TriangleRecord* records;
+    __global const TriangleBounds* bounds;
+    __global const float* vertices;  // of the first triangle
+    __global const float* rays;
+} TileLists;
+
+// Of the triangles listed for a tile, which `box` may meet, the nearest that each of the lanes `searching` meets,
+// or GN_NO_ID.
+static LaneInt nearest_of_tile(TileLists lists, float3 eye, uint tile, QuantisedBlock box, RayBlock block,
+                               LaneInt searching) {
+    LaneFloat best_low = (LaneFloat)(-INFINITY), best_high = (LaneFloat)(-INFINITY);
+    LaneInt best_id = (LaneInt)((int)GN_NO_ID);
+    uint2 range = lists.ranges[tile];
+    if (!LANES_ANY(searching)) return best_id;
+    uint i = range.x, meeting = 0;
+    while (true) {
+#if GN_LANES == 1
+        // Neighbours walk one list together: a look at the record that all of them share costs no more.
+        if (i == range.y) break;
+        meeting = 1u;
+        ++i;
+#else
+        while (meeting == 0u && i < range.y) meeting = entries_that_meet(&lists.entries[i++], box);
+        if (meeting == 0u) break;
+#endif
+        uint slot = ENTRY_SLOT(&lists.entries[i - 1u], take_lowest_bit(&meeting));
+        __global const TriangleRecord* r = &lists.records[slot];
+        LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], block.x, block.y);
+        LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], block.x, block.y);
+        LaneFloat e2 = lanes_linear(r->edge_x[2], r->edge_y[2], r->edge_0[2], block.x, block.y);
+        LaneFloat inside = LANES_MIN(e0, LANES_MIN(e1, e2));
+        LaneFloat z = lanes_linear(r->plane_x, r->plane_y, r->plane_0, block.x, block.y);
+        LaneFloat z_low = z - (LaneFloat)(r->margin_plane), z_high = z + (LaneFloat)(r->margin_plane);
+        LaneInt possible =
+            searching & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(z_high, <, best_low);
+        if (!LANES_ANY(possible)) continue;
+        int id = (int)lists.bounds[slot].id;
+        LaneInt inside_for_certain = LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge));
+        LaneInt nearer_for_certain = LANE_COMPARE(z_low, >, best_high);
+        LaneInt certain = possible & inside_for_certain & nearer_for_certain;
+        LaneInt open = possible & ~certain;
+        if (LANES_ANY(open)) {
+            Outline outline = outline_of(load_triangle(lists.vertices, (uint)id), eye);
+            for (int lane = 0; lane < GN_LANES; ++lane) {
+                if (!LANE_OF_INT(open, lane)) continue;
+                Ray ray = ray_of_lane(lists.rays, &block, lane);
+                uint other = (uint)LANE_OF_INT(best_id, lane);
+                bool wins = LANE_OF_INT(inside_for_certain, lane) || covers(&outline, eye, ray);
+                if (wins && other != GN_NO_ID && !LANE_OF_INT(nearer_for_certain, lane))
+                    wins = is_nearer(outline.t, (uint)id, load_triangle(lists.vertices, other), other, eye, ray);
+                LANE_OF_INT(certain, lane) = wins ? -1 : 0;
+            }
+        }
+        best_low = LANES_SELECT(best_low, z_low, certain);
+        best_high = LANES_SELECT(best_high, z_high, certain);
+        best_id = LANES_SELECT(best_id, (LaneInt)(id), certain);
+    }
+    return best_id;
+}
+
+#endif
