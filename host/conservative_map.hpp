@@ -9,6 +9,7 @@
 namespace gnomon {
 
 enum class CoverTest { tight, circle };
+inline constexpr std::string_view cover_test_names[] = {"tight", "circle"};
 
 class ConservativeMap {
 public:

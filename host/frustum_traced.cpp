@@ -82,18 +82,13 @@ void merge_stages(Statistics& statistics) {
 }  // namespace
 
 FrameGrid FrustumTraced::grid(std::size_t point_count) const {
-    const bool is_cpu = device_.session().is_cpu();
-    FrameGrid grid{};
-    grid.size = map_size_;
-    if (grid.size == 0) {
-        // Measured on Sponza and lost_empire at 2K and 4K: a CPU pays for every texel drawn, a GPU hardly.
-        const std::uint32_t largest = is_cpu ? 256 : 512;
-        grid.size = 64;
-        while (grid.size < largest && std::size_t(grid.size) * grid.size * 4 < point_count) grid.size *= 2;
-    }
-    const std::uint32_t most_bins = is_cpu ? 128 : 512;
-    while (grid.bins() > most_bins) ++grid.bin_log2;
-    return grid;
+    const cl::Session& session = device_.session();
+    if (map_size_ != 0) return binned(session, map_size_);
+    // Measured on Sponza and lost_empire at 2K and 4K: a CPU pays for every texel drawn, a GPU hardly.
+    const std::uint32_t largest = session.is_cpu() ? 256 : 512;
+    std::uint32_t size = 64;
+    while (size < largest && std::size_t(size) * size * 4 < point_count) size *= 2;
+    return binned(session, size);
 }
 
 bool FrustumTraced::draws_map(const PointInputs& points) const {

@@ -6,6 +6,7 @@
 
 #include "cl/description.hpp"
 #include "cl/session.hpp"
+#include "conservative_map_alone.hpp"
 #include "frustum_traced.hpp"
 #include "self_check.hpp"
 #include "shadow_map/presets.hpp"
@@ -60,7 +61,7 @@ Registered entry() {
 std::vector<Registered> registered() {
     std::vector<Registered> all{
         entry<FrustumTraced>(), entry<ShadowMap>(),         entry<VirtualShadowMap>(),
-        entry<ShadowVolumes>(), entry<SubPixelShadowMap>(),
+        entry<ShadowVolumes>(), entry<SubPixelShadowMap>(), entry<ConservativeMapAlone>(),
     };
     for (const ShadowMapPreset& preset : shadow_map_presets())
         all.push_back({describe(preset), [&preset](const Device& device) { return make(preset, device); }});

@@ -14,6 +14,8 @@ struct FrameGrid {
     std::uint32_t bins() const { return (size + (1u << bin_log2) - 1) >> bin_log2; }
     std::uint32_t bin_count() const { return bins() * bins(); }
 };
+/// The finest bins of which there are at most 128 x 128 on a CPU, 512 x 512 on a GPU.
+FrameGrid binned(const cl::Session& session, std::uint32_t size);
 
 /// The frame of a directional light, or the first of a positional one's LAMP_FRAMES (the faces of a cube around it).
 LightFrame make_light_frame(const Light& light, const FrameGrid& grid);

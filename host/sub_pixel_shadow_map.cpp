@@ -19,22 +19,15 @@ namespace {
 
 constexpr std::string_view off_on[] = {"off", "on"};
 
-template <typename Counters>
-Counters counted(cl::Session& session, const cl::Buffer& counters) {
-    Counters values;
-    session.read(counters.get(), &values, sizeof(values));
-    return values;
-}
-
 }  // namespace
 
 bool SubPixelShadowMap::list_triangles(Run& run) {
     cl::Session& session = device_.session();
     cl::StageTimer timer(session, run.statistics, "triangle_setup");
     session.fill(counters_, 0, sizeof(FrameCounters));
-    setup_.run_bounds(session, projection_, run.triangles, nullptr, counters_);
-    setup_.run_tiles(session, projection_, run.triangles, nullptr, counters_);
-    return setup_.fitted(session, counted<FrameCounters>(session, counters_));
+    setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, counters_);
+    setup_.run_tiles(session, frames_.projection(), run.triangles, nullptr, counters_);
+    return setup_.fitted(session, session.read_value<FrameCounters>(counters_));
 }
 
 void SubPixelShadowMap::draw(Run& run) {
@@ -47,7 +40,7 @@ void SubPixelShadowMap::draw(Run& run) {
     session.fill(map_counters_, 0, sizeof(SubPixelCounters));
     for (const cl_uint stores_ids : {0u, 1u})
         session.launch("sub_pixel_shadow_map.cl", "sub_pixel_draw", cl::Range::items(setup_.tiles().capacity()),
-                       projection_, setup_.tiles().capacity(), stores_ids, setup_.records(), setup_.bounds(),
+                       frames_.projection(), setup_.tiles().capacity(), stores_ids, setup_.records(), setup_.bounds(),
                        setup_.tiles().buffer(), counters_, heights_, ids_, map_counters_);
 }
 
@@ -56,7 +49,7 @@ void SubPixelShadowMap::decide_points(Run& run, cl_uint frame) {
     const cl_uint reach = neighbours_;
     session.launch("sub_pixel_shadow_map.cl", "sub_pixel_lookup",
                    cl::Range::items(run.points.layout.count / session.lanes() + 1), run.light_frame, frame,
-                   run.points.layout, projection_, reach, run.triangles.first_float, run.points.positions,
+                   run.points.layout, frames_.projection(), reach, run.triangles.first_float, run.points.positions,
                    run.points.receivers, run.triangles.vertices, ids_, run.visibility, map_counters_);
 }
 
@@ -71,7 +64,7 @@ void SubPixelShadowMap::run_frame(Run& run, cl_uint frame) {
         cl::StageTimer timer(session, run.statistics, "sub_pixel_lookup");
         decide_points(run, frame);
     }
-    const auto map = counted<SubPixelCounters>(session, map_counters_);
+    const auto map = session.read_value<SubPixelCounters>(map_counters_);
     run.total.texels += map.texels;
     run.total.in_shadow += map.in_shadow;
     ++run.frames;
@@ -87,26 +80,8 @@ Statistics SubPixelShadowMap::run(const Triangles& triangles, const Points& poin
             visibility.buffer()};
     counters_.reserve(session, sizeof(FrameCounters));
     map_counters_.reserve(session, sizeof(SubPixelCounters));
-    projection_.reserve(session, sizeof(Projection));
-
-    FrameCounters facing{};
-    if (points.count() != 0) {
-        cl::StageTimer timer(session, run.statistics, "facing");
-        session.fill(counters_, 0, sizeof(FrameCounters));
-        facing_.run(session, run.light_frame, run.triangles, run.points, run.visibility, counters_);
-        facing = counted<FrameCounters>(session, counters_);
-    }
-    if (points.count() != 0 && triangles.count() != 0) {
-        light_frame_.run(session, run.light_frame, facing_.frame_bounds());
-        std::array<Projection, LAMP_FRAMES> projections;
-        const cl_uint frame_count = frame_count_of(run.light_frame);
-        session.read(light_frame_.projections().get(), projections.data(), frame_count * sizeof(Projection));
-        for (cl_uint frame = 0; frame < frame_count; ++frame) {
-            if (projections[frame].active_points == 0) continue;
-            session.write(projection_.get(), &projections[frame], sizeof(Projection));
-            run_frame(run, frame);
-        }
-    }
+    const FrameCounters facing = frames_.run(session, run.statistics, run.light_frame, run.triangles, run.points,
+                                             run.visibility, counters_, [&](cl_uint frame) { run_frame(run, frame); });
 
     Statistics& s = run.statistics;
     s.counts = {{"points", points.count()},

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "../kernels/sub_pixel_shadow_map.h"
-#include "facing.hpp"
+#include "light_frames.hpp"
 #include "triangle_setup.hpp"
 
 namespace gnomon {
@@ -31,9 +31,8 @@ private:
     std::uint32_t map_size_ = 1024;
 
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
-    cl::Buffer counters_, map_counters_, projection_;
-    Facing facing_;
-    LightFrameFit light_frame_;
+    cl::Buffer counters_, map_counters_;
+    LightFrames frames_;
     TriangleSetup setup_;
     cl::Buffer heights_, ids_;  ///< per texel
 };

@@ -30,7 +30,8 @@ std::vector<gnomon::TechniqueDescription> all_techniques() {
     std::vector<gnomon::TechniqueDescription> chosen;
     for (const gnomon::TechniqueDescription& technique : gnomon::techniques())
         if (technique.exact || technique.name == "shadow-map" || technique.name == "shadow-volumes" ||
-            technique.name == "sub-pixel")
+            technique.name == "sub-pixel" || technique.name == "conservative-map" ||
+            technique.name == "virtual-shadow-map")
             chosen.push_back(technique);
     return chosen;
 }
@@ -40,7 +41,8 @@ std::unique_ptr<gnomon::Technique> made(const gnomon::TechniqueDescription& desc
     auto technique = gnomon::make_technique(description.name, device);
     for (const gnomon::SettingDescription& setting : description.settings) {
         if (setting.name == "first-capacity") technique->set(setting.name, "16");
-        if (setting.name == "map-size" || setting.name == "size") technique->set(setting.name, "64");
+        if (setting.name == "map-size") technique->set(setting.name, "64");
+        if (setting.name == "size") technique->set(setting.name, "128");
     }
     return technique;
 }

@@ -3,70 +3,17 @@
 // large the texels; more texels and neighbours only help.
 #include <gtest/gtest.h>
 
-#include "support/device.hpp"
-#include "support/scene_makers.hpp"
+#include "support/floor_view.hpp"
 
 namespace {
 
 using namespace support;
 
-constexpr std::uint32_t width = 128, height = 96;
-
-const std::vector<gnomon::Light>& lights() {
-    static const std::vector<gnomon::Light> all = {gnomon::Light::directional({-0.4f, -1, -0.3f}),
-                                                   gnomon::Light::directional({1, -0.75f, 0.5f}),
-                                                   gnomon::Light::positional({0.5f, 3, 0.25f})};
-    return all;
-}
-
-Floats over_a_floor(const Floats& casters) {
-    Floats triangles;
-    add(triangles, {-6, -1, -6}, {-6, -1, 6}, {6, -1, 6});
-    add(triangles, {-6, -1, -6}, {6, -1, 6}, {6, -1, -6});
-    append(triangles, casters);
-    return triangles;
-}
-
-const Floats one_triangle{-1, 0.5f, -1, 1, 0.75f, -0.5f, 0, 0.25f, 1};
-
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-struct Errors {
-    std::size_t wrongly_lit = 0, wrongly_shadowed = 0, in_shadow = 0, lit = 0;
-};
-
-Errors errors_of(const std::vector<float>& mask, const std::vector<float>& truth) {
-    Errors errors;
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-        errors.wrongly_lit += mask[i] == 1 && truth[i] == 0;
-        errors.wrongly_shadowed += mask[i] == 0 && truth[i] == 1;
-        errors.in_shadow += truth[i] == 0;
-        errors.lit += truth[i] == 1;
-    }
-    return errors;
-}
-
-class SubPixelShadowMap : public testing::Test {
+class SubPixelShadowMap : public FloorView {
 protected:
-    std::vector<float> run(const Floats& scene, const gnomon::Light& light, const std::string& technique,
-                           const Settings& settings = {}) {
-        const auto triangles = gnomon::Triangles::upload(device_, scene);
-        const auto camera = gnomon::Camera::look_at({0, 2, 4}, {0, -0.25f, 0}, {0, 1, 0}, 60);
-        const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
-        const auto made = gnomon::make_technique(technique, device_);
-        for (const auto& [key, value] : settings) made->set(key, value);
-        const gnomon::Visibility visibility(device_, view.points.count());
-        statistics_ = made->run(triangles, view.points, light, visibility);
-        return visibility.read();
-    }
-
     Errors errors(const Floats& scene, const gnomon::Light& light, const Settings& settings) {
-        const std::vector<float> truth = run(scene, light, "frustum-traced");
-        return errors_of(run(scene, light, "sub-pixel", settings), truth);
+        return FloorView::errors(scene, light, "sub-pixel", settings);
     }
-
-    gnomon::Device device_;
-    gnomon::Statistics statistics_;  ///< of the last run
 };
 
 TEST_F(SubPixelShadowMap, OneCasterIsTheTruthHoweverLargeTheTexels) {

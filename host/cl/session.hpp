@@ -102,6 +102,13 @@ public:
     void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes);
     void write(cl_mem buffer, const void* data, std::size_t bytes);
     void read(cl_mem buffer, void* data, std::size_t bytes);
+    /// What the buffer begins with.
+    template <typename Value>
+    Value read_value(const Buffer& buffer) {
+        Value value;
+        read(buffer.get(), &value, sizeof(value));
+        return value;
+    }
     void finish();
 
     /// Makes a kernel file of this text known under `file`; it may include those of kernels/. For tests, which put the
