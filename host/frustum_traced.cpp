@@ -132,14 +132,18 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
         trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, bins_, setup_,
                    run.visibility, counters_);
     }
+    if (decisions_) decisions_->trace(session, light_frame, frame, run.points, projection_, map, run.visibility);
     {
         cl::StageTimer timer(session, statistics, "exact_trace");
         run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     }
+    if (decisions_)
+        decisions_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     FrameCounters counted = read_counters(session, counters_);
     const bool setup = setup_.fitted(session, counted), references = bins_.fitted(session, counted, setup);
     if (!setup || !references) return {};
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
+        if (decisions_) decisions_->second_look(session, light_frame, frame, run.points, run.visibility);
         cl::StageTimer timer(session, statistics, "trace");
         trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, bins_, setup_,
                    run.visibility, counters_, Trace::Look::second);
@@ -194,6 +198,7 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
             cl::StageTimer timer(session, run.statistics, "facing");
             facing_.run(session, run.light_frame, run.triangles, run.points, run.visibility, counters_);
         }
+        if (decisions_) decisions_->facing(session, run.points, run.visibility);
         facing = read_counters(session, counters_);
         if (triangles.count() != 0) {
             {
@@ -242,6 +247,23 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     s.device_memory_bytes = memory.peak_bytes();
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
+}
+
+std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const Triangles& triangles,
+                                                  const Points& points, const Light& light) {
+    if (name != "decided") return Technique::diagnose(name, triangles, points, light);
+    // The other traversal decides in place what finds no room: nothing is left to see whom by.
+    if (traversal_ == Traversal::triangles)
+        throw InvalidArgument("the diagnostic \"decided\" watches traversal=points: leave traversal=triangles out");
+    struct Watch {
+        explicit Watch(std::optional<Decisions>& decisions) : decisions_(decisions) { decisions_.emplace(); }
+        ~Watch() { decisions_.reset(); }
+        std::optional<Decisions>& decisions_;
+    } const watch(decisions_);
+    const Visibility visibility(device_, points.count());
+    run(triangles, points, light, visibility);
+    if (points.count() == 0) return {};
+    return decision_colors(decisions_->read(device_.session(), points.count()), visibility.read());
 }
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {

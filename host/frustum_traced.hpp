@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "conservative_map.hpp"
+#include "decisions.hpp"
 #include "facing.hpp"
 #include "farthest_height.hpp"
 #include "trace.hpp"
@@ -18,6 +19,9 @@ public:
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
     void set(std::string_view name, std::string_view value) override;
+    /// "decided": what decided each point. Of any points, not only a camera's.
+    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                       const Light& light) override;
 
     static TechniqueDescription describe();
 
@@ -50,6 +54,7 @@ private:
     Izb izb_;
     Bins bins_;
     Trace trace_;
+    std::optional<Decisions> decisions_;  ///< while a run is watched
 };
 
 }  // namespace gnomon

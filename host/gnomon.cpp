@@ -72,7 +72,8 @@ std::vector<Registered> registered() {
 
 std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
     throw InvalidArgument("this technique has no diagnostic named \"" + std::string(name) +
-                          "\": shadow-map and its presets have aliasing, grid, views and depth");
+                          "\": frustum-traced has decided; shadow-map and its presets have aliasing, grid, views and "
+                          "depth");
 }
 
 std::vector<TechniqueDescription> techniques() {

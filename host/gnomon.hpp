@@ -367,9 +367,10 @@ public:
                            const Visibility& visibility) = 0;
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
     virtual void set(std::string_view name, std::string_view value) = 0;
-    /// Draws how the technique samples what a camera sees: RGBA, 4 bytes per point (sRGB). Shadow maps have "aliasing"
-    /// (texels per pixel, in colours), "grid" (texels), "views" (which cascade or face serves) and "depth". Throws
-    /// InvalidArgument for a name that is none of the technique's, or for points that no camera made.
+    /// Draws how the technique works for each point: RGBA, 4 bytes per point (sRGB). Shadow maps, for what a camera
+    /// sees, have "aliasing" (texels per pixel, in colours), "grid" (texels), "views" (which cascade or face serves)
+    /// and "depth"; frustum-traced has "decided": what decided each point (docs/techniques.md has the legend). Throws
+    /// InvalidArgument for a name that is none of the technique's, or where it needs points that a camera made.
     virtual std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                                const Light& light);
 };

@@ -30,6 +30,7 @@ struct Case {
     Light light;
     std::optional<Float3> eye;
     std::vector<std::pair<std::string, std::string>> settings;
+    bool is_watched = false;  ///< by the diagnostic "decided" too
 };
 
 void trace(const gnomon::Device& device, const Case& c) {
@@ -49,6 +50,9 @@ void trace(const gnomon::Device& device, const Case& c) {
     }
     require(wrong == 0, c.name + ": " + std::to_string(wrong) + " points");
     require(dark > 0 && dark < got.size(), c.name + ": both answers must occur");
+    if (c.is_watched)
+        require(technique->diagnose("decided", triangles, points, gnomon::Light{c.light}).size() == 4 * got.size(),
+                c.name + ": what decided each point");
     std::printf("%s: %zu points, %zu in shadow, %llu by the map, %llu uncertain pairs\n", c.name.c_str(), got.size(),
                 dark, static_cast<unsigned long long>(statistics.count("points_decided_by_map")),
                 static_cast<unsigned long long>(statistics.count("uncertain_pairs")));
@@ -118,7 +122,9 @@ int main() try {
         std::printf("%s, work-groups of %u\n", device.description().name.c_str(), work_group_size);
         const std::vector<std::pair<std::string, std::string>> small = {
             {"conservative-map", "on"}, {"map-size", "32"}, {"first-capacity", "5"}};
-        trace(device, {"lattice, directional, ties", blocks, points, receivers, along(1, 1, 1), {}, small});
+        trace(
+            device,
+            {"lattice, directional, ties", blocks, points, receivers, along(1, 1, 1), {}, small, work_group_size == 0});
         trace(device,
               {"soup, with map and eye", soup(20, 1.2f, 4), places, {}, along(0.1f, -1, 0.2f), Float3{0, 5, 0}, small});
         if (work_group_size != 0) continue;

@@ -169,7 +169,8 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
               });
     add_value(
         app, group, "--diagnostic", "NAME",
-        "Draw how a shadow map's texels lie over the picture instead of it: aliasing, grid, views or depth",
+        "Draw how the technique works instead of the picture: frustum-traced has decided (by what, each pixel);\n"
+        "shadow-map and its presets have aliasing, grid, views and depth",
         [&](const std::string& option, const std::string& text) { options.diagnostic = parse_name(option, text); });
     add_value(app, group, "--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
               set("conservative-map"));
