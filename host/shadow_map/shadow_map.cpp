@@ -90,7 +90,7 @@ const std::vector<Setting>& settings_table() {
          [](S& s, Text n, Text v) {
              s.moment_bias = v == "auto" ? std::nullopt : std::optional(number_setting(n, v, 0, 1));
          }},
-        {{"bits", "128", "of store moments: 64 or 128 bits per texel"},
+        {{"bits", "128", "of store moments: 64 or 128 bits of memory per texel"},
          [](S& s, Text n, Text v) { s.half_bits = choice_setting(n, v, bits_names) == 0; }},
         {{"edges-only", "off", "of store variance: on filters only where the four texels around a point disagree"},
          [](S& s, Text n, Text v) { s.edges_only = choice_setting(n, v, switch_names) == 1; }},
@@ -149,7 +149,7 @@ StorePlan ShadowMap::store_plan() const {
     plan.negative_exponent = s.negative_exponent;
     plan.receiver_bias = s.constant_bias;
     plan.bleeding = s.bleeding;
-    plan.half_bits = s.half_bits;
+    plan.half_bits = s.half_bits && s.store == STORE_MOMENTS;
     plan.edges_only = s.edges_only && s.store == STORE_VARIANCE;
     // Peters and Klein 2015 for moments; the others: what rounding of their squares needs.
     const float own_bias = s.store != STORE_MOMENTS ? (s.store <= STORE_LAYERED ? 1e-3f : 1e-4f)

@@ -22,20 +22,16 @@ std::vector<float> gaussian_weights(std::uint32_t taps) {
     return scaled;
 }
 
-}  // namespace
-
-void StoredMap::to_half_bits(cl::Session& session, const StorePlan& plan, std::size_t numbers) {
-    if (plan.store != STORE_MOMENTS || plan.half_bits == 0) return;
-    session.launch("shadow_map/moments.cl", "moments_to_half_bits", cl::Range::items(numbers), cl_ulong(numbers),
-                   planes_);
+std::size_t bytes_of(const MapViews& map_views, const StorePlan& plan) {
+    return std::size_t(map_views.set.texels) * plan.planes * (plan.half_bits ? sizeof(cl_ushort) : sizeof(cl_float));
 }
 
+}  // namespace
+
 void StoredMap::fill(cl::Session& session, const MapViews& map_views, const DepthMap& depths, const StorePlan& plan) {
-    const std::size_t numbers = std::size_t(map_views.set.texels) * plan.planes;
-    planes_.reserve(session, numbers * sizeof(float));
+    planes_.reserve(session, bytes_of(map_views, plan));
     session.launch("shadow_map/moments.cl", "moments_fill", cl::Range::items(map_views.set.texels), plan, map_views.set,
                    depths.keys(), depths.slopes(), planes_);
-    to_half_bits(session, plan, numbers);
 }
 
 void StoredMap::prefilter(cl::Session& session, const MapViews& map_views, Prefilter prefilter, std::uint32_t width,
@@ -44,27 +40,25 @@ void StoredMap::prefilter(cl::Session& session, const MapViews& map_views, Prefi
     const std::size_t numbers = std::size_t(set.texels) * plan.planes;
     plan.summed = prefilter == Prefilter::summed_area;
     if (prefilter == Prefilter::none) return;
-    scratch_.reserve(session, numbers * sizeof(float));
     if (prefilter == Prefilter::gaussian) {
+        scratch_.reserve(session, bytes_of(map_views, plan));
         const std::vector<float> weights = gaussian_weights(width);
         weights_.reserve(session, weights.size() * sizeof(float));
         session.write(weights_.get(), weights.data(), weights.size() * sizeof(float));
-        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), set, plan.planes, width,
-                       cl_uint(0), weights_, map_views.views, planes_, scratch_);
-        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), set, plan.planes, width,
-                       cl_uint(1), weights_, map_views.views, scratch_, planes_);
-        to_half_bits(session, plan, numbers);
+        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), plan, set, width, cl_uint(0),
+                       weights_, map_views.views, planes_, scratch_);
+        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), plan, set, width, cl_uint(1),
+                       weights_, map_views.views, scratch_, planes_);
         return;
     }
     // Sums of a box stay below 2^32: as many bits as its number of texels leaves.
     plan.width = static_cast<float>(width);
     plan.summed_scale = std::ldexp(1.0f, 31 - static_cast<int>(std::ceil(2 * std::log2(width))));
-    const bool is_signed = plan.store == STORE_CONVOLUTION || (plan.store == STORE_MOMENTS && plan.half_bits == 0);
-    const float low = is_signed ? -1.0f : 0.0f, scale_in = low < 0 ? 0.5f : 1.0f;
-    session.launch(prefilter_file, "prefilter_sum_rows", cl::Range::items(numbers), set, plan.planes, plan.summed_scale,
-                   low, scale_in, map_views.views, planes_, scratch_);
-    session.launch(prefilter_file, "prefilter_sum_columns", cl::Range::items(numbers), set, plan.planes,
-                   map_views.views, scratch_);
+    scratch_.reserve(session, numbers * sizeof(cl_uint));
+    session.launch(prefilter_file, "prefilter_sum_rows", cl::Range::items(numbers), plan, set, map_views.views, planes_,
+                   scratch_);
+    session.launch(prefilter_file, "prefilter_sum_columns", cl::Range::items(numbers), plan, set, map_views.views,
+                   scratch_);
     std::swap(planes_, scratch_);
 }
 

@@ -18,8 +18,6 @@ public:
     const cl::Buffer& planes() const { return planes_; }
 
 private:
-    void to_half_bits(cl::Session& session, const StorePlan& plan, std::size_t numbers);
-
     cl::Buffer planes_, scratch_, weights_;
 };
 

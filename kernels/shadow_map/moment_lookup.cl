@@ -6,16 +6,19 @@
 
 #define MOST_PLANES 32
 
-static void fetch_bilinear(const StorePlan* plan, const Receiver* r, uint texels, __global const float* planes,
+static void fetch_bilinear(const StorePlan* plan, const Receiver* r, uint texels, __global const void* planes,
                            float* means) {
     float2 corner = r->at_texels - 0.5f, whole = floor(corner), f = corner - whole;
     int x = (int)whole.x, y = (int)whole.y;
     size_t at00 = texel_at(r, x, y), at10 = texel_at(r, x + 1, y), at01 = texel_at(r, x, y + 1),
            at11 = texel_at(r, x + 1, y + 1);
     for (uint p = 0; p < plan->planes; ++p) {
-        __global const float* plane = planes + (size_t)p * texels;
-        float above = plane[at00] + f.x * (plane[at10] - plane[at00]);
-        float below = plane[at01] + f.x * (plane[at11] - plane[at01]);
+        size_t plane = (size_t)p * texels;
+        float z00 = load_number(plan->half_bits, planes, plane + at00),
+              z10 = load_number(plan->half_bits, planes, plane + at10),
+              z01 = load_number(plan->half_bits, planes, plane + at01),
+              z11 = load_number(plan->half_bits, planes, plane + at11);
+        float above = z00 + f.x * (z10 - z00), below = z01 + f.x * (z11 - z01);
         means[p] = above + f.y * (below - above);
     }
 }
@@ -69,7 +72,7 @@ static int agreement(const StorePlan* plan, const Receiver* r, __global const fl
 
 __kernel void moment_lookup(StorePlan plan, MapSet set, PointsLayout layout, __global const float* positions,
                             __global const MapView* views, __global const float* tables, __global const float* depths,
-                            __global const float* planes, __global float* visibility) {
+                            __global const void* planes, __global float* visibility) {
     GN_FOR_EACH(i, layout.count) {
         if (visibility[i] != 1.0f) continue;
         float3 p = load_point(positions, layout, i);

@@ -55,18 +55,12 @@ __kernel void moments_fill(StorePlan plan, MapSet set, __global const float* dep
             }
             case STORE_MOMENTS: {
                 float4 m = plan.half_bits ? optimised_moments(z) : (float4)(x, x * x, x * x * x, x * x * x * x);
-                at[0] = m.x;
-                at[texels] = m.y;
-                at[2 * texels] = m.z;
-                at[3 * texels] = m.w;
+                store_number(plan.half_bits, planes, i, m.x);
+                store_number(plan.half_bits, planes, i + texels, m.y);
+                store_number(plan.half_bits, planes, i + 2 * texels, m.z);
+                store_number(plan.half_bits, planes, i + 3 * texels, m.w);
                 break;
             }
         }
     }
-}
-
-// What 16 bits keep of a number in [0, 1]. The planes stay floats: this shows the error of 64-bit texels, not their
-// memory.
-__kernel void moments_to_half_bits(ulong count, __global float* planes) {
-    GN_FOR_EACH(i, count) planes[i] = rint(clamp(planes[i], 0.0f, 1.0f) * 65535.0f) / 65535.0f;
 }

@@ -12,6 +12,8 @@
 //   ewgf            as evsm2                                          Gumbau, Sbert, Szirmay-Kalos et al. 2013; 125
 //   moments         x, x^2, x^3, x^4 (Hamburger 4MSM), x = 2 z - 1    Peters and Klein 2015; 126-131
 //                   with half_bits: those of z, transformed for 16 bits per number
+// Numbers are floats in memory, but with half_bits 16-bit fixed point of [0, 1]: 64 bits per texel, also where a
+// prefilter reads and writes them.
 // z is in [0, 1]. dx, dy are the caster's depth per texel: the moment bias, for a texel seen as a Gaussian of half a
 // texel's deviation.
 #ifndef GN_MOMENTS_H
@@ -43,11 +45,11 @@ GN_STRUCT_BEGIN(StorePlan)
     float receiver_bias;      // depth; subtracted from the receiver's
     float bleeding;           // survey 113: visibility below this becomes 0, the rest is stretched to [0, 1]
     float moment_bias;        // moments: share of a constant vector mixed in; others: least deviation, depth
-    uint half_bits;           // moments: 16 bits per number (64-bit texels) after the optimised transform; else 32
-    uint edges_only;          // variance: only where the four texels around the point disagree (Sterna 2011; 114-116)
-    uint summed;              // planes are summed areas (prefilter.h)
-    float width;              // of the box that is looked up in summed areas, texels
-    float summed_scale;       // fixed point: 1 is this much
+    uint half_bits;      // moments alone: 16 bits per number (64-bit texels) after the optimised transform; else 32
+    uint edges_only;     // variance: only where the four texels around the point disagree (Sterna 2011; 114-116)
+    uint summed;         // planes are summed areas (prefilter.h)
+    float width;         // of the box that is looked up in summed areas, texels
+    float summed_scale;  // fixed point: 1 is this much
     uint padding[2];
 GN_STRUCT_END(StorePlan, 64)
 
@@ -57,6 +59,18 @@ GN_STRUCT_END(StorePlan, 64)
 static float2 layer_range(const StorePlan* plan, uint l) {
     float length = 1.0f / (float)plan->layers;
     return (float2)((float)l * length - (l > 0 ? LAYER_OVERLAP * length : 0.0f), (float)(l + 1) * length);
+}
+
+// Number i of planes as memory holds them. Where half_bits is a constant after inlining, so is the way to read.
+static float load_number(uint half_bits, __global const void* numbers, size_t i) {
+    if (half_bits) return (float)((__global const ushort*)numbers)[i] * (1.0f / 65535.0f);
+    return ((__global const float*)numbers)[i];
+}
+static void store_number(uint half_bits, __global void* numbers, size_t i, float number) {
+    if (half_bits)
+        ((__global ushort*)numbers)[i] = (ushort)rint(clamp(number, 0.0f, 1.0f) * 65535.0f);
+    else
+        ((__global float*)numbers)[i] = number;
 }
 
 // Are the planes' numbers in [-1, 1]?

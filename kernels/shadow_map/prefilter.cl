@@ -6,7 +6,7 @@
 //   summed area  S(x, y) = sum of the texels up to (x, y): any box is four lookups (Crow 1984; Lauritzen 2007). In
 //                fixed point modulo 2^32, so that no precision is lost however large the map is: a box whose own sum
 //                is below 2^32 comes out exact. For quantities in [0, 1]; those in [-1, 1] are moved there.
-#include "map_view.h"
+#include "moments.h"
 
 #define MOST_FILTER_TAPS 33
 
@@ -15,9 +15,8 @@ static size_t place_of(__global const MapView* view, uint x, uint y) {
     return view->first_texel + (size_t)y * view->row_stride + x;
 }
 
-// One axis: 0 along x, 1 along y.
-__kernel void prefilter_gaussian(MapSet set, uint planes, uint taps, uint axis, __constant const float* weights,
-                                 __global const MapView* views, __global const float* input, __global float* output) {
+static void gaussian(uint half_bits, MapSet set, uint planes, uint taps, uint axis, __constant const float* weights,
+                     __global const MapView* views, __global const void* input, __global void* output) {
     for (uint v = 0; v < set.view_count; ++v) {
         __global const MapView* view = views + v;
         uint texels = view->width * view->height;
@@ -28,40 +27,53 @@ __kernel void prefilter_gaussian(MapSet set, uint planes, uint taps, uint axis, 
             uint texel = (uint)(i % texels), x = texel % view->width, y = texel / view->width;
             size_t plane = i / texels * set.texels;
             int along = (int)(axis == 0u ? x : y);
-            __global const float* line = input + plane + place_of(view, axis == 0u ? 0 : x, axis == 0u ? y : 0);
+            size_t line = plane + place_of(view, axis == 0u ? 0 : x, axis == 0u ? y : 0);
             float sum = 0.0f;
             if (along >= half_taps && along + half_taps <= last) {
-                __global const float* first = line + (size_t)(along - half_taps) * step;
-                for (uint t = 0; t < taps; ++t) sum += weights[t] * first[t * step];
+                size_t first = line + (size_t)(along - half_taps) * step;
+                for (uint t = 0; t < taps; ++t) sum += weights[t] * load_number(half_bits, input, first + t * step);
             } else {
-                for (uint t = 0; t < taps; ++t)
-                    sum += weights[t] * line[(size_t)clamp(along - half_taps + (int)t, 0, last) * step];
+                for (uint t = 0; t < taps; ++t) {
+                    size_t at = line + (size_t)clamp(along - half_taps + (int)t, 0, last) * step;
+                    sum += weights[t] * load_number(half_bits, input, at);
+                }
             }
-            output[plane + place_of(view, x, y)] = sum;
+            store_number(half_bits, output, plane + place_of(view, x, y), sum);
         }
     }
 }
 
-// Rows first, turning numbers of [low, low + 1 / scale_in] into fixed point; then columns in place.
-__kernel void prefilter_sum_rows(MapSet set, uint planes, float scale, float low, float scale_in,
-                                 __global const MapView* views, __global const float* input, __global uint* output) {
+// One axis: 0 along x, 1 along y.
+__kernel void prefilter_gaussian(StorePlan plan, MapSet set, uint taps, uint axis, __constant const float* weights,
+                                 __global const MapView* views, __global const void* input, __global void* output) {
+    if (plan.half_bits)
+        gaussian(1u, set, plan.planes, taps, axis, weights, views, input, output);
+    else
+        gaussian(0u, set, plan.planes, taps, axis, weights, views, input, output);
+}
+
+// Rows first, turning numbers into fixed point; then columns in place.
+__kernel void prefilter_sum_rows(StorePlan plan, MapSet set, __global const MapView* views, __global const void* input,
+                                 __global uint* output) {
+    float low = is_signed(&plan) ? -1.0f : 0.0f, scale_in = is_signed(&plan) ? 0.5f : 1.0f;
     for (uint v = 0; v < set.view_count; ++v) {
         __global const MapView* view = views + v;
-        GN_FOR_EACH(i, (size_t)view->height * planes) {
+        GN_FOR_EACH(i, (size_t)view->height * plan.planes) {
             size_t first = i / view->height * set.texels + place_of(view, 0, (uint)(i % view->height));
             uint sum = 0;
             for (uint x = 0; x < view->width; ++x) {
-                sum += (uint)rint(clamp((input[first + x] - low) * scale_in, 0.0f, 1.0f) * scale);
+                float number = load_number(plan.half_bits, input, first + x);
+                sum += (uint)rint(clamp((number - low) * scale_in, 0.0f, 1.0f) * plan.summed_scale);
                 output[first + x] = sum;
             }
         }
     }
 }
 
-__kernel void prefilter_sum_columns(MapSet set, uint planes, __global const MapView* views, __global uint* sums) {
+__kernel void prefilter_sum_columns(StorePlan plan, MapSet set, __global const MapView* views, __global uint* sums) {
     for (uint v = 0; v < set.view_count; ++v) {
         __global const MapView* view = views + v;
-        GN_FOR_EACH(i, (size_t)view->width * planes) {
+        GN_FOR_EACH(i, (size_t)view->width * plan.planes) {
             size_t first = i / view->width * set.texels + place_of(view, (uint)(i % view->width), 0);
             uint sum = 0;
             for (uint y = 0; y < view->height; ++y) {

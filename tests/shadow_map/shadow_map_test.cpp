@@ -120,18 +120,44 @@ TEST(ShadowMap, every_preset) {
     }
 }
 
+/// gnomon's own buffers in a run of technique shadow-map.
+std::uint64_t memory_of(const gnomon::Device& device, const Scene& scene, const Settings& settings) {
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
+    const gnomon::Visibility visibility(device, points.count());
+    const auto made = gnomon::make_technique("shadow-map", device);
+    for (const auto& [name, value] : settings) made->set(name, value);
+    return made->run(triangles, points, sun, visibility).device_memory_bytes;
+}
+
+// Of four numbers a texel, stored and filtered: 64 bits of memory, or 128; and almost the same shadow.
+TEST(ShadowMap, moments_of_64_bits_take_64_bits) {
+    const gnomon::Device device;
+    const Scene scene = floor_and_slabs(12);
+    constexpr std::uint64_t texels = 256 * 256;
+    for (const auto& [prefilter, maps] : {std::pair{"none", 1}, {"gaussian", 2}}) {
+        Settings narrow{{"store", "moments"}, {"size", "256"}, {"prefilter", prefilter}, {"bits", "64"}}, wide = narrow;
+        wide.back().second = "128";
+        EXPECT_EQ(memory_of(device, scene, wide) - memory_of(device, scene, narrow), maps * texels * 8) << prefilter;
+        const auto narrow_lit = visibility_of(device, scene, sun, "shadow-map", narrow),
+                   wide_lit = visibility_of(device, scene, sun, "shadow-map", wide);
+        EXPECT_LT(mean_error(narrow_lit, wide_lit), 0.02) << prefilter;
+    }
+}
+
 // A box of one texel is the bilinear lookup itself.
 TEST(ShadowMap, summed_areas_of_one_texel_change_nothing) {
     const gnomon::Device device;
     const Scene scene = floor_and_slabs(12);
-    for (const char* store : {"variance", "layered", "convolution"}) {
-        const Settings plain{{"store", store}, {"size", "256"}};
+    for (const auto& [store, bits] :
+         {std::pair{"variance", "128"}, {"layered", "128"}, {"convolution", "128"}, {"moments", "64"}}) {
+        const Settings plain{{"store", store}, {"size", "256"}, {"bits", bits}};
         Settings summed = plain;
         summed.insert(summed.end(), {{"prefilter", "summed-area"}, {"filter-width", "1"}});
         EXPECT_LT(mean_error(visibility_of(device, scene, sun, "shadow-map", plain),
                              visibility_of(device, scene, sun, "shadow-map", summed)),
                   1e-4)
-            << store;
+            << store << ", " << bits;
     }
 }
 
