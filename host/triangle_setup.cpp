@@ -31,8 +31,8 @@ void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projectio
     // As many as there are bounds, also where an earlier run failed between these lists; of tiles one each.
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
     const cl_uint has_pyramid = pyramid != nullptr;
-    session.launch("triangle_setup.cl", "triangle_bounds", cl::Range::items(triangles.count), projection,
-                   triangles.count, triangles.first_float, capacity(), has_pyramid, triangles.vertices,
+    session.launch("triangle_setup.cl", "triangle_bounds", cl::Range::items(triangles.count / session.lanes() + 1),
+                   projection, triangles.count, triangles.first_float, capacity(), has_pyramid, triangles.vertices,
                    pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(), counters);
 }
 

@@ -18,6 +18,8 @@ typedef int LaneInt;
 #define LANES_MINIMUM(v) (v)
 #define LANES_MAXIMUM(v) (v)
 #define LANES_SUM(v) (v)
+#define LANES_STRIDED(values, stride) (*(values))
+#define LANES_OF_ROWS(rows, k) ((rows)[0][k])
 #elif GN_LANES == 16
 typedef float16 LaneFloat;
 typedef int16 LaneInt;
@@ -30,6 +32,18 @@ typedef int16 LaneInt;
 #define LANES_MINIMUM(v) least_of_16(v)
 #define LANES_MAXIMUM(v) ~least_of_16(~(v))
 #define LANES_SUM(v) sum_of_16(v)
+
+// values[0], values[stride], values[2 stride] ...; and rows[0][k], rows[1][k], ... Written out: lane by lane through an
+// array, each vector would wait for its stores.
+#define LANES_STRIDED(values, stride)                                                                                \
+    (float16)((values)[0], (values)[stride], (values)[2 * (stride)], (values)[3 * (stride)], (values)[4 * (stride)], \
+              (values)[5 * (stride)], (values)[6 * (stride)], (values)[7 * (stride)], (values)[8 * (stride)],        \
+              (values)[9 * (stride)], (values)[10 * (stride)], (values)[11 * (stride)], (values)[12 * (stride)],     \
+              (values)[13 * (stride)], (values)[14 * (stride)], (values)[15 * (stride)])
+#define LANES_OF_ROWS(rows, k)                                                                                      \
+    (float16)((rows)[0][k], (rows)[1][k], (rows)[2][k], (rows)[3][k], (rows)[4][k], (rows)[5][k], (rows)[6][k],     \
+              (rows)[7][k], (rows)[8][k], (rows)[9][k], (rows)[10][k], (rows)[11][k], (rows)[12][k], (rows)[13][k], \
+              (rows)[14][k], (rows)[15][k])
 
 static int least_of_16(int16 v) {
     int8 a = min(v.lo, v.hi);

@@ -76,11 +76,6 @@ static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
     return LANES_SELECT(face, LANES_SELECT((LaneInt)(LAMP_FRAMES), (LaneInt)(0), unlike), none);
 }
 
-static LaneFloat lanes_row_dot(__constant const float* row, PointBlock d) {
-    return fma((LaneFloat)(row[0]), d.x,
-               fma((LaneFloat)(row[1]), d.y, fma((LaneFloat)(row[2]), d.z, (LaneFloat)(row[3]))));
-}
-
 // Points in the grid: X, Y in texels and Z. In perspective the division may be off by 3 ulp. Every kernel takes the
 // places of points from here, so that on one device they agree to the bit.
 static PointBlock project_points(__constant const Projection* projection, PointBlock points) {

@@ -36,6 +36,7 @@ static void store_lanes(LaneFloat lanes, __global float* values, PointsLayout la
 // Values of lanes that hold no point are 0.
 static LaneFloat load_strided(__global const float* values, size_t stride, uint count) {
     if (stride == 1u && count == GN_LANES) return vload16(0, values);
+    if (count == GN_LANES) return LANES_STRIDED(values, stride);
     LaneFloat lanes = 0.0f;
     for (uint lane = 0; lane < count; ++lane) LANE_OF_FLOAT(lanes, lane) = values[lane * stride];
     return lanes;
@@ -71,6 +72,11 @@ static void store_lanes(LaneFloat lanes, __global float* values, PointsLayout la
 
 static float3 lane_point(PointBlock points, int lane) {
     return (float3)(LANE_OF_FLOAT(points.x, lane), LANE_OF_FLOAT(points.y, lane), LANE_OF_FLOAT(points.z, lane));
+}
+
+static LaneFloat lanes_row_dot(__constant const float* row, PointBlock d) {
+    return fma((LaneFloat)(row[0]), d.x,
+               fma((LaneFloat)(row[1]), d.y, fma((LaneFloat)(row[2]), d.z, (LaneFloat)(row[3]))));
 }
 
 // Visibility while a run goes on: 0 and 1 are final, anything from VISIBILITY_OPEN on is not. DOUBTFUL: the point's own

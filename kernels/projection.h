@@ -59,46 +59,8 @@ GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus
 
-// A projected position before the division, and the bound of the error of each of its coordinates.
-typedef struct Projected {
-    float x, y, w, z;
-    float error;    // of x and y
-    float error_w;  // of w
-    float error_z;  // of z (parallel only; in perspective z is made from w)
-} Projected;
-
-static float row_dot(__constant const float* row, float3 d) {
-    return fma(row[0], d.x, fma(row[1], d.y, fma(row[2], d.z, row[3])));
-}
-static float row_size(__constant const float* row, float3 d) {
-    float row_sum = fabs(row[0]) + fabs(row[1]) + fabs(row[2]), d_sum = fabs(d.x) + fabs(d.y) + fabs(d.z);
-    return fabs(row[0] * d.x) + fabs(row[1] * d.y) + fabs(row[2] * d.z) + fabs(row[3]) + 0x1p-20f * row_sum * d_sum;
-}
 static float3 center_of(__constant const Projection* projection) {
     return (float3)(projection->center[0], projection->center[1], projection->center[2]);
-}
-
-static Projected project(__constant const Projection* projection, float3 p_world) {
-    float3 d = p_world - center_of(projection);
-    Projected h;
-    h.x = row_dot(projection->row_x, d);
-    h.y = row_dot(projection->row_y, d);
-    float size = fmax(row_size(projection->row_x, d), row_size(projection->row_y, d));
-    h.error = PROJECTION_ERROR * size + PROJECTION_UNDERFLOW;
-    float depth = row_dot(projection->row_z, d);
-    float depth_error = PROJECTION_ERROR * row_size(projection->row_z, d) + PROJECTION_UNDERFLOW;
-    if (projection->perspective) {
-        h.w = depth;
-        h.error_w = depth_error;
-        h.z = 1.0f / depth;
-        h.error_z = 0.0f;
-    } else {
-        h.w = 1.0f;
-        h.error_w = 0.0f;
-        h.z = depth;
-        h.error_z = depth_error;
-    }
-    return h;
 }
 
 // The index of a texel. Points are fitted inside the grid with a margin above their error; the clamp only guards.

@@ -6,7 +6,7 @@
 // left goes into a list of 16 bytes each. triangle_tiles takes that list, or the part of it that may cover whole texels
 // (the conservative map is drawn first, and then hides many of the others): it makes the record, drops what is exactly
 // edge-on to the rays (never blocks, by contract), and cuts the triangle's bins into tiles. So no later stage walks a
-// triangle: they walk tiles, which are all of about the same size.
+// triangle: they walk tiles, which are all of about the same size. Both take GN_LANES triangles at a time.
 //
 // Error bounds. Let a, b, c be the projected vertices, p = (X, Y, 1) a point of the grid, and r_a = a - a_w p the first
 // two coordinates of a relative to p. Then (Mizoguchi's and everybody's) edge function is
@@ -41,7 +41,8 @@
 #include "bin_test.h"
 #include "exact/det3.h"
 #include "group_scan.h"
-#include "points.h"
+#include "light_frame.h"
+#include "triangle_blocks.h"
 
 #define BOUND_INFLATION 1.01f
 #define UNDERFLOW 1.0e-36f
@@ -49,45 +50,74 @@
 #define WILD_TEXELS 1.0e12f
 
 typedef struct Edge {
-    float x, y, c;                 // coefficients
-    float size_x, size_y, size_c;  // sums of the magnitudes of the products that make them
+    LaneFloat x, y, c;                 // coefficients
+    LaneFloat size_x, size_y, size_c;  // sums of the magnitudes of the products that make them
 } Edge;
 
 // a x (b - a), as d = b - a.
-static Edge make_edge(Projected a, float d_x, float d_y, float d_w) {
+static Edge make_edge(const Projected* a, LaneFloat d_x, LaneFloat d_y, LaneFloat d_w) {
     Edge edge;
-    edge.x = fma(a.y, d_w, -(a.w * d_y));
-    edge.y = fma(a.w, d_x, -(a.x * d_w));
-    edge.c = fma(a.x, d_y, -(a.y * d_x));
-    edge.size_x = fabs(a.y * d_w) + fabs(a.w * d_y);
-    edge.size_y = fabs(a.w * d_x) + fabs(a.x * d_w);
-    edge.size_c = fabs(a.x * d_y) + fabs(a.y * d_x);
+    edge.x = fma(a->y, d_w, -(a->w * d_y));
+    edge.y = fma(a->w, d_x, -(a->x * d_w));
+    edge.c = fma(a->x, d_y, -(a->y * d_x));
+    edge.size_x = fabs(a->y * d_w) + fabs(a->w * d_y);
+    edge.size_y = fabs(a->w * d_x) + fabs(a->x * d_w);
+    edge.size_c = fabs(a->x * d_y) + fabs(a->y * d_x);
     return edge;
 }
 
-// Largest coordinate difference between vertex a and any point of the rectangle (x0, y0, x1, y1), times a.w.
-static float largest_offset(Projected a, float4 rectangle) {
-    float x = fmax(fabs(a.x - a.w * rectangle.x), fabs(a.x - a.w * rectangle.z));
-    float y = fmax(fabs(a.y - a.w * rectangle.y), fabs(a.y - a.w * rectangle.w));
-    return fmax(x, y);
+// Texel rectangles.
+typedef struct Rectangles {
+    LaneFloat x0, y0, x1, y1;
+} Rectangles;
+
+// Largest coordinate difference between vertex (x, y, w) and any point of the rectangle, times w.
+static LaneFloat largest_offset(LaneFloat x, LaneFloat y, LaneFloat w, Rectangles rectangle) {
+    LaneFloat left = fabs(x - w * rectangle.x0), right = fabs(x - w * rectangle.x1);
+    LaneFloat top = fabs(y - w * rectangle.y0), bottom = fabs(y - w * rectangle.y1);
+    LaneFloat horizontal = LANES_MAX(left, right), vertical = LANES_MAX(top, bottom);
+    return LANES_MAX(horizontal, vertical);
 }
 
-// The orientation of the triangle as the light sees it, for certain: 0 means exactly edge-on.
-static int orientation_from_light(Triangle t, __constant const Projection* projection, int* level) {
+// The orientation of the triangles as the light sees them, for certain: 1, -1, or 0 for exactly edge-on. By
+// det3_float(), and by all levels where that is not certain. Counts those decided at the exact level.
+static LaneFloat orientations_from_light(TriangleBlock t, __constant const Projection* projection, LaneInt lanes,
+                                         uint* exact) {
     float3 light = (float3)(projection->light[0], projection->light[1], projection->light[2]);
-    if (projection->light[3] != 0.0f) return det3_sign(t.a, light, t.b, light, t.c, light, level);
-    return det3_sign(t.b, t.a, t.c, t.a, light, (float3)(0.0f), level);
-}
-
-// A record under which every test is uncertain.
-static TriangleRecord undecided_record(void) {
-    TriangleRecord record;
-    for (int i = 0; i < 3; ++i) record.edge_x[i] = record.edge_y[i] = record.edge_0[i] = 0.0f;
-    record.plane_x = record.plane_y = record.plane_0 = 0.0f;
-    record.margin_edge = record.margin_plane = INFINITY;
-    record.z_low = -INFINITY;
-    record.z_high = INFINITY;
-    return record;
+    PointBlock from = same_point(light.x, light.y, light.z), u, v, w;
+    bool is_position = projection->light[3] != 0.0f;
+    if (is_position) {
+        u = difference(t.a, from);
+        v = difference(t.b, from);
+        w = difference(t.c, from);
+    } else {
+        u = difference(t.b, t.a);
+        v = difference(t.c, t.a);
+        w = from;
+    }
+    LaneFloat plus_x = u.y * v.z, plus_y = u.z * v.x, plus_z = u.x * v.y;
+    LaneFloat minus_x = u.z * v.y, minus_y = u.x * v.z, minus_z = u.y * v.x;
+    LaneFloat value = w.x * (plus_x - minus_x) + w.y * (plus_y - minus_y) + w.z * (plus_z - minus_z);
+    PointBlock u_size = magnitudes(u), v_size = magnitudes(v), w_size = magnitudes(w);
+    LaneFloat permanent = w_size.x * (fabs(plus_x) + fabs(minus_x)) + w_size.y * (fabs(plus_y) + fabs(minus_y)) +
+                          w_size.z * (fabs(plus_z) + fabs(minus_z));
+    const LaneFloat most = 0x1p20f;
+    LaneInt in_range = LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f));
+    in_range &= LANE_COMPARE(u_size.x, <=, most) & LANE_COMPARE(u_size.y, <=, most) & LANE_COMPARE(u_size.z, <=, most);
+    in_range &= LANE_COMPARE(v_size.x, <=, most) & LANE_COMPARE(v_size.y, <=, most) & LANE_COMPARE(v_size.z, <=, most);
+    in_range &= LANE_COMPARE(w_size.x, <=, most) & LANE_COMPARE(w_size.y, <=, most) & LANE_COMPARE(w_size.z, <=, most);
+    LaneInt open = lanes & ~(in_range & LANE_COMPARE(fabs(value), >, permanent * DET3_FLOAT_BOUND));
+    LaneFloat sign = LANES_SELECT((LaneFloat)(-1.0f), (LaneFloat)(1.0f), LANE_COMPARE(value, >, (LaneFloat)(0.0f)));
+    while (LANES_ANY(open)) {
+        int lane = first_lane(open), level = DET3_BY_FLOAT;
+        LANE_OF_INT(open, lane) = 0;
+        Triangle one = lane_triangle(t, lane);
+        LANE_OF_FLOAT(sign, lane) =
+            (float)(is_position ? det3_sign(one.a, light, one.b, light, one.c, light, &level)
+                                : det3_sign(one.b, one.a, one.c, one.a, light, (float3)(0.0f), &level));
+        *exact += level == DET3_BY_EXACT;
+    }
+    return sign;
 }
 
 // The interval of one grid coordinate that a triangle's part in front of the light (W > 0) can cover.
@@ -96,344 +126,483 @@ static TriangleRecord undecided_record(void) {
 // a vertex asks for x >= X, behind for x <= X, near W = 0 for h_x <= 0 whatever x of the grid. So the bound is the
 // largest X in front, if those behind and near agree with it, else there is none; the lower bound likewise.
 typedef struct Interval {
-    float low, high;                // of the vertices in front
-    float behind_low, behind_high;  // of those behind
-    bool has_low, has_high;         // no vertex near W = 0 speaks against the bound
+    LaneFloat low, high;                // of the vertices in front
+    LaneFloat behind_low, behind_high;  // of those behind
+    LaneInt has_low, has_high;          // no vertex near W = 0 speaks against the bound
 } Interval;
 
 static Interval empty_interval(void) {
     Interval interval;
-    interval.low = interval.behind_low = INFINITY;
-    interval.high = interval.behind_high = -INFINITY;
-    interval.has_low = interval.has_high = true;
+    interval.low = interval.behind_low = (LaneFloat)(INFINITY);
+    interval.high = interval.behind_high = (LaneFloat)(-INFINITY);
+    interval.has_low = interval.has_high = (LaneInt)(-1);
     return interval;
 }
 
 // h is the vertex's coordinate before the division, w and its error as in Projected, reach the largest coordinate.
-static void include_vertex(Interval* interval, float h, float error, float w, float error_w, float reach) {
-    if (fabs(w) > 2.0f * error_w) {
+static void include_vertex(Interval* interval, LaneFloat h, LaneFloat error, LaneFloat w, LaneFloat error_w,
+                           float reach) {
+    LaneInt far = LANE_COMPARE(fabs(w), >, error_w * 2.0f);
+    if (LANES_ANY(far)) {
         // The quotient is off by at most (error + |x| error_w) / (|w| - error_w), the division by at most 3 ulp.
-        float x = h / w, size = fabs(x);
-        float slack = BOUND_INFLATION * ((error + size * error_w) / (fabs(w) - error_w) + 8.0f * GN_U * size);
+        LaneFloat x = h / w, size = fabs(x);
+        LaneFloat slack = ((error + size * error_w) / (fabs(w) - error_w) + size * (8.0f * GN_U)) * BOUND_INFLATION;
+        LaneFloat least = x - slack, most = x + slack;
         // An infinite quotient says nothing, and its NaN difference to the slack would be passed over.
-        if (!(slack < INFINITY)) interval->has_low = interval->has_high = false;
-        if (w > 0.0f) {
-            interval->low = fmin(interval->low, x - slack);
-            interval->high = fmax(interval->high, x + slack);
-        } else {
-            interval->behind_low = fmin(interval->behind_low, x - slack);
-            interval->behind_high = fmax(interval->behind_high, x + slack);
-        }
-    } else {
-        float slack = BOUND_INFLATION * (error + reach * (fabs(w) + error_w));
-        interval->has_high = interval->has_high && h + slack <= 0.0f;
-        interval->has_low = interval->has_low && h - slack >= 0.0f;
+        LaneInt known = ~far | LANE_COMPARE(slack, <, (LaneFloat)(INFINITY));
+        interval->has_low &= known;
+        interval->has_high &= known;
+        LaneInt front = far & LANE_COMPARE(w, >, (LaneFloat)(0.0f)), behind = far & ~front;
+        interval->low = LANES_SELECT(interval->low, LANES_MIN(least, interval->low), front);
+        interval->high = LANES_SELECT(interval->high, LANES_MAX(most, interval->high), front);
+        interval->behind_low = LANES_SELECT(interval->behind_low, LANES_MIN(least, interval->behind_low), behind);
+        interval->behind_high = LANES_SELECT(interval->behind_high, LANES_MAX(most, interval->behind_high), behind);
+    }
+    LaneInt near = ~far;
+    if (LANES_ANY(near)) {
+        LaneFloat slack = (error + (fabs(w) + error_w) * reach) * BOUND_INFLATION;
+        interval->has_high &= far | LANE_COMPARE(h + slack, <=, (LaneFloat)(0.0f));
+        interval->has_low &= far | LANE_COMPARE(h - slack, >=, (LaneFloat)(0.0f));
     }
 }
 
 // The bounds within [-1, last + 1] (a bound outside the grid is as good as any farther one, and serves where no vertex
 // is in front), a point's error added.
-static float2 bounds_of(Interval interval, float point_error, float last) {
-    float low = fmin(interval.low, last + 1.0f), high = fmax(interval.high, -1.0f);
-    bool has_low = interval.has_low && low >= interval.behind_high;
-    bool has_high = interval.has_high && high <= interval.behind_low;
-    return (float2)(has_low ? low - point_error : 0.0f, has_high ? high + point_error : last);
+static void bounds_of(const Interval* interval, float point_error, float last, LaneFloat* bound_low,
+                      LaneFloat* bound_high) {
+    LaneFloat low = LANES_MIN(interval->low, (LaneFloat)(last + 1.0f));
+    LaneFloat high = LANES_MAX(interval->high, (LaneFloat)(-1.0f));
+    LaneInt has_low = interval->has_low & LANE_COMPARE(low, >=, interval->behind_high);
+    LaneInt has_high = interval->has_high & LANE_COMPARE(high, <=, interval->behind_low);
+    *bound_low = LANES_SELECT((LaneFloat)(0.0f), low - point_error, has_low);
+    *bound_high = LANES_SELECT((LaneFloat)(last), high + point_error, has_high);
 }
 
-// Texel rectangle (x0, y0, x1, y1) that holds everything the triangle can cover of the grid. False if that is nothing.
-static bool covered_rectangle(const Projected* v, __constant const Projection* projection, float4* rectangle) {
+// The same where W is 1.
+static void parallel_bounds(LaneFloat a, LaneFloat b, LaneFloat c, const Projected* v, float point_error,
+                            LaneFloat* low, LaneFloat* high) {
+    LaneFloat slack_a = (v[0].error + fabs(a) * (8.0f * GN_U)) * BOUND_INFLATION;
+    LaneFloat slack_b = (v[1].error + fabs(b) * (8.0f * GN_U)) * BOUND_INFLATION;
+    LaneFloat slack_c = (v[2].error + fabs(c) * (8.0f * GN_U)) * BOUND_INFLATION;
+    LaneFloat low_b = b - slack_b, low_c = c - slack_c, high_b = b + slack_b, high_c = c + slack_c;
+    *low = a - slack_a, *high = a + slack_a;
+    *low = LANES_MIN(*low, low_b), *high = LANES_MAX(*high, high_b);
+    *low = LANES_MIN(*low, low_c), *high = LANES_MAX(*high, high_c);
+    *low -= point_error, *high += point_error;
+}
+
+// Texel rectangles that hold everything the triangles can cover of the grid; returns those that can cover any of it.
+static LaneInt covered_rectangles(const Projected* v, __constant const Projection* projection, Rectangles* rectangle) {
     float width = (float)projection->width, height = (float)projection->height;
-    Interval x = empty_interval(), y = empty_interval();
-    for (int i = 0; i < 3; ++i) {
-        include_vertex(&x, v[i].x, v[i].error, v[i].w, v[i].error_w, width + 1.0f);
-        include_vertex(&y, v[i].y, v[i].error, v[i].w, v[i].error_w, height + 1.0f);
+    Rectangles r;
+    if (projection->perspective) {
+        Interval x = empty_interval(), y = empty_interval();
+        for (int i = 0; i < 3; ++i) {
+            include_vertex(&x, v[i].x, v[i].error, v[i].w, v[i].error_w, width + 1.0f);
+            include_vertex(&y, v[i].y, v[i].error, v[i].w, v[i].error_w, height + 1.0f);
+        }
+        bounds_of(&x, projection->point_error, width, &r.x0, &r.x1);
+        bounds_of(&y, projection->point_error, height, &r.y0, &r.y1);
+    } else {
+        parallel_bounds(v[0].x, v[1].x, v[2].x, v, projection->point_error, &r.x0, &r.x1);
+        parallel_bounds(v[0].y, v[1].y, v[2].y, v, projection->point_error, &r.y0, &r.y1);
     }
-    float2 x_bounds = bounds_of(x, projection->point_error, width);
-    float2 y_bounds = bounds_of(y, projection->point_error, height);
-    if (!(x_bounds.y >= 0.0f && y_bounds.y >= 0.0f && x_bounds.x < width && y_bounds.x < height)) return false;
-    *rectangle =
-        (float4)(fmax(x_bounds.x, 0.0f), fmax(y_bounds.x, 0.0f), fmin(x_bounds.y, width), fmin(y_bounds.y, height));
-    return true;
+    const LaneFloat zero = (LaneFloat)(0.0f), last_x = (LaneFloat)(width), last_y = (LaneFloat)(height);
+    rectangle->x0 = LANES_MAX(r.x0, zero);
+    rectangle->y0 = LANES_MAX(r.y0, zero);
+    rectangle->x1 = LANES_MIN(r.x1, last_x);
+    rectangle->y1 = LANES_MIN(r.y1, last_y);
+    return LANE_COMPARE(r.x1, >=, zero) & LANE_COMPARE(r.y1, >=, zero) & LANE_COMPARE(r.x0, <, last_x) &
+           LANE_COMPARE(r.y0, <, last_y);
 }
 
-// Sets plane and its margin; leaves them undecided where the triangle is too near to edge-on for floats.
-static void set_plane_parallel(TriangleRecord* record, const Projected* v, float4 rectangle, float orientation,
+// TriangleRecords of GN_LANES triangles.
+typedef struct RecordBlock {
+    LaneFloat edge_x[3], edge_y[3], edge_0[3];
+    LaneFloat plane_x, plane_y, plane_0;
+    LaneFloat margin_edge, margin_plane;
+    LaneFloat z_low, z_high;
+    LaneInt undecided;  // every test is uncertain, and the rest says nothing
+} RecordBlock;
+
+static void set_plane(RecordBlock* record, LaneInt lanes, LaneFloat x, LaneFloat y, LaneFloat constant_term,
+                      LaneFloat margin) {
+    record->plane_x = LANES_SELECT((LaneFloat)(0.0f), x, lanes);
+    record->plane_y = LANES_SELECT((LaneFloat)(0.0f), y, lanes);
+    record->plane_0 = LANES_SELECT((LaneFloat)(0.0f), constant_term, lanes);
+    record->margin_plane = LANES_SELECT((LaneFloat)(INFINITY), margin, lanes);
+}
+
+// Sets plane and its margin; leaves them undecided where a triangle is too near to edge-on for floats.
+static void set_plane_parallel(RecordBlock* record, const Projected* v, Rectangles rectangle, LaneFloat orientation,
                                float point_error, float height_error) {
-    float error_1 = v[0].error + v[1].error, error_2 = v[0].error + v[2].error;
-    float error_1z = v[0].error_z + v[1].error_z, error_2z = v[0].error_z + v[2].error_z;
-    float x1 = v[1].x - v[0].x, y1 = v[1].y - v[0].y, z1 = v[1].z - v[0].z;
-    float x2 = v[2].x - v[0].x, y2 = v[2].y - v[0].y, z2 = v[2].z - v[0].z;
-    float n_x = fma(y1, z2, -(z1 * y2));
-    float n_y = fma(z1, x2, -(x1 * z2));
-    float n_z = fma(x1, y2, -(y1 * x2));
-    float ax1 = fabs(x1), ay1 = fabs(y1), az1 = fabs(z1), ax2 = fabs(x2), ay2 = fabs(y2), az2 = fabs(z2);
-    float delta_x = ay1 * error_2z + az2 * error_1 + az1 * error_2 + ay2 * error_1z + error_1 * error_2z +
-                    error_1z * error_2 + 4.0f * GN_U * (ay1 * az2 + az1 * ay2);
-    float delta_y = az1 * error_2 + ax2 * error_1z + ax1 * error_2z + az2 * error_1 + error_1 * error_2z +
-                    error_1z * error_2 + 4.0f * GN_U * (az1 * ax2 + ax1 * az2);
-    float delta_z = ax1 * error_2 + ay2 * error_1 + ay1 * error_2 + ax2 * error_1 + 2.0f * error_1 * error_2 +
-                    4.0f * GN_U * (ax1 * ay2 + ay1 * ax2);
-    float safe_n_z = fabs(n_z) - BOUND_INFLATION * delta_z;
-    if (!(safe_n_z > 0.25f * fabs(n_z)) || n_z * orientation <= 0.0f) return;
+    LaneFloat error_1 = v[0].error + v[1].error, error_2 = v[0].error + v[2].error;
+    LaneFloat error_1z = v[0].error_z + v[1].error_z, error_2z = v[0].error_z + v[2].error_z;
+    LaneFloat x1 = v[1].x - v[0].x, y1 = v[1].y - v[0].y, z1 = v[1].z - v[0].z;
+    LaneFloat x2 = v[2].x - v[0].x, y2 = v[2].y - v[0].y, z2 = v[2].z - v[0].z;
+    LaneFloat n_x = fma(y1, z2, -(z1 * y2));
+    LaneFloat n_y = fma(z1, x2, -(x1 * z2));
+    LaneFloat n_z = fma(x1, y2, -(y1 * x2));
+    LaneFloat ax1 = fabs(x1), ay1 = fabs(y1), az1 = fabs(z1), ax2 = fabs(x2), ay2 = fabs(y2), az2 = fabs(z2);
+    LaneFloat delta_x = ay1 * error_2z + az2 * error_1 + az1 * error_2 + ay2 * error_1z + error_1 * error_2z +
+                        error_1z * error_2 + (ay1 * az2 + az1 * ay2) * (4.0f * GN_U);
+    LaneFloat delta_y = az1 * error_2 + ax2 * error_1z + ax1 * error_2z + az2 * error_1 + error_1 * error_2z +
+                        error_1z * error_2 + (az1 * ax2 + ax1 * az2) * (4.0f * GN_U);
+    LaneFloat delta_z = ax1 * error_2 + ay2 * error_1 + ay1 * error_2 + ax2 * error_1 + error_1 * error_2 * 2.0f +
+                        (ax1 * ay2 + ay1 * ax2) * (4.0f * GN_U);
+    LaneFloat size_n_z = fabs(n_z), safe_n_z = size_n_z - delta_z * BOUND_INFLATION;
+    LaneInt lanes = LANE_COMPARE(safe_n_z, >, size_n_z * 0.25f) & LANE_COMPARE(n_z * orientation, >, (LaneFloat)(0.0f));
 
-    float slope_x = -n_x / n_z, slope_y = -n_y / n_z;
-    float height = v[0].z - (slope_x * v[0].x + slope_y * v[0].y);
-    float rho = largest_offset(v[0], rectangle) + v[0].error + point_error;
-    float rho_z = (fabs(n_x) + fabs(n_y)) * rho / safe_n_z;
-    float error = v[0].error + point_error;
-    float margin = (delta_x * rho + delta_y * rho + delta_z * rho_z + (fabs(n_x) + fabs(n_y)) * error) / safe_n_z +
-                   v[0].error_z + height_error;
-    float largest = fabs(slope_x) * fmax(fabs(v[0].x), rectangle.z) + fabs(slope_y) * fmax(fabs(v[0].y), rectangle.w) +
-                    fabs(v[0].z);
-    margin = BOUND_INFLATION * (margin + 20.0f * GN_U * largest);
-    if (!(margin < INFINITY)) return;
-    record->plane_x = slope_x;
-    record->plane_y = slope_y;
-    record->plane_0 = height;
-    record->margin_plane = margin;
+    LaneFloat slope_x = -n_x / n_z, slope_y = -n_y / n_z;
+    LaneFloat height = v[0].z - (slope_x * v[0].x + slope_y * v[0].y);
+    LaneFloat rho = largest_offset(v[0].x, v[0].y, v[0].w, rectangle) + v[0].error + point_error;
+    LaneFloat size_n = fabs(n_x) + fabs(n_y);
+    LaneFloat rho_z = size_n * rho / safe_n_z;
+    LaneFloat error = v[0].error + point_error;
+    LaneFloat margin =
+        (delta_x * rho + delta_y * rho + delta_z * rho_z + size_n * error) / safe_n_z + v[0].error_z + height_error;
+    LaneFloat size_x = fabs(v[0].x), size_y = fabs(v[0].y);
+    LaneFloat largest = fabs(slope_x) * LANES_MAX(size_x, rectangle.x1) +
+                        fabs(slope_y) * LANES_MAX(size_y, rectangle.y1) + fabs(v[0].z);
+    margin = (margin + largest * (20.0f * GN_U)) * BOUND_INFLATION;
+    lanes &= LANE_COMPARE(margin, <, (LaneFloat)(INFINITY));
+    set_plane(record, lanes, slope_x, slope_y, height, margin);
 }
 
-static void set_plane_perspective(TriangleRecord* record, const Projected* v, float4 rectangle, float orientation,
-                                  bool straddles, float point_error, float height_error) {
-    float x1 = v[1].x - v[0].x, y1 = v[1].y - v[0].y, w1 = v[1].w - v[0].w;
-    float x2 = v[2].x - v[0].x, y2 = v[2].y - v[0].y, w2 = v[2].w - v[0].w;
-    float n_x = fma(y1, w2, -(w1 * y2));
-    float n_y = fma(w1, x2, -(x1 * w2));
-    float n_w = fma(x1, y2, -(y1 * x2));
-    float size_x = fabs(y1 * w2) + fabs(w1 * y2);
-    float size_y = fabs(w1 * x2) + fabs(x1 * w2);
-    float size_w = fabs(x1 * y2) + fabs(y1 * x2);
-    float determinant = fma(n_x, v[0].x, fma(n_y, v[0].y, n_w * v[0].w));
-    if (determinant * orientation <= 0.0f) return;
+// N . a of a triangle whose vertex a may lie anywhere: by the errors of N's components and those of a.
+static LaneFloat determinant_error_anywhere(const Projected* v, LaneFloat side_1_size, LaneFloat side_2_size,
+                                            LaneFloat size_x, LaneFloat size_y, LaneFloat size_w) {
+    LaneFloat e_0 = v[0].error, e_0w = v[0].error_w;
+    LaneFloat side_error_1 = v[0].error + v[1].error + v[0].error_w + v[1].error_w;
+    LaneFloat side_error_2 = v[0].error + v[2].error + v[0].error_w + v[2].error_w;
+    LaneFloat delta_n = side_1_size * side_error_2 + side_2_size * side_error_1 + side_error_1 * side_error_2;
+    LaneFloat far_x = fabs(v[0].x) + e_0, far_y = fabs(v[0].y) + e_0, far_w = fabs(v[0].w) + e_0w;
+    return delta_n * (far_x + far_y + far_w) + (size_x * far_x + size_y * far_y + size_w * far_w) * (4.0f * GN_U);
+}
+
+static void set_plane_perspective(RecordBlock* record, const Projected* v, Rectangles rectangle, LaneFloat orientation,
+                                  LaneInt straddles, float point_error, float height_error) {
+    LaneFloat x1 = v[1].x - v[0].x, y1 = v[1].y - v[0].y, w1 = v[1].w - v[0].w;
+    LaneFloat x2 = v[2].x - v[0].x, y2 = v[2].y - v[0].y, w2 = v[2].w - v[0].w;
+    LaneFloat n_x = fma(y1, w2, -(w1 * y2));
+    LaneFloat n_y = fma(w1, x2, -(x1 * w2));
+    LaneFloat n_w = fma(x1, y2, -(y1 * x2));
+    LaneFloat size_x = fabs(y1 * w2) + fabs(w1 * y2);
+    LaneFloat size_y = fabs(w1 * x2) + fabs(x1 * w2);
+    LaneFloat size_w = fabs(x1 * y2) + fabs(y1 * x2);
+    LaneFloat determinant = fma(n_x, v[0].x, fma(n_y, v[0].y, n_w * v[0].w));
+    LaneInt lanes = LANE_COMPARE(determinant * orientation, >, (LaneFloat)(0.0f));
 
     // N . p, as the cross product of the sides relative to p.
-    float reach = fmax(rectangle.z, rectangle.w) + point_error;
-    float e_a = v[0].error + reach * v[0].error_w;
-    float e_1 = e_a + v[1].error + reach * v[1].error_w, e_2 = e_a + v[2].error + reach * v[2].error_w;
-    Projected side_1 = v[0], side_2 = v[0];
-    side_1.x = x1, side_1.y = y1, side_1.w = w1;
-    side_2.x = x2, side_2.y = y2, side_2.w = w2;
-    float rho_1 = largest_offset(side_1, rectangle) + fabs(w1) * point_error;
-    float rho_2 = largest_offset(side_2, rectangle) + fabs(w2) * point_error;
-    float delta_np =
-        2.0f * (rho_1 * e_2 + rho_2 * e_1 + e_1 * e_2) + 8.0f * GN_U * (reach * size_x + reach * size_y + size_w);
+    LaneFloat reach = LANES_MAX(rectangle.x1, rectangle.y1) + point_error;
+    LaneFloat e_a = v[0].error + reach * v[0].error_w;
+    LaneFloat e_1 = e_a + v[1].error + reach * v[1].error_w, e_2 = e_a + v[2].error + reach * v[2].error_w;
+    LaneFloat rho_1 = largest_offset(x1, y1, w1, rectangle) + fabs(w1) * point_error;
+    LaneFloat rho_2 = largest_offset(x2, y2, w2, rectangle) + fabs(w2) * point_error;
+    LaneFloat delta_np =
+        (rho_1 * e_2 + rho_2 * e_1 + e_1 * e_2) * 2.0f + (reach * size_x + reach * size_y + size_w) * (8.0f * GN_U);
     // N . a: at a's own place in the grid it is a_w N . p, inside the rectangle unless the triangle straddles.
-    float e_0 = v[0].error, e_0w = v[0].error_w;
-    float delta_determinant = fabs(n_x) * e_0 + fabs(n_y) * e_0 + fabs(n_w) * e_0w +
-                              4.0f * GN_U * (fabs(n_x * v[0].x) + fabs(n_y * v[0].y) + fabs(n_w * v[0].w)) +
-                              UNDERFLOW * (1.0f + fabs(v[0].x) + fabs(v[0].y) + fabs(v[0].w));
-    float a_x = fabs(v[0].x) / fabs(v[0].w), a_y = fabs(v[0].y) / fabs(v[0].w);
-    bool a_in_grid = !straddles && a_x <= reach && a_y <= reach;
-    if (a_in_grid) {
+    LaneFloat e_0 = v[0].error, e_0w = v[0].error_w;
+    LaneFloat delta_determinant = fabs(n_x) * e_0 + fabs(n_y) * e_0 + fabs(n_w) * e_0w +
+                                  (fabs(n_x * v[0].x) + fabs(n_y * v[0].y) + fabs(n_w * v[0].w)) * (4.0f * GN_U) +
+                                  (fabs(v[0].x) + fabs(v[0].y) + fabs(v[0].w) + 1.0f) * UNDERFLOW;
+    LaneInt a_in_grid = ~straddles & LANE_COMPARE(fabs(v[0].x) / fabs(v[0].w), <=, reach) &
+                        LANE_COMPARE(fabs(v[0].y) / fabs(v[0].w), <=, reach);
+    LaneFloat more = determinant_error_anywhere(v, fabs(x1) + fabs(y1) + fabs(w1), fabs(x2) + fabs(y2) + fabs(w2),
+                                                size_x, size_y, size_w);
+    if (LANES_ANY(a_in_grid)) {
         // The bound above over the rectangle need not hold at a itself when the rectangle was cut to the grid.
-        float4 whole = (float4)(fmin(rectangle.xy, (float2)(v[0].x, v[0].y) / v[0].w),
-                                fmax(rectangle.zw, (float2)(v[0].x, v[0].y) / v[0].w));
-        float place_error = e_a / (v[0].w - e_0w);  // of a in the grid
-        float rho_1a = largest_offset(side_1, whole) + fabs(w1) * place_error;
-        float rho_2a = largest_offset(side_2, whole) + fabs(w2) * place_error;
-        float e_1a = e_1 + place_error * (v[0].error_w + v[1].error_w);
-        float e_2a = e_2 + place_error * (v[0].error_w + v[2].error_w);
-        float far_reach = reach + place_error;
-        delta_determinant += (v[0].w + e_0w) * (2.0f * (rho_1a * e_2a + rho_2a * e_1a + e_1a * e_2a) +
-                                                8.0f * GN_U * (far_reach * size_x + far_reach * size_y + size_w));
-    } else {
-        float side_error_1 = v[0].error + v[1].error + v[0].error_w + v[1].error_w;
-        float side_error_2 = v[0].error + v[2].error + v[0].error_w + v[2].error_w;
-        float side_1_size = fabs(x1) + fabs(y1) + fabs(w1), side_2_size = fabs(x2) + fabs(y2) + fabs(w2);
-        float delta_n = side_1_size * side_error_2 + side_2_size * side_error_1 + side_error_1 * side_error_2;
-        float far_x = fabs(v[0].x) + e_0, far_y = fabs(v[0].y) + e_0, far_w = fabs(v[0].w) + e_0w;
-        delta_determinant +=
-            delta_n * (far_x + far_y + far_w) + 4.0f * GN_U * (size_x * far_x + size_y * far_y + size_w * far_w);
+        LaneFloat a_x = v[0].x / v[0].w, a_y = v[0].y / v[0].w;
+        Rectangles whole = {LANES_MIN(a_x, rectangle.x0), LANES_MIN(a_y, rectangle.y0), LANES_MAX(a_x, rectangle.x1),
+                            LANES_MAX(a_y, rectangle.y1)};
+        LaneFloat place_error = e_a / (v[0].w - e_0w);  // of a in the grid
+        LaneFloat rho_1a = largest_offset(x1, y1, w1, whole) + fabs(w1) * place_error;
+        LaneFloat rho_2a = largest_offset(x2, y2, w2, whole) + fabs(w2) * place_error;
+        LaneFloat e_1a = e_1 + place_error * (v[0].error_w + v[1].error_w);
+        LaneFloat e_2a = e_2 + place_error * (v[0].error_w + v[2].error_w);
+        LaneFloat far_reach = reach + place_error;
+        LaneFloat in_grid = (v[0].w + e_0w) * ((rho_1a * e_2a + rho_2a * e_1a + e_1a * e_2a) * 2.0f +
+                                               (far_reach * size_x + far_reach * size_y + size_w) * (8.0f * GN_U));
+        more = LANES_SELECT(more, in_grid, a_in_grid);
     }
-    float safe_determinant = fabs(determinant) - BOUND_INFLATION * delta_determinant;
-    if (!(safe_determinant > 0.25f * fabs(determinant))) return;
+    delta_determinant += more;
+    LaneFloat size_determinant = fabs(determinant);
+    LaneFloat safe_determinant = size_determinant - delta_determinant * BOUND_INFLATION;
+    lanes &= LANE_COMPARE(safe_determinant, >, size_determinant * 0.25f);
 
-    float plane_x = n_x / determinant, plane_y = n_y / determinant, plane_0 = n_w / determinant;
-    float largest = fabs(plane_x) * reach + fabs(plane_y) * reach + fabs(plane_0);
-    float margin = (delta_np + largest * delta_determinant) / safe_determinant;
-    margin = BOUND_INFLATION * (margin + (fabs(n_x) + fabs(n_y)) / safe_determinant * point_error +
-                                16.0f * GN_U * largest + 2.0f * height_error * largest);
+    LaneFloat plane_x = n_x / determinant, plane_y = n_y / determinant, plane_0 = n_w / determinant;
+    LaneFloat largest = fabs(plane_x) * reach + fabs(plane_y) * reach + fabs(plane_0);
+    LaneFloat margin = (delta_np + largest * delta_determinant) / safe_determinant;
+    margin = (margin + (fabs(n_x) + fabs(n_y)) / safe_determinant * point_error + largest * (16.0f * GN_U) +
+              largest * (2.0f * height_error)) *
+             BOUND_INFLATION;
     // A point with Z above 2 largest is nearer than the plane by more than its own relative error only if the margin
     // is not larger than the heights themselves.
-    if (!(margin < 0.5f * largest)) return;
-    record->plane_x = plane_x;
-    record->plane_y = plane_y;
-    record->plane_0 = plane_0;
-    record->margin_plane = margin;
+    lanes &= LANE_COMPARE(margin, <, largest * 0.5f);
+    set_plane(record, lanes, plane_x, plane_y, plane_0, margin);
 }
 
-// Can the triangle cover a whole texel? Only if the texel's incircle, of radius 1/2, fits: 2 area / perimeter >= 1/2. A
-// matter of speed alone: an answer that is off by rounding costs a look or a texel, never a wrong shadow.
-static bool can_cover_texel(const Projected* v) {
-    float2 a = (float2)(v[0].x, v[0].y) / v[0].w, b = (float2)(v[1].x, v[1].y) / v[1].w;
-    float2 c = (float2)(v[2].x, v[2].y) / v[2].w;
-    float2 ab = b - a, ac = c - a, bc = c - b;
-    float twice_area = fabs(ab.x * ac.y - ab.y * ac.x);
-    float perimeter = sqrt(dot(ab, ab)) + sqrt(dot(ac, ac)) + sqrt(dot(bc, bc));
-    return twice_area >= 0.5f * perimeter;
+// Can the triangles cover a whole texel? Only if the texel's incircle, of radius 1/2, fits: 2 area / perimeter >= 1/2.
+// A matter of speed alone: an answer that is off by rounding costs a look or a texel, never a wrong shadow.
+static LaneInt can_cover_texel(const Projected* v, Rectangles rectangle, LaneInt lanes) {
+    LaneFloat breadth = rectangle.x1 - rectangle.x0, depth = rectangle.y1 - rectangle.y0;
+    lanes &= LANE_COMPARE(breadth, >=, (LaneFloat)(1.0f)) & LANE_COMPARE(depth, >=, (LaneFloat)(1.0f));
+    if (!LANES_ANY(lanes)) return lanes;
+    LaneFloat a_x = v[0].x / v[0].w, a_y = v[0].y / v[0].w;
+    LaneFloat ab_x = v[1].x / v[1].w - a_x, ab_y = v[1].y / v[1].w - a_y;
+    LaneFloat ac_x = v[2].x / v[2].w - a_x, ac_y = v[2].y / v[2].w - a_y;
+    LaneFloat bc_x = ac_x - ab_x, bc_y = ac_y - ab_y;
+    LaneFloat twice_area = fabs(ab_x * ac_y - ab_y * ac_x);
+    LaneFloat perimeter =
+        sqrt(ab_x * ab_x + ab_y * ab_y) + sqrt(ac_x * ac_x + ac_y * ac_y) + sqrt(bc_x * bc_x + bc_y * bc_y);
+    return lanes & LANE_COMPARE(twice_area, >=, perimeter * 0.5f);
 }
-
-#define NOT_FINITE 1
-#define EDGE_ON 2
-#define OUTSIDE 3
-#define SURVIVES 0
 
 // The projected vertices, and what they say at once.
-typedef struct ProjectedTriangle {
+typedef struct ProjectedTriangles {
     Projected v[3];
-    bool wild;       // too far for floats: in every bin, and every test is exact
-    bool behind;     // the light: wholly
-    bool straddles;  // not wholly in front of the light for certain
-} ProjectedTriangle;
+    LaneInt wild;       // too far for floats: in every bin, and every test is exact
+    LaneInt behind;     // the light: wholly
+    LaneInt straddles;  // not wholly in front of the light for certain
+} ProjectedTriangles;
 
-static ProjectedTriangle project_triangle(Triangle t, __constant const Projection* projection) {
-    ProjectedTriangle p;
+static LaneInt is_not_finite(LaneFloat x) { return ~LANE_COMPARE(fabs(x), <=, (LaneFloat)(FLT_MAX)); }
+
+static ProjectedTriangles project_triangles(TriangleBlock t, __constant const Projection* projection) {
+    ProjectedTriangles p;
     p.v[0] = project(projection, t.a);
     p.v[1] = project(projection, t.b);
     p.v[2] = project(projection, t.c);
-    float wildest = 0.0f;
-    p.behind = true;
-    p.straddles = false;
+    p.behind = (LaneInt)(-1);
+    p.straddles = (LaneInt)(0);
+    p.wild = is_not_finite(p.v[0].x + p.v[1].x + p.v[2].x) | is_not_finite(p.v[0].y + p.v[1].y + p.v[2].y) |
+             is_not_finite(p.v[0].w + p.v[1].w + p.v[2].w);
     for (int i = 0; i < 3; ++i) {
-        wildest = fmax(wildest, fmax(fmax(fabs(p.v[i].x), fabs(p.v[i].y)), fmax(fabs(p.v[i].w), p.v[i].error)));
-        p.behind = p.behind && p.v[i].w < -p.v[i].error_w;
-        p.straddles = p.straddles || !(p.v[i].w > 2.0f * p.v[i].error_w);
+        LaneFloat x = fabs(p.v[i].x), y = fabs(p.v[i].y), w = fabs(p.v[i].w);
+        LaneFloat wildest = LANES_MAX(x, y);
+        wildest = LANES_MAX(w, wildest);
+        wildest = LANES_MAX(p.v[i].error, wildest);
+        p.wild |= ~LANE_COMPARE(wildest, <, (LaneFloat)(WILD_TEXELS));
+        p.behind &= LANE_COMPARE(p.v[i].w, <, -p.v[i].error_w);
+        p.straddles |= ~LANE_COMPARE(p.v[i].w, >, p.v[i].error_w * 2.0f);
     }
-    p.wild = !(wildest < WILD_TEXELS) || !GN_FINITE(p.v[0].x + p.v[1].x + p.v[2].x) ||
-             !GN_FINITE(p.v[0].y + p.v[1].y + p.v[2].y) || !GN_FINITE(p.v[0].w + p.v[1].w + p.v[2].w);
     return p;
 }
 
 // The vertices' least and greatest height, moved out by their errors and the points'.
-static float2 height_interval(const ProjectedTriangle* p, __constant const Projection* projection) {
-    if (p->straddles) return (float2)(-INFINITY, INFINITY);
-    float z_low = INFINITY, z_high = -INFINITY;
+static void height_intervals(const ProjectedTriangles* p, __constant const Projection* projection, LaneFloat* z_low,
+                             LaneFloat* z_high) {
+    LaneFloat low = (LaneFloat)(INFINITY), high = (LaneFloat)(-INFINITY);
     for (int i = 0; i < 3; ++i) {
-        // In perspective Z = 1 / W with W off by error_w and the division by 2.5 ulp, 5u.
         const Projected* v = &p->v[i];
-        float slack = projection->perspective
-                          ? BOUND_INFLATION * v->z * (v->error_w / (v->w - v->error_w) + 6.0f * GN_U)
-                          : v->error_z;
-        z_low = fmin(z_low, v->z - slack);
-        z_high = fmax(z_high, v->z + slack);
+        LaneFloat slack = v->error_z;
+        // In perspective Z = 1 / W with W off by error_w and the division by 2.5 ulp, 5u.
+        if (projection->perspective) slack = v->z * (v->error_w / (v->w - v->error_w) + 6.0f * GN_U) * BOUND_INFLATION;
+        LaneFloat least = v->z - slack, most = v->z + slack;
+        low = LANES_MIN(least, low);
+        high = LANES_MAX(most, high);
     }
     // The points' own error: absolute (parallel), or relative to Z (perspective).
-    float height_error = projection->height_error;
-    z_low -= BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_low) : height_error);
-    z_high += BOUND_INFLATION * (projection->perspective ? height_error * fabs(z_high) : height_error);
-    return (float2)(z_low, z_high);
+    float height_error = BOUND_INFLATION * projection->height_error;
+    low -= projection->perspective ? fabs(low) * height_error : (LaneFloat)(height_error);
+    high += projection->perspective ? fabs(high) * height_error : (LaneFloat)(height_error);
+    *z_low = LANES_SELECT(low, (LaneFloat)(-INFINITY), p->straddles);
+    *z_high = LANES_SELECT(high, (LaneFloat)(INFINITY), p->straddles);
 }
 
+// ---- Bounds ---------------------------------------------------------------------------------------------------------
+
+// TriangleBounds of GN_LANES triangles.
+typedef struct BoundsBlock {
+    LaneInt x0, y0, x1, y1, z, flags;
+} BoundsBlock;
+
 // Bounds that say nothing: every bin, or (indistinct) the one that all points share.
-static TriangleBounds open_bounds(__constant const Projection* projection) {
-    TriangleBounds bounds;
-    bounds.x0 = bounds.y0 = 0;
-    bounds.x1 = projection->indistinct ? (ushort)(texel_units(projection->width) - 1.0f) : 65535;
-    bounds.y1 = projection->indistinct ? (ushort)(texel_units(projection->height) - 1.0f) : 65535;
-    bounds.z = 65535;
-    bounds.frame = 0;
-    bounds.id = GN_NO_ID;
+static BoundsBlock open_bounds(__constant const Projection* projection) {
+    BoundsBlock bounds;
+    bounds.x0 = bounds.y0 = bounds.flags = (LaneInt)(0);
+    bounds.x1 = (LaneInt)(projection->indistinct ? (int)(texel_units(projection->width) - 1.0f) : 65535);
+    bounds.y1 = (LaneInt)(projection->indistinct ? (int)(texel_units(projection->height) - 1.0f) : 65535);
+    bounds.z = (LaneInt)(65535);
     return bounds;
 }
 
-// `pyramid` is ignored unless `has_pyramid`.
-static int bound_triangle(Triangle t, __constant const Projection* projection, __global const uint* pyramid,
-                          bool has_pyramid, TriangleBounds* bounds) {
-    *bounds = open_bounds(projection);
-    if (!is_finite_triangle(t)) return NOT_FINITE;
-    if (projection->indistinct) return SURVIVES;
-    ProjectedTriangle p = project_triangle(t, projection);
-    if (p.wild) return SURVIVES;
-    if (p.behind) return OUTSIDE;
-    float4 rectangle;
-    if (!covered_rectangle(p.v, projection, &rectangle)) return OUTSIDE;
-    bounds->x0 = quantised_texel(rectangle.x, projection->width);
-    bounds->y0 = quantised_texel(rectangle.y, projection->height);
-    bounds->x1 = quantised_texel(rectangle.z, projection->width);
-    bounds->y1 = quantised_texel(rectangle.w, projection->height);
-    float z_high = height_interval(&p, projection).y;
-    if (has_pyramid && z_high < lowest_height_under(pyramid, projection, bins_of_bounds(*bounds, projection)))
-        return OUTSIDE;
-    bounds->z = quantised_height(z_high, projection->z_origin, projection->z_scale);
-    if (p.straddles || can_cover_texel(p.v)) bounds->frame |= BOUNDS_FOR_MAP;
-    return SURVIVES;
+// quantised_texel() and quantised_height() of lanes.
+static LaneInt quantised(LaneFloat units) {
+    const LaneFloat least = (LaneFloat)(0.0f), most = (LaneFloat)(65535.0f);
+    units = LANES_MAX(units, least);
+    return LANES_TO_INT(LANES_MIN(units, most));
 }
 
-// The float filter of a triangle that survived, for all points of its bins. False if it is exactly edge-on.
-static bool make_record(Triangle t, __constant const Projection* projection, uint4 bins, TriangleRecord* record,
-                        int* level) {
-    *record = undecided_record();
-    if (projection->indistinct) return true;
-    ProjectedTriangle p = project_triangle(t, projection);
-    if (p.wild) return true;
-    const Projected* v = p.v;
-    float orientation = (float)orientation_from_light(t, projection, level) * projection->handedness;
-    if (orientation == 0.0f) return false;
+// Which of these rectangles' triangles are farther than every point under them?
+static LaneInt lanes_hidden(Rectangles rectangle, LaneFloat z_high, LaneInt lanes,
+                            __constant const Projection* projection, __global const uint* pyramid) {
+    LaneInt x0 = texel_indices(rectangle.x0, projection->width) >> (int)projection->bin_log2;
+    LaneInt y0 = texel_indices(rectangle.y0, projection->height) >> (int)projection->bin_log2;
+    LaneInt x1 = texel_indices(rectangle.x1, projection->width) >> (int)projection->bin_log2;
+    LaneInt y1 = texel_indices(rectangle.y1, projection->height) >> (int)projection->bin_log2;
+    LaneFloat lowest = (LaneFloat)(-INFINITY);
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        if (!LANE_OF_INT(lanes, lane)) continue;
+        uint4 bins = (uint4)((uint)LANE_OF_INT(x0, lane), (uint)LANE_OF_INT(y0, lane), (uint)LANE_OF_INT(x1, lane),
+                             (uint)LANE_OF_INT(y1, lane));
+        LANE_OF_FLOAT(lowest, lane) = lowest_height_under(pyramid, projection, bins);
+    }
+    return lanes & LANE_COMPARE(z_high, <, lowest);
+}
 
-    float4 domain = square_of_bins(bins, projection);
-    float reach = fmax(domain.z, domain.w) + projection->point_error;
-    float rho[3], error[3];
+// Which of these finite triangles may matter, and their bounds. `pyramid` is ignored unless `has_pyramid`.
+static LaneInt bound_triangles(TriangleBlock t, LaneInt lanes, __constant const Projection* projection,
+                               __global const uint* pyramid, bool has_pyramid, BoundsBlock* bounds) {
+    *bounds = open_bounds(projection);
+    if (projection->indistinct) return lanes;
+    ProjectedTriangles p = project_triangles(t, projection);
+    Rectangles rectangle;
+    LaneInt wild = lanes & p.wild, inside = lanes & ~p.wild & ~p.behind;
+    inside &= covered_rectangles(p.v, projection, &rectangle);
+    if (!LANES_ANY(inside)) return wild;
+    LaneFloat z_low, z_high;
+    height_intervals(&p, projection, &z_low, &z_high);
+    if (has_pyramid) inside &= ~lanes_hidden(rectangle, z_high, inside, projection, pyramid);
+    if (!LANES_ANY(inside)) return wild;
+    float x_units = texel_units(projection->width), y_units = texel_units(projection->height);
+    bounds->x0 = LANES_SELECT(bounds->x0, quantised(rectangle.x0 * x_units), inside);
+    bounds->y0 = LANES_SELECT(bounds->y0, quantised(rectangle.y0 * y_units), inside);
+    bounds->x1 = LANES_SELECT(bounds->x1, quantised(rectangle.x1 * x_units), inside);
+    bounds->y1 = LANES_SELECT(bounds->y1, quantised(rectangle.y1 * y_units), inside);
+    LaneInt z = quantised((z_high - projection->z_origin) * projection->z_scale);
+    bounds->z = LANES_SELECT(bounds->z, z, inside);
+    LaneInt for_map = inside & p.straddles;
+    for_map |= can_cover_texel(p.v, rectangle, inside & ~p.straddles);
+    bounds->flags = LANES_SELECT(bounds->flags, (LaneInt)(BOUNDS_FOR_MAP), for_map);
+    return inside | wild;
+}
+
+// A work-item takes GN_LANES triangles at a time, over the whole scene.
+__kernel void triangle_bounds(__constant const Projection* projection, uint triangle_count, ulong first_float,
+                              uint capacity, uint has_pyramid, __global const float* vertices,
+                              __global const uint* pyramid, __global TriangleBounds* bounds,
+                              __global uint* map_candidates, __global FrameCounters* counters) {
+    uint survivor_count = 0, candidate_count = 0, finite_count = 0, looked_at = 0;
+    if (projection->active_points == 0u) return;
+    Claim slots = no_claim(), candidates = no_claim();
+    GN_FOR_EACH(block, (triangle_count + GN_LANES - 1u) / GN_LANES) {
+        uint first = (uint)block * GN_LANES, count = min(triangle_count - first, (uint)GN_LANES);
+        TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
+        LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & present_lanes(t.a) & present_lanes(t.b) &
+                         present_lanes(t.c);
+        looked_at += count;
+        finite_count += count_lanes(finite);
+        BoundsBlock found;
+        LaneInt survivors = bound_triangles(t, finite, projection, pyramid, has_pyramid != 0u, &found);
+        if (!LANES_ANY(survivors)) continue;
+        survivor_count += count_lanes(survivors);
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            if (!LANE_OF_INT(survivors, lane)) continue;
+            bool for_map = LANE_OF_INT(found.flags, lane) != 0;
+            candidate_count += for_map;
+            uint slot = claim(&slots, &counters->slots);
+            if (slot >= capacity) continue;
+            TriangleBounds mine;
+            mine.x0 = (ushort)LANE_OF_INT(found.x0, lane);
+            mine.y0 = (ushort)LANE_OF_INT(found.y0, lane);
+            mine.x1 = (ushort)LANE_OF_INT(found.x1, lane);
+            mine.y1 = (ushort)LANE_OF_INT(found.y1, lane);
+            mine.z = (ushort)LANE_OF_INT(found.z, lane);
+            mine.frame = (ushort)LANE_OF_INT(found.flags, lane);
+            mine.id = first + (uint)lane;
+            bounds[slot] = mine;
+            if (!for_map) continue;
+            uint place = claim(&candidates, &counters->map_slots);
+            if (place < capacity) map_candidates[place] = slot;
+        }
+    }
+    for (; slots.next < min(slots.end, capacity); ++slots.next) drop_bounds(&bounds[slots.next]);
+    for (; candidates.next < min(candidates.end, capacity); ++candidates.next)
+        map_candidates[candidates.next] = GN_NO_ID;
+    uint not_finite = looked_at - finite_count, outside = finite_count - survivor_count;
+    if (survivor_count != 0) atomic_add(&counters->survivors, survivor_count);
+    if (candidate_count != 0) atomic_add(&counters->map_candidates, candidate_count);
+    if (not_finite != 0) atomic_add(&counters->not_finite, not_finite);
+    if (outside != 0) atomic_add(&counters->outside, outside);
+}
+
+// ---- Records --------------------------------------------------------------------------------------------------------
+
+// Bins of GN_LANES triangles as texels (square_of_bins).
+static Rectangles squares_of_bins(const uint4* bins, __constant const Projection* projection) {
+    Rectangles square;
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        float4 one = square_of_bins(bins[lane], projection);
+        LANE_OF_FLOAT(square.x0, lane) = one.x;
+        LANE_OF_FLOAT(square.y0, lane) = one.y;
+        LANE_OF_FLOAT(square.x1, lane) = one.z;
+        LANE_OF_FLOAT(square.y1, lane) = one.w;
+    }
+    return square;
+}
+
+// The float filters of triangles that survived, for all points of their bins. Returns those not exactly edge-on.
+static LaneInt make_records(TriangleBlock t, LaneInt lanes, __constant const Projection* projection, const uint4* bins,
+                            RecordBlock* record, uint* exact) {
+    record->undecided = (LaneInt)(-1);
+    if (projection->indistinct) return lanes;
+    ProjectedTriangles p = project_triangles(t, projection);
+    const Projected* v = p.v;
+    record->undecided = p.wild;
+    LaneInt tame = lanes & ~p.wild;
+    LaneFloat orientation = orientations_from_light(t, projection, tame, exact) * projection->handedness;
+    tame &= LANE_COMPARE(orientation, !=, (LaneFloat)(0.0f));
+
+    Rectangles domain = squares_of_bins(bins, projection);
+    LaneFloat reach = LANES_MAX(domain.x1, domain.y1) + projection->point_error;
+    LaneFloat rho[3], error[3];
     for (int i = 0; i < 3; ++i) {
         error[i] = v[i].error + reach * v[i].error_w;
-        rho[i] = largest_offset(v[i], domain) + error[i] + fabs(v[i].w) * projection->point_error;
+        rho[i] = largest_offset(v[i].x, v[i].y, v[i].w, domain) + error[i] + fabs(v[i].w) * projection->point_error;
     }
-    float margin = 0.0f;
+    LaneFloat margin = (LaneFloat)(0.0f);
     for (int i = 0; i < 3; ++i) {
         int j = (i + 1) % 3;
-        Edge edge = make_edge(v[i], v[j].x - v[i].x, v[j].y - v[i].y, v[j].w - v[i].w);
+        Edge edge = make_edge(&v[i], v[j].x - v[i].x, v[j].y - v[i].y, v[j].w - v[i].w);
         record->edge_x[i] = orientation * edge.x;
         record->edge_y[i] = orientation * edge.y;
         record->edge_0[i] = orientation * edge.c;
-        float bound = 2.0f * (rho[i] * error[j] + rho[j] * error[i] + error[i] * error[j]) +
-                      6.0f * GN_U * (reach * (edge.size_x + edge.size_y) + edge.size_c) +
-                      (fabs(edge.x) + fabs(edge.y)) * projection->point_error;
-        margin = fmax(margin, BOUND_INFLATION * bound);
+        LaneFloat bound = (rho[i] * error[j] + rho[j] * error[i] + error[i] * error[j]) * 2.0f +
+                          (reach * (edge.size_x + edge.size_y) + edge.size_c) * (6.0f * GN_U) +
+                          (fabs(edge.x) + fabs(edge.y)) * projection->point_error;
+        bound *= BOUND_INFLATION;
+        margin = LANES_MAX(bound, margin);
     }
     record->margin_edge = margin + 1.0e-30f;
-    float2 heights = height_interval(&p, projection);
-    record->z_low = heights.x;
-    record->z_high = heights.y;
+    height_intervals(&p, projection, &record->z_low, &record->z_high);
     if (projection->perspective)
         set_plane_perspective(record, v, domain, orientation, p.straddles, projection->point_error,
                               projection->height_error);
     else
         set_plane_parallel(record, v, domain, orientation, projection->point_error, projection->height_error);
-    return true;
+    return tame | (lanes & p.wild);
 }
 
-// One work-item per triangle, over the whole scene.
-__kernel void triangle_bounds(__constant const Projection* projection, uint triangle_count, ulong first_float,
-                              uint capacity, uint has_pyramid, __global const float* vertices,
-                              __global const uint* pyramid, __global TriangleBounds* bounds,
-                              __global uint* map_candidates, __global FrameCounters* counters) {
-    uint tally[4] = {0, 0, 0, 0}, candidate_count = 0;
-    if (projection->active_points == 0u) return;
-    Claim slots = no_claim(), candidates = no_claim();
-    GN_FOR_EACH(id, triangle_count) {
-        TriangleBounds mine;
-        int verdict =
-            bound_triangle(load_triangle(vertices + first_float, id), projection, pyramid, has_pyramid != 0u, &mine);
-        ++tally[verdict];
-        if (verdict != SURVIVES) continue;
-        candidate_count += (mine.frame & BOUNDS_FOR_MAP) != 0u;
-        mine.id = (uint)id;
-        uint slot = claim(&slots, &counters->slots);
-        if (slot >= capacity) continue;
-        bounds[slot] = mine;
-        if (!(mine.frame & BOUNDS_FOR_MAP)) continue;
-        uint place = claim(&candidates, &counters->map_slots);
-        if (place < capacity) map_candidates[place] = slot;
+static TriangleRecord record_of_lane(const RecordBlock* block, int lane) {
+    TriangleRecord record;
+    bool undecided = LANE_OF_INT(block->undecided, lane) != 0;
+    for (int i = 0; i < 3; ++i) {
+        record.edge_x[i] = undecided ? 0.0f : LANE_OF_FLOAT(block->edge_x[i], lane);
+        record.edge_y[i] = undecided ? 0.0f : LANE_OF_FLOAT(block->edge_y[i], lane);
+        record.edge_0[i] = undecided ? 0.0f : LANE_OF_FLOAT(block->edge_0[i], lane);
     }
-    for (; slots.next < min(slots.end, capacity); ++slots.next) drop_bounds(&bounds[slots.next]);
-    for (; candidates.next < min(candidates.end, capacity); ++candidates.next)
-        map_candidates[candidates.next] = GN_NO_ID;
-    if (tally[SURVIVES] != 0) atomic_add(&counters->survivors, tally[SURVIVES]);
-    if (candidate_count != 0) atomic_add(&counters->map_candidates, candidate_count);
-    if (tally[NOT_FINITE] != 0) atomic_add(&counters->not_finite, tally[NOT_FINITE]);
-    if (tally[OUTSIDE] != 0) atomic_add(&counters->outside, tally[OUTSIDE]);
+    record.plane_x = undecided ? 0.0f : LANE_OF_FLOAT(block->plane_x, lane);
+    record.plane_y = undecided ? 0.0f : LANE_OF_FLOAT(block->plane_y, lane);
+    record.plane_0 = undecided ? 0.0f : LANE_OF_FLOAT(block->plane_0, lane);
+    record.margin_edge = undecided ? INFINITY : LANE_OF_FLOAT(block->margin_edge, lane);
+    record.margin_plane = undecided ? INFINITY : LANE_OF_FLOAT(block->margin_plane, lane);
+    record.z_low = undecided ? -INFINITY : LANE_OF_FLOAT(block->z_low, lane);
+    record.z_high = undecided ? INFINITY : LANE_OF_FLOAT(block->z_high, lane);
+    return record;
 }
 
-// ---- Records and tiles ----------------------------------------------------------------------------------------------
+// ---- Tiles ----------------------------------------------------------------------------------------------------------
 
 typedef struct TileWork {
     __constant const Projection* projection;
@@ -449,33 +618,59 @@ typedef struct TileWork {
     Claim places;
 } TileWork;
 
-// Makes the record of the i-th triangle. False if it is dropped. What is dropped from the lists keeps empty bounds.
-static bool prepare(TileWork* work, uint i, uint* slot, uint4* bins) {
-    *slot = work->for_map ? work->map_candidates[i] : i;
-    if (*slot == GN_NO_ID) return false;
-    TriangleBounds bounds = work->bounds[*slot];
-    if (is_dropped(bounds)) return false;
-    *bins = bins_of_bounds(bounds, work->projection);
+// Triangles of the list that are worth a record, and their bins: GN_LANES of them, or fewer.
+typedef struct Chosen {
+    uint count;
+    uint slots[GN_LANES], ids[GN_LANES];
+    uint4 bins[GN_LANES];
+} Chosen;
+
+// Adds the i-th triangle, unless it is dropped. What is dropped from the lists keeps empty bounds.
+static void choose(TileWork* work, uint i, Chosen* chosen) {
+    uint slot = work->for_map ? work->map_candidates[i] : i;
+    if (slot == GN_NO_ID) return;
+    TriangleBounds bounds = work->bounds[slot];
+    if (is_dropped(bounds)) return;
+    uint4 bins = bins_of_bounds(bounds, work->projection);
     if (work->has_heights) {
-        float lowest = lowest_height_under(work->heights, work->projection, *bins);
+        float lowest = lowest_height_under(work->heights, work->projection, bins);
         if (bounds.z < quantised_height(lowest, work->projection->z_origin, work->projection->z_scale) ||
             lowest == INFINITY) {
-            if (!work->for_map) drop_bounds(&work->bounds[*slot]);
+            if (!work->for_map) drop_bounds(&work->bounds[slot]);
             ++work->hidden;
-            return false;
+            return;
         }
     }
-    TriangleRecord record;
-    int level = DET3_BY_FLOAT;
-    bool survives = make_record(load_triangle(work->vertices, bounds.id), work->projection, *bins, &record, &level);
-    work->exact += level == DET3_BY_EXACT;
-    if (!survives) {
-        drop_bounds(&work->bounds[*slot]);
-        ++work->edge_on;
-        return false;
+    chosen->slots[chosen->count] = slot;
+    chosen->ids[chosen->count] = bounds.id;
+    chosen->bins[chosen->count] = bins;
+    ++chosen->count;
+}
+
+// Makes the records of the chosen; returns those whose tiles are wanted. There must be at least one.
+static LaneInt prepare(TileWork* work, Chosen* chosen) {
+    __global const float* rows[GN_LANES];
+    for (uint lane = 0; lane < GN_LANES; ++lane) {
+        uint one = min(lane, chosen->count - 1u);
+        rows[lane] = work->vertices + 9 * (size_t)chosen->ids[one];
+        chosen->bins[lane] = chosen->bins[one];
     }
-    work->records[*slot] = record;
-    return !work->for_map || record.margin_plane < INFINITY;
+    RecordBlock records;
+    LaneInt lanes = LANE_COMPARE((LaneInt)((int)chosen->count), >, LANE_INDEX);
+    LaneInt kept =
+        make_records(load_triangle_rows(rows), lanes, work->projection, chosen->bins, &records, &work->exact);
+    for (uint lane = 0; lane < chosen->count; ++lane) {
+        uint slot = chosen->slots[lane];
+        if (!LANE_OF_INT(kept, lane)) {
+            drop_bounds(&work->bounds[slot]);
+            ++work->edge_on;
+            continue;
+        }
+        TriangleRecord record = record_of_lane(&records, (int)lane);
+        work->records[slot] = record;
+        if (work->for_map && !(record.margin_plane < INFINITY)) LANE_OF_INT(kept, lane) = 0;
+    }
+    return kept;
 }
 
 static void append_tile(TileWork* work, uint slot, uint tile) {
@@ -489,6 +684,24 @@ static void append_tile_if_matters(TileWork* work, uint slot, uint4 bins, uint i
     if (may_matter(&record, work->projection, bins_of_tile(tile), work->has_heights, work->heights))
         append_tile(work, slot, tile);
 }
+
+#ifdef GN_CPU
+// Of all that are chosen; then none is.
+static void append_tiles_of(TileWork* work, Chosen* chosen) {
+    LaneInt wanted = prepare(work, chosen);
+    for (uint lane = 0; lane < chosen->count; ++lane) {
+        if (!LANE_OF_INT(wanted, lane)) continue;
+        uint slot = chosen->slots[lane];
+        uint4 bins = chosen->bins[lane];
+        uint tile_count = tile_count_of(bins);
+        if (tile_count == 1u)
+            append_tile(work, slot, tile_of_bins(bins, 0));
+        else
+            for (uint tile = 0; tile < tile_count; ++tile) append_tile_if_matters(work, slot, bins, tile);
+    }
+    chosen->count = 0;
+}
+#endif
 
 // A GPU's work-group shares out the tiles of its triangles evenly: a triangle may have one or thousands. A CPU's
 // work-item takes them as they come.
@@ -515,16 +728,13 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     work.places = no_claim();
     uint count = min(for_map ? counters->map_slots : counters->slots, capacity);
 #ifdef GN_CPU
+    Chosen chosen;
+    chosen.count = 0;
     GN_FOR_EACH(i, count) {
-        uint slot;
-        uint4 bins;
-        if (!prepare(&work, (uint)i, &slot, &bins)) continue;
-        uint tile_count = tile_count_of(bins);
-        if (tile_count == 1u)
-            append_tile(&work, slot, tile_of_bins(bins, 0));
-        else
-            for (uint tile = 0; tile < tile_count; ++tile) append_tile_if_matters(&work, slot, bins, tile);
+        choose(&work, (uint)i, &chosen);
+        if (chosen.count == GN_LANES) append_tiles_of(&work, &chosen);
     }
+    if (chosen.count != 0u) append_tiles_of(&work, &chosen);
     for (; work.places.next < min(work.places.end, tile_capacity); ++work.places.next)
         tiles[work.places.next] = (uint2)(GN_NO_ID, 0);
 #else
@@ -535,8 +745,14 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
         uint slot = GN_NO_ID;
         uint4 bins = (uint4)(0);
         uint tile_count = 0;
-        if (item < share && base + item < count && prepare(&work, base + item, &slot, &bins))
+        Chosen chosen;
+        chosen.count = 0;
+        if (item < share && base + item < count) choose(&work, base + item, &chosen);
+        if (chosen.count != 0u && prepare(&work, &chosen)) {
+            slot = chosen.slots[0];
+            bins = chosen.bins[0];
             tile_count = tile_count_of(bins);
+        }
         if (tile_count == 1u) {
             append_tile(&work, slot, tile_of_bins(bins, 0));
             tile_count = 0;

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// Triangles as the setup takes them: GN_LANES at a time, a coordinate in one vector each; and their projection with the
+// bounds of its errors (projection.h).
+#ifndef GN_TRIANGLE_BLOCKS_H
+#define GN_TRIANGLE_BLOCKS_H
+
+#include "point_blocks.h"
+#include "projection.h"
+
+typedef struct TriangleBlock {
+    PointBlock a, b, c;
+} TriangleBlock;
+
+// Those whose nine floats begin at rows[lane].
+static TriangleBlock load_triangle_rows(__global const float* const* rows) {
+    TriangleBlock t;
+    t.a.x = LANES_OF_ROWS(rows, 0), t.a.y = LANES_OF_ROWS(rows, 1), t.a.z = LANES_OF_ROWS(rows, 2);
+    t.b.x = LANES_OF_ROWS(rows, 3), t.b.y = LANES_OF_ROWS(rows, 4), t.b.z = LANES_OF_ROWS(rows, 5);
+    t.c.x = LANES_OF_ROWS(rows, 6), t.c.y = LANES_OF_ROWS(rows, 7), t.c.z = LANES_OF_ROWS(rows, 8);
+    return t;
+}
+
+// `first` and those that follow; lanes past the last of `count` repeat it.
+static TriangleBlock load_triangles(__global const float* vertices, size_t first, uint count) {
+    __global const float* v = vertices + 9 * first;
+    if (count - first >= GN_LANES) {
+        TriangleBlock t;
+        t.a.x = LANES_STRIDED(v, 9), t.a.y = LANES_STRIDED(v + 1, 9), t.a.z = LANES_STRIDED(v + 2, 9);
+        t.b.x = LANES_STRIDED(v + 3, 9), t.b.y = LANES_STRIDED(v + 4, 9), t.b.z = LANES_STRIDED(v + 5, 9);
+        t.c.x = LANES_STRIDED(v + 6, 9), t.c.y = LANES_STRIDED(v + 7, 9), t.c.z = LANES_STRIDED(v + 8, 9);
+        return t;
+    }
+    __global const float* rows[GN_LANES];
+    for (uint lane = 0; lane < GN_LANES; ++lane) rows[lane] = v + 9 * min((size_t)lane, (size_t)count - 1u - first);
+    return load_triangle_rows(rows);
+}
+
+static Triangle lane_triangle(TriangleBlock t, int lane) {
+    Triangle triangle = {lane_point(t.a, lane), lane_point(t.b, lane), lane_point(t.c, lane)};
+    return triangle;
+}
+
+static PointBlock difference(PointBlock a, PointBlock b) {
+    PointBlock d = {a.x - b.x, a.y - b.y, a.z - b.z};
+    return d;
+}
+static PointBlock magnitudes(PointBlock a) {
+    PointBlock size = {fabs(a.x), fabs(a.y), fabs(a.z)};
+    return size;
+}
+static PointBlock same_point(float x, float y, float z) {
+    PointBlock p = {(LaneFloat)(x), (LaneFloat)(y), (LaneFloat)(z)};
+    return p;
+}
+
+// Projected positions before the division, and the bounds of the errors of their coordinates.
+typedef struct Projected {
+    LaneFloat x, y, w, z;
+    LaneFloat error;    // of x and y
+    LaneFloat error_w;  // of w
+    LaneFloat error_z;  // of z (parallel only; in perspective z is made from w)
+} Projected;
+
+// Of the magnitudes of d.
+static LaneFloat lanes_row_size(__constant const float* row, PointBlock size) {
+    float row_sum = fabs(row[0]) + fabs(row[1]) + fabs(row[2]);
+    LaneFloat sum = size.x + size.y + size.z;
+    return size.x * fabs(row[0]) + size.y * fabs(row[1]) + size.z * fabs(row[2]) + fabs(row[3]) +
+           sum * (0x1p-20f * row_sum);
+}
+
+static Projected project(__constant const Projection* projection, PointBlock p_world) {
+    float3 center = center_of(projection);
+    PointBlock d = difference(p_world, same_point(center.x, center.y, center.z)), d_size = magnitudes(d);
+    Projected h;
+    h.x = lanes_row_dot(projection->row_x, d);
+    h.y = lanes_row_dot(projection->row_y, d);
+    LaneFloat size_x = lanes_row_size(projection->row_x, d_size), size_y = lanes_row_size(projection->row_y, d_size);
+    h.error = LANES_MAX(size_x, size_y) * PROJECTION_ERROR + PROJECTION_UNDERFLOW;
+    LaneFloat depth = lanes_row_dot(projection->row_z, d);
+    LaneFloat depth_error = lanes_row_size(projection->row_z, d_size) * PROJECTION_ERROR + PROJECTION_UNDERFLOW;
+    if (projection->perspective) {
+        h.w = depth;
+        h.error_w = depth_error;
+        h.z = (LaneFloat)(1.0f) / depth;
+        h.error_z = (LaneFloat)(0.0f);
+    } else {
+        h.w = (LaneFloat)(1.0f);
+        h.error_w = (LaneFloat)(0.0f);
+        h.z = depth;
+        h.error_z = depth_error;
+    }
+    return h;
+}
+
+#endif
