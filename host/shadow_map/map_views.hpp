@@ -2,6 +2,7 @@
 // What a fit hands to the rest of the shadow-map family, and what it is given (kernels/shadow_map/map_view.h).
 #pragma once
 
+#include "../../kernels/shadow_map/footprint.h"
 #include "../../kernels/shadow_map/map_view.h"
 #include "../inputs.hpp"
 
@@ -23,6 +24,9 @@ struct FitInputs {
     std::optional<PointsCamera> camera;
     bool keeps_casters = false;  ///< the map's depths reach to the casters nearest to the light, not only to receivers
 };
+
+/// The camera's steps from pixel to pixel.
+PixelSteps pixel_steps(const PointsCamera& from);
 
 /// Fills map_views.tables with the texel centres of the views (kernels/shadow_map/map_view.cl).
 void fill_centres(cl::Session& session, const MapViews& map_views);

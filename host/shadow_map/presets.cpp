@@ -25,6 +25,8 @@ constexpr ShadowMapPreset presets[] = {
      "store=variance prefilter=gaussian bleeding=0.3"},
     {"vsm-edges", "variance shadow map on shadow edges only (Sterna 2011)",
      "store=variance prefilter=gaussian edges-only=on constant-bias=0.002"},
+    {"vsm-mip", "variance shadow map filtered over each pixel's footprint by a mip chain (Donnelly and Lauritzen 2006)",
+     "store=variance prefilter=mip"},
     {"layered-vsm", "variance shadow map in layers of depth (Lauritzen and McCool 2008)",
      "store=layered layers=4 prefilter=gaussian"},
     {"convolution", "convolution shadow map: the comparison as a Fourier series (Annen et al. 2007)",

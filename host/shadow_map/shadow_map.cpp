@@ -27,7 +27,7 @@ constexpr std::uint32_t largest_size = 16384;
 constexpr std::string_view store_names[] = {"depth", "variance", "layered", "convolution", "exponential",
                                             "evsm2", "evsm4",    "ewgf",    "moments"};
 constexpr std::string_view lookup_names[] = {"hard", "pcf", "bilinear", "gaussian", "twelve", "pcss"};
-constexpr std::string_view prefilter_names[] = {"none", "gaussian", "summed-area"};
+constexpr std::string_view prefilter_names[] = {"none", "gaussian", "summed-area", "mip"};
 constexpr std::string_view bias_names[] = {"scaled", "adaptive", "dual"};
 constexpr std::string_view switch_names[] = {"off", "on"};
 constexpr std::string_view bits_names[] = {"64", "128"};
@@ -47,9 +47,12 @@ const std::vector<Setting>& settings_table() {
         {{"store", "depth",
           "what a texel holds: depth, variance, layered, convolution, exponential, evsm2, evsm4, ewgf or moments"},
          [](S& s, Text n, Text v) { s.store = choice_setting(n, v, store_names); }},
-        {{"prefilter", "none", "none, gaussian or summed-area (a box): filters what is stored; not for depth"},
+        {{"prefilter", "none",
+          "none, gaussian, summed-area (a box) or mip (as wide as a pixel is there): filters what is stored; not for "
+          "depth"},
          [](S& s, Text n, Text v) { s.prefilter = static_cast<Prefilter>(choice_setting(n, v, prefilter_names)); }},
-        {{"filter-width", "5", "texels across the prefilter, 1 to 33; odd for the Gaussian (sigma = width / 4.5)"},
+        {{"filter-width", "5",
+          "texels across the prefilter (mip: needs none), 1 to 33; odd for the Gaussian (sigma = width / 4.5)"},
          [](S& s, Text n, Text v) { s.filter_width = whole_setting(n, v, 1, MOST_TAPS); }},
         {{"lookup", "hard",
           "of depths: hard, pcf (mean of taps^2 texels), bilinear, gaussian (both smooth), twelve or pcss"},
@@ -223,15 +226,22 @@ void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
         cl::StageTimer timer(session, statistics, "moments");
         stored_.fill(session, map_views_, depths_, plan);
     }
+    // A footprint is a pixel's: without a camera or receivers there is none.
+    const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
+    const bool lacks_footprints = s.prefilter == Prefilter::mip && !has_footprints;
     {
         cl::StageTimer timer(session, statistics, "prefilter");
-        stored_.prefilter(session, map_views_, s.prefilter, s.filter_width, plan);
+        stored_.prefilter(session, map_views_, lacks_footprints ? Prefilter::none : s.prefilter, s.filter_width, plan);
     }
+    if (lacks_footprints) statistics.stages.back().skipped = "mip needs points of a camera: looked up unfiltered";
     if (s.prefilter == Prefilter::none) statistics.stages.back().skipped = "switched off";
     cl::StageTimer timer(session, statistics, "lookup");
     session.launch("shadow_map/moment_lookup.cl", "moment_lookup", cl::Range::items(inputs.points.layout.count), plan,
-                   map_views_.set, inputs.points.layout, inputs.points.positions, map_views_.views, map_views_.tables,
-                   depths_.keys(), stored_.planes(), inputs.visibility);
+                   inputs.camera ? pixel_steps(*inputs.camera) : PixelSteps{}, map_views_.set, inputs.points.layout,
+                   inputs.triangles.first_float, inputs.triangles.count, inputs.points.positions,
+                   inputs.points.receivers, inputs.triangles.vertices, map_views_.views, map_views_.tables,
+                   depths_.keys(), stored_.planes(), plan.mips != 0 ? stored_.mips() : stored_.planes(),
+                   inputs.visibility);
 }
 
 Statistics ShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,

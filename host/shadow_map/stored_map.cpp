@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "stored_map.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -40,6 +41,15 @@ void StoredMap::prefilter(cl::Session& session, const MapViews& map_views, Prefi
     const std::size_t numbers = std::size_t(set.texels) * plan.planes;
     plan.summed = prefilter == Prefilter::summed_area;
     if (prefilter == Prefilter::none) return;
+    if (prefilter == Prefilter::mip) {
+        scratch_.reserve(session, bytes_of(map_views, plan));
+        // No view's shorter side is longer than this root.
+        plan.mips = static_cast<cl_uint>(std::log2(std::sqrt(std::max(set.texels_per_view, 1u))));
+        for (cl_uint level = 1; level <= plan.mips; ++level)
+            session.launch(prefilter_file, "prefilter_mip", cl::Range::items((numbers >> (2 * level)) + 1), plan, set,
+                           level, map_views.views, level == 1 ? planes_ : scratch_, scratch_);
+        return;
+    }
     if (prefilter == Prefilter::gaussian) {
         scratch_.reserve(session, bytes_of(map_views, plan));
         const std::vector<float> weights = gaussian_weights(width);

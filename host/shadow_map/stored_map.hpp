@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-enum class Prefilter { none, gaussian, summed_area };
+enum class Prefilter { none, gaussian, summed_area, mip };
 
 class StoredMap {
 public:
@@ -16,6 +16,7 @@ public:
     void prefilter(cl::Session& session, const MapViews& map_views, Prefilter prefilter, std::uint32_t width,
                    StorePlan& plan);
     const cl::Buffer& planes() const { return planes_; }
+    const cl::Buffer& mips() const { return scratch_; }  ///< levels beside the first, if plan.mips is not 0
 
 private:
     cl::Buffer planes_, scratch_, weights_;

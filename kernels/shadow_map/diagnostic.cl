@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pictures of how a shadow map's texels lie over what the camera sees (diagnostic.h).
-#include "../points.h"
 #include "diagnostic.h"
-#include "homography.h"
 
 #define SKY (float3)(0.25f, 0.25f, 0.25f)
 
@@ -23,17 +21,6 @@ static float3 error_color(float error) {
             return mix(color_at(error_colors[i]), color_at(error_colors[i + 1]), share);
         }
     return color_at(error_colors[6]);
-}
-
-// Where the surface is met one pixel to the side, less where it is met here.
-static float3 pixel_step(float3 ray, float depth, float3 normal, float3 step) {
-    return (step - ray * (dot3(normal, step) / dot3(normal, ray))) * depth;
-}
-
-// Texels from p to p + step, by the middle of the step.
-static float2 texel_step(__global const MapView* view, __global const float* tables, float3 p, float3 step) {
-    float3 from = map_uv(view, p - 0.5f * step), to = map_uv(view, p + 0.5f * step);
-    return map_texels(view, tables, to.xy) - map_texels(view, tables, from.xy);
 }
 
 // Is the texel coordinate on a line of the grid? A line is an eighth of a texel, or a pixel where that is wider.
@@ -64,14 +51,12 @@ __kernel void map_diagnostic(DiagnosticPlan plan, MapSet set, PointsLayout layou
             if (index != NO_VIEW) {
                 __global const MapView* view = views + index;
                 Triangle t = load_triangle(vertices + first_float, receivers[i]);
-                float3 normal = cross3(t.b - t.a, t.c - t.a), from_eye = p - to_float3(plan.eye);
-                float depth = dot3(from_eye, to_float3(plan.forward));
-                float3 ray = from_eye / depth;
-                float2 ds = texel_step(view, tables, p, pixel_step(ray, depth, normal, to_float3(plan.step_x)));
-                float2 dt = texel_step(view, tables, p, pixel_step(ray, depth, normal, to_float3(plan.step_y)));
+                float2 ds, dt;
+                pixel_footprint(&plan.steps, view, tables, t, p, &ds, &dt);
                 float2 both = ds + dt, across = ds - dt;
                 error = sqrt(fmax(both.x * both.x + both.y * both.y, across.x * across.x + across.y * across.y));
-                float facing = 0.35f + 0.65f * fabs(dot3(unit3(normal), unit3(from_eye)));
+                float3 normal = unit3(cross3(t.b - t.a, t.c - t.a)), from_eye = unit3(p - to_float3(plan.steps.eye));
+                float facing = 0.35f + 0.65f * fabs(dot3(normal, from_eye));
                 float3 at = map_uv(view, p);
                 if (plan.diagnostic == DIAGNOSTIC_ALIASING)
                     color = error_color(error);

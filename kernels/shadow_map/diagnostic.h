@@ -9,23 +9,19 @@
 //             thesis 6.8); evenly grey where a pixel is wider than a texel
 //   views     a colour per view (cascade, side, cube face); black where no view serves
 //   depth     the map's depth of what is seen, black nearest to the light
-// A step is taken on the plane of the point's receiver: at pixel (x, y) the ray r meets it at e + z r, and one pixel to
-// the side, r + a, the meeting point moves by z (a - r (n . a) / (n . r)). Points without a camera or a receiver, and
-// the sky, are drawn in SKY.
+// Steps are those of footprint.h. Points without a camera or a receiver, and the sky, are drawn in SKY.
 #ifndef GN_SHADOW_DIAGNOSTIC_H
 #define GN_SHADOW_DIAGNOSTIC_H
 
-#include "projection.h"
+#include "footprint.h"
 
 #define DIAGNOSTIC_ALIASING 0u
 #define DIAGNOSTIC_GRID 1u
 #define DIAGNOSTIC_VIEWS 2u
 #define DIAGNOSTIC_DEPTH 3u
 
-// One pixel's step of the camera's rays, whose component along forward is 1.
 GN_STRUCT_BEGIN(DiagnosticPlan)
-    float eye[4], forward[4];
-    float step_x[4], step_y[4];
+    PixelSteps steps;
     uint diagnostic;
     uint padding[3];
 GN_STRUCT_END(DiagnosticPlan, 80)

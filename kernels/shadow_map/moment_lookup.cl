@@ -1,26 +1,51 @@
 // SPDX-License-Identifier: MIT
-// Lookup of filtered quantities: bilinear in the prefiltered planes, or a box of any width in summed areas; then the
-// store's estimate of visibility (visibility_bounds.h).
+// Lookup of filtered quantities: bilinear in the prefiltered planes, between two levels of a mip chain, or a box of any
+// width in summed areas; then the store's estimate of visibility (visibility_bounds.h).
+#include "footprint.h"
 #include "lookup.h"
+#include "mip_chain.h"
 #include "visibility_bounds.h"
 
 #define MOST_PLANES 32
 
-static void fetch_bilinear(const StorePlan* plan, const Receiver* r, uint texels, __global const void* planes,
-                           float* means) {
-    float2 corner = r->at_texels - 0.5f, whole = floor(corner), f = corner - whole;
-    int x = (int)whole.x, y = (int)whole.y;
-    size_t at00 = texel_at(r, x, y), at10 = texel_at(r, x + 1, y), at01 = texel_at(r, x, y + 1),
-           at11 = texel_at(r, x + 1, y + 1);
+// Adds `share` of the bilinear mean of one level.
+static void add_bilinear(const StorePlan* plan, const Receiver* r, MipLevel level, float share, uint texels,
+                         __global const void* numbers, float* means) {
+    float2 scale = (float2)(level.width, level.height) / (float2)(r->view->width, r->view->height);
+    float2 corner = r->at_texels * scale - 0.5f, whole = floor(corner), f = corner - whole;
+    int last_x = (int)level.width - 1, last_y = (int)level.height - 1;
+    size_t x0 = (size_t)clamp((int)whole.x, 0, last_x), x1 = (size_t)clamp((int)whole.x + 1, 0, last_x);
+    size_t row0 = level.first + (size_t)clamp((int)whole.y, 0, last_y) * level.row_stride,
+           row1 = level.first + (size_t)clamp((int)whole.y + 1, 0, last_y) * level.row_stride;
     for (uint p = 0; p < plan->planes; ++p) {
         size_t plane = (size_t)p * texels;
-        float z00 = load_number(plan->half_bits, planes, plane + at00),
-              z10 = load_number(plan->half_bits, planes, plane + at10),
-              z01 = load_number(plan->half_bits, planes, plane + at01),
-              z11 = load_number(plan->half_bits, planes, plane + at11);
-        float above = z00 + f.x * (z10 - z00), below = z01 + f.x * (z11 - z01);
-        means[p] = above + f.y * (below - above);
+        float n00 = load_number(plan->half_bits, numbers, plane + row0 + x0),
+              n10 = load_number(plan->half_bits, numbers, plane + row0 + x1),
+              n01 = load_number(plan->half_bits, numbers, plane + row1 + x0),
+              n11 = load_number(plan->half_bits, numbers, plane + row1 + x1);
+        float above = n00 + f.x * (n10 - n00), below = n01 + f.x * (n11 - n01);
+        means[p] += share * (above + f.y * (below - above));
     }
+}
+
+// Level of the chain for a footprint: a texel as wide as its longer side. A whole number and the share of the next.
+static float level_of_footprint(const StorePlan* plan, const PixelSteps* steps, const Receiver* r, Triangle t,
+                                float3 p) {
+    float2 ds, dt;
+    pixel_footprint(steps, r->view, r->tables, t, p, &ds, &dt);
+    float longer = fmax(length(ds), length(dt));
+    return longer > 1.0f ? fmin(log2(longer), (float)plan->mips) : 0.0f;  // not a number (no plane): 0
+}
+
+static void fetch(const StorePlan* plan, const Receiver* r, float level, uint texels, __global const void* planes,
+                  __global const void* mips, float* means) {
+    for (uint p = 0; p < plan->planes; ++p) means[p] = 0.0f;
+    uint whole = (uint)level;
+    while (whole > 0 && mip_level(r->view, whole).width == 0) --whole;  // a view with fewer levels than the largest
+    MipLevel next = mip_level(r->view, whole + 1u);
+    float share = whole < plan->mips && next.width != 0 ? fmin(level - (float)whole, 1.0f) : 0.0f;
+    add_bilinear(plan, r, mip_level(r->view, whole), 1.0f - share, texels, whole == 0 ? planes : mips, means);
+    if (share > 0.0f) add_bilinear(plan, r, next, share, texels, mips, means);
 }
 
 // Sum of all texels with column < x and row < y.
@@ -70,9 +95,12 @@ static int agreement(const StorePlan* plan, const Receiver* r, __global const fl
     return lit == 4 ? 1 : lit == 0 ? -1 : 0;
 }
 
-__kernel void moment_lookup(StorePlan plan, MapSet set, PointsLayout layout, __global const float* positions,
-                            __global const MapView* views, __global const float* tables, __global const float* depths,
-                            __global const void* planes, __global float* visibility) {
+// With mips the points have a camera, whose steps these are, and receivers.
+__kernel void moment_lookup(StorePlan plan, PixelSteps steps, MapSet set, PointsLayout layout, ulong first_float,
+                            uint triangle_count, __global const float* positions, __global const uint* receivers,
+                            __global const float* vertices, __global const MapView* views, __global const float* tables,
+                            __global const float* depths, __global const void* planes, __global const void* mips,
+                            __global float* visibility) {
     GN_FOR_EACH(i, layout.count) {
         if (visibility[i] != 1.0f) continue;
         float3 p = load_point(positions, layout, i);
@@ -89,8 +117,12 @@ __kernel void moment_lookup(StorePlan plan, MapSet set, PointsLayout layout, __g
         float means[MOST_PLANES];
         if (plan.summed)
             fetch_summed(&plan, &r, set.texels, (__global const uint*)planes, means);
-        else
-            fetch_bilinear(&plan, &r, set.texels, planes, means);
+        else {
+            float level = 0.0f;
+            if (plan.mips != 0 && receivers[i] < triangle_count)
+                level = level_of_footprint(&plan, &steps, &r, load_triangle(vertices + first_float, receivers[i]), p);
+            fetch(&plan, &r, level, set.texels, planes, mips, means);
+        }
         visibility[i] = visibility_estimate(&plan, means, r.depth - plan.receiver_bias);
     }
 }

@@ -50,7 +50,8 @@ GN_STRUCT_BEGIN(StorePlan)
     uint summed;         // planes are summed areas (prefilter.h)
     float width;         // of the box that is looked up in summed areas, texels
     float summed_scale;  // fixed point: 1 is this much
-    uint padding[2];
+    uint mips;           // levels of the mip chain beside level 0 (mip_chain.h); 0: none
+    uint padding;
 GN_STRUCT_END(StorePlan, 64)
 
 #ifndef __cplusplus

@@ -6,6 +6,8 @@
 //   summed area  S(x, y) = sum of the texels up to (x, y): any box is four lookups (Crow 1984; Lauritzen 2007). In
 //                fixed point modulo 2^32, so that no precision is lost however large the map is: a box whose own sum
 //                is below 2^32 comes out exact. For quantities in [0, 1]; those in [-1, 1] are moved there.
+//   mip          a chain of halves (mip_chain.h); the lookup chooses the level by the pixel's footprint
+#include "mip_chain.h"
 #include "moments.h"
 
 #define MOST_FILTER_TAPS 33
@@ -80,6 +82,42 @@ __kernel void prefilter_sum_columns(StorePlan plan, MapSet set, __global const M
                 sum += sums[first + (size_t)y * view->row_stride];
                 sums[first + (size_t)y * view->row_stride] = sum;
             }
+        }
+    }
+}
+
+// Shares of the texels 2 i, 2 i + 1 and 2 i + 2 of a line of `fine` in texel i of its half. Of an odd line 2 m + 1, m
+// texels take (2 m + 1) / m each.
+static float3 shares_of_half(uint i, uint fine) {
+    uint half_line = fine / 2u;
+    if (fine % 2u == 0u) return (float3)(0.5f, 0.5f, 0.0f);
+    return (float3)((float)(half_line - i), (float)half_line, (float)(i + 1u)) / (float)fine;
+}
+
+static float mean_below(uint half_bits, __global const void* numbers, size_t plane, MipLevel fine, uint x, uint y) {
+    float3 across = shares_of_half(x, fine.width), down = shares_of_half(y, fine.height);
+    float columns[3] = {across.x, across.y, across.z}, rows[3] = {down.x, down.y, down.z};
+    float sum = 0.0f;
+    for (uint j = 0; j < 2u + fine.height % 2u; ++j)
+        for (uint i = 0; i < 2u + fine.width % 2u; ++i) {
+            size_t at = plane + fine.first + (size_t)(2u * y + j) * fine.row_stride + 2u * x + i;
+            sum += columns[i] * rows[j] * load_number(half_bits, numbers, at);
+        }
+    return sum;
+}
+
+// One level, from the one before: `input` is the map for level 1, else the chain itself.
+__kernel void prefilter_mip(StorePlan plan, MapSet set, uint level, __global const MapView* views,
+                            __global const void* input, __global void* mips) {
+    for (uint v = 0; v < set.view_count; ++v) {
+        MipLevel coarse = mip_level(views + v, level), fine = mip_level(views + v, level - 1u);
+        uint texels = coarse.width * coarse.height;
+        if (texels == 0) continue;
+        GN_FOR_EACH(i, (size_t)texels * plan.planes) {
+            uint texel = (uint)(i % texels), x = texel % coarse.width, y = texel / coarse.width;
+            size_t plane = i / texels * set.texels;
+            store_number(plan.half_bits, mips, plane + coarse.first + (size_t)y * coarse.row_stride + x,
+                         mean_below(plan.half_bits, input, plane, fine, x, y));
         }
     }
 }

@@ -39,7 +39,7 @@ std::vector<float> visibility_of(const gnomon::Device& device, const Scene& scen
                                  const std::string& technique, const Settings& settings = {}) {
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
     auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
-    points.set_camera(gnomon::Camera::look_at({0, 2, 3}, {0, 0, 0}, {0, 1, 0}, 60), 200, 100);
+    points.set_camera(gnomon::Camera::look_at({0, 2, 3}, {0, 0, 0}, {0, 1, 0}, 60), 400, 200);
     const gnomon::Visibility visibility(device, points.count());
     const auto made = gnomon::make_technique(technique, device);
     for (const auto& [name, value] : settings) made->set(name, value);
