@@ -76,7 +76,8 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
 #else
     short16 meets = (entries->x0 <= block.x1) & (entries->y0 <= block.y1) & (entries->x1 >= block.x0) &
                     (entries->y1 >= block.y0) & (entries->z >= block.z) & (entries->x0 <= entries->x1);
-    if (!any(meets)) return 0u;
+    long2 some = as_long2(meets.lo | meets.hi);
+    if ((some.x | some.y) == 0) return 0u;
     ushort16 bits =
         as_ushort16(meets) & (ushort16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
     ushort8 a = bits.lo | bits.hi;

@@ -9,69 +9,40 @@
 // An open point is doubtful if its receiver's plane is strictly between it and the light, that is if det(b - a, c - a,
 // a - P) has the sign l: only then can the receiver block it (exact/blocks.h), which by contract it never does. What
 // the camera makes is lifted off its receiver and never doubtful; a caller's point may be.
-#include "facing.h"
+#include "exact/det3_lanes.h"
 #include "light_frame.h"
 #include "triangle_setup.h"
 
-// What is known of a receiver. Neighbours often share one, and its answers.
-typedef struct Receiver {
-    uint id;
-    bool asked;  // exists and is finite
-    bool faces_away;
-    int side;  // of the light; 0: in the plane
-    Triangle t;
-    float3 minor_plus, minor_minus;  // n = minor_plus - minor_minus, as in det3_float
-    bool in_range;                   // may the float level be used as far as b - a and c - a go?
-} Receiver;
+// What is said of points that have a receiver with a plane.
+typedef struct ReceiverAnswer {
+    LaneInt faces_away, doubtful;
+} ReceiverAnswer;
 
-static Receiver ask_receiver(uint id, PointsLayout layout, float4 light, __global const float* vertices, uint* exact) {
-    Receiver receiver;
-    receiver.id = id;
-    receiver.t = load_triangle(vertices, id);
-    receiver.asked = is_finite_triangle(receiver.t);
-    receiver.faces_away = false;
-    if (!receiver.asked) return receiver;
-    Triangle t = receiver.t;
-    int level = DET3_BY_FLOAT;
-    receiver.side = side_of_light(t, light, &level);
+// `ids` of the lanes `asked` name triangles.
+static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
+                                    float4 light, __global const float* vertices, uint* exact) {
+    ReceiverAnswer answer = {(LaneInt)(0), (LaneInt)(0)};
+    ids = LANES_SELECT((LaneInt)(LANE_OF_INT(ids, first_lane(asked))), ids, asked);
+    __global const float* rows[GN_LANES];
+    for (int lane = 0; lane < GN_LANES; ++lane) rows[lane] = vertices + 9 * (size_t)(uint)LANE_OF_INT(ids, lane);
+    TriangleBlock t = load_triangle_rows(rows);
+    asked &= present_lanes(t.a) & present_lanes(t.b) & present_lanes(t.c);
+    if (!LANES_ANY(asked)) return answer;
+    TriangleNormals normals = triangle_normals(&t);
+    PointBlock towards = same_point(light.x, light.y, light.z), zero = same_point(0.0f, 0.0f, 0.0f);
+    LaneInt side = lanes_side(&t, &normals, &towards, light.w != 0.0f ? &t.a : &zero, asked, exact);
+    LaneInt facing = asked & LANE_COMPARE(side, !=, (LaneInt)(0));
     if (layout.has_eye) {
-        float3 eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
-        receiver.faces_away = faces_away_with_side(t, receiver.side, eye, &level);
+        PointBlock eye = same_point(layout.eye[0], layout.eye[1], layout.eye[2]);
+        facing &= LANE_COMPARE(lanes_side(&t, &normals, &eye, &t.a, facing, exact), ==, side);
+        answer.faces_away = asked & ~facing;
     }
-    *exact += level == DET3_BY_EXACT;
-    float3 u = t.b - t.a, v = t.c - t.a;
-    receiver.minor_plus = (float3)(u.y * v.z, u.z * v.x, u.x * v.y);
-    receiver.minor_minus = (float3)(u.z * v.y, u.x * v.z, u.y * v.x);
-    float3 largest = fmax(fabs(u), fabs(v));
-    receiver.in_range = largest.x <= 0x1p20f && largest.y <= 0x1p20f && largest.z <= 0x1p20f;
-    return receiver;
-}
-
-// det3_float(b - a, c - a, a - P) for many P, and its sign times `side`: which points does the plane part from the
-// light for certain, and which certainly not?
-static LaneInt lanes_behind_receiver(const Receiver* receiver, PointBlock points, LaneInt lanes) {
-    if (receiver->side == 0) return (LaneInt)(0);
-    float3 a = receiver->t.a, normal = receiver->minor_plus - receiver->minor_minus;
-    float3 size = fabs(receiver->minor_plus) + fabs(receiver->minor_minus);
-    LaneFloat x = a.x - points.x, y = a.y - points.y, z = a.z - points.z;
-    LaneFloat value = x * normal.x + y * normal.y + z * normal.z;
-    LaneFloat permanent = fabs(x) * size.x + fabs(y) * size.y + fabs(z) * size.z;
-    LaneFloat bound = permanent * DET3_FLOAT_BOUND;
-    LaneInt certain = LANE_COMPARE(fabs(x), <=, (LaneFloat)(0x1p20f)) &
-                      LANE_COMPARE(fabs(y), <=, (LaneFloat)(0x1p20f)) &
-                      LANE_COMPARE(fabs(z), <=, (LaneFloat)(0x1p20f)) &
-                      LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f)) & LANE_COMPARE(fabs(value), >, bound);
-    LaneInt behind = LANE_COMPARE(value * (float)receiver->side, >, (LaneFloat)(0.0f));
-    if (!receiver->in_range) certain = (LaneInt)(0);
-    LaneInt open = lanes & ~certain;
-    while (LANES_ANY(open)) {
-        int lane = first_lane(open), level = DET3_BY_FLOAT;
-        Triangle t = receiver->t;
-        LANE_OF_INT(open, lane) = 0;
-        LANE_OF_INT(behind, lane) =
-            det3_sign(t.b, t.a, t.c, t.a, t.a, lane_point(points, lane), &level) == receiver->side ? -1 : 0;
+    if (LANES_ANY(facing)) {
+        uint doubts_by_exact = 0;  // not counted: they are no matter of facing
+        LaneInt point_side = lanes_side(&t, &normals, &t.a, points, facing, &doubts_by_exact);
+        answer.doubtful = facing & LANE_COMPARE(point_side, ==, side);
     }
-    return behind & lanes;
+    return answer;
 }
 
 // ---- Bounds of the frames -------------------------------------------------------------------------------------------
@@ -167,8 +138,6 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
     float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
     uint exact = 0;
     LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
-    Receiver receiver;
-    receiver.id = GN_NO_ID;
     RunningBounds bounds;
     start_bounds(&bounds, 0u);
     GN_FOR_EACH(block, block_count(layout)) {
@@ -181,17 +150,11 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
             // Ids are unsigned: turn the top bit to compare them.
             LaneInt top = (LaneInt)((int)0x80000000);
             LaneInt asked = open & LANE_COMPARE(ids ^ top, <, (LaneInt)((int)triangle_count) ^ top);
-            while (LANES_ANY(asked)) {
-                int id = LANE_OF_INT(ids, first_lane(asked));
-                LaneInt same = asked & LANE_COMPARE(ids, ==, (LaneInt)(id));
-                asked &= ~same;
-                if (receiver.id != (uint)id)
-                    receiver = ask_receiver((uint)id, layout, light, vertices + first_float, &exact);
-                if (!receiver.asked) continue;
-                if (receiver.faces_away)
-                    away |= same;
-                else
-                    doubtful |= lanes_behind_receiver(&receiver, points, same);
+            if (LANES_ANY(asked)) {
+                ReceiverAnswer answer =
+                    ask_receivers(ids, asked, &points, layout, light, vertices + first_float, &exact);
+                away = answer.faces_away;
+                doubtful = answer.doubtful;
             }
         }
         minus_absent += valid & ~open;

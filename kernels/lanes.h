@@ -15,6 +15,7 @@ typedef int LaneInt;
 #define LANE_INDEX 0
 #define LANES_AS_INT(x) as_int(x)
 #define LANES_TO_INT(x) ((int)(x))
+#define LANES_TO_FLOAT(x) ((float)(x))
 #define LANES_MINIMUM(v) (v)
 #define LANES_MAXIMUM(v) (v)
 #define LANES_SUM(v) (v)
@@ -24,11 +25,12 @@ typedef int LaneInt;
 typedef float16 LaneFloat;
 typedef int16 LaneInt;
 #define LANE_COMPARE(a, op, b) ((a)op(b))
-#define LANES_ANY(mask) any(mask)
+#define LANES_ANY(mask) any_of_16(mask)
 #define LANES_SELECT(no, yes, mask) select(no, yes, mask)
 #define LANE_INDEX (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define LANES_AS_INT(x) as_int16(x)
 #define LANES_TO_INT(x) convert_int16(x)
+#define LANES_TO_FLOAT(x) convert_float16(x)
 #define LANES_MINIMUM(v) least_of_16(v)
 #define LANES_MAXIMUM(v) ~least_of_16(~(v))
 #define LANES_SUM(v) sum_of_16(v)
@@ -45,6 +47,12 @@ typedef int16 LaneInt;
               (rows)[7][k], (rows)[8][k], (rows)[9][k], (rows)[10][k], (rows)[11][k], (rows)[12][k], (rows)[13][k], \
               (rows)[14][k], (rows)[15][k])
 
+// PoCL's any() asks lane by lane, with a branch each.
+static bool any_of_16(int16 mask) {
+    int8 a = mask.lo | mask.hi;
+    long2 b = as_long2(a.lo | a.hi);
+    return (b.x | b.y) != 0;
+}
 static int least_of_16(int16 v) {
     int8 a = min(v.lo, v.hi);
     int4 b = min(a.lo, a.hi);

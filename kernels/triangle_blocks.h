@@ -7,6 +7,7 @@
 #include "point_blocks.h"
 #include "projection.h"
 
+// Functions take blocks by pointer: what PoCL does not inline it would copy, byte by byte.
 typedef struct TriangleBlock {
     PointBlock a, b, c;
 } TriangleBlock;
@@ -35,8 +36,8 @@ static TriangleBlock load_triangles(__global const float* vertices, size_t first
     return load_triangle_rows(rows);
 }
 
-static Triangle lane_triangle(TriangleBlock t, int lane) {
-    Triangle triangle = {lane_point(t.a, lane), lane_point(t.b, lane), lane_point(t.c, lane)};
+static Triangle lane_triangle(const TriangleBlock* t, int lane) {
+    Triangle triangle = {lane_point(t->a, lane), lane_point(t->b, lane), lane_point(t->c, lane)};
     return triangle;
 }
 
@@ -69,9 +70,9 @@ static LaneFloat lanes_row_size(__constant const float* row, PointBlock size) {
            sum * (0x1p-20f * row_sum);
 }
 
-static Projected project(__constant const Projection* projection, PointBlock p_world) {
+static Projected project(__constant const Projection* projection, const PointBlock* p_world) {
     float3 center = center_of(projection);
-    PointBlock d = difference(p_world, same_point(center.x, center.y, center.z)), d_size = magnitudes(d);
+    PointBlock d = difference(*p_world, same_point(center.x, center.y, center.z)), d_size = magnitudes(d);
     Projected h;
     h.x = lanes_row_dot(projection->row_x, d);
     h.y = lanes_row_dot(projection->row_y, d);

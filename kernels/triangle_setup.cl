@@ -39,10 +39,9 @@
 // determinant underflow for triangles within about 1e-11 of it; UNDERFLOW is more than what the products of a plane can
 // lose together, flushed denormals included, and swamps the bound there. (Parallel: error_z has 2^-20 |d| in it.)
 #include "bin_test.h"
-#include "exact/det3.h"
+#include "exact/det3_lanes.h"
 #include "group_scan.h"
 #include "light_frame.h"
-#include "triangle_blocks.h"
 
 #define BOUND_INFLATION 1.01f
 #define UNDERFLOW 1.0e-36f
@@ -79,45 +78,14 @@ static LaneFloat largest_offset(LaneFloat x, LaneFloat y, LaneFloat w, Rectangle
     return LANES_MAX(horizontal, vertical);
 }
 
-// The orientation of the triangles as the light sees them, for certain: 1, -1, or 0 for exactly edge-on. By
-// det3_float(), and by all levels where that is not certain. Counts those decided at the exact level.
-static LaneFloat orientations_from_light(TriangleBlock t, __constant const Projection* projection, LaneInt lanes,
-                                         uint* exact) {
-    float3 light = (float3)(projection->light[0], projection->light[1], projection->light[2]);
-    PointBlock from = same_point(light.x, light.y, light.z), u, v, w;
-    bool is_position = projection->light[3] != 0.0f;
-    if (is_position) {
-        u = difference(t.a, from);
-        v = difference(t.b, from);
-        w = difference(t.c, from);
-    } else {
-        u = difference(t.b, t.a);
-        v = difference(t.c, t.a);
-        w = from;
-    }
-    LaneFloat plus_x = u.y * v.z, plus_y = u.z * v.x, plus_z = u.x * v.y;
-    LaneFloat minus_x = u.z * v.y, minus_y = u.x * v.z, minus_z = u.y * v.x;
-    LaneFloat value = w.x * (plus_x - minus_x) + w.y * (plus_y - minus_y) + w.z * (plus_z - minus_z);
-    PointBlock u_size = magnitudes(u), v_size = magnitudes(v), w_size = magnitudes(w);
-    LaneFloat permanent = w_size.x * (fabs(plus_x) + fabs(minus_x)) + w_size.y * (fabs(plus_y) + fabs(minus_y)) +
-                          w_size.z * (fabs(plus_z) + fabs(minus_z));
-    const LaneFloat most = 0x1p20f;
-    LaneInt in_range = LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f));
-    in_range &= LANE_COMPARE(u_size.x, <=, most) & LANE_COMPARE(u_size.y, <=, most) & LANE_COMPARE(u_size.z, <=, most);
-    in_range &= LANE_COMPARE(v_size.x, <=, most) & LANE_COMPARE(v_size.y, <=, most) & LANE_COMPARE(v_size.z, <=, most);
-    in_range &= LANE_COMPARE(w_size.x, <=, most) & LANE_COMPARE(w_size.y, <=, most) & LANE_COMPARE(w_size.z, <=, most);
-    LaneInt open = lanes & ~(in_range & LANE_COMPARE(fabs(value), >, permanent * DET3_FLOAT_BOUND));
-    LaneFloat sign = LANES_SELECT((LaneFloat)(-1.0f), (LaneFloat)(1.0f), LANE_COMPARE(value, >, (LaneFloat)(0.0f)));
-    while (LANES_ANY(open)) {
-        int lane = first_lane(open), level = DET3_BY_FLOAT;
-        LANE_OF_INT(open, lane) = 0;
-        Triangle one = lane_triangle(t, lane);
-        LANE_OF_FLOAT(sign, lane) =
-            (float)(is_position ? det3_sign(one.a, light, one.b, light, one.c, light, &level)
-                                : det3_sign(one.b, one.a, one.c, one.a, light, (float3)(0.0f), &level));
-        *exact += level == DET3_BY_EXACT;
-    }
-    return sign;
+// The orientation of the triangles as the light sees them, for certain: 1, -1, or 0 for exactly edge-on.
+static LaneInt orientations_from_light(const TriangleBlock* t, __constant const Projection* projection, LaneInt lanes,
+                                       uint* exact) {
+    PointBlock light = same_point(projection->light[0], projection->light[1], projection->light[2]);
+    TriangleNormals normals = triangle_normals(t);
+    if (projection->light[3] != 0.0f) return lanes_side(t, &normals, &t->a, &light, lanes, exact);
+    PointBlock zero = same_point(0.0f, 0.0f, 0.0f);
+    return lanes_side(t, &normals, &light, &zero, lanes, exact);
 }
 
 // The interval of one grid coordinate that a triangle's part in front of the light (W > 0) can cover.
@@ -368,11 +336,11 @@ typedef struct ProjectedTriangles {
 
 static LaneInt is_not_finite(LaneFloat x) { return ~LANE_COMPARE(fabs(x), <=, (LaneFloat)(FLT_MAX)); }
 
-static ProjectedTriangles project_triangles(TriangleBlock t, __constant const Projection* projection) {
+static ProjectedTriangles project_triangles(const TriangleBlock* t, __constant const Projection* projection) {
     ProjectedTriangles p;
-    p.v[0] = project(projection, t.a);
-    p.v[1] = project(projection, t.b);
-    p.v[2] = project(projection, t.c);
+    p.v[0] = project(projection, &t->a);
+    p.v[1] = project(projection, &t->b);
+    p.v[2] = project(projection, &t->c);
     p.behind = (LaneInt)(-1);
     p.straddles = (LaneInt)(0);
     p.wild = is_not_finite(p.v[0].x + p.v[1].x + p.v[2].x) | is_not_finite(p.v[0].y + p.v[1].y + p.v[2].y) |
@@ -452,7 +420,7 @@ static LaneInt lanes_hidden(Rectangles rectangle, LaneFloat z_high, LaneInt lane
 }
 
 // Which of these finite triangles may matter, and their bounds. `pyramid` is ignored unless `has_pyramid`.
-static LaneInt bound_triangles(TriangleBlock t, LaneInt lanes, __constant const Projection* projection,
+static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant const Projection* projection,
                                __global const uint* pyramid, bool has_pyramid, BoundsBlock* bounds) {
     *bounds = open_bounds(projection);
     if (projection->indistinct) return lanes;
@@ -494,7 +462,7 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
         looked_at += count;
         finite_count += count_lanes(finite);
         BoundsBlock found;
-        LaneInt survivors = bound_triangles(t, finite, projection, pyramid, has_pyramid != 0u, &found);
+        LaneInt survivors = bound_triangles(&t, finite, projection, pyramid, has_pyramid != 0u, &found);
         if (!LANES_ANY(survivors)) continue;
         survivor_count += count_lanes(survivors);
         for (int lane = 0; lane < GN_LANES; ++lane) {
@@ -543,15 +511,16 @@ static Rectangles squares_of_bins(const uint4* bins, __constant const Projection
 }
 
 // The float filters of triangles that survived, for all points of their bins. Returns those not exactly edge-on.
-static LaneInt make_records(TriangleBlock t, LaneInt lanes, __constant const Projection* projection, const uint4* bins,
-                            RecordBlock* record, uint* exact) {
+static LaneInt make_records(const TriangleBlock* t, LaneInt lanes, __constant const Projection* projection,
+                            const uint4* bins, RecordBlock* record, uint* exact) {
     record->undecided = (LaneInt)(-1);
     if (projection->indistinct) return lanes;
     ProjectedTriangles p = project_triangles(t, projection);
     const Projected* v = p.v;
     record->undecided = p.wild;
     LaneInt tame = lanes & ~p.wild;
-    LaneFloat orientation = orientations_from_light(t, projection, tame, exact) * projection->handedness;
+    LaneFloat orientation =
+        LANES_TO_FLOAT(orientations_from_light(t, projection, tame, exact)) * projection->handedness;
     tame &= LANE_COMPARE(orientation, !=, (LaneFloat)(0.0f));
 
     Rectangles domain = squares_of_bins(bins, projection);
@@ -655,10 +624,10 @@ static LaneInt prepare(TileWork* work, Chosen* chosen) {
         rows[lane] = work->vertices + 9 * (size_t)chosen->ids[one];
         chosen->bins[lane] = chosen->bins[one];
     }
+    TriangleBlock t = load_triangle_rows(rows);
     RecordBlock records;
     LaneInt lanes = LANE_COMPARE((LaneInt)((int)chosen->count), >, LANE_INDEX);
-    LaneInt kept =
-        make_records(load_triangle_rows(rows), lanes, work->projection, chosen->bins, &records, &work->exact);
+    LaneInt kept = make_records(&t, lanes, work->projection, chosen->bins, &records, &work->exact);
     for (uint lane = 0; lane < chosen->count; ++lane) {
         uint slot = chosen->slots[lane];
         if (!LANE_OF_INT(kept, lane)) {
