@@ -3,6 +3,7 @@
 // reports what is out of bounds or a data race (tests/pipeline.cmake registers it so). Each case also compares every
 // point with the oracle: oclgrind is a device like any other, and must give the same bits.
 // Plain program, no GoogleTest: one process, so that kernels are compiled once. Exit status 0: all as it should be.
+#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -108,6 +109,44 @@ void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size)
     std::printf("camera view: %zu pixels, %zu seen, %zu in shadow\n", got.size(), seen, dark);
 }
 
+/// A technique that may be wrong, as much as its small maps let it.
+struct Approximation {
+    std::string technique;
+    std::vector<std::pair<std::string, std::string>> settings;
+    Light light;
+    double most_error;            ///< mean over the pixels that see something
+    bool is_lower_bound = false;  ///< never wrongly dark
+};
+
+void approximate(const gnomon::Device& device, const Floats& scene, const Approximation& a) {
+    const auto triangles = gnomon::Triangles::upload(device, scene);
+    const auto camera = gnomon::Camera::look_at({4, 5, 6}, {1, 1, 1}, {0, 1, 0}, 40);
+    const gnomon::View view = gnomon::look(device, triangles, camera, 12, 12);
+    const gnomon::Visibility visibility(device, view.points.count());
+    const auto technique = gnomon::make_technique(a.technique, device);
+    for (const auto& [name, value] : a.settings) technique->set(name, value);
+    technique->run(triangles, view.points, gnomon::Light{a.light}, visibility);
+    const gnomon::PointsOnHost host = gnomon::read(device, view.points);
+    const std::vector<float> got = visibility.read();
+    const auto shadowed = reference::shadowed(scene, host.position, host.receiver, a.light, camera.eye);
+    double error = 0;
+    std::size_t seen = 0, dark = 0, wrongly_dark = 0;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+        if (host.receiver[i] == gnomon::no_receiver) continue;
+        ++seen;
+        dark += shadowed[i];
+        wrongly_dark += !shadowed[i] && got[i] < 1;
+        error += std::fabs(got[i] - (shadowed[i] ? 0 : 1));
+    }
+    error /= double(seen);
+    std::string name = a.technique;
+    for (const auto& [key, value] : a.settings) name += " " + key + "=" + value;
+    std::printf("%s: %zu pixels, %zu in shadow, mean error %.3f\n", name.c_str(), seen, dark, error);
+    require(error <= a.most_error, name + ": too far from the truth");
+    require(dark > seen / 8 && dark < seen * 7 / 8, name + ": light and shadow must occur");
+    require(!a.is_lower_bound || wrongly_dark == 0, name + ": wrongly dark");
+}
+
 }  // namespace
 
 int main() try {
@@ -133,6 +172,28 @@ int main() try {
             device,
             {"soup, no map", soup(20, 1.2f, 4), places, {}, along(0.1f, -1, 0.2f), {}, {{"conservative-map", "off"}}});
         look(device, blocks, 24);
+        const Light sun = along(-0.3f, -1, 0.2f), lamp = at(1.5f, 6, 1.5f);
+        Floats on_floor = blocks;
+        add(on_floor, {-9, -0.5f, -9}, {-9, -0.5f, 27}, {27, -0.5f, -9});
+        for (const Approximation& a : std::vector<Approximation>{
+                 {"conservative-map", {{"map-size", "64"}}, sun, 0.1, true},
+                 {"shadow-map", {{"size", "32"}, {"bias", "dual"}, {"lookup", "pcf"}}, lamp, 0.1},
+                 {"shadow-map",
+                  {{"size", "32"},
+                   {"store", "moments"},
+                   {"bits", "64"},
+                   {"prefilter", "mip"},
+                   {"projection", "lispsm"},
+                   {"cascades", "2"},
+                   {"share-texels", "on"}},
+                  sun,
+                  0.15},
+                 {"shadow-map",
+                  {{"size", "32"}, {"store", "variance"}, {"prefilter", "summed-area"}, {"storage", "atlas"}},
+                  sun,
+                  0.15},
+                 {"virtual-shadow-map", {{"size", "256"}}, sun, 0.02}})
+            approximate(device, on_floor, a);
     }
     return all_right ? 0 : 1;
 } catch (const gnomon::Error& error) {

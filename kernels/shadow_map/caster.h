@@ -107,25 +107,36 @@ static LaneFloat load_centres(__global const float* centres, uint x, uint readab
 
 #if GN_LANES == 1
 #define KEYS_OF(depth) as_int(depth)
+#define DEPTHS_OF(keys) as_float(keys)
 #define LOAD_KEYS(keys, at) ((int)(keys)[at])
-#define LOAD_DEPTHS(keys, at) as_float((keys)[at])
 #define STORE_KEYS(value, to) (*(to) = (value))
 #define STORE_FLOATS(value, to) (*(to) = (value))
 #else
 #define KEYS_OF(depth) as_int16(depth)
+#define DEPTHS_OF(keys) as_float16(keys)
 #define LOAD_KEYS(keys, at) as_int16(vload16(0, (keys) + (at)))
-#define LOAD_DEPTHS(keys, at) as_float16(vload16(0, (keys) + (at)))
 #define STORE_KEYS(value, to) vstore16(value, 0, to)
 #define STORE_FLOATS(value, to) vstore16(value, 0, to)
 #endif
 
-// Lanes whose texel the pass changes. Keys are the bits of floats from 0 to 1, so they order as signed integers. What
-// is read may be larger than it is by the time of the atomic operation, never smaller.
+// Keys that others lower meanwhile: what is read may be larger than it is by the time of the atomic operation, never
+// smaller (GN_LOOK).
+static LaneInt look_at_keys(__global const uint* keys, size_t at) {
+#ifdef GN_ATOMIC_LOOKS
+    LaneInt seen;
+    for (int i = 0; i < GN_LANES; ++i) LANE_OF_INT(seen, i) = (int)GN_LOOK((volatile __global uint*)keys + at + i);
+    return seen;
+#else
+    return LOAD_KEYS(keys, at);
+#endif
+}
+
+// Lanes whose texel the pass changes. Keys are the bits of floats from 0 to 1, so they order as signed integers.
 static LaneInt lanes_to_write(uint pass, LaneInt keys, __global const uint* nearest, __global const uint* output,
                               size_t at) {
-    LaneInt first = LOAD_KEYS(nearest, at);
+    LaneInt first = look_at_keys(nearest, at);
     if (pass == PASS_NEAREST) return LANE_COMPARE(keys, <, first);
-    if (pass == PASS_SECOND) return LANE_COMPARE(keys, >, first) & LANE_COMPARE(keys, <, LOAD_KEYS(output, at));
+    if (pass == PASS_SECOND) return LANE_COMPARE(keys, >, first) & LANE_COMPARE(keys, <, look_at_keys(output, at));
     return LANE_COMPARE(keys, ==, first) & LANE_COMPARE(keys, !=, (LaneInt)(EMPTY_KEY));
 }
 
@@ -158,7 +169,7 @@ static void draw_rectangle(const DepthPass* pass, __global const MapView* view, 
             LaneFloat squared_slope = (LaneFloat)(0.0f);
             if (with_slope) {
                 // What lies behind the map already stays there when bias is added.
-                if (pass->pass == PASS_NEAREST) inside &= LANE_COMPARE(depth, <, LOAD_DEPTHS(nearest, at));
+                if (pass->pass == PASS_NEAREST) inside &= LANE_COMPARE(depth, <, DEPTHS_OF(look_at_keys(nearest, at)));
                 if (!LANES_ANY(inside)) continue;
                 LaneFloat slope_x = fabs((caster->n_slope.x - depth * caster->s_slope.x) * reciprocal) * texel_u;
                 LaneFloat slope_y = fabs((caster->n_slope.y - depth * caster->s_slope.y) * reciprocal) * texel_v;
