@@ -17,11 +17,18 @@ export GNOMON_DEVICE=Oclgrind GNOMON_CACHE_DIR="$scratch/cache"
 # Looks that only save an atomic would be reported as races (kernels/prelude.h, GN_LOOK). Optimised, clang 14 leaves
 # llvm.experimental.noalias.scope.decl where structures are returned, which oclgrind 21.10 does not know.
 export GNOMON_BUILD_OPTIONS="-DGN_ATOMIC_LOOKS -cl-opt-disable"
+# Each OpenCL context of the program opens the log anew, which would empty a file: a pipe keeps what the first ones
+# said. Held open here, so that its reader waits for the last of them.
+mkfifo "$scratch/log"
+exec 3<>"$scratch/log"
+cat "$scratch/log" 3>&- > "$scratch/findings" &
 status=0
-"$oclgrind" --check-api --data-races --max-errors 5 --log "$scratch/log" "$@" || status=$?
-if [ -s "$scratch/log" ]; then
+"$oclgrind" --check-api --data-races --max-errors 5 --log "$scratch/log" "$@" 3>&- || status=$?
+exec 3>&-
+wait
+if [ -s "$scratch/findings" ]; then
     echo "oclgrind reports:"
-    cat "$scratch/log"
+    cat "$scratch/findings"
     exit 1
 fi
 exit $status
