@@ -118,7 +118,8 @@ void CameraStage::make_lists(Statistics& statistics) {
     session_.fill(counters_, 0, sizeof(FrameCounters));
     {
         cl::StageTimer timer(session_, statistics, "camera_setup");
-        setup_.run_bounds(session_, projection_, triangles_, nullptr, counters_);
+        const cl::Buffer* clusters = clusters_.run(session_, projection_, triangles_, nullptr, counters_);
+        setup_.run_bounds(session_, projection_, triangles_, clusters, nullptr, counters_);
         setup_.run_tiles(session_, projection_, triangles_, nullptr, counters_);
     }
     {
@@ -156,6 +157,8 @@ void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSl
         fitted_ = bins_.fitted(session_, counted, setup) && setup;
         statistics.counts = {{"pixels", std::size_t(width_) * height_},
                              {"triangles", triangles_.count},
+                             {"clusters", triangles_.clusters != nullptr ? triangles_.clusters->count() : 0},
+                             {"clusters_outside", counted.clusters_outside},
                              {"triangles_not_finite", counted.not_finite},
                              {"triangles_edge_on", counted.edge_on},
                              {"triangles_outside", counted.outside},

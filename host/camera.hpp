@@ -5,6 +5,7 @@
 
 #include "../kernels/projection.h"
 #include "bins.hpp"
+#include "clusters.hpp"
 #include "inputs.hpp"
 
 namespace gnomon {
@@ -41,6 +42,7 @@ private:
     Camera camera_;
     std::uint32_t width_, height_;
     cl::Buffer projection_, rays_, counters_;
+    ClusterCull clusters_;
     TriangleSetup setup_;
     Bins bins_;
     bool fitted_ = false;

@@ -18,7 +18,7 @@ bool ConservativeMapAlone::list_triangles(Run& run) {
     cl::Session& session = device_.session();
     cl::StageTimer timer(session, run.statistics, "triangle_setup");
     session.fill(counters_, 0, sizeof(FrameCounters));
-    setup_.run_bounds(session, frames_.projection(), run.triangles, &farthest_height_.pyramid(), counters_);
+    setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, &farthest_height_.pyramid(), counters_);
     setup_.run_map_tiles(session, frames_.projection(), run.triangles, farthest_height_.pyramid(), counters_);
     return setup_.fitted(session, session.read_value<FrameCounters>(counters_));
 }

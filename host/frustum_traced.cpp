@@ -5,6 +5,7 @@
 //   facing            one pass over the points: those that face away are decided, the others are open
 //   light_frame       grid fitted to the open points; one for a direction, six for a position
 //   farthest_height   how far from the light they reach, per bin
+//   clusters          where they are kept: those that can matter
 //   triangle_setup    triangles that can matter, each with a float filter
 //   conservative_map  where one triangle covers a whole texel
 //   bins              triangles are listed by bin
@@ -101,9 +102,14 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     Statistics& statistics = run.statistics;
     const LightFrame& light_frame = run.light_frame;
     clear(session, counters_);
+    const cl::Buffer* clusters = nullptr;
+    if (run.triangles.clusters != nullptr) {
+        cl::StageTimer timer(session, statistics, "clusters");
+        clusters = clusters_.run(session, projection_, run.triangles, &farthest_height_.pyramid(), counters_);
+    }
     {
         cl::StageTimer timer(session, statistics, "triangle_setup");
-        setup_.run_bounds(session, projection_, run.triangles, &farthest_height_.pyramid(), counters_);
+        setup_.run_bounds(session, projection_, run.triangles, clusters, &farthest_height_.pyramid(), counters_);
     }
     const cl::Buffer* map = nullptr;
     if (draws_map(run.points)) {
@@ -216,6 +222,7 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     else if (run.total.map_candidates == 0)
         mark_skipped(s, "conservative_map", "no triangle can cover a texel");
     if (run.total.uncertain == 0) mark_skipped(s, "exact_trace", "the filter decided every pair");
+    if (run.triangles.clusters == nullptr) s.stages.push_back({"clusters", 0, 0, "no clusters are kept"});
     if (run.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
     const FrameCounters& t = run.total;
     s.counts = {{"points", points.count()},
@@ -229,6 +236,9 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                  std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace + t.decided_by_exact},
                 {"triangles", triangles.count()},
                 {"frames", run.frames},
+                {"clusters", run.triangles.clusters != nullptr ? run.triangles.clusters->count() : 0},
+                {"clusters_outside", t.clusters_outside},
+                {"clusters_too_far", t.clusters_too_far},
                 {"triangles_not_finite", t.not_finite},
                 {"triangles_edge_on", t.edge_on},
                 {"triangles_outside", t.outside},

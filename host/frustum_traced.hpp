@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "clusters.hpp"
 #include "conservative_map.hpp"
 #include "decisions.hpp"
 #include "facing.hpp"
@@ -49,6 +50,7 @@ private:
     Facing facing_;
     LightFrameFit light_frame_;
     FarthestHeight farthest_height_;
+    ClusterCull clusters_;
     TriangleSetup setup_;
     ConservativeMap map_;
     Izb izb_;

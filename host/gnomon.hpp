@@ -129,6 +129,7 @@ struct DeviceOptions {
 namespace cl {
 class Session;
 }
+class Clusters;
 
 /// A device, its context and in-order queue, and the compiled kernels. Building the kernels is the slow part of a
 /// first start; they are cached on disk for the next one.
@@ -188,12 +189,25 @@ public:
     /// Uses the caller's buffer (retained) from float `first_float` on. The caller must not write it during a run.
     static Triangles wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float = 0);
 
+    /// For a mesh that does not change: keeps boxes around clusters of 64 triangles that follow each other (half a byte
+    /// per triangle, on the device), so that what cameras do not see and lights do not need is skipped without its
+    /// vertices being read. The answers are the same bits. Worth it where neighbours in the buffer are neighbours in
+    /// the scene, from about two views or lights on. The caller promises not to write the vertices from here on while
+    /// this handle, or a copy made of it from now on, is in use; after a change, call this again. Costs one pass over
+    /// the triangles.
+    void keep_clusters(const Device& device);
+    /// Lets go of them: as before keep_clusters().
+    void forget_clusters() { clusters_.reset(); }
+
     std::size_t count() const { return count_; }
     cl_mem buffer() const;
     std::size_t first_float() const { return first_float_; }
+    /// For the library's own stages: null if none are kept.
+    const Clusters* clusters() const { return clusters_.get(); }
 
 private:
     std::shared_ptr<void> buffer_;
+    std::shared_ptr<const Clusters> clusters_;
     std::size_t count_ = 0;
     std::size_t first_float_ = 0;
 };

@@ -213,7 +213,7 @@ void require_run(const Triangles& triangles, const Points& points, const Light& 
 }
 
 TriangleInputs triangle_inputs(const Triangles& triangles) {
-    return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count())};
+    return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count()), triangles.clusters()};
 }
 
 PointInputs point_inputs(const Points& points) {

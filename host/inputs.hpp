@@ -20,10 +20,13 @@ void require_light(const Light& light);
 /// that is large enough and overlaps no input. Every technique's run begins with it.
 void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility);
 
+class Clusters;
+
 struct TriangleInputs {
     cl_mem vertices;
     cl_ulong first_float;
     cl_uint count;
+    const Clusters* clusters;  ///< null if none are kept
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);
 

@@ -22,7 +22,7 @@ bool GrowingList::fitted(cl::Session& session, std::uint64_t wanted, const char*
 }
 
 void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                               const cl::Buffer* pyramid, const cl::Buffer& counters) {
+                               const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters) {
     // A work-item of a CPU may leave most of a block unused.
     const std::size_t unused =
         session.is_cpu() ? session.many_groups() * session.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
@@ -30,10 +30,11 @@ void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projectio
     bounds_.reserve(session, likely);
     // As many as there are bounds, also where an earlier run failed between these lists; of tiles one each.
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
-    const cl_uint has_pyramid = pyramid != nullptr;
+    const cl_uint has_clusters = clusters != nullptr, has_pyramid = pyramid != nullptr;
     session.launch("triangle_setup.cl", "triangle_bounds", cl::Range::items(triangles.count / session.lanes() + 1),
-                   projection, triangles.count, triangles.first_float, capacity(), has_pyramid, triangles.vertices,
-                   pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(), counters);
+                   projection, triangles.count, triangles.first_float, capacity(), has_clusters, has_pyramid,
+                   triangles.vertices, clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(),
+                   map_candidates_.buffer(), counters);
 }
 
 void TriangleSetup::run_tiles_for(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,

@@ -32,10 +32,11 @@ private:
 
 class TriangleSetup {
 public:
-    /// Fills bounds() and the list of the map's candidates, and their counts in `counters`. `pyramid` (farthest_height)
-    /// may be null: then nothing is dropped for being too far.
+    /// Fills bounds() and the list of the map's candidates, and their counts in `counters`. `clusters` are those listed
+    /// (clusters.hpp), or null: all triangles. `pyramid` (farthest_height) may be null: then nothing is dropped for
+    /// being too far.
     void run_bounds(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                    const cl::Buffer* pyramid, const cl::Buffer& counters);
+                    const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters);
     /// Fills records() and map_tiles() for the map's candidates, by the same pyramid.
     void run_map_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
                        const cl::Buffer& pyramid, const cl::Buffer& counters);

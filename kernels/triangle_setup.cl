@@ -39,14 +39,12 @@
 // determinant underflow for triangles within about 1e-11 of it; UNDERFLOW is more than what the products of a plane can
 // lose together, flushed denormals included, and swamps the bound there. (Parallel: error_z has 2^-20 |d| in it.)
 #include "bin_test.h"
+#include "clusters.h"
 #include "exact/det3_lanes.h"
 #include "group_scan.h"
-#include "light_frame.h"
+#include "hull_bounds.h"
 
-#define BOUND_INFLATION 1.01f
 #define UNDERFLOW 1.0e-36f
-// Beyond this (texels) a projected vertex no longer says anything useful: every test of the triangle is exact.
-#define WILD_TEXELS 1.0e12f
 
 typedef struct Edge {
     LaneFloat x, y, c;                 // coefficients
@@ -65,11 +63,6 @@ static Edge make_edge(const Projected* a, LaneFloat d_x, LaneFloat d_y, LaneFloa
     return edge;
 }
 
-// Texel rectangles.
-typedef struct Rectangles {
-    LaneFloat x0, y0, x1, y1;
-} Rectangles;
-
 // Largest coordinate difference between vertex (x, y, w) and any point of the rectangle, times w.
 static LaneFloat largest_offset(LaneFloat x, LaneFloat y, LaneFloat w, Rectangles rectangle) {
     LaneFloat left = fabs(x - w * rectangle.x0), right = fabs(x - w * rectangle.x1);
@@ -86,102 +79,6 @@ static LaneInt orientations_from_light(const TriangleBlock* t, __constant const 
     if (projection->light[3] != 0.0f) return lanes_side(t, &normals, &t->a, &light, lanes, exact);
     PointBlock zero = same_point(0.0f, 0.0f, 0.0f);
     return lanes_side(t, &normals, &light, &zero, lanes, exact);
-}
-
-// The interval of one grid coordinate that a triangle's part in front of the light (W > 0) can cover.
-//
-// X <= x there if h_x - x h_w <= 0 for all three vertices, since the left side is linear over the triangle. In front,
-// a vertex asks for x >= X, behind for x <= X, near W = 0 for h_x <= 0 whatever x of the grid. So the bound is the
-// largest X in front, if those behind and near agree with it, else there is none; the lower bound likewise.
-typedef struct Interval {
-    LaneFloat low, high;                // of the vertices in front
-    LaneFloat behind_low, behind_high;  // of those behind
-    LaneInt has_low, has_high;          // no vertex near W = 0 speaks against the bound
-} Interval;
-
-static Interval empty_interval(void) {
-    Interval interval;
-    interval.low = interval.behind_low = (LaneFloat)(INFINITY);
-    interval.high = interval.behind_high = (LaneFloat)(-INFINITY);
-    interval.has_low = interval.has_high = (LaneInt)(-1);
-    return interval;
-}
-
-// h is the vertex's coordinate before the division, w and its error as in Projected, reach the largest coordinate.
-static void include_vertex(Interval* interval, LaneFloat h, LaneFloat error, LaneFloat w, LaneFloat error_w,
-                           float reach) {
-    LaneInt far = LANE_COMPARE(fabs(w), >, error_w * 2.0f);
-    if (LANES_ANY(far)) {
-        // The quotient is off by at most (error + |x| error_w) / (|w| - error_w), the division by at most 3 ulp.
-        LaneFloat x = h / w, size = fabs(x);
-        LaneFloat slack = ((error + size * error_w) / (fabs(w) - error_w) + size * (8.0f * GN_U)) * BOUND_INFLATION;
-        LaneFloat least = x - slack, most = x + slack;
-        // An infinite quotient says nothing, and its NaN difference to the slack would be passed over.
-        LaneInt known = ~far | LANE_COMPARE(slack, <, (LaneFloat)(INFINITY));
-        interval->has_low &= known;
-        interval->has_high &= known;
-        LaneInt front = far & LANE_COMPARE(w, >, (LaneFloat)(0.0f)), behind = far & ~front;
-        interval->low = LANES_SELECT(interval->low, LANES_MIN(least, interval->low), front);
-        interval->high = LANES_SELECT(interval->high, LANES_MAX(most, interval->high), front);
-        interval->behind_low = LANES_SELECT(interval->behind_low, LANES_MIN(least, interval->behind_low), behind);
-        interval->behind_high = LANES_SELECT(interval->behind_high, LANES_MAX(most, interval->behind_high), behind);
-    }
-    LaneInt near = ~far;
-    if (LANES_ANY(near)) {
-        LaneFloat slack = (error + (fabs(w) + error_w) * reach) * BOUND_INFLATION;
-        interval->has_high &= far | LANE_COMPARE(h + slack, <=, (LaneFloat)(0.0f));
-        interval->has_low &= far | LANE_COMPARE(h - slack, >=, (LaneFloat)(0.0f));
-    }
-}
-
-// The bounds within [-1, last + 1] (a bound outside the grid is as good as any farther one, and serves where no vertex
-// is in front), a point's error added.
-static void bounds_of(const Interval* interval, float point_error, float last, LaneFloat* bound_low,
-                      LaneFloat* bound_high) {
-    LaneFloat low = LANES_MIN(interval->low, (LaneFloat)(last + 1.0f));
-    LaneFloat high = LANES_MAX(interval->high, (LaneFloat)(-1.0f));
-    LaneInt has_low = interval->has_low & LANE_COMPARE(low, >=, interval->behind_high);
-    LaneInt has_high = interval->has_high & LANE_COMPARE(high, <=, interval->behind_low);
-    *bound_low = LANES_SELECT((LaneFloat)(0.0f), low - point_error, has_low);
-    *bound_high = LANES_SELECT((LaneFloat)(last), high + point_error, has_high);
-}
-
-// The same where W is 1.
-static void parallel_bounds(LaneFloat a, LaneFloat b, LaneFloat c, const Projected* v, float point_error,
-                            LaneFloat* low, LaneFloat* high) {
-    LaneFloat slack_a = (v[0].error + fabs(a) * (8.0f * GN_U)) * BOUND_INFLATION;
-    LaneFloat slack_b = (v[1].error + fabs(b) * (8.0f * GN_U)) * BOUND_INFLATION;
-    LaneFloat slack_c = (v[2].error + fabs(c) * (8.0f * GN_U)) * BOUND_INFLATION;
-    LaneFloat low_b = b - slack_b, low_c = c - slack_c, high_b = b + slack_b, high_c = c + slack_c;
-    *low = a - slack_a, *high = a + slack_a;
-    *low = LANES_MIN(*low, low_b), *high = LANES_MAX(*high, high_b);
-    *low = LANES_MIN(*low, low_c), *high = LANES_MAX(*high, high_c);
-    *low -= point_error, *high += point_error;
-}
-
-// Texel rectangles that hold everything the triangles can cover of the grid; returns those that can cover any of it.
-static LaneInt covered_rectangles(const Projected* v, __constant const Projection* projection, Rectangles* rectangle) {
-    float width = (float)projection->width, height = (float)projection->height;
-    Rectangles r;
-    if (projection->perspective) {
-        Interval x = empty_interval(), y = empty_interval();
-        for (int i = 0; i < 3; ++i) {
-            include_vertex(&x, v[i].x, v[i].error, v[i].w, v[i].error_w, width + 1.0f);
-            include_vertex(&y, v[i].y, v[i].error, v[i].w, v[i].error_w, height + 1.0f);
-        }
-        bounds_of(&x, projection->point_error, width, &r.x0, &r.x1);
-        bounds_of(&y, projection->point_error, height, &r.y0, &r.y1);
-    } else {
-        parallel_bounds(v[0].x, v[1].x, v[2].x, v, projection->point_error, &r.x0, &r.x1);
-        parallel_bounds(v[0].y, v[1].y, v[2].y, v, projection->point_error, &r.y0, &r.y1);
-    }
-    const LaneFloat zero = (LaneFloat)(0.0f), last_x = (LaneFloat)(width), last_y = (LaneFloat)(height);
-    rectangle->x0 = LANES_MAX(r.x0, zero);
-    rectangle->y0 = LANES_MAX(r.y0, zero);
-    rectangle->x1 = LANES_MIN(r.x1, last_x);
-    rectangle->y1 = LANES_MIN(r.y1, last_y);
-    return LANE_COMPARE(r.x1, >=, zero) & LANE_COMPARE(r.y1, >=, zero) & LANE_COMPARE(r.x0, <, last_x) &
-           LANE_COMPARE(r.y0, <, last_y);
 }
 
 // TriangleRecords of GN_LANES triangles.
@@ -326,56 +223,19 @@ static LaneInt can_cover_texel(const Projected* v, Rectangles rectangle, LaneInt
     return lanes & LANE_COMPARE(twice_area, >=, perimeter * 0.5f);
 }
 
-// The projected vertices, and what they say at once.
+// The projected vertices, and what they say at once. A wild triangle is in every bin, and every test of it exact.
 typedef struct ProjectedTriangles {
     Projected v[3];
-    LaneInt wild;       // too far for floats: in every bin, and every test is exact
-    LaneInt behind;     // the light: wholly
-    LaneInt straddles;  // not wholly in front of the light for certain
+    HullSides sides;
 } ProjectedTriangles;
-
-static LaneInt is_not_finite(LaneFloat x) { return ~LANE_COMPARE(fabs(x), <=, (LaneFloat)(FLT_MAX)); }
 
 static ProjectedTriangles project_triangles(const TriangleBlock* t, __constant const Projection* projection) {
     ProjectedTriangles p;
     p.v[0] = project(projection, &t->a);
     p.v[1] = project(projection, &t->b);
     p.v[2] = project(projection, &t->c);
-    p.behind = (LaneInt)(-1);
-    p.straddles = (LaneInt)(0);
-    p.wild = is_not_finite(p.v[0].x + p.v[1].x + p.v[2].x) | is_not_finite(p.v[0].y + p.v[1].y + p.v[2].y) |
-             is_not_finite(p.v[0].w + p.v[1].w + p.v[2].w);
-    for (int i = 0; i < 3; ++i) {
-        LaneFloat x = fabs(p.v[i].x), y = fabs(p.v[i].y), w = fabs(p.v[i].w);
-        LaneFloat wildest = LANES_MAX(x, y);
-        wildest = LANES_MAX(w, wildest);
-        wildest = LANES_MAX(p.v[i].error, wildest);
-        p.wild |= ~LANE_COMPARE(wildest, <, (LaneFloat)(WILD_TEXELS));
-        p.behind &= LANE_COMPARE(p.v[i].w, <, -p.v[i].error_w);
-        p.straddles |= ~LANE_COMPARE(p.v[i].w, >, p.v[i].error_w * 2.0f);
-    }
+    p.sides = sides_of_hulls(p.v, 3);
     return p;
-}
-
-// The vertices' least and greatest height, moved out by their errors and the points'.
-static void height_intervals(const ProjectedTriangles* p, __constant const Projection* projection, LaneFloat* z_low,
-                             LaneFloat* z_high) {
-    LaneFloat low = (LaneFloat)(INFINITY), high = (LaneFloat)(-INFINITY);
-    for (int i = 0; i < 3; ++i) {
-        const Projected* v = &p->v[i];
-        LaneFloat slack = v->error_z;
-        // In perspective Z = 1 / W with W off by error_w and the division by 2.5 ulp, 5u.
-        if (projection->perspective) slack = v->z * (v->error_w / (v->w - v->error_w) + 6.0f * GN_U) * BOUND_INFLATION;
-        LaneFloat least = v->z - slack, most = v->z + slack;
-        low = LANES_MIN(least, low);
-        high = LANES_MAX(most, high);
-    }
-    // The points' own error: absolute (parallel), or relative to Z (perspective).
-    float height_error = BOUND_INFLATION * projection->height_error;
-    low -= projection->perspective ? fabs(low) * height_error : (LaneFloat)(height_error);
-    high += projection->perspective ? fabs(high) * height_error : (LaneFloat)(height_error);
-    *z_low = LANES_SELECT(low, (LaneFloat)(-INFINITY), p->straddles);
-    *z_high = LANES_SELECT(high, (LaneFloat)(INFINITY), p->straddles);
 }
 
 // ---- Bounds ---------------------------------------------------------------------------------------------------------
@@ -402,23 +262,6 @@ static LaneInt quantised(LaneFloat units) {
     return LANES_TO_INT(LANES_MIN(units, most));
 }
 
-// Which of these rectangles' triangles are farther than every point under them?
-static LaneInt lanes_hidden(Rectangles rectangle, LaneFloat z_high, LaneInt lanes,
-                            __constant const Projection* projection, __global const uint* pyramid) {
-    LaneInt x0 = texel_indices(rectangle.x0, projection->width) >> (int)projection->bin_log2;
-    LaneInt y0 = texel_indices(rectangle.y0, projection->height) >> (int)projection->bin_log2;
-    LaneInt x1 = texel_indices(rectangle.x1, projection->width) >> (int)projection->bin_log2;
-    LaneInt y1 = texel_indices(rectangle.y1, projection->height) >> (int)projection->bin_log2;
-    LaneFloat lowest = (LaneFloat)(-INFINITY);
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        if (!LANE_OF_INT(lanes, lane)) continue;
-        uint4 bins = (uint4)((uint)LANE_OF_INT(x0, lane), (uint)LANE_OF_INT(y0, lane), (uint)LANE_OF_INT(x1, lane),
-                             (uint)LANE_OF_INT(y1, lane));
-        LANE_OF_FLOAT(lowest, lane) = lowest_height_under(pyramid, projection, bins);
-    }
-    return lanes & LANE_COMPARE(z_high, <, lowest);
-}
-
 // Which of these finite triangles may matter, and their bounds. `pyramid` is ignored unless `has_pyramid`.
 static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant const Projection* projection,
                                __global const uint* pyramid, bool has_pyramid, BoundsBlock* bounds) {
@@ -426,11 +269,11 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
     if (projection->indistinct) return lanes;
     ProjectedTriangles p = project_triangles(t, projection);
     Rectangles rectangle;
-    LaneInt wild = lanes & p.wild, inside = lanes & ~p.wild & ~p.behind;
-    inside &= covered_rectangles(p.v, projection, &rectangle);
+    LaneInt wild = lanes & p.sides.wild, inside = lanes & ~p.sides.wild & ~p.sides.behind;
+    inside &= covered_rectangles(p.v, 3, projection, &rectangle);
     if (!LANES_ANY(inside)) return wild;
     LaneFloat z_low, z_high;
-    height_intervals(&p, projection, &z_low, &z_high);
+    height_intervals(p.v, 3, p.sides.straddles, projection, &z_low, &z_high);
     if (has_pyramid) inside &= ~lanes_hidden(rectangle, z_high, inside, projection, pyramid);
     if (!LANES_ANY(inside)) return wild;
     float x_units = texel_units(projection->width), y_units = texel_units(projection->height);
@@ -440,22 +283,31 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
     bounds->y1 = LANES_SELECT(bounds->y1, quantised(rectangle.y1 * y_units), inside);
     LaneInt z = quantised((z_high - projection->z_origin) * projection->z_scale);
     bounds->z = LANES_SELECT(bounds->z, z, inside);
-    LaneInt for_map = inside & p.straddles;
-    for_map |= can_cover_texel(p.v, rectangle, inside & ~p.straddles);
+    LaneInt for_map = inside & p.sides.straddles;
+    for_map |= can_cover_texel(p.v, rectangle, inside & ~p.sides.straddles);
     bounds->flags = LANES_SELECT(bounds->flags, (LaneInt)(BOUNDS_FOR_MAP), for_map);
     return inside | wild;
 }
 
-// A work-item takes GN_LANES triangles at a time, over the whole scene.
+#define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
+
+// A work-item takes GN_LANES triangles at a time, over the whole scene or the clusters that are listed.
 __kernel void triangle_bounds(__constant const Projection* projection, uint triangle_count, ulong first_float,
-                              uint capacity, uint has_pyramid, __global const float* vertices,
-                              __global const uint* pyramid, __global TriangleBounds* bounds,
-                              __global uint* map_candidates, __global FrameCounters* counters) {
+                              uint capacity, uint has_clusters, uint has_pyramid, __global const float* vertices,
+                              __global const uint* clusters, __global const uint* pyramid,
+                              __global TriangleBounds* bounds, __global uint* map_candidates,
+                              __global FrameCounters* counters) {
     uint survivor_count = 0, candidate_count = 0, finite_count = 0, looked_at = 0;
     if (projection->active_points == 0u) return;
     Claim slots = no_claim(), candidates = no_claim();
-    GN_FOR_EACH(block, (triangle_count + GN_LANES - 1u) / GN_LANES) {
-        uint first = (uint)block * GN_LANES, count = min(triangle_count - first, (uint)GN_LANES);
+    uint blocks = (triangle_count + GN_LANES - 1u) / GN_LANES;
+    if (has_clusters) blocks = counters->clusters_listed * BLOCKS_OF_CLUSTER;
+    GN_FOR_EACH(i, blocks) {
+        uint block = (uint)i;
+        if (has_clusters) block = clusters[block / BLOCKS_OF_CLUSTER] * BLOCKS_OF_CLUSTER + block % BLOCKS_OF_CLUSTER;
+        uint first = block * GN_LANES;
+        if (first >= triangle_count) continue;  // past the end of the last cluster
+        uint count = min(triangle_count - first, (uint)GN_LANES);
         TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
         LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & present_lanes(t.a) & present_lanes(t.b) &
                          present_lanes(t.c);
@@ -517,8 +369,8 @@ static LaneInt make_records(const TriangleBlock* t, LaneInt lanes, __constant co
     if (projection->indistinct) return lanes;
     ProjectedTriangles p = project_triangles(t, projection);
     const Projected* v = p.v;
-    record->undecided = p.wild;
-    LaneInt tame = lanes & ~p.wild;
+    record->undecided = p.sides.wild;
+    LaneInt tame = lanes & ~p.sides.wild;
     LaneFloat orientation =
         LANES_TO_FLOAT(orientations_from_light(t, projection, tame, exact)) * projection->handedness;
     tame &= LANE_COMPARE(orientation, !=, (LaneFloat)(0.0f));
@@ -544,13 +396,13 @@ static LaneInt make_records(const TriangleBlock* t, LaneInt lanes, __constant co
         margin = LANES_MAX(bound, margin);
     }
     record->margin_edge = margin + 1.0e-30f;
-    height_intervals(&p, projection, &record->z_low, &record->z_high);
+    height_intervals(v, 3, p.sides.straddles, projection, &record->z_low, &record->z_high);
     if (projection->perspective)
-        set_plane_perspective(record, v, domain, orientation, p.straddles, projection->point_error,
+        set_plane_perspective(record, v, domain, orientation, p.sides.straddles, projection->point_error,
                               projection->height_error);
     else
         set_plane_parallel(record, v, domain, orientation, projection->point_error, projection->height_error);
-    return tame | (lanes & p.wild);
+    return tame | (lanes & p.sides.wild);
 }
 
 static TriangleRecord record_of_lane(const RecordBlock* block, int lane) {

@@ -25,13 +25,16 @@ GN_STRUCT_END(TriangleRecord, 64)
 
 // Counters of one projection's run, zeroed at its start, written by the stages named.
 GN_STRUCT_BEGIN(FrameCounters)
+    uint clusters_listed;   // clusters: that may matter, if clusters are kept
+    uint clusters_outside;  // clusters: left out, behind the light or outside the fitted frustum
+    uint clusters_too_far;  // clusters: left out, farther than every point they could cover
     uint slots;             // triangle_setup: places in the list of bounds wanted (may exceed the capacity)
     uint map_slots;         // triangle_setup: places in the list of the map's candidates wanted
     uint survivors;         // triangle_setup: triangles with bounds
     uint map_candidates;    // triangle_setup: of those, able to cover a whole texel
-    uint not_finite;        // triangle_setup: left out for a NaN or infinite vertex
+    uint not_finite;        // clusters, triangle_setup: left out for a NaN or infinite vertex
     uint edge_on;           // triangle_setup: left out, exactly edge-on to the light or of zero area
-    uint outside;           // triangle_setup: left out, outside the fitted frustum or farther than every point there
+    uint outside;           // the same: left out, outside the fitted frustum or farther than every point there
     uint hidden;            // triangle_setup: with bounds, but farther than every point that is still open
     uint map_hidden;        // triangle_setup: not for the map for the same reason
     uint setup_exact;       // triangle_setup: orientations decided at the exact level
@@ -54,7 +57,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint facing_exact;      // facing: points whose facing needed the exact level
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
-GN_STRUCT_END(FrameCounters, 116)
+GN_STRUCT_END(FrameCounters, 128)
 
 #define GN_NO_LISTS 0xFFFFFFFFu
 

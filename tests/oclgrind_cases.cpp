@@ -32,10 +32,12 @@ struct Case {
     std::optional<Float3> eye;
     std::vector<std::pair<std::string, std::string>> settings;
     bool is_watched = false;  ///< by the diagnostic "decided" too
+    bool keeps_clusters = false;
 };
 
 void trace(const gnomon::Device& device, const Case& c) {
-    const auto triangles = gnomon::Triangles::upload(device, c.triangles);
+    auto triangles = gnomon::Triangles::upload(device, c.triangles);
+    if (c.keeps_clusters) triangles.keep_clusters(device);
     gnomon::Points points = gnomon::Points::upload(device, c.points, c.receivers);
     if (c.eye) points.set_eye(*c.eye);
     const gnomon::Visibility visibility(device, points.count());
@@ -84,7 +86,8 @@ void sample(const gnomon::Device& device, const gnomon::Triangles& triangles, co
 }
 
 void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size) {
-    const auto triangles = gnomon::Triangles::upload(device, scene);
+    auto triangles = gnomon::Triangles::upload(device, scene);
+    triangles.keep_clusters(device);
     const auto camera = gnomon::Camera::look_at({4, 5, 6}, {1, 1, 1}, {0, 1, 0}, 40);
     const gnomon::View view = gnomon::look(device, triangles, camera, size, size);
     const gnomon::Visibility visibility(device, view.points.count());
@@ -164,8 +167,15 @@ int main() try {
         trace(
             device,
             {"lattice, directional, ties", blocks, points, receivers, along(1, 1, 1), {}, small, work_group_size == 0});
-        trace(device,
-              {"soup, with map and eye", soup(20, 1.2f, 4), places, {}, along(0.1f, -1, 0.2f), Float3{0, 5, 0}, small});
+        trace(device, {"soup, with map and eye",
+                       soup(20, 1.2f, 4),
+                       places,
+                       {},
+                       along(0.1f, -1, 0.2f),
+                       Float3{0, 5, 0},
+                       small,
+                       false,
+                       true});
         if (work_group_size != 0) continue;
         trace(device, {"lattice, positional", blocks, points, {}, at(1.5f, 6, 1.5f), {}, small});
         trace(

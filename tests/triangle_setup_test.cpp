@@ -186,7 +186,7 @@ gnomon::FrameCounters set_up(gnomon::cl::Session& session, gnomon::TriangleSetup
     gnomon::FrameCounters counted{};
     do {
         session.fill(counters, 0, sizeof(counted));
-        setup.run_bounds(session, projected, gnomon::triangle_inputs(triangles), nullptr, counters);
+        setup.run_bounds(session, projected, gnomon::triangle_inputs(triangles), nullptr, nullptr, counters);
         setup.run_tiles(session, projected, gnomon::triangle_inputs(triangles), nullptr, counters);
         session.read(counters.get(), &counted, sizeof(counted));
     } while (!setup.fitted(session, counted));

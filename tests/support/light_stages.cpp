@@ -162,7 +162,9 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     session.write(stages.projection.get(), &out.projection, sizeof(out.projection));
     out.visibility_before = downloaded<float>(session, visibility, scene.points.count());
     stages.farthest_height.run(session, first_frame, face, 1, points, stages.projection, visibility);
-    stages.setup.run_bounds(session, stages.projection, triangles, &stages.farthest_height.pyramid(), scene.counters);
+    const Buffer* pyramid = &stages.farthest_height.pyramid();
+    const Buffer* clusters = stages.clusters.run(session, stages.projection, triangles, pyramid, scene.counters);
+    stages.setup.run_bounds(session, stages.projection, triangles, clusters, pyramid, scene.counters);
     if (settings.with_map) {
         stages.setup.run_map_tiles(session, stages.projection, triangles, stages.farthest_height.pyramid(),
                                    scene.counters);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "../../host/clusters.hpp"
 #include "../../host/conservative_map.hpp"
 #include "../../host/exact_trace.hpp"
 #include "../../host/facing.hpp"
@@ -100,6 +101,7 @@ public:
 struct LightStages {
     gnomon::LightFrameFit light_frame;
     gnomon::FarthestHeight farthest_height;
+    gnomon::ClusterCull clusters;
     gnomon::TriangleSetup setup;
     gnomon::ConservativeMap map;
     gnomon::Izb izb;

@@ -26,6 +26,7 @@ struct Options {
     std::vector<std::string> devices{""};
     std::vector<float> light_position;
     std::vector<std::string> techniques{"frustum-traced"};
+    std::vector<std::string> modes{"animated"};
     std::string views_file, scenes_folder, only;
     std::string json_file, csv_file, html_file, markdown_file;
     Limits limits;
@@ -58,7 +59,9 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
             block.configurations = swept_configurations();
         else
             for (const std::string& technique : options.techniques)
-                block.configurations.push_back({technique, parsed_settings(options.settings)});
+                for (const std::string& mode : options.modes)
+                    block.configurations.push_back({technique, parsed_settings(options.settings), mode});
+        block.take_turns = options.modes.size() > 1;
         if (const auto& p = options.light_position; !p.empty())
             block.light = gnomon::Light::positional({p[0], p[1], p[2]});
         block.stages = options.stages;
@@ -147,6 +150,11 @@ int main(int argc, char** argv) {
     app.add_option("--size", options.sizes, "WIDTHxHEIGHT, repeatable")->capture_default_str();
     app.add_option("--technique", options.techniques, "as in gnomon techniques, repeatable")->capture_default_str();
     app.add_option("--set", options.settings, "key=value of each --technique, repeatable");
+    app.add_option(
+           "--mode", options.modes,
+           "animated: everything is rebuilt in each run; moving: clusters of the triangles are kept; repeatable")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"animated", "moving"}));
     app.add_flag("--sweep", options.sweep, "every technique, with the settings worth comparing, and its errors");
     app.add_flag("--errors", options.errors, "compare with the exact technique's mask");
     app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");

@@ -97,6 +97,13 @@ struct Runner::Place {
           scene(named),
           triangles(Triangles::upload(device, named.scene.triangles)) {}
 
+    Times time_camera(const Triangles& seen, const Case& c, Size size) const {
+        std::vector<double> ms;
+        for (int run = 0; run < 3; ++run)
+            ms.push_back(gnomon::look(device, seen, c.camera, size.width, size.height).statistics.total_wall_ms);
+        return times_of(ms);
+    }
+
     Device device;
     const NamedScene& scene;
     Triangles triangles;
@@ -115,11 +122,12 @@ struct Runner::Seen {
 class Runner::Contestant {
 public:
     Contestant(Configuration configuration, const Place& place, const Seen& seen)
-        : configuration_(std::move(configuration)), place_(place), seen_(seen) {}
+        : configuration_(std::move(configuration)), place_(place), seen_(seen), triangles_(place.triangles) {}
 
     void warm_up() {
         guarded([&] {
             technique_ = make(configuration_, place_.device);
+            if (keeps_clusters()) triangles_.keep_clusters(place_.device);
             // The first run compiles kernels and makes lists grow; of a very long one that must do.
             if (time_ms([&] { run_once(); }) > long_run_ms) return;
             if (time_ms([&] { run_once(); }) < short_run_ms) run_once();
@@ -134,7 +142,7 @@ public:
         row.technique = configuration_.technique;
         row.settings = configuration_.settings;
         row.exact = is_exact(row.technique);
-        row.mode = "animated";
+        row.mode = configuration_.mode;
         std::vector<float> mask;
         guarded([&] {
             const Statistics statistics = run_once();
@@ -143,6 +151,7 @@ public:
             row.device_memory_bytes = statistics.device_memory_bytes;
             row.counts = statistics.counts;
             row.mask_hash = hash_of(std::span<const float>(mask));
+            if (keeps_clusters()) row.camera = place_.time_camera(triangles_, seen_.c, {row.width, row.height});
         });
         row.failed = failed_;
         technique_.reset();
@@ -159,8 +168,9 @@ public:
     bool has_failed() const { return !failed_.empty(); }
 
 private:
+    bool keeps_clusters() const { return configuration_.mode == "moving"; }
     Statistics run_once() {
-        Statistics statistics = technique_->run(place_.triangles, seen_.view.points, seen_.c.light, seen_.visibility);
+        Statistics statistics = technique_->run(triangles_, seen_.view.points, seen_.c.light, seen_.visibility);
         clFinish(place_.device.queue());
         return statistics;
     }
@@ -177,6 +187,7 @@ private:
     Configuration configuration_;
     const Place& place_;
     const Seen& seen_;
+    Triangles triangles_;
     std::unique_ptr<Technique> technique_;
     std::vector<double> ms_;
     std::string failed_;
@@ -198,12 +209,8 @@ void Runner::add(Row row, bool is_reported) {
 }
 
 Runner::Seen Runner::look(const Place& place, const Block& block, const Case& c, Size size) const {
-    View view;
-    std::vector<double> camera_ms;
-    for (int run = 0; run < 3; ++run) {
-        view = gnomon::look(place.device, place.triangles, c.camera, size.width, size.height);
-        camera_ms.push_back(view.statistics.total_wall_ms);
-    }
+    const Times camera = place.time_camera(place.triangles, c, size);
+    View view = gnomon::look(place.device, place.triangles, c.camera, size.width, size.height);
     ViewOnHost host = read(place.device, place.triangles, view);
     Row row;
     row.experiment = block.experiment;
@@ -215,7 +222,7 @@ Runner::Seen Runner::look(const Place& place, const Block& block, const Case& c,
     row.triangles = place.triangles.count();
     row.device = place.device.description().name;
     row.driver = place.device.description().driver_version;
-    row.camera = times_of(camera_ms);
+    row.camera = camera;
     row.points_hash = hash_of(std::span<const float>(host.position));
     Visibility visibility(place.device, std::size_t(size.width) * size.height);
     return {std::move(view), std::move(host), std::move(visibility), std::move(row), c};

@@ -12,6 +12,7 @@ namespace gnomon::bench {
 struct Configuration {
     std::string technique;
     Settings settings;
+    std::string mode = "animated";  ///< or moving: clusters of the unchanged triangles are kept
 };
 
 /// Every registered technique with its defaults. The first is exact.

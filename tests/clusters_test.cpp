@@ -1,0 +1,380 @@
+// SPDX-License-Identifier: MIT
+// Stage clusters. Boxes are held against the vertices, to the bit; what is dropped against the exact predicate, for
+// every triangle of a dropped cluster and every open point. In most scenes here a cluster is one triangle, over and
+// over, so that its box is as tight as a box can be and a bound that is an ulp short would show.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <iostream>
+#include <limits>
+
+#include "../kernels/clusters.h"
+#include "support/camera_scenes.hpp"
+#include "support/light_scenes.hpp"
+#include "support/truth.hpp"
+
+namespace {
+
+using namespace support;
+using gnomon::cl::Session;
+
+constexpr std::uint32_t cluster_size = CLUSTER_TRIANGLES;
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+// ---- Boxes ----------------------------------------------------------------------------------------------------------
+
+struct Box {
+    Float3 low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+    std::uint32_t not_finite = 0;
+};
+
+/// Of the clusters as the device keeps them (kernels/clusters.h: lane by lane, coordinate by coordinate).
+std::vector<Box> boxes_on_device(Session& session, const gnomon::Clusters& clusters) {
+    const std::uint32_t lanes = session.lanes();
+    const auto words = downloaded<std::uint32_t>(session, clusters.boxes().get(), clusters.boxes().bytes() / 4);
+    std::vector<Box> boxes(clusters.count());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const auto word = [&](std::size_t k) { return words.at((i / lanes * 7 + k) * lanes + i % lanes); };
+        for (std::size_t c = 0; c < 3; ++c) {
+            boxes[i].low[c] = std::bit_cast<float>(word(c));
+            boxes[i].high[c] = std::bit_cast<float>(word(3 + c));
+        }
+        boxes[i].not_finite = word(6);
+    }
+    return boxes;
+}
+
+Box box_of(std::span<const float> triangles) {
+    Box box;
+    for (std::size_t t = 0; t < triangles.size(); t += 9) {
+        const auto mine = triangles.subspan(t, 9);
+        if (!std::ranges::all_of(mine, [](float x) { return std::isfinite(x); })) {
+            ++box.not_finite;
+            continue;
+        }
+        for (std::size_t i = 0; i < 9; ++i) {
+            box.low[i % 3] = std::min(box.low[i % 3], mine[i]);
+            box.high[i % 3] = std::max(box.high[i % 3], mine[i]);
+        }
+    }
+    return box;
+}
+
+/// Floats of all sizes, few of them not finite.
+Floats wild_triangles(std::size_t count, std::uint64_t seed) {
+    Random random(seed);
+    Floats triangles;
+    for (std::size_t i = 0; i < 9 * count; ++i) {
+        const float x = random.between(-1, 1);
+        const std::uint32_t kind = random.below(600);
+        triangles.push_back(kind == 0    ? nan
+                            : kind == 1  ? -nan
+                            : kind == 2  ? infinity
+                            : kind == 3  ? -infinity
+                            : kind < 100 ? x * 1e-42f
+                            : kind < 200 ? x * 3e38f
+                                         : x);
+    }
+    return triangles;
+}
+
+TEST(clusters, boxes_are_those_of_the_finite_vertices_to_the_bit) {
+    const gnomon::Device device = device_with();
+    std::uint64_t not_finite = 0, clean = 0;
+    for (const std::size_t count : {1u, 5u, 63u, 64u, 65u, 129u, 1023u, 1024u, 1025u, 5000u})
+        for (const std::size_t first_float : {0u, 5u}) {
+            SCOPED_TRACE(std::to_string(count) + " triangles from float " + std::to_string(first_float) + " on");
+            Floats floats(first_float, 1e30f);
+            append(floats, wild_triangles(count, count));
+            const gnomon::cl::Buffer buffer = uploaded(device.session(), floats);
+            auto triangles = gnomon::Triangles::wrap(device, buffer.get(), count, first_float);
+            triangles.keep_clusters(device);
+            const std::vector<Box> boxes = boxes_on_device(device.session(), *triangles.clusters());
+            ASSERT_EQ(boxes.size(), (count + cluster_size - 1) / cluster_size);
+            for (std::size_t i = 0; i < boxes.size(); ++i) {
+                const std::size_t first = i * cluster_size, size = std::min<std::size_t>(cluster_size, count - first);
+                const Box wanted = box_of(std::span(floats).subspan(first_float + 9 * first, 9 * size));
+                for (int c = 0; c < 3; ++c) {
+                    EXPECT_EQ(key_of_float(boxes[i].low[c]), key_of_float(wanted.low[c])) << i;
+                    EXPECT_EQ(key_of_float(boxes[i].high[c]), key_of_float(wanted.high[c])) << i;
+                }
+                EXPECT_EQ(boxes[i].not_finite, wanted.not_finite) << i;
+                not_finite += wanted.not_finite;
+                clean += wanted.not_finite == 0;
+            }
+        }
+    EXPECT_GT(not_finite, 100u);
+    EXPECT_GT(clean, 10u);  // the two ways to make a box both ran
+}
+
+// ---- What is dropped ------------------------------------------------------------------------------------------------
+
+struct Tally {
+    std::uint64_t clusters = 0, outside = 0, too_far = 0, pairs = 0;
+};
+
+/// Each triangle `times` over, one after the other.
+Floats repeated(const Floats& triangles, std::size_t times) {
+    Floats many;
+    for (std::size_t t = 0; t < triangles.size(); t += 9)
+        for (std::size_t i = 0; i < times; ++i)
+            many.insert(many.end(), triangles.begin() + std::ptrdiff_t(t), triangles.begin() + std::ptrdiff_t(t) + 9);
+    return many;
+}
+
+std::vector<std::uint32_t> listed_clusters(Session& session, const cl_mem listed,
+                                           const gnomon::FrameCounters& counted) {
+    auto list = downloaded<std::uint32_t>(session, listed, counted.clusters_listed);
+    std::ranges::sort(list);
+    EXPECT_TRUE(std::ranges::adjacent_find(list) == list.end()) << "a cluster is listed twice";
+    return list;
+}
+
+/// A scene whose triangles were repeated: of each triangle one is asked.
+void expect_dropped_block_nothing(const LightScene& scene, const std::vector<std::uint32_t>& listed,
+                                  const std::vector<float>& open, Tally& tally) {
+    const std::size_t count = scene.triangles.size() / 9 / cluster_size;
+    for (std::uint32_t cluster = 0; cluster < count; ++cluster) {
+        if (std::ranges::binary_search(listed, cluster)) continue;
+        const reference::Triangle triangle = reference::triangle_at(scene.triangles, cluster * cluster_size);
+        if (!reference::is_finite(triangle)) continue;
+        for (std::uint32_t p = 0; p < open.size(); ++p) {
+            if (open[p] == 0) continue;
+            ++tally.pairs;
+            ASSERT_FALSE(exact_pair(triangle, reference::point_at(scene.points, p), scene.light).blocks)
+                << "triangle " << cluster << " was dropped and blocks point " << p;
+        }
+    }
+}
+
+/// The face of a lamp's cube that a point belongs to (kernels/light_frame.h), or 0 for a direction.
+std::uint32_t face_of(const Light& light, const Float3& p) {
+    if (light[3] == 0) return 0;
+    std::uint32_t axis = 0;
+    const auto along = [&](std::uint32_t c) { return p[c] - light[c]; };
+    for (std::uint32_t c = 1; c < 3; ++c)
+        if (std::fabs(along(c)) > std::fabs(along(axis))) axis = c;
+    return 2 * axis + (along(axis) < 0);
+}
+
+void attack(const gnomon::Device& device, LightScene scene, Tally& tally) {
+    SCOPED_TRACE(scene.name);
+    scene.triangles = repeated(scene.triangles, cluster_size);
+    for (std::uint32_t& receiver : scene.receivers)
+        if (receiver != gnomon::no_receiver) receiver *= cluster_size;
+    Session& session = device.session();
+    UploadedScene inputs(device, scene);
+    inputs.triangles.keep_clusters(device);
+    LightStages stages;
+    const gnomon::FrameGrid grid{64, 0};  // a bin per texel: few points each, and so many that are empty
+    const gnomon::LightFrame first = gnomon::make_light_frame(inputs.light, grid);
+    stages.light_frame.run(session, first, inputs.facing.frame_bounds());
+    const std::uint32_t frames = gnomon::frame_count_of(first);
+    const auto projections = downloaded<gnomon::Projection>(session, stages.light_frame.projections().get(), frames);
+    const auto visibility = downloaded<float>(session, inputs.visibility.get(), scene.points.size() / 3);
+    for (std::uint32_t face = 0; face < frames; ++face) {
+        if (projections[face].active_points == 0) continue;
+        const gnomon::cl::Buffer projection = uploaded(session, std::vector{projections[face]});
+        stages.farthest_height.run(session, first, face, 1, inputs.point_inputs(), projection, inputs.visibility.get());
+        session.fill(inputs.counters, 0, sizeof(gnomon::FrameCounters));
+        const gnomon::cl::Buffer* listed = stages.clusters.run(session, projection, inputs.triangle_inputs(),
+                                                               &stages.farthest_height.pyramid(), inputs.counters);
+        ASSERT_NE(listed, nullptr);
+        gnomon::FrameCounters counted;
+        session.read(inputs.counters.get(), &counted, sizeof(counted));
+        std::vector<float> open(visibility.size());
+        for (std::uint32_t p = 0; p < open.size(); ++p)
+            open[p] = is_open(visibility[p]) && face_of(scene.light, reference::point_at(scene.points, p)) == face;
+        expect_dropped_block_nothing(scene, listed_clusters(session, listed->get(), counted), open, tally);
+        tally.clusters += scene.triangles.size() / 9 / cluster_size;
+        tally.outside += counted.clusters_outside;
+        tally.too_far += counted.clusters_too_far;
+        EXPECT_EQ(counted.outside + counted.not_finite + counted.clusters_listed * cluster_size,
+                  scene.triangles.size() / 9);
+    }
+}
+
+Tally attack(const std::vector<LightScene>& scenes, const char* what) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    for (const LightScene& scene : scenes) {
+        attack(device, scene, tally);
+        if (testing::Test::HasFailure()) break;
+    }
+    std::cout << what << ": " << tally.clusters << " clusters, " << tally.outside << " outside, " << tally.too_far
+              << " too far, " << tally.pairs << " pairs of a point and a dropped triangle\n";
+    return tally;
+}
+
+TEST(clusters, none_is_dropped_wrongly_in_scenes_of_ties) {
+    const Tally tally = attack(light_scenes(), "ties");
+    EXPECT_GT(tally.outside, 500u);
+    EXPECT_GT(tally.too_far, 500u);
+}
+
+TEST(clusters, none_is_dropped_wrongly_around_a_lamp) {
+    const Tally tally = attack(lamp_plane_scenes(), "around a lamp");
+    EXPECT_GT(tally.outside, 100u);
+}
+
+TEST(clusters, none_is_dropped_wrongly_among_huge_triangles) { attack(huge_triangle_scenes(), "huge triangles"); }
+
+TEST(clusters, none_is_dropped_wrongly_where_products_underflow) { attack(underflow_scenes(), "underflow"); }
+
+TEST(clusters, none_is_dropped_wrongly_in_the_oracles_own_scenes) {
+    const Tally tally = attack(reference_scenes(), "oracle's scenes");
+    EXPECT_GT(tally.outside + tally.too_far, 100u);
+}
+
+/// Random single triangles, and points within two ulps of where one of them ends: seen from the light just inside or
+/// just beside its box, and just nearer or just farther than its lowest or highest vertex.
+std::vector<LightScene> scenes_of_box_corners() {
+    std::vector<LightScene> scenes;
+    Random random(51);
+    for (int i = 0; i < 400; ++i) {
+        const float size = std::exp2(random.between(-20, i % 3 == 0 ? 6 : -3)),
+                    far = random.below(2) == 0 ? 0 : random.between(-1e4f, 1e4f);
+        Floats triangles;
+        for (int t = 0; t < 12; ++t) {
+            // Beside each other, so that the points at one are not those below the next.
+            const Float3 center = {float(t % 4) - 1.5f, 0, float(t / 4) - 1};
+            for (int k = 0; k < 3; ++k) {
+                Float3 v = random_vector(random, -size, size);
+                for (int c = 0; c < 3; ++c) v[c] += center[c] + far;
+                add(triangles, v);
+            }
+        }
+        Light light;
+        if (random.below(2) == 0)
+            light = random.below(3) == 0 ? along(0, -1, 0) : along(random.between(-1, 1), -1, random.between(-1, 1));
+        else
+            light = at(far + random.between(-3, 3), far + random.between(-3, 3), far + random.between(-3, 3));
+        Floats points;
+        // Away from the light the triangle is nearer than the point, towards it farther.
+        const float side = i % 2 == 0 ? 1.0f : -1.0f;
+        for (int p = 0; p < 120; ++p) {
+            // The vertex itself, or a corner of the box, moved along the ray by a hair and then by ulps.
+            const std::uint32_t t = random.below(12);
+            Float3 corner = vertex(triangles, 3 * t + random.below(3));
+            for (int c = 0; c < 3 && random.below(2) == 0; ++c)
+                corner[c] = vertex(triangles, 3 * t + random.below(3))[c];
+            const float away = random.below(3) == 0 ? 0.0f : side * std::exp2(random.between(-24, -1));
+            for (int c = 0; c < 3; ++c) corner[c] -= away * (light[3] == 0 ? light[c] : light[c] - corner[c]);
+            add(points, nudged(random, nudged(random, corner)));
+        }
+        scenes.push_back({"box corners " + std::to_string(i), triangles, points, light});
+    }
+    return scenes;
+}
+
+TEST(clusters, none_is_dropped_wrongly_by_a_hair) {
+    const Tally tally = attack(scenes_of_box_corners(), "box corners");
+    EXPECT_GT(tally.outside, 100u);
+    EXPECT_GT(tally.too_far, 200u);
+}
+
+// ---- The whole ------------------------------------------------------------------------------------------------------
+
+struct Answer {
+    std::vector<float> visibility;
+    gnomon::Statistics statistics;
+};
+
+Answer answer(const gnomon::Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
+              const LightScene& scene) {
+    auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
+    if (scene.eye) points.set_eye(*scene.eye);
+    const gnomon::Visibility visibility(device, points.count());
+    Answer answer;
+    answer.statistics = technique.run(triangles, points, gnomon::Light{scene.light}, visibility);
+    answer.visibility = visibility.read();
+    return answer;
+}
+
+/// Hundreds of different triangles per scene, in disorder and sorted along x (so that clusters lie apart).
+std::vector<LightScene> scenes_of_many_triangles() {
+    std::vector<LightScene> scenes;
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        Floats triangles = soup(1500, 0.05f, 61);
+        for (std::size_t i = 0; i < triangles.size(); i += 997) triangles[i] = i % 2 == 0 ? nan : infinity;
+        append(triangles, soup(4, 1e8f, 62));
+        append(triangles, placed(soup(50, 0.3f, 63), 1e-40, {0, 0, 0}));
+        LightScene scene{"many, " + name, triangles, random_points(800, -0.5f, 0.5f, 64), light};
+        scenes.push_back(scene);
+        std::vector<std::array<float, 9>> rows(triangles.size() / 9);
+        std::memcpy(rows.data(), triangles.data(), triangles.size() * sizeof(float));
+        std::ranges::stable_sort(rows, {}, [](const auto& row) { return std::isnan(row[0]) ? 0 : row[0]; });
+        std::memcpy(scene.triangles.data(), rows.data(), triangles.size() * sizeof(float));
+        scene.name = "sorted, " + name;
+        scenes.push_back(std::move(scene));
+    }
+    return scenes;
+}
+
+TEST(clusters, visibility_is_the_same_bits_with_and_without) {
+    std::uint64_t dropped = 0;
+    for (const std::uint32_t work_group_size : {0u, 3u, 64u}) {
+        const gnomon::Device device = device_with(work_group_size);
+        const auto technique = gnomon::make_technique("frustum-traced", device);
+        for (const LightScene& scene : scenes_of_many_triangles()) {
+            SCOPED_TRACE(scene.name + ", work-groups of " + std::to_string(work_group_size));
+            auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+            const Answer wanted = answer(device, *technique, triangles, scene);
+            triangles.keep_clusters(device);
+            const Answer got = answer(device, *technique, triangles, scene);
+            ASSERT_EQ(got.visibility, wanted.visibility);
+            const auto count = [](const Answer& a, const char* name) { return a.statistics.count(name); };
+            dropped += count(got, "clusters_outside") + count(got, "clusters_too_far");
+            EXPECT_EQ(count(got, "clusters"), (scene.triangles.size() / 9 + cluster_size - 1) / cluster_size);
+            EXPECT_EQ(count(wanted, "clusters"), 0u);
+            EXPECT_EQ(count(got, "triangles_not_finite"), count(wanted, "triangles_not_finite"));
+            EXPECT_EQ(count(got, "triangles_not_finite") + count(got, "triangles_outside") +
+                          count(got, "triangles_edge_on") + count(got, "triangles_kept"),
+                      count(got, "frames") * triangles.count());
+            triangles.forget_clusters();
+            EXPECT_EQ(answer(device, *technique, triangles, scene).visibility, wanted.visibility);
+        }
+    }
+    EXPECT_GT(dropped, 100u);
+}
+
+TEST(clusters, a_camera_sees_the_same_bits_with_and_without) {
+    const gnomon::Device device = device_with();
+    std::uint64_t dropped = 0;
+    for (const CameraScene& scene : camera_scenes())
+        for (const bool is_repeated : {false, true}) {
+            SCOPED_TRACE(scene.name);
+            auto triangles = gnomon::Triangles::upload(
+                device, is_repeated ? repeated(scene.triangles, cluster_size / 8) : scene.triangles);
+            const gnomon::View wanted = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+            triangles.keep_clusters(device);
+            const gnomon::View got = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+            dropped += got.statistics.count("clusters_outside");
+            const gnomon::ViewOnHost a = read(device, triangles, got), b = read(device, triangles, wanted);
+            ASSERT_EQ(a.receiver, b.receiver);
+            ASSERT_EQ(a.position, b.position);
+        }
+    EXPECT_GT(dropped, 20u);
+}
+
+TEST(clusters, nothing_in_nothing_out) {
+    const gnomon::Device device = device_with();
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const LightScene some{"", {}, random_points(5000, -1, 1, 71), along(0, -1, 0)};
+    auto none = gnomon::Triangles::upload(device, {});
+    none.keep_clusters(device);
+    EXPECT_EQ(answer(device, *technique, none, some).visibility, std::vector<float>(5000, 1));
+    auto broken = gnomon::Triangles::upload(device, Floats(9 * 100, nan));
+    broken.keep_clusters(device);
+    const Answer lit = answer(device, *technique, broken, some);
+    EXPECT_EQ(lit.visibility, std::vector<float>(5000, 1));
+    EXPECT_EQ(lit.statistics.count("triangles_not_finite"), 100u);
+    EXPECT_EQ(lit.statistics.count("clusters_outside") + lit.statistics.count("clusters_too_far"), 0u);
+    auto triangles = gnomon::Triangles::upload(device, soup(300, 0.1f, 72));
+    triangles.keep_clusters(device);
+    EXPECT_TRUE(answer(device, *technique, triangles, {"", {}, {}, along(0, -1, 0)}).visibility.empty());
+}
+
+}  // namespace
