@@ -87,7 +87,8 @@ FrameGrid FrustumTraced::grid(std::size_t point_count) const {
     if (map_size_ != 0) return binned(session, map_size_);
     // Measured on Sponza and lost_empire at 2K and 4K: a CPU pays for every texel drawn, a GPU hardly.
     const std::uint32_t largest = session.is_cpu() ? 256 : 512;
-    std::uint32_t size = 64;
+    // Few points want few bins: a large triangle is asked about every bin it meets, also those that hold no point.
+    std::uint32_t size = 4;
     while (size < largest && std::size_t(size) * size * 4 < point_count) size *= 2;
     return binned(session, size);
 }

@@ -225,6 +225,9 @@ PointInputs point_inputs(const Points& points) {
     layout.has_receivers = points.receivers() != nullptr;
     layout.has_eye = points.eye().has_value();
     if (points.eye()) std::copy(points.eye()->begin(), points.eye()->end(), layout.eye);
+    if (const auto& picture = points.camera())
+        if (picture->width % 4 == 0 && points.count() % (std::size_t(picture->width) * 4) == 0)
+            layout.picture_width = picture->width;
     return {layout, points.positions(), points.receivers() != nullptr ? points.receivers() : points.positions()};
 }
 

@@ -13,9 +13,8 @@ static LaneInt lanes_below_map(__constant const Projection* projection, PointBlo
     if (projection->indistinct) return (LaneInt)(0);
     LaneInt texels = texel_indices(places.y, projection->height) * (int)projection->width +
                      texel_indices(places.x, projection->width);
-    LaneInt covered = (LaneInt)(INT_MIN);  // below every height
-    for (int lane = 0; lane < GN_LANES; ++lane)
-        if (LANE_OF_INT(lanes, lane)) LANE_OF_INT(covered, lane) = key_to_order(map[LANE_OF_INT(texels, lane)]);
+    // Other lanes' places may be anything; texel_indices keeps them inside.
+    LaneInt covered = LANES_GATHER((__global const int*)map, texels) ^ (LaneInt)((int)0x80000000);  // key_to_order()
     return lanes & LANE_COMPARE(lanes_in_order(places.z), <, covered);
 }
 

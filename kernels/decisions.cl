@@ -37,11 +37,12 @@ __kernel void decisions_of_trace(LightFrame light_frame, uint frame, PointsLayou
                                            LANE_COMPARE(before, ==, (LaneInt)((int)DECISION_DOUBTFUL)));
             below = lanes_below_map(projection, project_points(projection, points), state, lanes, map);
         }
-        for (uint lane = 0; lane < GN_LANES; ++lane)
+        for (int lane = 0; lane < GN_LANES; ++lane)
             if (LANE_OF_INT(lanes, lane))
-                decisions[block * GN_LANES + lane] = LANE_OF_INT(below, lane)           ? DECISION_BY_MAP
-                                                     : LANE_OF_FLOAT(now, lane) == 0.0f ? DECISION_SHADOWED_BY_FILTER
-                                                                                        : DECISION_LIT_BY_FILTER;
+                decisions[point_of_lane(layout, block, lane)] = LANE_OF_INT(below, lane) ? DECISION_BY_MAP
+                                                                : LANE_OF_FLOAT(now, lane) == 0.0f
+                                                                    ? DECISION_SHADOWED_BY_FILTER
+                                                                    : DECISION_LIT_BY_FILTER;
     }
 }
 
@@ -67,7 +68,7 @@ __kernel void decisions_of_second_look(LightFrame light_frame, uint frame, Point
     GN_FOR_EACH(block, block_count(layout)) {
         LaneInt lanes = open_lanes(load_lanes(visibility, layout, block));
         lanes &= LANE_COMPARE(frames_of(light_frame, load_block(positions, layout, block)), ==, (LaneInt)((int)frame));
-        for (uint lane = 0; lane < GN_LANES; ++lane)
-            if (LANE_OF_INT(lanes, lane)) decisions[block * GN_LANES + lane] = DECISION_SECOND_LOOK;
+        for (int lane = 0; lane < GN_LANES; ++lane)
+            if (LANE_OF_INT(lanes, lane)) decisions[point_of_lane(layout, block, lane)] = DECISION_SECOND_LOOK;
     }
 }

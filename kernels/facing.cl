@@ -22,13 +22,19 @@ typedef struct ReceiverAnswer {
 static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
                                     float4 light, __global const float* vertices, uint* exact) {
     ReceiverAnswer answer = {(LaneInt)(0), (LaneInt)(0)};
-    ids = LANES_SELECT((LaneInt)(LANE_OF_INT(ids, first_lane(asked))), ids, asked);
-    __global const float* rows[GN_LANES];
-    for (int lane = 0; lane < GN_LANES; ++lane) rows[lane] = vertices + 9 * (size_t)(uint)LANE_OF_INT(ids, lane);
-    TriangleBlock t = load_triangle_rows(rows);
+    uint first = (uint)LANE_OF_INT(ids, first_lane(asked));
+    ids = LANES_SELECT((LaneInt)((int)first), ids, asked);
+    TriangleBlock t;
+    if (LANES_ANY(LANE_COMPARE(ids, !=, (LaneInt)((int)first)))) {
+        __global const float* rows[GN_LANES];
+        for (int lane = 0; lane < GN_LANES; ++lane) rows[lane] = vertices + 9 * (size_t)(uint)LANE_OF_INT(ids, lane);
+        t = load_triangle_rows(rows);
+    } else {
+        t = same_triangle(load_triangle(vertices, first));
+    }
     asked &= present_lanes(t.a) & present_lanes(t.b) & present_lanes(t.c);
     if (!LANES_ANY(asked)) return answer;
-    TriangleNormals normals = triangle_normals(&t);
+    LaneCross normals = triangle_normals(&t);
     PointBlock towards = same_point(light.x, light.y, light.z), zero = same_point(0.0f, 0.0f, 0.0f);
     LaneInt side = lanes_side(&t, &normals, &towards, light.w != 0.0f ? &t.a : &zero, asked, exact);
     LaneInt facing = asked & LANE_COMPARE(side, !=, (LaneInt)(0));

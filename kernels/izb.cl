@@ -56,7 +56,7 @@ __kernel void izb_scatter(LightFrame light_frame, uint first_frame, PointsLayout
             sorted_x[slot] = LANE_OF_FLOAT(places.x, lane);
             sorted_y[slot] = LANE_OF_FLOAT(places.y, lane);
             sorted_z[slot] = LANE_OF_FLOAT(places.z, lane);
-            order[slot] = (uint)block * GN_LANES + (uint)lane;
+            order[slot] = (uint)point_of_lane(layout, block, lane);
         }
         store_lanes(LANES_SELECT(state, (LaneFloat)(1.0f), lanes), visibility, layout, block);
     }

@@ -21,6 +21,7 @@ typedef int LaneInt;
 #define LANES_SUM(v) (v)
 #define LANES_STRIDED(values, stride) (*(values))
 #define LANES_OF_ROWS(rows, k) ((rows)[0][k])
+#define LANES_GATHER(values, at) ((values)[at])
 #elif GN_LANES == 16
 typedef float16 LaneFloat;
 typedef int16 LaneInt;
@@ -35,8 +36,8 @@ typedef int16 LaneInt;
 #define LANES_MAXIMUM(v) ~least_of_16(~(v))
 #define LANES_SUM(v) sum_of_16(v)
 
-// values[0], values[stride], values[2 stride] ...; and rows[0][k], rows[1][k], ... Written out: lane by lane through an
-// array, each vector would wait for its stores.
+// values[0], values[stride], values[2 stride] ...; rows[0][k], rows[1][k] ...; values[at.s0], values[at.s1] ... Written
+// out: lane by lane through an array, each vector would wait for its stores.
 #define LANES_STRIDED(values, stride)                                                                                \
     (float16)((values)[0], (values)[stride], (values)[2 * (stride)], (values)[3 * (stride)], (values)[4 * (stride)], \
               (values)[5 * (stride)], (values)[6 * (stride)], (values)[7 * (stride)], (values)[8 * (stride)],        \
@@ -46,6 +47,10 @@ typedef int16 LaneInt;
     (float16)((rows)[0][k], (rows)[1][k], (rows)[2][k], (rows)[3][k], (rows)[4][k], (rows)[5][k], (rows)[6][k],     \
               (rows)[7][k], (rows)[8][k], (rows)[9][k], (rows)[10][k], (rows)[11][k], (rows)[12][k], (rows)[13][k], \
               (rows)[14][k], (rows)[15][k])
+#define LANES_GATHER(values, at)                                                                                  \
+    (int16)((values)[at.s0], (values)[at.s1], (values)[at.s2], (values)[at.s3], (values)[at.s4], (values)[at.s5], \
+            (values)[at.s6], (values)[at.s7], (values)[at.s8], (values)[at.s9], (values)[at.sa], (values)[at.sb], \
+            (values)[at.sc], (values)[at.sd], (values)[at.se], (values)[at.sf])
 
 // PoCL's any() asks lane by lane, with a branch each.
 static bool any_of_16(int16 mask) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Shading points as the kernels walk them: unsorted, in blocks of GN_LANES neighbours (16 on a CPU, one on a GPU), a
-// coordinate in one vector each; and what visibility says of a point that is still to be decided.
+// coordinate in one vector each. The neighbours are 4 x 4 pixels where the points are a picture's, else 16 in a row;
+// and what visibility says of a point that is still to be decided.
 #ifndef GN_POINT_BLOCKS_H
 #define GN_POINT_BLOCKS_H
 
@@ -20,6 +21,7 @@ static LaneInt valid_lanes(PointsLayout layout, size_t block) {
 
 #if GN_LANES == 1
 
+static size_t point_of_lane(PointsLayout layout, size_t block, int lane) { return block; }
 static PointBlock load_block(__global const float* positions, PointsLayout layout, size_t block) {
     float3 p = load_point(positions, layout, block);
     PointBlock points = {p.x, p.y, p.z};
@@ -33,39 +35,72 @@ static void store_lanes(LaneFloat lanes, __global float* values, PointsLayout la
 
 #else
 
+// Where a block is: lane i is point first + i / 4 * row + i % 4.
+typedef struct BlockPlace {
+    size_t first, row;
+    uint count;  // of lanes that hold a point
+} BlockPlace;
+
+static BlockPlace place_of_block(PointsLayout layout, size_t block) {
+    BlockPlace place;
+    if (layout.picture_width != 0u) {
+        uint blocks_x = layout.picture_width / 4u;
+        place.row = layout.picture_width;
+        place.first = 4u * ((uint)block / blocks_x * place.row + (uint)block % blocks_x);
+        place.count = GN_LANES;
+    } else {
+        place.row = 4u;
+        place.first = block * GN_LANES;
+        place.count = min(layout.count - (uint)place.first, (uint)GN_LANES);
+    }
+    return place;
+}
+static size_t point_of_lane(PointsLayout layout, size_t block, int lane) {
+    BlockPlace place = place_of_block(layout, block);
+    return place.first + (size_t)(lane / 4) * place.row + (size_t)(lane % 4);
+}
+
+static float4 load_four(__global const float* values, size_t stride) {
+    if (stride == 1u) return vload4(0, values);
+    return (float4)(values[0], values[stride], values[2u * stride], values[3u * stride]);
+}
 // Values of lanes that hold no point are 0.
-static LaneFloat load_strided(__global const float* values, size_t stride, uint count) {
-    if (stride == 1u && count == GN_LANES) return vload16(0, values);
-    if (count == GN_LANES) return LANES_STRIDED(values, stride);
+static LaneFloat load_strided(__global const float* values, size_t stride, BlockPlace place) {
+    values += place.first * stride;
+    size_t row = place.row * stride;
+    if (place.count == GN_LANES)
+        return (float16)(load_four(values, stride), load_four(values + row, stride),
+                         load_four(values + 2u * row, stride), load_four(values + 3u * row, stride));
     LaneFloat lanes = 0.0f;
-    for (uint lane = 0; lane < count; ++lane) LANE_OF_FLOAT(lanes, lane) = values[lane * stride];
+    for (uint lane = 0; lane < place.count; ++lane) LANE_OF_FLOAT(lanes, lane) = values[lane * stride];
     return lanes;
 }
-static uint lanes_in_block(PointsLayout layout, size_t block) {
-    return min(layout.count - (uint)block * GN_LANES, (uint)GN_LANES);
-}
 static PointBlock load_block(__global const float* positions, PointsLayout layout, size_t block) {
-    __global const float* first = positions + layout.first + block * GN_LANES * layout.point_stride;
-    uint count = lanes_in_block(layout, block);
+    __global const float* first = positions + layout.first;
+    BlockPlace place = place_of_block(layout, block);
     PointBlock points;
-    points.x = load_strided(first, layout.point_stride, count);
-    points.y = load_strided(first + layout.coordinate_stride, layout.point_stride, count);
-    points.z = load_strided(first + 2 * (size_t)layout.coordinate_stride, layout.point_stride, count);
+    points.x = load_strided(first, layout.point_stride, place);
+    points.y = load_strided(first + layout.coordinate_stride, layout.point_stride, place);
+    points.z = load_strided(first + 2 * (size_t)layout.coordinate_stride, layout.point_stride, place);
     return points;
 }
 static LaneFloat load_lanes(__global const float* values, PointsLayout layout, size_t block) {
-    return load_strided(values + block * GN_LANES, 1, lanes_in_block(layout, block));
+    return load_strided(values, 1, place_of_block(layout, block));
 }
 static LaneInt load_lane_ids(__global const uint* ids, PointsLayout layout, size_t block) {
     return LANES_AS_INT(load_lanes((__global const float*)ids, layout, block));
 }
 static void store_lanes(LaneFloat lanes, __global float* values, PointsLayout layout, size_t block) {
-    uint count = lanes_in_block(layout, block);
-    values += block * GN_LANES;
-    if (count == GN_LANES)
-        vstore16(lanes, 0, values);
-    else
-        for (uint lane = 0; lane < count; ++lane) values[lane] = LANE_OF_FLOAT(lanes, lane);
+    BlockPlace place = place_of_block(layout, block);
+    values += place.first;
+    if (place.count == GN_LANES) {
+        vstore4(lanes.lo.lo, 0, values);
+        vstore4(lanes.lo.hi, 0, values + place.row);
+        vstore4(lanes.hi.lo, 0, values + 2u * place.row);
+        vstore4(lanes.hi.hi, 0, values + 3u * place.row);
+    } else {
+        for (uint lane = 0; lane < place.count; ++lane) values[lane] = LANE_OF_FLOAT(lanes, lane);
+    }
 }
 
 #endif

@@ -14,7 +14,8 @@ GN_STRUCT_BEGIN(PointsLayout)
     uint has_receivers;  // 0: the receivers buffer is a dummy
     uint has_eye;        // 1: points facing away from the light are decided by the facing stage
     float eye[2 + 1];
-    uint padding[3];
+    uint picture_width;  // a multiple of 4: the points are whole rows of pictures, each a multiple of 4 rows; else 0
+    uint padding[2];
 GN_STRUCT_END(PointsLayout, 48)
 
 #ifndef __cplusplus

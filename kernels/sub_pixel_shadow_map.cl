@@ -79,7 +79,7 @@ __kernel void sub_pixel_lookup(LightFrame light_frame, uint frame, PointsLayout 
         LaneInt blocked = (LaneInt)(0);
         for (int lane = 0; lane < GN_LANES; ++lane) {
             if (!LANE_OF_INT(lanes, lane)) continue;
-            uint receiver = layout.has_receivers ? receivers[(uint)block * GN_LANES + lane] : GN_NO_ID;
+            uint receiver = layout.has_receivers ? receivers[point_of_lane(layout, block, lane)] : GN_NO_ID;
             if (is_blocked(lane_point(points, lane), receiver, LANE_OF_INT(x, lane), LANE_OF_INT(y, lane), (int)reach,
                            projection, light, vertices + first_float, ids))
                 LANE_OF_INT(blocked, lane) = -1;

@@ -42,7 +42,8 @@ static bool blocks_exactly(const ExactPairs* pairs, float3 p, uint id) {
 }
 
 // The filter for the lanes `lit` of points at these places: which of them the triangle blocks for certain, which it
-// may.
+// may. The sign of a rounded sum is that of the sum (0 at worst, where denormals are flushed: undecided), so that one
+// comparison does for several.
 typedef struct FilterAnswer {
     LaneInt certain, possible;
 } FilterAnswer;
@@ -55,13 +56,19 @@ static FilterAnswer filter(__global const TriangleRecord* r, PointBlock places, 
     LaneFloat inside = LANES_MIN(e0, LANES_MIN(e1, e2));
     // height > 0: the plane is nearer to the light than the point.
     LaneFloat height = lanes_linear(r->plane_x, r->plane_y, r->plane_0, x, y) - z;
-    float margin_edge = r->margin_edge, margin_plane = r->margin_plane;
+    // >= 0: not outside for certain, not nearer to the light than the plane or all of the triangle.
+    LaneFloat inside_at_most = inside + r->margin_edge, height_at_most = height + r->margin_plane;
+    LaneFloat below_top = r->z_high - z;
+    LaneFloat at_most = LANES_MIN(inside_at_most, height_at_most);
+    at_most = LANES_MIN(below_top, at_most);
+    // > 0: inside for certain, and behind the plane or all of the triangle.
+    LaneFloat inside_at_least = inside - r->margin_edge, height_at_least = height - r->margin_plane;
+    LaneFloat below_bottom = r->z_low - z;
+    LaneFloat behind = LANES_MAX(height_at_least, below_bottom);
+    LaneFloat at_least = LANES_MIN(inside_at_least, behind);
     FilterAnswer answer;
-    answer.possible = lit & ~LANE_COMPARE(inside, <, (LaneFloat)(-margin_edge)) &
-                      ~LANE_COMPARE(height, <, (LaneFloat)(-margin_plane)) &
-                      ~LANE_COMPARE(z, >, (LaneFloat)(r->z_high));
-    answer.certain = answer.possible & LANE_COMPARE(inside, >, (LaneFloat)(margin_edge)) &
-                     (LANE_COMPARE(height, >, (LaneFloat)(margin_plane)) | LANE_COMPARE(z, <, (LaneFloat)(r->z_low)));
+    answer.possible = lit & LANE_COMPARE(at_most, >=, (LaneFloat)(0.0f));
+    answer.certain = answer.possible & LANE_COMPARE(at_least, >, (LaneFloat)(0.0f));
     return answer;
 }
 

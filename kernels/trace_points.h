@@ -47,40 +47,58 @@ typedef struct BlockAnswer {
     LaneInt waiting;   // a triangle that the filter left open, GN_NO_ID: none
 } BlockAnswer;
 
-// Looks at the lanes that the filter did not dismiss; returns those that need no more triangles.
-static LaneInt settle(const ExactPairs* pairs, FilterAnswer found, PointBlock points, uint first_point, uint id,
-                      BlockAnswer* answer) {
+// The points of the block that is looked at.
+typedef struct BlockPoints {
+    PointBlock at;
+    PointsLayout layout;
+    size_t block;
+} BlockPoints;
+
+// What the filter left open, of points that the triangle may block. Returns those that need no more triangles.
+static LaneInt settle_open(const ExactPairs* pairs, LaneInt open, const BlockPoints* points, uint id,
+                           BlockAnswer* answer) {
     LaneInt settled = (LaneInt)(0);
     for (int lane = 0; lane < GN_LANES; ++lane) {
-        if (!LANE_OF_INT(found.possible, lane) || is_receiver(pairs, first_point + lane, id)) continue;
-        if (LANE_OF_INT(found.certain, lane)) {
-            LANE_OF_INT(answer->shadowed, lane) = LANE_OF_INT(settled, lane) = -1;
-        } else if (TRACE_IN_PLACE) {
-            if (!blocks_exactly(pairs, lane_point(points, lane), id)) continue;
+        if (!LANE_OF_INT(open, lane)) continue;
+        if (TRACE_IN_PLACE) {
+            if (!blocks_exactly(pairs, lane_point(points->at, lane), id)) continue;
             LANE_OF_INT(answer->shadowed, lane) = LANE_OF_INT(answer->by_exact, lane) = LANE_OF_INT(settled, lane) = -1;
         } else if (LANE_OF_INT(answer->waiting, lane) == (int)GN_NO_ID) {
             LANE_OF_INT(answer->waiting, lane) = (int)id;
-        } else if (!hand_over(pairs, first_point + lane, id)) {
+        } else if (!hand_over(pairs, (uint)point_of_lane(points->layout, points->block, lane), id)) {
             LANE_OF_INT(answer->postponed, lane) = LANE_OF_INT(settled, lane) = -1;
         }
     }
     return settled;
 }
 
+// Looks at the lanes that the filter did not dismiss; returns those that need no more triangles.
+static LaneInt settle(const ExactPairs* pairs, FilterAnswer found, const BlockPoints* points, uint id,
+                      BlockAnswer* answer) {
+    LaneInt others = (LaneInt)(-1);
+    if (pairs->has_receivers)
+        others = LANE_COMPARE(load_lane_ids(pairs->receivers, points->layout, points->block), !=, (LaneInt)((int)id));
+    LaneInt settled = found.certain & others, open = found.possible & others & ~settled;
+    answer->shadowed |= settled;
+    if (LANES_ANY(open)) settled |= settle_open(pairs, open, points, id, answer);
+    return settled;
+}
+
 // Most points with an open pair have but one. It waits until the block's lists are walked: then most such points turn
 // out to be in shadow anyway, and the walk's loop does not have to fork.
-static void hand_over_waiting(const ExactPairs* pairs, uint first_point, BlockAnswer* answer) {
+static void hand_over_waiting(const ExactPairs* pairs, const BlockPoints* points, BlockAnswer* answer) {
     LaneInt lanes =
         ~answer->shadowed & ~answer->postponed & LANE_COMPARE(answer->waiting, !=, (LaneInt)((int)GN_NO_ID));
     if (!LANES_ANY(lanes)) return;
     for (int lane = 0; lane < GN_LANES; ++lane)
-        if (LANE_OF_INT(lanes, lane) && !hand_over(pairs, first_point + lane, (uint)LANE_OF_INT(answer->waiting, lane)))
+        if (LANE_OF_INT(lanes, lane) && !hand_over(pairs, (uint)point_of_lane(points->layout, points->block, lane),
+                                                   (uint)LANE_OF_INT(answer->waiting, lane)))
             LANE_OF_INT(answer->postponed, lane) = -1;
 }
 
 // The list of one bin for some lanes of a block; returns the number of records looked at.
 static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Projection* projection, uint bin,
-                 LaneInt lit, PointBlock points, PointBlock places, uint first_point, BlockAnswer* answer) {
+                 LaneInt lit, const BlockPoints* points, PointBlock places, BlockAnswer* answer) {
     QuantisedBlock block = quantised_block(projection, places, lit);
     uint2 range = lists.ranges[bin];
     uint looks = 0;
@@ -91,7 +109,7 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
             ++looks;
             FilterAnswer found = filter(&lists.records[slot], places, lit);
             if (!LANES_ANY(found.possible)) continue;
-            lit &= ~settle(pairs, found, points, first_point, lists.bounds[slot].id, answer);
+            lit &= ~settle(pairs, found, points, lists.bounds[slot].id, answer);
             if (!LANES_ANY(lit)) return looks;
         }
     }
@@ -124,13 +142,14 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     pairs.counters = counters;
     uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
     ulong tests = 0;
-    uint by_map = 0, by_trace = 0, by_exact = 0, listed = 0;
+    LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
+            minus_listed = (LaneInt)(0);
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
         LaneInt left = open_lanes(state);
         if (!LANES_ANY(left)) continue;
-        PointBlock points = load_block(positions, layout, block);
-        LaneInt frames = frames_of(light_frame, points) - (int)first_frame;
+        BlockPoints points = {load_block(positions, layout, block), layout, block};
+        LaneInt frames = frames_of(light_frame, points.at) - (int)first_frame;
         left &= LANE_COMPARE(frames, >=, (LaneInt)(0)) & LANE_COMPARE(frames, <, (LaneInt)((int)frame_count));
         LaneInt looked_at = left;
         BlockAnswer answer = {(LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)((int)GN_NO_ID)};
@@ -138,32 +157,34 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
             int frame = LANE_OF_INT(frames, first_lane(left));
             LaneInt same_frame = left & LANE_COMPARE(frames, ==, (LaneInt)(frame));
             left &= ~same_frame;
-            PointBlock places = project_points(&projections[frame], points);
+            PointBlock places = project_points(&projections[frame], points.at);
             if (has_map) {
                 LaneInt below =
                     lanes_below_map(&projections[frame], places, state, same_frame, map + (size_t)frame * texel_count);
                 answer.shadowed |= below;
                 same_frame &= ~below;
-                by_map += count_lanes(below);
+                minus_by_map += below;
             }
-            listed += count_lanes(same_frame);
+            minus_listed += same_frame;
             LaneInt bins = bins_of(&projections[frame], places);
             while (LANES_ANY(same_frame)) {
                 int bin = LANE_OF_INT(bins, first_lane(same_frame));
                 LaneInt same_bin = same_frame & LANE_COMPARE(bins, ==, (LaneInt)(bin));
                 same_frame &= ~same_bin;
                 LaneInt before = answer.shadowed;
-                tests += walk(&pairs, lists, &projections[frame], (uint)frame * bin_count + (uint)bin, same_bin, points,
-                              places, (uint)block * GN_LANES, &answer);
-                by_trace += count_lanes(answer.shadowed & ~before & ~answer.by_exact);
+                tests += walk(&pairs, lists, &projections[frame], (uint)frame * bin_count + (uint)bin, same_bin,
+                              &points, places, &answer);
+                minus_by_trace += answer.shadowed & ~before & ~answer.by_exact;
             }
         }
-        hand_over_waiting(&pairs, (uint)block * GN_LANES, &answer);
-        by_exact += count_lanes(answer.by_exact);
+        hand_over_waiting(&pairs, &points, &answer);
+        minus_by_exact += answer.by_exact;
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer.shadowed);
         result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
         store_lanes(LANES_SELECT(state, result, looked_at), visibility, layout, block);
     }
+    uint by_map = count_lanes(minus_by_map), by_trace = count_lanes(minus_by_trace);
+    uint by_exact = count_lanes(minus_by_exact), listed = count_lanes(minus_listed);
 #ifdef GN_CPU
     // Few work-items; and PoCL 3.1 keeps vectors misaligned across a barrier of work-groups of 3, 7 and so on.
     if (by_map != 0) atomic_add(&counters->decided_by_map, by_map);

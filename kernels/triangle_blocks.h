@@ -54,6 +54,12 @@ static PointBlock same_point(float x, float y, float z) {
     return p;
 }
 
+static TriangleBlock same_triangle(Triangle one) {
+    TriangleBlock t = {same_point(one.a.x, one.a.y, one.a.z), same_point(one.b.x, one.b.y, one.b.z),
+                       same_point(one.c.x, one.c.y, one.c.z)};
+    return t;
+}
+
 // Projected positions before the division, and the bounds of the errors of their coordinates.
 typedef struct Projected {
     LaneFloat x, y, w, z;

@@ -75,7 +75,7 @@ static LaneFloat largest_offset(LaneFloat x, LaneFloat y, LaneFloat w, Rectangle
 static LaneInt orientations_from_light(const TriangleBlock* t, __constant const Projection* projection, LaneInt lanes,
                                        uint* exact) {
     PointBlock light = same_point(projection->light[0], projection->light[1], projection->light[2]);
-    TriangleNormals normals = triangle_normals(t);
+    LaneCross normals = triangle_normals(t);
     if (projection->light[3] != 0.0f) return lanes_side(t, &normals, &t->a, &light, lanes, exact);
     PointBlock zero = same_point(0.0f, 0.0f, 0.0f);
     return lanes_side(t, &normals, &light, &zero, lanes, exact);

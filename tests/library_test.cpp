@@ -434,6 +434,43 @@ TEST(Devices, NeitherCameraNorShadowsNeedDoublePrecision) {
     EXPECT_EQ(trace(device, triangles, Points::upload(device, ground())), ground_truth());
 }
 
+/// The visibility of these points, and of the same ones as a list that no picture is said of.
+std::pair<std::vector<float>, std::vector<float>> with_and_without_picture(const Device& device,
+                                                                           const Triangles& triangles,
+                                                                           const Points& points,
+                                                                           gnomon::Technique& technique) {
+    const auto positions = static_cast<cl_mem>(points.positions());
+    Points list = Points::wrap(device, positions, points.layout(), points.count(), points.receivers());
+    if (points.eye()) list.set_eye(*points.eye());
+    const Visibility picture(device, points.count()), plain(device, points.count());
+    const gnomon::Light slanted = gnomon::Light::directional({0.3f, -1, 0.2f});
+    technique.run(triangles, points, slanted, picture);
+    technique.run(triangles, list, slanted, plain);
+    return {picture.read(), plain.read()};
+}
+
+// A CPU takes a picture's points in blocks of 4 x 4 pixels where its sides allow. Not vacuous: every picture has points
+// in light and in shadow, and the soup's triangles are smaller than a block.
+TEST(Pictures, HaveTheAnswersOfTheirPointsInAnyOrderOfWork) {
+    const Device device;
+    const auto triangles = Triangles::upload(device, support::soup(2000, 0.3f, 7));
+    const gnomon::Camera camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 50);
+    for (const auto& [name, set] : std::vector<std::pair<std::string, std::string>>{
+             {"frustum-traced", "points"}, {"frustum-traced", "triangles"}, {"sub-pixel", ""}}) {
+        const auto technique = gnomon::make_technique(name, device);
+        if (!set.empty()) technique->set("traversal", set);
+        for (const auto& [width, height] : std::vector<std::pair<int, int>>{{64, 48}, {44, 36}, {61, 48}, {64, 47}}) {
+            SCOPED_TRACE(name + " " + set + " " + std::to_string(width) + "x" + std::to_string(height));
+            const gnomon::View view =
+                gnomon::look(device, triangles, camera, std::uint32_t(width), std::uint32_t(height));
+            const auto [picture, plain] = with_and_without_picture(device, triangles, view.points, *technique);
+            EXPECT_EQ(picture, plain);
+            EXPECT_GT(std::count(plain.begin(), plain.end(), 0.0f), 100);
+            EXPECT_GT(std::count(plain.begin(), plain.end(), 1.0f), 100);
+        }
+    }
+}
+
 TEST(Devices, SeveralDevicesAndTechniquesAliveAtOnce) {
     DeviceOptions groups_of_three;
     groups_of_three.work_group_size = 3;

@@ -7,11 +7,11 @@
 #include "exact/det3.h"
 #include "triangle_blocks.h"
 
-// (b - a) x (c - a) as in det3_cross_float(); `usable`: the float level's range holds as far as these rows go.
-typedef struct TriangleNormals {
+// u x v as in det3_cross_float(); `usable`: the float level's range holds as far as u and v go.
+typedef struct LaneCross {
     PointBlock value, size;
     LaneInt usable;
-} TriangleNormals;
+} LaneCross;
 
 static LaneInt within_float_range(PointBlock size) {
     LaneFloat largest = LANES_MAX(size.x, size.y);
@@ -19,17 +19,30 @@ static LaneInt within_float_range(PointBlock size) {
     return LANE_COMPARE(largest, <=, (LaneFloat)(0x1p20f));
 }
 
-static TriangleNormals triangle_normals(const TriangleBlock* t) {
-    PointBlock u = difference(t->b, t->a), v = difference(t->c, t->a);
+static LaneCross lanes_cross(PointBlock u, PointBlock v) {
     PointBlock plus = {u.y * v.z, u.z * v.x, u.x * v.y}, minus = {u.z * v.y, u.x * v.z, u.y * v.x};
     PointBlock plus_size = magnitudes(plus), minus_size = magnitudes(minus);
-    TriangleNormals normals;
-    normals.value = difference(plus, minus);
-    normals.size.x = plus_size.x + minus_size.x;
-    normals.size.y = plus_size.y + minus_size.y;
-    normals.size.z = plus_size.z + minus_size.z;
-    normals.usable = within_float_range(magnitudes(u)) & within_float_range(magnitudes(v));
-    return normals;
+    LaneCross cross;
+    cross.value = difference(plus, minus);
+    cross.size.x = plus_size.x + minus_size.x;
+    cross.size.y = plus_size.y + minus_size.y;
+    cross.size.z = plus_size.z + minus_size.z;
+    cross.usable = within_float_range(magnitudes(u)) & within_float_range(magnitudes(v));
+    return cross;
+}
+static LaneCross triangle_normals(const TriangleBlock* t) {
+    return lanes_cross(difference(t->b, t->a), difference(t->c, t->a));
+}
+
+// Which determinants det(u, v, w) are positive: right where *certain, by det3's float level. (In its range no NaN can
+// arise, and outside of it nothing is certain.)
+static LaneInt lanes_det3_positive(const LaneCross* cross, PointBlock w, LaneInt* certain) {
+    PointBlock size = magnitudes(w);
+    LaneFloat value = w.x * cross->value.x + w.y * cross->value.y + w.z * cross->value.z;
+    LaneFloat permanent = size.x * cross->size.x + size.y * cross->size.y + size.z * cross->size.z;
+    *certain = cross->usable & within_float_range(size) & LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f)) &
+               LANE_COMPARE(fabs(value), >, permanent * DET3_FLOAT_BOUND);
+    return LANE_COMPARE(value, >, (LaneFloat)(0.0f));
 }
 
 // The sides of these lanes, one by one. Adds to *exact how many needed the exact level.
@@ -46,15 +59,11 @@ __attribute__((noinline)) static void settle_sides(const TriangleBlock* t, const
 }
 
 // The sign of det(b - a, c - a, end - start): 1, -1 or 0, for certain, of these lanes. Their coordinates must be
-// finite. (In the range no NaN can arise, and outside of it nothing is certain.)
-static LaneInt lanes_side(const TriangleBlock* t, const TriangleNormals* normals, const PointBlock* end,
+// finite. `normals`: of t.
+static LaneInt lanes_side(const TriangleBlock* t, const LaneCross* normals, const PointBlock* end,
                           const PointBlock* start, LaneInt lanes, uint* exact) {
-    PointBlock w = difference(*end, *start), size = magnitudes(w);
-    LaneFloat value = w.x * normals->value.x + w.y * normals->value.y + w.z * normals->value.z;
-    LaneFloat permanent = size.x * normals->size.x + size.y * normals->size.y + size.z * normals->size.z;
-    LaneInt certain = normals->usable & within_float_range(size) & LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f)) &
-                      LANE_COMPARE(fabs(value), >, permanent * DET3_FLOAT_BOUND);
-    LaneInt side = LANES_SELECT((LaneInt)(-1), (LaneInt)(1), LANE_COMPARE(value, >, (LaneFloat)(0.0f)));
+    LaneInt certain, positive = lanes_det3_positive(normals, difference(*end, *start), &certain);
+    LaneInt side = LANES_SELECT((LaneInt)(-1), (LaneInt)(1), positive);
     LaneInt open = lanes & ~certain;
     if (LANES_ANY(open)) settle_sides(t, end, start, open, &side, exact);
     return side;
