@@ -47,6 +47,17 @@ void FarthestHeight::run(cl::Session& session, const LightFrame& light_frame, cl
     reduce(session, levels, frame_count, pyramid_);
 }
 
+void FarthestHeight::fill_for_points_anywhere(cl::Session& session, const LightFrame& light_frame,
+                                              cl_uint frame_count) {
+    constexpr cl_uint key_of_minus_infinity = 0x007FFFFFu;
+    const std::size_t bytes = pyramid_levels(light_frame, frame_count).back().first * sizeof(cl_uint);
+    const std::size_t bin_bytes = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y * sizeof(cl_uint);
+    pyramid_.reserve(session, bytes);
+    doubtful_.reserve(session, bin_bytes);
+    session.fill(pyramid_, key_of_minus_infinity, bytes);
+    session.fill(doubtful_, 0xFFFFFFFFu, bin_bytes);
+}
+
 void FarthestHeight::run_open_heights(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                                       const cl::Buffer& projections, const cl::Buffer* map) {
     const std::size_t bins = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y;

@@ -12,6 +12,9 @@ public:
     /// Of the frames from `first_frame` on, `frame_count` of them, whose projections lie one behind the other.
     void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
              const PointInputs& points, const cl::Buffer& projections, cl_mem visibility);
+    /// As if every bin had a point infinitely far from the light, and no doubtful one: for points that are not known
+    /// yet.
+    void fill_for_points_anywhere(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count);
     const cl::Buffer& pyramid() const { return pyramid_; }
     const cl::Buffer& doubtful() const { return doubtful_; }  ///< per bin, of doubtful points alone
 

@@ -37,6 +37,8 @@ struct FrustumTraced::Run {
     FrameCounters total{};  ///< over the frames
     std::uint64_t tests = 0;
     std::uint64_t frames = 0, grown = 0;
+    FrameCounters facing{};
+    std::uint64_t strays = 0;  ///< points that a prepared light was of no use for
 };
 
 namespace {
@@ -49,13 +51,6 @@ FrameCounters read_counters(cl::Session& session, const cl::Buffer& counters) {
     FrameCounters counted;
     session.read(counters.get(), &counted, sizeof(counted));
     return counted;
-}
-
-void add(FrameCounters& total, const FrameCounters& frame) {
-    // The struct is 32-bit counters and nothing else.
-    auto* sums = reinterpret_cast<uint*>(&total);
-    const auto* terms = reinterpret_cast<const uint*>(&frame);
-    for (std::size_t i = 0; i < sizeof(FrameCounters) / sizeof(uint); ++i) sums[i] += terms[i];
 }
 
 // Stages that had nothing to do say why.
@@ -93,9 +88,22 @@ FrameGrid FrustumTraced::grid(std::size_t point_count) const {
     return binned(session, size);
 }
 
+FrameGrid FrustumTraced::prepared_grid() const {
+    const bool is_cpu = device_.session().is_cpu();
+    FrameGrid grid{map_size_ != 0 ? map_size_ : is_cpu ? 512u : 1024u, 0};
+    const std::uint32_t most_bins = is_cpu ? 256 : 1024;
+    while (grid.bins() > most_bins) ++grid.bin_log2;
+    return grid;
+}
+
 bool FrustumTraced::draws_map(const PointInputs& points) const {
     if (map_mode_ != MapMode::automatic) return map_mode_ == MapMode::on;
     return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
+}
+
+void FrustumTraced::add(Run& run, const FrameCounters& counted) {
+    add_counters(run.total, counted);
+    run.tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
 }
 
 std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint frame) {
@@ -103,41 +111,21 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     Statistics& statistics = run.statistics;
     const LightFrame& light_frame = run.light_frame;
     clear(session, counters_);
-    const cl::Buffer* clusters = nullptr;
-    if (run.triangles.clusters != nullptr) {
-        cl::StageTimer timer(session, statistics, "clusters");
-        clusters = clusters_.run(session, projection_, run.triangles, &farthest_height_.pyramid(), counters_);
-    }
-    {
-        cl::StageTimer timer(session, statistics, "triangle_setup");
-        setup_.run_bounds(session, projection_, run.triangles, clusters, &farthest_height_.pyramid(), counters_);
-    }
-    const cl::Buffer* map = nullptr;
-    if (draws_map(run.points)) {
-        cl::StageTimer timer(session, statistics, "conservative_map");
-        setup_.run_map_tiles(session, projection_, run.triangles, farthest_height_.pyramid(), counters_);
-        map_.run(session, light_frame, projection_, setup_, farthest_height_.pyramid(), cover_test_, counters_);
-        map = &map_.map();
-    }
-    {
-        cl::StageTimer timer(session, statistics, "bins");
-        farthest_height_.run_open_heights(session, light_frame, 1, projection_, map);
-        setup_.run_tiles(session, projection_, run.triangles, &farthest_height_.open_heights(), counters_);
-        bins_.run(session, projection_, light_frame.bins_x * light_frame.bins_y, setup_,
-                  &farthest_height_.open_heights(), counters_);
-    }
+    const cl::Buffer* map = lists_.run(session, statistics, light_frame, projection_, run.triangles,
+                                       {draws_map(run.points), cover_test_}, farthest_height_, counters_);
+    const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
     if (traversal_ == Traversal::triangles) {
         {
             cl::StageTimer timer(session, statistics, "izb");
             izb_.run(session, light_frame, frame, run.points, projection_, map, run.visibility, counters_);
         }
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run_triangles(session, light_frame, run.triangles, run.points, izb_, bins_, setup_, run.visibility,
-                             counters_);
+        trace_.run_triangles(session, light_frame, run.triangles, run.points, izb_, lists_.bins(), lists_.setup(),
+                             run.visibility, counters_);
     } else {
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, bins_, setup_,
-                   run.visibility, counters_);
+        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, lists, run.visibility,
+                   counters_);
     }
     if (decisions_) decisions_->trace(session, light_frame, frame, run.points, projection_, map, run.visibility);
     {
@@ -147,13 +135,12 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     if (decisions_)
         decisions_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     FrameCounters counted = read_counters(session, counters_);
-    const bool setup = setup_.fitted(session, counted), references = bins_.fitted(session, counted, setup);
-    if (!setup || !references) return {};
+    if (!lists_.fitted(session, counted)) return {};
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
         if (decisions_) decisions_->second_look(session, light_frame, frame, run.points, run.visibility);
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, bins_, setup_,
-                   run.visibility, counters_, Trace::Look::second);
+        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, lists, run.visibility,
+                   counters_, Trace::Look::second);
         counted = read_counters(session, counters_);
     }
     return counted;
@@ -163,8 +150,7 @@ void FrustumTraced::run_frame(Run& run, cl_uint frame) {
     ++run.frames;
     std::optional<FrameCounters> counted;
     while (!(counted = run_frame_once(run, frame))) ++run.grown;
-    add(run.total, *counted);
-    run.tests += counted->tests_low + (std::uint64_t(counted->tests_high) << 32);
+    add(run, *counted);
 }
 
 void FrustumTraced::run_frames(Run& run) {
@@ -184,6 +170,59 @@ void FrustumTraced::run_frames(Run& run) {
     }
 }
 
+// Only what depends on the points; false if some of them need more than was prepared.
+bool FrustumTraced::run_prepared(Run& run) {
+    cl::Session& session = run.session;
+    const LightFrame& light_frame = prepared_->light_frame();
+    const cl_uint frame_count = frame_count_of(light_frame);
+    const auto trace = [&](Trace::Look look) {
+        cl::StageTimer timer(session, run.statistics, "trace");
+        trace_.run(session, light_frame, 0, frame_count, run.triangles, run.points, prepared_->projections(),
+                   prepared_->map(), prepared_->lists(), run.visibility, counters_, look);
+    };
+    clear(session, counters_);
+    {
+        cl::StageTimer timer(session, run.statistics, "facing");
+        facing_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->domains(), run.visibility,
+                             counters_);
+    }
+    trace(Trace::Look::first);
+    {
+        cl::StageTimer timer(session, run.statistics, "exact_trace");
+        run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
+    }
+    FrameCounters counted = read_counters(session, counters_);
+    run.strays = counted.strays;
+    if (counted.strays != 0) return false;
+    if (!trace_.fitted(session, run.points, counted)) {
+        trace(Trace::Look::second);
+        counted = read_counters(session, counters_);
+    }
+    run.frames = frame_count;
+    run.facing = counted;
+    add(run, counted);
+    for (const char* stage : {"light_frame", "farthest_height", "triangle_setup", "conservative_map", "bins"})
+        run.statistics.stages.push_back({stage, 0, 0, "prepared"});
+    return true;
+}
+
+void FrustumTraced::run_unprepared(Run& run) {
+    cl::Session& session = run.session;
+    clear(session, counters_);
+    {
+        cl::StageTimer timer(session, run.statistics, "facing");
+        facing_.run(session, run.light_frame, run.triangles, run.points, run.visibility, counters_);
+    }
+    if (decisions_) decisions_->facing(session, run.points, run.visibility);
+    run.facing = read_counters(session, counters_);
+    if (run.triangles.count == 0) return;
+    {
+        cl::StageTimer timer(session, run.statistics, "light_frame");
+        light_frame_.run(session, run.light_frame, facing_.frame_bounds());
+    }
+    run_frames(run);
+}
+
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
@@ -197,44 +236,29 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
             make_light_frame(light, grid(points.count())),
             visibility.buffer()};
     counters_.reserve(session, sizeof(FrameCounters));
-
-    FrameCounters facing{};
-    if (points.count() != 0) {
-        clear(session, counters_);
-        {
-            cl::StageTimer timer(session, run.statistics, "facing");
-            facing_.run(session, run.light_frame, run.triangles, run.points, run.visibility, counters_);
-        }
-        if (decisions_) decisions_->facing(session, run.points, run.visibility);
-        facing = read_counters(session, counters_);
-        if (triangles.count() != 0) {
-            {
-                cl::StageTimer timer(session, run.statistics, "light_frame");
-                light_frame_.run(session, run.light_frame, facing_.frame_bounds());
-            }
-            run_frames(run);
-        }
-    }
+    const bool is_prepared = !decisions_ && prepared_ && prepared_->is_usable() && prepared_->is_of(triangles, light);
+    const bool used_prepared = points.count() != 0 && is_prepared && run_prepared(run);
+    if (points.count() != 0 && !used_prepared) run_unprepared(run);
 
     Statistics& s = run.statistics;
     merge_stages(s);
-    if (!draws_map(run.points))
+    if (!used_prepared && !draws_map(run.points))
         s.stages.push_back({"conservative_map", 0, 0, map_mode_ == MapMode::off ? "switched off" : "few points"});
-    else if (run.total.map_candidates == 0)
+    else if (!used_prepared && run.total.map_candidates == 0)
         mark_skipped(s, "conservative_map", "no triangle can cover a texel");
     if (run.total.uncertain == 0) mark_skipped(s, "exact_trace", "the filter decided every pair");
     if (run.triangles.clusters == nullptr) s.stages.push_back({"clusters", 0, 0, "no clusters are kept"});
     if (run.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
     const FrameCounters& t = run.total;
     s.counts = {{"points", points.count()},
-                {"points_absent", facing.absent},
-                {"points_facing_away", facing.facing_away},
+                {"points_absent", run.facing.absent},
+                {"points_facing_away", run.facing.facing_away},
                 {"points_decided_by_map", t.decided_by_map},
                 {"points_listed", t.listed},
                 {"points_decided_by_trace", t.decided_by_trace},
                 {"points_decided_by_exact", t.decided_by_exact},
                 {"points_in_shadow",
-                 std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace + t.decided_by_exact},
+                 std::uint64_t(run.facing.facing_away) + t.decided_by_map + t.decided_by_trace + t.decided_by_exact},
                 {"triangles", triangles.count()},
                 {"frames", run.frames},
                 {"clusters", run.triangles.clusters != nullptr ? run.triangles.clusters->count() : 0},
@@ -253,8 +277,10 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
                 {"decided_by_float", t.exact_float},
                 {"decided_by_double", t.exact_double},
                 {"decided_by_integers", t.exact_exact},
-                {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
-                {"lists_grown", run.grown}};
+                {"orientations_by_integers", std::uint64_t(t.setup_exact) + run.facing.facing_exact},
+                {"lists_grown", run.grown},
+                {"prepared", used_prepared},
+                {"prepared_strays", run.strays}};
     s.device_memory_bytes = memory.peak_bytes();
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
@@ -277,7 +303,41 @@ std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const T
     return decision_colors(decisions_->read(device_.session(), points.count()), visibility.read());
 }
 
+Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light) {
+    require_light(light);
+    forget();
+    Statistics s;
+    if (traversal_ != Traversal::points || triangles.count() == 0) return s;
+    const auto start = std::chrono::steady_clock::now();
+    cl::Session& session = device_.session();
+    const cl::RunMemory memory(session, kept_bytes_);
+    prepared_ = std::make_unique<PreparedLight>(session, s, triangles, light, prepared_grid(),
+                                                ListSettings{map_mode_ != MapMode::off, cover_test_}, first_capacity_);
+    merge_stages(s);
+    const FrameCounters& c = prepared_->counted();
+    s.counts = {{"triangles", triangles.count()},
+                {"triangles_not_finite", c.not_finite},
+                {"triangles_edge_on", c.edge_on},
+                {"triangles_outside", c.outside},
+                {"triangles_kept", c.survivors - c.edge_on},
+                {"triangles_hidden", c.hidden},
+                {"map_candidates", c.map_candidates},
+                {"map_texels_written", c.map_texels},
+                {"references", c.references},
+                {"prepared", prepared_->is_usable()},
+                {"prepared_bytes", prepared_->bytes()}};
+    s.device_memory_bytes = memory.peak_bytes();
+    s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return s;
+}
+
+void FrustumTraced::forget() {
+    const cl::RunMemory memory(device_.session(), kept_bytes_);
+    prepared_.reset();
+}
+
 void FrustumTraced::set(std::string_view name, std::string_view value) {
+    forget();
     if (name == "conservative-map") {
         if (value == "auto")
             map_mode_ = MapMode::automatic;
@@ -316,8 +376,8 @@ void FrustumTraced::set(std::string_view name, std::string_view value) {
         const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), capacity);
         if (error != std::errc() || end != value.data() + value.size() || capacity == 0)
             throw InvalidArgument("first-capacity is a whole number from 1, not \"" + std::string(value) + "\"");
-        setup_.limit_initial_capacity(capacity);
-        bins_.limit_initial_capacity(capacity);
+        lists_.limit_initial_capacity(capacity);
+        first_capacity_ = capacity;
         trace_.limit_initial_capacity(capacity);
     } else {
         throw InvalidArgument("frustum-traced has no setting \"" + std::string(name) +

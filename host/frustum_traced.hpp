@@ -5,12 +5,9 @@
 
 #include <optional>
 
-#include "clusters.hpp"
-#include "conservative_map.hpp"
 #include "decisions.hpp"
 #include "facing.hpp"
-#include "farthest_height.hpp"
-#include "trace.hpp"
+#include "prepared_light.hpp"
 
 namespace gnomon {
 
@@ -19,6 +16,8 @@ public:
     explicit FrustumTraced(const Device& device) : device_(device) {}
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
+    Statistics prepare(const Triangles& triangles, const Light& light) override;
+    void forget() override;
     void set(std::string_view name, std::string_view value) override;
     /// "decided": what decided each point. Of any points, not only a camera's.
     std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
@@ -32,9 +31,13 @@ private:
     struct Run;
 
     FrameGrid grid(std::size_t point_count) const;
+    FrameGrid prepared_grid() const;
     bool draws_map(const PointInputs& points) const;
+    bool run_prepared(Run& run);
+    void run_unprepared(Run& run);
     void run_frames(Run& run);
     void run_frame(Run& run, cl_uint frame);
+    static void add(Run& run, const FrameCounters& counted);
     /// Nothing if a list was too short, which is longer now.
     std::optional<FrameCounters> run_frame_once(Run& run, cl_uint frame);
 
@@ -42,7 +45,8 @@ private:
     MapMode map_mode_ = MapMode::automatic;
     CoverTest cover_test_ = CoverTest::tight;
     Traversal traversal_ = Traversal::points;
-    std::uint32_t map_size_ = 0;  ///< 0: chosen by the device and the number of points
+    std::uint32_t map_size_ = 0;        ///< 0: chosen by the device and the number of points
+    std::uint32_t first_capacity_ = 0;  ///< 0: the lists' own
 
     std::uint64_t kept_bytes_ = 0;  ///< of the lists below, kept from run to run
 
@@ -50,13 +54,11 @@ private:
     Facing facing_;
     LightFrameFit light_frame_;
     FarthestHeight farthest_height_;
-    ClusterCull clusters_;
-    TriangleSetup setup_;
-    ConservativeMap map_;
+    TriangleLists lists_;
     Izb izb_;
-    Bins bins_;
     Trace trace_;
     std::optional<Decisions> decisions_;  ///< while a run is watched
+    std::unique_ptr<PreparedLight> prepared_;
 };
 
 }  // namespace gnomon

@@ -70,6 +70,11 @@ std::vector<Registered> registered() {
 
 }  // namespace
 
+Statistics Technique::prepare(const Triangles&, const Light& light) {
+    require_light(light);
+    return {};
+}
+
 std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
     throw InvalidArgument("this technique has no diagnostic named \"" + std::string(name) +
                           "\": frustum-traced has decided; shadow-map and its presets have aliasing, grid, views and "

@@ -379,6 +379,17 @@ public:
     /// light is none.
     virtual Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                            const Visibility& visibility) = 0;
+    /// Keeps what depends on these triangles and this light alone, so that later runs with both have less to do: for a
+    /// scene that stands still while the camera moves. Visibility is the same bits, prepared or not; runs with other
+    /// triangles or another light go on as ever, and leave this alone. The caller promises not to change the triangles'
+    /// buffer until forget(), another prepare() or the technique's end, each of which frees what was kept (as does
+    /// set()); till then it counts in device_memory_bytes of every run. Points far outside the triangles' bounds, and
+    /// points far below their own receiver, make a run go on as if nothing were prepared; the count prepared_strays
+    /// says how many there were. A technique that can keep nothing does nothing, as most. Returns what was done.
+    /// Throws as run() does, and has nothing prepared then.
+    virtual Statistics prepare(const Triangles& triangles, const Light& light);
+    /// Frees what prepare() kept.
+    virtual void forget() {}
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
     virtual void set(std::string_view name, std::string_view value) = 0;
     /// Draws how the technique works for each point: RGBA, 4 bytes per point (sRGB). Shadow maps, for what a camera

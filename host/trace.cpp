@@ -7,16 +7,16 @@ namespace gnomon {
 
 void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
                 const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-                const cl::Buffer* map, const Bins& bins, const TriangleSetup& setup, cl_mem visibility,
-                const cl::Buffer& counters, Look look) {
+                const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters,
+                Look look) {
     if (capacity_ == 0) reserve(session, first_capacity_);
     const cl_uint has_map = map != nullptr;
     const bool first = look == Look::first;
     session.launch(first ? "trace.cl" : "trace_again.cl", first ? "trace" : "trace_again",
                    cl::Range::items(points.layout.count / session.lanes() + 1), light_frame, first_frame, frame_count,
                    points.layout, projections, has_map, capacity_, triangles.first_float, points.positions,
-                   points.receivers, triangles.vertices, map != nullptr ? *map : queue_, bins.ranges(), bins.entries(),
-                   setup.records(), setup.bounds(), visibility, queue_, counters);
+                   points.receivers, triangles.vertices, map != nullptr ? *map : queue_, lists.ranges, lists.entries,
+                   lists.records, lists.bounds, visibility, queue_, counters);
 }
 
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

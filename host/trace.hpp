@@ -8,6 +8,14 @@
 
 namespace gnomon {
 
+/// The lists that points are held against, and the records that their entries name.
+struct ListBuffers {
+    const cl::Buffer &ranges, &entries, &records, &bounds;
+};
+inline ListBuffers list_buffers(const Bins& bins, const TriangleSetup& setup) {
+    return {bins.ranges(), bins.entries(), setup.records(), setup.bounds()};
+}
+
 class Trace {
 public:
     /// The first look queues undecided pairs and leaves points open whose pairs find no room; the second, only needed
@@ -18,8 +26,8 @@ public:
     /// be null: no coarse test.
     void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
              const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-             const cl::Buffer* map, const Bins& bins, const TriangleSetup& setup, cl_mem visibility,
-             const cl::Buffer& counters, Look look = Look::first);
+             const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters,
+             Look look = Look::first);
     /// The other traversal, of one frame: triangles over the lists of points (kernels/trace_triangles.cl). Needs no
     /// second look.
     void run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

@@ -5,6 +5,13 @@
 
 namespace gnomon {
 
+void add_counters(FrameCounters& total, const FrameCounters& frame) {
+    // The struct is 32-bit counters and nothing else.
+    auto* sums = reinterpret_cast<uint*>(&total);
+    const auto* terms = reinterpret_cast<const uint*>(&frame);
+    for (std::size_t i = 0; i < sizeof(FrameCounters) / sizeof(uint); ++i) sums[i] += terms[i];
+}
+
 void GrowingList::reserve(cl::Session& session, std::uint64_t entries) {
     if (entries <= capacity_) return;
     capacity_ = 0;  // stays so if the next line throws

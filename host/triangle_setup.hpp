@@ -11,6 +11,9 @@
 
 namespace gnomon {
 
+/// Adds what one frame counted.
+void add_counters(FrameCounters& total, const FrameCounters& frame);
+
 /// A list that kernels fill as far as it goes, counting what they would have written.
 class GrowingList {
 public:

@@ -10,7 +10,7 @@
 // a - P) has the sign l: only then can the receiver block it (exact/blocks.h), which by contract it never does. What
 // the camera makes is lifted off its receiver and never doubtful; a caller's point may be.
 #include "exact/det3_lanes.h"
-#include "light_frame.h"
+#include "prepared_light.h"
 #include "triangle_setup.h"
 
 // What is said of points that have a receiver with a plane.
@@ -52,26 +52,6 @@ static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock
 }
 
 // ---- Bounds of the frames -------------------------------------------------------------------------------------------
-
-static LaneFloat along(PointBlock v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
-
-// The values that a frame's bounds are taken of.
-static void bounded_values(LightFrame frame, PointBlock points, LaneFloat* values) {
-    if (frame.perspective) {
-        PointBlock d = {points.x - frame.light[0], points.y - frame.light[1], points.z - frame.light[2]};
-        LaneFloat w = along(d, frame.axis_z) * frame.sign_z;
-        values[0] = along(d, frame.axis_x) / w;
-        values[1] = along(d, frame.axis_y) / w;
-        values[4] = w;
-    } else {
-        LaneFloat z = along(points, frame.axis_z);
-        values[0] = along(points, frame.axis_x) - frame.shear_x * z;
-        values[1] = along(points, frame.axis_y) - frame.shear_y * z;
-        values[4] = points.z;
-    }
-    values[2] = points.x;
-    values[3] = points.y;
-}
 
 // A work-item's bounds of the frame that its last points were in.
 typedef struct RunningBounds {
@@ -128,22 +108,22 @@ static void include_points(RunningBounds* bounds, LightFrame light_frame, PointB
     }
 }
 
-// Without `opens` points that do not face away are lit for good. `shared`: BOUNDS_WORDS for each frame. The frames'
-// bounds and the counters are zeroed before.
+// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `shared`: BOUNDS_WORDS for each
+// frame. The frames' bounds and the counters are zeroed before. `domains`: for FACING_PREPARED, one per frame.
 __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ulong first_float, uint triangle_count,
                      __global const float* positions, __global const uint* receivers, __global const float* vertices,
-                     __global float* visibility, volatile __global uint* frame_bounds, __global FrameCounters* counters,
-                     __local uint* shared) {
+                     __global const PreparedDomain* domains, __global float* visibility,
+                     volatile __global uint* frame_bounds, __global FrameCounters* counters, __local uint* shared) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
     // One atomic per work-group, not per item: many on one address take longer than the pass.
-    __local uint group_counts[2];
-    if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
+    __local uint group_counts[3];
+    if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = group_counts[2] = 0u;
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
 
     float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
     uint exact = 0;
-    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
+    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0), minus_strays = (LaneInt)(0);
     RunningBounds bounds;
     start_bounds(&bounds, 0u);
     GN_FOR_EACH(block, block_count(layout)) {
@@ -165,17 +145,23 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
         }
         minus_absent += valid & ~open;
         minus_away += away;
-        if (!opens) open = (LaneInt)(0);
+        if (opens == FACING_DECIDES) open = (LaneInt)(0);
         open &= ~away & LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
+        if (opens == FACING_PREPARED) {
+            LaneInt strays;
+            open = prepared_lanes(light_frame, domains, points, open, &strays);
+            minus_strays += strays;
+        }
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_DOUBTFUL), open & doubtful);
         store_lanes(result, visibility, layout, block);
-        if (LANES_ANY(open)) include_points(&bounds, light_frame, points, open, shared);
+        if (opens == FACING_BOUNDS && LANES_ANY(open)) include_points(&bounds, light_frame, points, open, shared);
     }
     flush_bounds(&bounds, shared);
     atomic_add(&group_counts[0], (uint)-LANES_SUM(minus_absent));
     atomic_add(&group_counts[1], (uint)-LANES_SUM(minus_away));
+    atomic_add(&group_counts[2], (uint)-LANES_SUM(minus_strays));
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) {
         uint word = shared[i];
@@ -188,6 +174,7 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
     if (get_local_id(0) == 0) {
         if (group_counts[0] != 0) atomic_add(&counters->absent, group_counts[0]);
         if (group_counts[1] != 0) atomic_add(&counters->facing_away, group_counts[1]);
+        if (group_counts[2] != 0) atomic_add(&counters->strays, group_counts[2]);
     }
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
 }

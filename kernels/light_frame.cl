@@ -10,10 +10,6 @@
 
 #define FRAME_PADDING (32.0f * GN_U)
 #define EDGE_TEXELS 0.25f
-// Points spread beyond this are not told apart by the grid at all (beyond it floats overflow).
-#define LARGEST_EXTENT 1.0e30f
-// Nor points nearer to a positional light than this, once the farthest is brought within 2 (nearer, floats underflow).
-#define SMALLEST_W 1.0e-15f
 
 // What light_frame_fit needs of the bounds, as floats.
 typedef struct FittedBounds {
@@ -90,10 +86,7 @@ static void fit_perspective(LightFrame frame, FittedBounds bounds, Projection* p
     float scale_y = fitted_scale(bounds.grid_low[1], bounds.grid_high[1], FRAME_PADDING, (float)frame.height);
     float offset_x = EDGE_TEXELS - scale_x * (bounds.grid_low[0] - FRAME_PADDING);
     float offset_y = EDGE_TEXELS - scale_y * (bounds.grid_low[1] - FRAME_PADDING);
-    // x, y and W are homogeneous: a power of two brings W below 2, so that products of three do not overflow in scenes
-    // of 1e10 units, and no rounding changes.
-    float farthest = fmin(bounds.world_high[2], LARGEST_EXTENT);
-    float unit = farthest >= 1.0f ? ldexp(1.0f, -ilogb(farthest)) : 1.0f;
+    float unit = unit_of_farthest(bounds.world_high[2]);
     set_row(projection->row_x, frame.axis_x, scale_x * unit, frame.axis_z, offset_x * frame.sign_z * unit, 0.0f);
     set_row(projection->row_y, frame.axis_y, scale_y * unit, frame.axis_z, offset_y * frame.sign_z * unit, 0.0f);
     set_row(projection->row_z, frame.axis_z, frame.sign_z * unit, 3u, 0.0f, 0.0f);

@@ -20,6 +20,11 @@ GN_STRUCT_END(LightFrame, 64)
 
 #define LAMP_FRAMES 6u
 
+// Points spread beyond this are not told apart by the grid at all (beyond it floats overflow).
+#define LARGEST_EXTENT 1.0e30f
+// Nor points nearer to a positional light than this, once the farthest is brought within 2 (nearer, floats underflow).
+#define SMALLEST_W 1.0e-15f
+
 // Bounds of the points of a frame: keys of the highest values and of minus the lowest ones, so that atomic maxima
 // collect them and zero bytes mean "no point".
 #define BOUNDED_VALUES 5
@@ -102,6 +107,33 @@ static LaneInt bins_of(__constant const Projection* projection, PointBlock place
     LaneInt x = texel_indices(places.x, projection->width) >> (int)projection->bin_log2;
     LaneInt y = texel_indices(places.y, projection->height) >> (int)projection->bin_log2;
     return y * (int)projection->bins_x + x;
+}
+
+// x, y and W are homogeneous: a power of two brings W below 2, so that products of three do not overflow in scenes of
+// 1e10 units, and no rounding changes.
+static float unit_of_farthest(float farthest_w) {
+    float farthest = fmin(farthest_w, LARGEST_EXTENT);
+    return farthest >= 1.0f ? ldexp(1.0f, -ilogb(farthest)) : 1.0f;
+}
+
+static LaneFloat along(PointBlock v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
+
+// The values that a frame's bounds are taken of.
+static void bounded_values(LightFrame frame, PointBlock points, LaneFloat* values) {
+    if (frame.perspective) {
+        PointBlock d = {points.x - frame.light[0], points.y - frame.light[1], points.z - frame.light[2]};
+        LaneFloat w = along(d, frame.axis_z) * frame.sign_z;
+        values[0] = along(d, frame.axis_x) / w;
+        values[1] = along(d, frame.axis_y) / w;
+        values[4] = w;
+    } else {
+        LaneFloat z = along(points, frame.axis_z);
+        values[0] = along(points, frame.axis_x) - frame.shear_x * z;
+        values[1] = along(points, frame.axis_y) - frame.shear_y * z;
+        values[4] = points.z;
+    }
+    values[2] = points.x;
+    values[3] = points.y;
 }
 
 #endif

@@ -18,6 +18,12 @@ GN_STRUCT_BEGIN(PointsLayout)
     uint padding[2];
 GN_STRUCT_END(PointsLayout, 48)
 
+// What the facing stage does with points that do not face away: they are lit; or open, and their bounds are taken; or,
+// for a prepared light, open where its lists hold.
+#define FACING_DECIDES 0u
+#define FACING_BOUNDS 1u
+#define FACING_PREPARED 2u
+
 #ifndef __cplusplus
 
 static float3 load_point(__global const float* positions, PointsLayout layout, size_t i) {

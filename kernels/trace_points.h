@@ -7,6 +7,9 @@
 // proven margins) goes to the queue of the exact stage, unless the triangle is the point's own receiver. Where the
 // queue is full the point stays open, and a second look decides such pairs in place: so the memory of open pairs is
 // bounded. One writer per point: no atomics on visibility here.
+//
+// Of a prepared light's lists, triangles below the map are missing that only a doubtful point below the map could need.
+// Such a point is a stray, unless a listed triangle blocks it.
 #ifndef GN_TRACE_POINTS_H
 #define GN_TRACE_POINTS_H
 
@@ -22,7 +25,16 @@ typedef struct TraceLists {
 } TraceLists;
 
 // What a work-group counts. The tests in two words: their low 16 bits and the rest, so that neither sum overflows.
-enum { COUNT_MAP, COUNT_TRACE, COUNT_EXACT, COUNT_LISTED, COUNT_TESTS_LOW, COUNT_TESTS_HIGH, TRACE_COUNTS };
+enum {
+    COUNT_MAP,
+    COUNT_TRACE,
+    COUNT_EXACT,
+    COUNT_LISTED,
+    COUNT_STRAYS,
+    COUNT_TESTS_LOW,
+    COUNT_TESTS_HIGH,
+    TRACE_COUNTS
+};
 
 // The square and the least height that some lanes of a block span.
 static QuantisedBlock quantised_block(__constant const Projection* projection, PointBlock places, LaneInt lanes) {
@@ -143,7 +155,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
     ulong tests = 0;
     LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
-            minus_listed = (LaneInt)(0);
+            minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
         LaneInt left = open_lanes(state);
@@ -151,7 +163,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
         BlockPoints points = {load_block(positions, layout, block), layout, block};
         LaneInt frames = frames_of(light_frame, points.at) - (int)first_frame;
         left &= LANE_COMPARE(frames, >=, (LaneInt)(0)) & LANE_COMPARE(frames, <, (LaneInt)((int)frame_count));
-        LaneInt looked_at = left;
+        LaneInt looked_at = left, undecided_below = (LaneInt)(0);
         BlockAnswer answer = {(LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)((int)GN_NO_ID)};
         while (LANES_ANY(left)) {
             int frame = LANE_OF_INT(frames, first_lane(left));
@@ -164,6 +176,10 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
                 answer.shadowed |= below;
                 same_frame &= ~below;
                 minus_by_map += below;
+                LaneInt doubtful = same_frame & doubtful_lanes(state);
+                if (LANES_ANY(doubtful))
+                    undecided_below |= lanes_below_map(&projections[frame], places, (LaneFloat)(VISIBILITY_OPEN),
+                                                       doubtful, map + (size_t)frame * texel_count);
             }
             minus_listed += same_frame;
             LaneInt bins = bins_of(&projections[frame], places);
@@ -179,24 +195,28 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
         }
         hand_over_waiting(&pairs, &points, &answer);
         minus_by_exact += answer.by_exact;
+        minus_strays += undecided_below & ~answer.shadowed;
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer.shadowed);
         result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
         store_lanes(LANES_SELECT(state, result, looked_at), visibility, layout, block);
     }
     uint by_map = count_lanes(minus_by_map), by_trace = count_lanes(minus_by_trace);
     uint by_exact = count_lanes(minus_by_exact), listed = count_lanes(minus_listed);
+    uint strays = count_lanes(minus_strays);
 #ifdef GN_CPU
     // Few work-items; and PoCL 3.1 keeps vectors misaligned across a barrier of work-groups of 3, 7 and so on.
     if (by_map != 0) atomic_add(&counters->decided_by_map, by_map);
     if (by_trace != 0) atomic_add(&counters->decided_by_trace, by_trace);
     if (by_exact != 0) atomic_add(&counters->decided_by_exact, by_exact);
     if (listed != 0 && !TRACE_IN_PLACE) atomic_add(&counters->listed, listed);
+    if (strays != 0) atomic_add(&counters->strays, strays);
     count_tests(tests * GN_LANES, counters);
 #else
     atomic_add(&group_counts[COUNT_MAP], by_map);
     atomic_add(&group_counts[COUNT_TRACE], by_trace);
     atomic_add(&group_counts[COUNT_EXACT], by_exact);
     atomic_add(&group_counts[COUNT_LISTED], TRACE_IN_PLACE ? 0u : listed);
+    atomic_add(&group_counts[COUNT_STRAYS], strays);
     atomic_add(&group_counts[COUNT_TESTS_LOW], (uint)tests & 0xFFFFu);
     atomic_add(&group_counts[COUNT_TESTS_HIGH], (uint)(tests >> 16));
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -205,6 +225,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     if (group_counts[COUNT_TRACE] != 0) atomic_add(&counters->decided_by_trace, group_counts[COUNT_TRACE]);
     if (group_counts[COUNT_EXACT] != 0) atomic_add(&counters->decided_by_exact, group_counts[COUNT_EXACT]);
     if (group_counts[COUNT_LISTED] != 0) atomic_add(&counters->listed, group_counts[COUNT_LISTED]);
+    if (group_counts[COUNT_STRAYS] != 0) atomic_add(&counters->strays, group_counts[COUNT_STRAYS]);
     count_tests((group_counts[COUNT_TESTS_LOW] + ((ulong)group_counts[COUNT_TESTS_HIGH] << 16)) * GN_LANES, counters);
 #endif
 }

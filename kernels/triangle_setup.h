@@ -55,9 +55,10 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint facing_away;       // facing: points
     uint absent;            // facing: points
     uint facing_exact;      // facing: points whose facing needed the exact level
+    uint strays;            // facing, trace: points for which a prepared light's lists may not do
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
-GN_STRUCT_END(FrameCounters, 128)
+GN_STRUCT_END(FrameCounters, 132)
 
 #define GN_NO_LISTS 0xFFFFFFFFu
 

@@ -43,8 +43,8 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
         counted.uncertain = counted.tests_low = counted.tests_high = counted.decided_by_trace = 0;
         session.write(inputs.counters.get(), &counted, sizeof(counted));
         stages.trace.run(session, first_frame, face, 1, inputs.triangle_inputs(), inputs.point_inputs(),
-                         stages.projection, nullptr, stages.bins, stages.setup, inputs.visibility.get(),
-                         inputs.counters);
+                         stages.projection, nullptr, gnomon::list_buffers(stages.bins, stages.setup),
+                         inputs.visibility.get(), inputs.counters);
         const auto traced = downloaded<float>(session, inputs.visibility.get(), count);
         session.read(inputs.counters.get(), &counted, sizeof(counted));
         ASSERT_LE(counted.uncertain, stages.trace.capacity());
@@ -233,7 +233,7 @@ TEST(trace, writes_only_its_own) {
     counted.uncertain = 0;
     session.write(inputs.counters.get(), &counted, sizeof(counted));
     stages.trace.run(session, out.frame, 0, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection,
-                     nullptr, stages.bins, stages.setup, visibility.get(), inputs.counters);
+                     nullptr, gnomon::list_buffers(stages.bins, stages.setup), visibility.get(), inputs.counters);
     gnomon::run_exact_trace(session, inputs.triangle_inputs(), inputs.point_inputs(), inputs.light, stages.trace,
                             visibility.get(), inputs.counters);
     session.read(inputs.counters.get(), &counted, sizeof(counted));

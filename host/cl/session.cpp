@@ -196,6 +196,17 @@ void Session::fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) 
     if (event != nullptr) note_event(event);
 }
 
+void Session::copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first,
+                   std::size_t bytes) {
+    if (bytes == 0) return;
+    cl_event event = nullptr;
+    attempt("copying a buffer", [&] {
+        return clEnqueueCopyBuffer(queue_, from.get(), to.get(), from_first, to_first, bytes, 0, nullptr,
+                                   profiles_ ? &event : nullptr);
+    });
+    if (event != nullptr) note_event(event);
+}
+
 void Session::write(cl_mem buffer, const void* data, std::size_t bytes) {
     if (bytes == 0) return;
     attempt("writing to the device",

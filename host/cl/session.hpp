@@ -100,6 +100,8 @@ public:
     }
 
     void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes);
+    /// From byte `from_first` of one buffer to byte `to_first` of another.
+    void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     void write(cl_mem buffer, const void* data, std::size_t bytes);
     void read(cl_mem buffer, void* data, std::size_t bytes);
     /// What the buffer begins with.

@@ -180,8 +180,8 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
     const auto trace = [&](gnomon::Trace::Look look) {
-        stages.trace.run(session, first_frame, face, 1, triangles, points, stages.projection, map, stages.bins,
-                         stages.setup, visibility, scene.counters, look);
+        stages.trace.run(session, first_frame, face, 1, triangles, points, stages.projection, map,
+                         gnomon::list_buffers(stages.bins, stages.setup), visibility, scene.counters, look);
         if (look == gnomon::Trace::Look::first)
             gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
         session.read(scene.counters.get(), &out.counters, sizeof(out.counters));

@@ -150,11 +150,11 @@ int main(int argc, char** argv) {
     app.add_option("--size", options.sizes, "WIDTHxHEIGHT, repeatable")->capture_default_str();
     app.add_option("--technique", options.techniques, "as in gnomon techniques, repeatable")->capture_default_str();
     app.add_option("--set", options.settings, "key=value of each --technique, repeatable");
-    app.add_option(
-           "--mode", options.modes,
-           "animated: everything is rebuilt in each run; moving: clusters of the triangles are kept; repeatable")
+    app.add_option("--mode", options.modes,
+                   "animated: everything is rebuilt in each run; moving: clusters of the triangles are kept; static: "
+                   "the light is prepared; repeatable")
         ->capture_default_str()
-        ->check(CLI::IsMember({"animated", "moving"}));
+        ->check(CLI::IsMember({"animated", "moving", "static"}));
     app.add_flag("--sweep", options.sweep, "every technique, with the settings worth comparing, and its errors");
     app.add_flag("--errors", options.errors, "compare with the exact technique's mask");
     app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");

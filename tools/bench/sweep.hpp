@@ -12,7 +12,8 @@ namespace gnomon::bench {
 struct Configuration {
     std::string technique;
     Settings settings;
-    std::string mode = "animated";  ///< or moving: clusters of the unchanged triangles are kept
+    std::string mode =
+        "animated";  ///< nothing is kept between runs; moving: clusters are; static: the light is prepared
 };
 
 /// Every registered technique with its defaults. The first is exact.

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: MIT
+// Prepared lights: the same bits as without, whatever points come; lit without a look at any list only where the exact
+// oracle finds no triangle; used where they can be, left alone by other runs, let go of, and no harm when they fail.
+// (Equality with the oracle over whole scenes: frustum_traced_test, which asks every question both ways.)
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "../host/prepared_light.hpp"
+#include "reference/visibility.hpp"
+#include "support/light_scenes.hpp"
+
+namespace {
+
+using namespace support;
+using gnomon::Device;
+using gnomon::Light;
+
+constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
+
+std::vector<LightScene> all_scenes() {
+    std::vector<LightScene> scenes = light_scenes();
+    for (const auto& more : {lamp_plane_scenes(), huge_triangle_scenes(), underflow_scenes(), reference_scenes()})
+        scenes.insert(scenes.end(), more.begin(), more.end());
+    return scenes;
+}
+
+// ---- Points by their place ------------------------------------------------------------------------------------------
+
+enum Verdict { absent = 0, lit = 1, open = 2, stray = 3 };
+
+constexpr const char* classify_source = R"(
+#include "prepared_light.h"
+__kernel void classify(LightFrame light_frame, PointsLayout layout, __global const PreparedDomain* domains,
+                       __global const float* positions, __global float* verdicts) {
+    GN_FOR_EACH(block, block_count(layout)) {
+        PointBlock points = load_block(positions, layout, block);
+        LaneInt lanes = valid_lanes(layout, block) & present_lanes(points), strays;
+        lanes &= LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
+        LaneInt open = prepared_lanes(light_frame, domains, points, lanes, &strays);
+        LaneFloat verdict = LANES_SELECT((LaneFloat)(0.0f), (LaneFloat)(1.0f), lanes);
+        verdict = LANES_SELECT(verdict, (LaneFloat)(2.0f), open);
+        store_lanes(LANES_SELECT(verdict, (LaneFloat)(3.0f), strays), verdicts, layout, block);
+    }
+}
+)";
+
+/// The scene's own points, and others: around it at all distances, towards the light and away from it, and beside its
+/// triangles by an ulp or so.
+Floats points_everywhere(const LightScene& scene, std::uint64_t seed) {
+    Random random(seed);
+    Floats points = scene.points;
+    const std::size_t vertices = scene.triangles.size() / 3;
+    for (int i = 0; i < 400; ++i) {
+        Float3 p = vertex(scene.triangles, random.below(static_cast<std::uint32_t>(vertices)));
+        const Float3 q = vertex(scene.triangles, random.below(static_cast<std::uint32_t>(vertices)));
+        const int kind = static_cast<int>(random.below(4));
+        const float far = std::ldexp(1.0f, static_cast<int>(random.below(24)) - 12);
+        for (int c = 0; c < 3; ++c) {
+            const float to_light = scene.light[c] - scene.light[3] * p[c];
+            if (kind == 0) p[c] += to_light * far * (random.below(2) == 0 ? 1.0f : -1.0f);
+            if (kind == 1) p[c] += (q[c] - p[c]) * far;
+            if (kind == 2) p[c] *= 1 + far;
+        }
+        add(points, kind == 3 ? nudged(random, p) : p);
+    }
+    return points;
+}
+
+TEST(PreparedDomain, PointsThatItCallsLitAreLit) {
+    const Device device;
+    gnomon::cl::Session& session = device.session();
+    session.add_source("classify.cl", classify_source);
+    std::size_t counts[4] = {};
+    std::uint64_t seed = 1;
+    for (const LightScene& scene : all_scenes()) {
+        if (seed++ % 2 == 0) continue;  // the oracle's time
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        const Floats positions = points_everywhere(scene, seed);
+        const gnomon::Points points = gnomon::Points::upload(device, positions);
+        gnomon::Statistics statistics;
+        const gnomon::PreparedLight prepared(session, statistics, triangles, Light{scene.light}, {16, 0}, {}, 0);
+        if (!prepared.is_usable()) continue;
+        const gnomon::PointInputs inputs = gnomon::point_inputs(points);
+        const gnomon::cl::Buffer verdicts(session, points.count() * sizeof(float));
+        session.launch("classify.cl", "classify", gnomon::cl::Range::items(points.count()), prepared.light_frame(),
+                       inputs.layout, prepared.domains(), inputs.positions, verdicts);
+        const auto found = downloaded<float>(session, verdicts.get(), points.count());
+        Floats asked;
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            const int verdict = static_cast<int>(found[i]);
+            ++counts[verdict];
+            if (verdict == lit) add(asked, vertex(positions, i));
+        }
+        const auto shadowed = reference::shadowed(scene.triangles, asked, {}, scene.light, {});
+        for (std::size_t i = 0; i < shadowed.size(); ++i)
+            ASSERT_EQ(shadowed[i], 0) << scene.name << ": a point called lit is in shadow: (" << asked[3 * i] << ", "
+                                      << asked[3 * i + 1] << ", " << asked[3 * i + 2] << ")";
+    }
+    EXPECT_GT(counts[lit], 5000u);
+    EXPECT_GT(counts[open], 5000u);
+    EXPECT_GT(counts[stray], 500u);
+}
+
+// ---- The same bits --------------------------------------------------------------------------------------------------
+
+struct Asked {
+    std::vector<float> visibility;
+    gnomon::Statistics statistics;
+};
+
+Asked ask(const Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
+          const gnomon::Points& points, const Light& light) {
+    const gnomon::Visibility visibility(device, points.count());
+    Asked asked;
+    asked.statistics = technique.run(triangles, points, light, visibility);
+    asked.visibility = visibility.read();
+    return asked;
+}
+
+gnomon::Points uploaded_points(const Device& device, const LightScene& scene, const Floats& positions) {
+    std::vector<std::uint32_t> receivers = scene.receivers;
+    if (!receivers.empty()) receivers.resize(positions.size() / 3, gnomon::no_receiver);
+    gnomon::Points points = gnomon::Points::upload(device, positions, receivers);
+    if (scene.eye) points.set_eye(*scene.eye);
+    return points;
+}
+
+TEST(Prepared, SameBitsAsUnpreparedOverAllScenesAndPointsEverywhere) {
+    const Device device;
+    const char* sizes[] = {"16", "100", "512"};
+    std::uint64_t used = 0, fallen_back = 0, dark = 0, by_map = 0, seed = 1;
+    for (const LightScene& scene : all_scenes()) {
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        const auto plain = gnomon::make_technique("frustum-traced", device),
+                   prepared = gnomon::make_technique("frustum-traced", device);
+        prepared->set("map-size", sizes[seed % 3]);
+        if (seed % 4 == 0) prepared->set("conservative-map", "off");
+        if (seed % 5 == 0) prepared->set("first-capacity", "3");
+        prepared->prepare(triangles, Light{scene.light});
+        const Floats everywhere = points_everywhere(scene, ++seed);
+        for (const Floats* positions : {&scene.points, &everywhere}) {
+            const gnomon::Points points = uploaded_points(device, scene, *positions);
+            const Asked wanted = ask(device, *plain, triangles, points, Light{scene.light});
+            const Asked got = ask(device, *prepared, triangles, points, Light{scene.light});
+            ASSERT_EQ(got.visibility, wanted.visibility) << scene.name;
+            const bool was_used = got.statistics.count("prepared") != 0;
+            ASSERT_EQ(wanted.statistics.count("prepared"), 0u);
+            used += was_used;
+            fallen_back += got.statistics.count("prepared_strays") != 0;
+            if (!was_used) continue;
+            by_map += got.statistics.count("points_decided_by_map");
+            dark += static_cast<std::uint64_t>(std::ranges::count(got.visibility, 0.0f));
+        }
+    }
+    EXPECT_GT(used, 150u);
+    EXPECT_GT(fallen_back, 50u);
+    EXPECT_GT(dark, 10'000u);
+    EXPECT_GT(by_map, 100u);
+}
+
+/// Two lights over the same soup.
+struct Still {
+    Device device = device_with();
+    Floats vertices = soup(300, 0.4f, 5);
+    gnomon::Triangles triangles = gnomon::Triangles::upload(device, vertices);
+    gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
+    Light sun = Light::directional({0.2f, -1, 0.1f}), lamp = Light::positional({0.1f, 3, 0.2f});
+    std::unique_ptr<gnomon::Technique> technique = gnomon::make_technique("frustum-traced", device);
+
+    Asked run(const gnomon::Triangles& of, const Light& light) { return ask(device, *technique, of, points, light); }
+};
+
+TEST(Prepared, IsUsedForItsOwnTrianglesAndLightAlone) {
+    Still still;
+    const auto others = gnomon::Triangles::upload(still.device, soup(300, 0.4f, 7));
+    const auto fewer = gnomon::Triangles::wrap(still.device, still.triangles.buffer(), 299);
+    const auto later = gnomon::Triangles::wrap(still.device, still.triangles.buffer(), 200, 900);
+    const auto same = gnomon::Triangles::wrap(still.device, still.triangles.buffer(), 300);
+    const auto bits = [&](const gnomon::Triangles& triangles, const Light& light) {
+        return ask(still.device, *gnomon::make_technique("frustum-traced", still.device), triangles, still.points,
+                   light)
+            .visibility;
+    };
+    const auto expect = [&](const gnomon::Triangles& triangles, const Light& light, bool is_used) {
+        const Asked asked = still.run(triangles, light);
+        EXPECT_EQ(asked.statistics.count("prepared"), is_used);
+        EXPECT_EQ(asked.visibility, bits(triangles, light));
+        for (const gnomon::StageStatistics& stage : asked.statistics.stages)
+            EXPECT_EQ(
+                stage.skipped == "prepared",
+                is_used && (stage.name == "triangle_setup" || stage.name == "bins" || stage.name == "light_frame" ||
+                            stage.name == "farthest_height" || stage.name == "conservative_map"))
+                << stage.name;
+    };
+    EXPECT_NE(bits(still.triangles, still.sun), bits(later, still.sun));
+    for (const Light& light : {still.sun, still.lamp}) {
+        const Light& other_light = light.is_directional() ? still.lamp : still.sun;
+        const gnomon::Statistics statistics = still.technique->prepare(still.triangles, light);
+        EXPECT_EQ(statistics.count("prepared"), 1u);
+        EXPECT_GT(statistics.count("references"), 100u);
+        EXPECT_GT(statistics.total_wall_ms, 0.0);
+        for (int round = 0; round < 2; ++round) {
+            expect(still.triangles, light, true);
+            expect(same, light, true);
+            expect(others, light, false);
+            expect(fewer, light, false);
+            expect(later, light, false);
+            expect(still.triangles, other_light, false);
+        }
+        still.technique->forget();
+        expect(still.triangles, light, false);
+    }
+    still.technique->prepare(still.triangles, still.sun);
+    still.technique->set("map-size", "64");
+    expect(still.triangles, still.sun, false);
+    still.technique->prepare(still.triangles, still.sun);
+    still.technique->prepare(still.triangles, still.lamp);
+    expect(still.triangles, still.sun, false);
+    expect(still.triangles, still.lamp, true);
+}
+
+TEST(Prepared, ServesEveryCameraOfOneLight) {
+    Still still;
+    std::uint64_t dark = 0;
+    for (const Light& light : {still.sun, still.lamp}) {
+        still.technique->prepare(still.triangles, light);
+        const auto plain = gnomon::make_technique("frustum-traced", still.device);
+        for (const gnomon::Float3& eye : {gnomon::Float3{0, 1, 4}, gnomon::Float3{3, 0, 0.5f},
+                                          gnomon::Float3{0.1f, 0.2f, 0.1f}, gnomon::Float3{-20, 30, -20}}) {
+            const auto camera = gnomon::Camera::look_at(eye, {0, 0, 0}, {0, 1, 0}, 40);
+            const gnomon::View view = gnomon::look(still.device, still.triangles, camera, 120, 80);
+            const Asked asked = ask(still.device, *still.technique, still.triangles, view.points, light);
+            EXPECT_EQ(asked.statistics.count("prepared"), 1u);
+            EXPECT_EQ(asked.visibility, ask(still.device, *plain, still.triangles, view.points, light).visibility);
+            dark += asked.statistics.count("points_in_shadow");
+        }
+    }
+    EXPECT_GT(dark, 5000u);
+}
+
+TEST(Prepared, NothingToPrepareIsNoTrouble) {
+    Still still;
+    const auto none = gnomon::Triangles::upload(still.device, {}),
+               bad = gnomon::Triangles::upload(still.device, Floats(90, not_a_number));
+    for (const Light& light : {still.sun, still.lamp})
+        for (const gnomon::Triangles& triangles : {none, bad}) {
+            still.technique->prepare(triangles, light);
+            EXPECT_EQ(still.run(triangles, light).visibility, std::vector<float>(still.points.count(), 1.0f));
+        }
+    still.technique->prepare(still.triangles, still.sun);
+    const gnomon::Points no_points = gnomon::Points::upload(still.device, {}),
+                         no_place = gnomon::Points::upload(still.device, Floats(300, not_a_number));
+    EXPECT_TRUE(ask(still.device, *still.technique, still.triangles, no_points, still.sun).visibility.empty());
+    const Asked absent_points = ask(still.device, *still.technique, still.triangles, no_place, still.sun);
+    EXPECT_EQ(absent_points.visibility, std::vector<float>(100, 1.0f));
+    EXPECT_EQ(absent_points.statistics.count("points_absent"), 100u);
+    EXPECT_THROW(still.technique->prepare(still.triangles, Light{}), gnomon::InvalidArgument);
+}
+
+TEST(Prepared, AnyTechniqueTakesIt) {
+    Still still;
+    const auto other = gnomon::make_technique("shadow-map", still.device);
+    const std::vector<float> before = ask(still.device, *other, still.triangles, still.points, still.sun).visibility;
+    other->prepare(still.triangles, still.sun);
+    EXPECT_EQ(ask(still.device, *other, still.triangles, still.points, still.sun).visibility, before);
+    other->forget();
+    still.technique->set("traversal", "triangles");
+    EXPECT_EQ(still.technique->prepare(still.triangles, still.sun).count("prepared"), 0u);
+    EXPECT_EQ(still.run(still.triangles, still.sun).statistics.count("prepared"), 0u);
+}
+
+// ---- Memory and faults ----------------------------------------------------------------------------------------------
+
+TEST(PreparedMemory, IsCountedAndFreed) {
+    Still still;
+    for (const Light& light : {still.sun, still.lamp}) {
+        still.run(still.triangles, light);
+        const std::uint64_t before = still.device.memory_bytes();
+        const std::uint64_t run_bytes = still.run(still.triangles, light).statistics.device_memory_bytes;
+        const std::uint64_t kept = still.technique->prepare(still.triangles, light).count("prepared_bytes");
+        EXPECT_GT(kept, 10'000u);
+        EXPECT_EQ(still.device.memory_bytes(), before + kept);
+        EXPECT_EQ(still.run(still.triangles, light).statistics.device_memory_bytes, run_bytes + kept);
+        still.technique->forget();
+        EXPECT_EQ(still.device.memory_bytes(), before);
+        EXPECT_EQ(still.run(still.triangles, light).statistics.device_memory_bytes, run_bytes);
+    }
+}
+
+TEST(PreparedMemory, ALimitThatItDoesNotFitUnderLeavesRunsAlone) {
+    const Still still;
+    gnomon::DeviceOptions options;
+    options.memory_limit_bytes = 8u << 20;
+    const Device device({}, options);
+    const auto triangles = gnomon::Triangles::upload(device, still.vertices);
+    const gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("first-capacity", "1000");
+    const Asked wanted = ask(device, *technique, triangles, points, still.lamp);
+    technique->set("map-size", "1024");
+    try {
+        technique->prepare(triangles, still.lamp);
+        ADD_FAILURE() << "six maps of 1024 x 1024 texels do not fit under 8 MiB";
+    } catch (const gnomon::OutOfDeviceMemory& error) {
+        EXPECT_NE(std::string(error.what()).find("limit"), std::string::npos) << error.what();
+    }
+    technique->set("map-size", "auto");
+    const Asked after = ask(device, *technique, triangles, points, still.lamp);
+    EXPECT_EQ(after.visibility, wanted.visibility);
+    EXPECT_EQ(after.statistics.count("prepared"), 0u);
+}
+
+TEST(PreparedFaults, EveryCallFailsOnceAndNothingIsLost) {
+    for (const bool has_lamp : {false, true}) {
+        Still still;
+        const Light light = has_lamp ? still.lamp : still.sun;
+        still.technique->set("map-size", "64");
+        still.technique->set("first-capacity", "16");
+        const std::vector<float> wanted = still.run(still.triangles, light).visibility;
+        const auto prepare_and_run = [&] {
+            still.technique->prepare(still.triangles, light);
+            return still.run(still.triangles, light);
+        };
+        gnomon::cl::Session& session = still.device.session();
+        EXPECT_EQ(prepare_and_run().statistics.count("prepared"), 1u);
+        std::size_t calls = 0;
+        session.inject_faults([&](std::string_view) { return ++calls, CL_SUCCESS; });
+        ASSERT_EQ(prepare_and_run().visibility, wanted);
+        ASSERT_GT(calls, 30u);
+        const std::uint64_t kept = still.device.memory_bytes();
+        for (std::size_t failing = 1; failing <= calls; ++failing) {
+            std::size_t call = 0;
+            session.inject_faults(
+                [&](std::string_view) { return ++call == failing ? CL_MEM_OBJECT_ALLOCATION_FAILURE : CL_SUCCESS; });
+            EXPECT_THROW(prepare_and_run(), gnomon::OutOfDeviceMemory) << "call " << failing;
+            session.inject_faults(nullptr);
+            ASSERT_EQ(still.run(still.triangles, light).visibility, wanted) << "after a failure of call " << failing;
+            const Asked again = prepare_and_run();
+            ASSERT_EQ(again.visibility, wanted) << "after a failure of call " << failing;
+            ASSERT_EQ(again.statistics.count("prepared"), 1u);
+            ASSERT_EQ(still.device.memory_bytes(), kept) << "after a failure of call " << failing;
+        }
+        still.technique.reset();
+    }
+}
+
+class WorkGroups : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(WorkGroups, OfAnySizeGiveTheSameBits) {
+    const Device device = device_with(GetParam());
+    Still still;
+    const auto triangles = gnomon::Triangles::upload(device, still.vertices);
+    const gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    for (const Light& light : {still.sun, still.lamp}) {
+        technique->prepare(triangles, light);
+        const Asked asked = ask(device, *technique, triangles, points, light);
+        EXPECT_EQ(asked.statistics.count("prepared"), 1u);
+        EXPECT_EQ(asked.visibility, still.run(still.triangles, light).visibility);
+    }
+}
+INSTANTIATE_TEST_SUITE_P(Sizes, WorkGroups, testing::ValuesIn(FEW_WORK_GROUP_SIZES));
+
+}  // namespace
