@@ -113,6 +113,8 @@ bool ViewFit::set(std::string_view name, std::string_view value) {
         lambda_ = number_setting(name, value, 0, 1);
     else if (name == "overlap")
         overlap_ = number_setting(name, value, 0, 1);
+    else if (name == "blend")
+        blends_ = choice_setting(name, value, switches) != 0;
     else if (name == "near")
         near_plane_ = number_setting(name, value, 0, largest);
     else if (name == "far")
@@ -142,6 +144,7 @@ std::vector<SettingDescription> ViewFit::settings() {
         {"cascades", "1", "slices of camera depth, 1 to 8"},
         {"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"},
         {"overlap", "0.02", "each slice holds this share more at both ends, for filters, 0 to 1"},
+        {"blend", "off", "on or off: each slice blends into the next one within its overlap"},
         {"near", "0", "near plane of the slices, world units; 0: a thousandth of far"},
         {"far", "0", "far plane of the slices, world units; 0: the scene's diagonal"},
         {"slide-back", "0", "psm: move the camera back by so much, world units"},
@@ -172,6 +175,7 @@ ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
     plan.alpha = alpha_;
     plan.overlap = overlap_;
     plan.slide_back = slide_back_;
+    plan.blends = blends_ && plan.partition == PARTITION_DEPTH;
     plan.map_size = size;
     plan.keeps_casters = inputs.keeps_casters;
     plan.view_count = view_count(plan, cascades_);

@@ -28,7 +28,7 @@ private:
     cl_uint projection_ = PROJECTION_UNIFORM, fit_ = FIT_RECEIVERS;
     std::optional<cl_uint> partition_, range_;  ///< none: chosen by the light and the other settings
     cl_uint cascades_ = 1;
-    bool shares_resolution_ = false, is_self_similar_ = false, is_atlas_ = false;
+    bool shares_resolution_ = false, is_self_similar_ = false, is_atlas_ = false, blends_ = false;
     float lambda_ = 0.5f, alpha_ = 0.5f, overlap_ = 0.02f, near_plane_ = 0, far_plane_ = 0, slide_back_ = 0;
     void run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views);
     void run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);

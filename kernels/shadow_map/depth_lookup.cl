@@ -105,42 +105,44 @@ static float lookup_pcss(const LookupPlan* plan, const Receiver* r, __global con
     return grid_of_taps(plan, r, depths, fmax(fmin(penumbra, reach) * texels, 1.0f), &blockers, &ignored_depth);
 }
 
+static float lookup_in_view(const LookupPlan* plan, const Receiver* r, __global const float* depths,
+                            __constant const float2* offsets) {
+    switch (plan->lookup) {
+        case LOOKUP_HARD:
+            return lookup_hard(plan, r, depths, r->at_texels);
+        case LOOKUP_PCF:
+            return lookup_pcf(plan, r, depths);
+        case LOOKUP_BILINEAR:
+        case LOOKUP_GAUSSIAN:
+            return lookup_smooth(plan, r, depths);
+        case LOOKUP_TWELVE:
+            return lookup_twelve(plan, r, depths, offsets);
+        case LOOKUP_PCSS:
+            return lookup_pcss(plan, r, depths);
+    }
+    return 1.0f;
+}
+
 __kernel void depth_lookup(LookupPlan plan, MapSet set, PointsLayout layout, ulong first_float,
                            __global const float* positions, __global const uint* receivers,
                            __global const float* vertices, __global const MapView* views, __global const float* tables,
                            __global const float* depths, __constant const float2* offsets, __global float* visibility) {
     GN_FOR_EACH(i, layout.count) {
-        if (visibility[i] != 1.0f) continue;
-        float3 p = load_point(positions, layout, i);
-        if (!is_present(p)) continue;
-        uint index = select_view(set, views, p);
-        if (index == NO_VIEW) continue;
-        Receiver r;
-        make_receiver(views + index, tables, p, &r);
-        if (plan.adaptive && layout.has_receivers && receivers[i] < plan.triangle_count) {
-            float3 a, b;
-            r.has_plane = plane_tangents(load_triangle(vertices + first_float, receivers[i]), &a, &b);
-            r.tangent_a = homogeneous_direction(r.view, a);
-            r.tangent_b = homogeneous_direction(r.view, b);
-        }
-        float lit = 1.0f;
-        switch (plan.lookup) {
-            case LOOKUP_HARD:
-                lit = lookup_hard(&plan, &r, depths, r.at_texels);
-                break;
-            case LOOKUP_PCF:
-                lit = lookup_pcf(&plan, &r, depths);
-                break;
-            case LOOKUP_BILINEAR:
-            case LOOKUP_GAUSSIAN:
-                lit = lookup_smooth(&plan, &r, depths);
-                break;
-            case LOOKUP_TWELVE:
-                lit = lookup_twelve(&plan, &r, depths, offsets);
-                break;
-            case LOOKUP_PCSS:
-                lit = lookup_pcss(&plan, &r, depths);
-                break;
+        float3 p, a, b;
+        uint index;
+        if (!is_looked_up(set, layout, positions, visibility, views, i, &p, &index)) continue;
+        bool has_plane = plan.adaptive && layout.has_receivers && receivers[i] < plan.triangle_count &&
+                         plane_tangents(load_triangle(vertices + first_float, receivers[i]), &a, &b);
+        float share = share_of_next(set, views, index, p), lit = 0.0f;
+        for (uint next = 0; next <= (share > 0.0f ? 1u : 0u); ++next) {
+            Receiver r;
+            make_receiver(views + index + next, tables, p, &r);
+            r.has_plane = has_plane;
+            if (has_plane) {
+                r.tangent_a = homogeneous_direction(r.view, a);
+                r.tangent_b = homogeneous_direction(r.view, b);
+            }
+            lit += (next ? share : 1.0f - share) * lookup_in_view(&plan, &r, depths, offsets);
         }
         visibility[i] = lit;
     }

@@ -77,6 +77,17 @@ static void make_receiver(__global const MapView* view, __global const float* ta
     r->has_plane = false;
 }
 
+// Is the point to be looked up, and in which view?
+static bool is_looked_up(MapSet set, PointsLayout layout, __global const float* positions,
+                         __global const float* visibility, __global const MapView* views, size_t i, float3* p,
+                         uint* index) {
+    if (visibility[i] != 1.0f) return false;
+    *p = load_point(positions, layout, i);
+    if (!is_present(*p)) return false;
+    *index = select_view(set, views, *p);
+    return *index != NO_VIEW;
+}
+
 // Depth of the receiver's plane on the ray of light through (u, v): p + a tangent_a + b tangent_b lies on it if
 //   (X - u W) = 0 and (Y - v W) = 0,
 // two linear equations in a and b. No plane, or one edge-on to the light: the point's own depth.

@@ -35,6 +35,7 @@ GN_STRUCT_BEGIN(MapView)
     float origin[3];
     float front_depth;
     float select_near, select_far;  // serves points whose camera depth lies in [select_near, select_far)
+    float blend_from;               // from this camera depth on the next view takes over, fully at select_far
     uint warp;
     float log_strength;  // > 0
     uint warp_size;      // pieces of a rectilinear table
@@ -42,7 +43,6 @@ GN_STRUCT_BEGIN(MapView)
     uint centres_first;  // index in tables
     uint width, height;  // texels
     uint first_texel, row_stride;
-    uint padding;
 GN_STRUCT_END(MapView, 128)
 
 // What the host knows of all views.
@@ -124,20 +124,37 @@ static float2 map_texels(__global const MapView* view, __global const float* tab
                     map_warp(view, tables, 1u, uv.y) * (float)view->height);
 }
 
-// The first view that serves the point: camera depth in its interval, and the point inside the map and in front of the
-// light. NO_VIEW: outside all maps, lit.
+static float camera_depth_of(MapSet set, float3 p) {
+    if (!set.has_camera) return 0.0f;
+    return (p.x - set.eye[0]) * set.camera_forward[0] + (p.y - set.eye[1]) * set.camera_forward[1] +
+           (p.z - set.eye[2]) * set.camera_forward[2];
+}
+
+// Is the point inside the map and in front of the light?
+static bool is_in_map(__global const MapView* view, float3 p) {
+    if (view->width == 0) return false;
+    float3 at = map_uv(view, p);
+    return at.x >= 0.0f && at.x <= 1.0f && at.y >= 0.0f && at.y <= 1.0f && at.z > view->front_depth;
+}
+
+// The first view that serves the point: camera depth in its interval, and the point in it. NO_VIEW: outside all maps,
+// lit.
 static uint select_view(MapSet set, __global const MapView* views, float3 p) {
-    float camera_depth = 0.0f;
-    if (set.has_camera)
-        camera_depth = (p.x - set.eye[0]) * set.camera_forward[0] + (p.y - set.eye[1]) * set.camera_forward[1] +
-                       (p.z - set.eye[2]) * set.camera_forward[2];
+    float camera_depth = camera_depth_of(set, p);
     for (uint i = 0; i < set.view_count; ++i) {
         __global const MapView* view = views + i;
-        if (view->width == 0 || camera_depth < view->select_near || !(camera_depth < view->select_far)) continue;
-        float3 at = map_uv(view, p);
-        if (at.x >= 0.0f && at.x <= 1.0f && at.y >= 0.0f && at.y <= 1.0f && at.z > view->front_depth) return i;
+        if (camera_depth >= view->select_near && camera_depth < view->select_far && is_in_map(view, p)) return i;
     }
     return NO_VIEW;
+}
+
+// How much of the visibility comes from the view after view `index`, which serves the point: 0 but where slices blend.
+static float share_of_next(MapSet set, __global const MapView* views, uint index, float3 p) {
+    __global const MapView* view = views + index;
+    if (!(view->blend_from < view->select_far) || index + 1 >= set.view_count) return 0.0f;
+    float camera_depth = camera_depth_of(set, p);
+    if (!(camera_depth > view->blend_from) || !is_in_map(view + 1, p)) return 0.0f;
+    return (camera_depth - view->blend_from) / (view->select_far - view->blend_from);
 }
 
 #endif

@@ -95,34 +95,45 @@ static int agreement(const StorePlan* plan, const Receiver* r, __global const fl
     return lit == 4 ? 1 : lit == 0 ? -1 : 0;
 }
 
+// What of the map the kernel is given.
+typedef struct StoredPlanes {
+    __global const float* depths;
+    __global const void* planes;
+    __global const void* mips;
+    uint texels;
+} StoredPlanes;
+
+static float lookup_in_view(const StorePlan* plan, const Receiver* r, float level, const StoredPlanes* stored) {
+    int agreed = plan->edges_only ? agreement(plan, r, stored->depths) : 0;
+    if (agreed != 0) return agreed > 0 ? 1.0f : 0.0f;
+    float means[MOST_PLANES];
+    if (plan->summed)
+        fetch_summed(plan, r, stored->texels, (__global const uint*)stored->planes, means);
+    else
+        fetch(plan, r, level, stored->texels, stored->planes, stored->mips, means);
+    return visibility_estimate(plan, means, r->depth - plan->receiver_bias);
+}
+
 // With mips the points have a camera, whose steps these are, and receivers.
 __kernel void moment_lookup(StorePlan plan, PixelSteps steps, MapSet set, PointsLayout layout, ulong first_float,
                             uint triangle_count, __global const float* positions, __global const uint* receivers,
                             __global const float* vertices, __global const MapView* views, __global const float* tables,
                             __global const float* depths, __global const void* planes, __global const void* mips,
                             __global float* visibility) {
+    StoredPlanes stored = {depths, planes, mips, set.texels};
     GN_FOR_EACH(i, layout.count) {
-        if (visibility[i] != 1.0f) continue;
-        float3 p = load_point(positions, layout, i);
-        if (!is_present(p)) continue;
-        uint index = select_view(set, views, p);
-        if (index == NO_VIEW) continue;
-        Receiver r;
-        make_receiver(views + index, tables, p, &r);
-        if (plan.edges_only) {
-            int agreed = agreement(&plan, &r, depths);
-            if (agreed < 0) visibility[i] = 0.0f;
-            if (agreed != 0) continue;
-        }
-        float means[MOST_PLANES];
-        if (plan.summed)
-            fetch_summed(&plan, &r, set.texels, (__global const uint*)planes, means);
-        else {
+        float3 p;
+        uint index;
+        if (!is_looked_up(set, layout, positions, visibility, views, i, &p, &index)) continue;
+        float share = share_of_next(set, views, index, p), lit = 0.0f;
+        for (uint next = 0; next <= (share > 0.0f ? 1u : 0u); ++next) {
+            Receiver r;
+            make_receiver(views + index + next, tables, p, &r);
             float level = 0.0f;
             if (plan.mips != 0 && receivers[i] < triangle_count)
                 level = level_of_footprint(&plan, &steps, &r, load_triangle(vertices + first_float, receivers[i]), p);
-            fetch(&plan, &r, level, set.texels, planes, mips, means);
+            lit += (next ? share : 1.0f - share) * lookup_in_view(&plan, &r, level, &stored);
         }
-        visibility[i] = visibility_estimate(&plan, means, r.depth - plan.receiver_bias);
+        visibility[i] = lit;
     }
 }

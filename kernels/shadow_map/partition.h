@@ -7,7 +7,8 @@
 // without a trip through the host (sample distribution: Lauritzen, Salvi, Lefohn 2011; survey 85-88).
 // A point belongs to the slice its own depth lies in, whatever its neighbours: no seam can come of it (the survey's
 // remedy, 82-83, repairs hardware derivatives, which a kernel does not have). Filters reach over a slice's end;
-// `overlap` widens what each map holds.
+// `overlap` widens what each map holds. What can be seen is that texels change their size at once; with `blend` the
+// next slice takes over evenly within its overlap, where its map holds the points already.
 #ifndef GN_SHADOW_PARTITION_H
 #define GN_SHADOW_PARTITION_H
 

@@ -382,7 +382,8 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     map.select_far = is_sliced && i + 1 != plan->view_count ? view->far_depth : INFINITY;
     map.log_strength = view->takes_logarithm ? r.high_v / r.low_v - 1.0f : 0.0f;
     map.warp = map.log_strength > 1.0e-3f ? WARP_LOGARITHMIC : WARP_NONE;
-    map.warp_size = map.forward_first = map.padding = 0;
+    map.blend_from = map.select_far;
+    map.warp_size = map.forward_first = 0;
     map.centres_first = i * 2 * MOST_SIDES * plan->map_size;
     map.width = map.height = plan->map_size;
     map.row_stride = plan->map_size;
@@ -432,6 +433,8 @@ __kernel void projection_fit(ViewPlan world_plan, __global const KeyBounds* boun
         } else {
             map = map_view_of(&plan, &view, i, fitted_rectangle(&plan, &view, place, &body, points),
                               fitted_depths(&plan, &view, place, points));
+            if (plan.blends && i + 1 < plan.view_count)
+                map.blend_from = fmax(planned[FIRST_VIEW + i + 1].hold_near, view.near_depth);
         }
         float error_u = is_off ? 0.0f : 1.0f, error_v = error_u;
         if (!is_off && body.count != 0) measure_errors(&plan, &map, body.vertices, body.count, &error_u, &error_v);

@@ -77,7 +77,8 @@ GN_STRUCT_BEGIN(ViewPlan)
     uint atlas_columns;      // views side by side in one picture of that many columns; 0: one after the other
     uint self_similar;       // 1: depth slices of lambda 1 repeat the first one's fit (thesis, eq. 6.2-6.3)
     uint keeps_casters;      // 1: depths before the receivers are kept apart too, as far as the scene's box reaches
-GN_STRUCT_END(ViewPlan, 144)
+    uint blends;             // 1: slices blend into the next one within its overlap
+GN_STRUCT_END(ViewPlan, 148)
 
 // Least values over points, as float_to_key: of u, v, depth and w, then of their negatives. All ones: no point.
 GN_STRUCT_BEGIN(KeyBounds)

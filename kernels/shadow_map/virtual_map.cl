@@ -53,7 +53,8 @@ __kernel void virtual_map_request(VirtualPlan plan, MapSet set, PointsLayout lay
         uint entry = page_entry(&plan, index, level, column, row);
         point_entries[i] = entry;
         // Many points ask for one page: most need not write.
-        if (GN_LOOK(&requested[entry]) == 0 && atomic_xchg(&requested[entry], 1u) == 0) atomic_inc(&counters->pages_requested);
+        if (GN_LOOK(&requested[entry]) == 0 && atomic_xchg(&requested[entry], 1u) == 0)
+            atomic_inc(&counters->pages_requested);
     }
 }
 
@@ -86,7 +87,8 @@ static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint
             uint entry = page_entry(plan, level_view / plan->levels, level_view % plan->levels, column, row);
             if (requested[entry] == 0) continue;
             uint page = page_of[entry];
-            if (GN_LOOK(&touched[page]) == 0 && atomic_xchg(&touched[page], 1u) == 0) atomic_inc(&counters->pages_drawn);
+            if (GN_LOOK(&touched[page]) == 0 && atomic_xchg(&touched[page], 1u) == 0)
+                atomic_inc(&counters->pages_drawn);
             if (is_small) {
                 Caster part = *caster;
                 clip_to_page(&part, column, row);

@@ -161,6 +161,52 @@ TEST(ShadowMap, summed_areas_of_one_texel_change_nothing) {
     }
 }
 
+// A line of points at one distance from a straight edge, across the border of two slices at camera depth 21, which has
+// an overlap of 0.1 x 20 before it. Texels of both lie along the edge, so each slice gives one visibility; blended, the
+// first turns into the second from depth 19 to 21, at an even rate.
+TEST(ShadowMap, slices_blend_evenly_within_the_overlap) {
+    const gnomon::Device device;
+    const auto depth_of = [](int i) { return 15 + 0.0123f * float(i); };
+    constexpr int count = 700;
+    Floats vertices, floor_points;
+    add(vertices, {-90, 0, -90}, {90, 0, -90}, {0, 0, 180});
+    add(vertices, {-30, 1, -90}, {0, 1, -90}, {0, 1, 90});
+    add(vertices, {-30, 1, -90}, {0, 1, 90}, {-30, 1, 90});
+    for (int i = 0; i < count; ++i) add(floor_points, {0.6f, 0, depth_of(i)});
+    const auto triangles = gnomon::Triangles::upload(device, vertices);
+    auto points = gnomon::Points::upload(device, floor_points, std::vector<std::uint32_t>(count, 0));
+    points.set_camera(gnomon::Camera::look_at({0, 2, 0}, {0, 2, 1}, {0, 1, 0}, 60), 200, 100);
+    const auto lit_along = [&](Settings settings) {
+        settings.insert(settings.end(), {{"size", "128"},
+                                         {"fit", "frustum"},
+                                         {"cascades", "2"},
+                                         {"depth-range", "planes"},
+                                         {"near", "1"},
+                                         {"far", "41"},
+                                         {"lambda", "0"},
+                                         {"overlap", "0.1"}});
+        const auto technique = gnomon::make_technique("shadow-map", device);
+        for (const auto& [name, value] : settings) technique->set(name, value);
+        const gnomon::Visibility visibility(device, points.count());
+        technique->run(triangles, points, Light::directional({0, -1, 0}), visibility);
+        return visibility.read();
+    };
+    for (const Settings& settings : {Settings{{"lookup", "bilinear"}, {"taps", "5"}},
+                                     Settings{{"store", "variance"}, {"prefilter", "gaussian"}}}) {
+        Settings blended = settings;
+        blended.emplace_back("blend", "on");
+        const auto off = lit_along(settings), on = lit_along(blended);
+        const double first = off[0], second = off[count - 1];
+        ASSERT_GT(std::fabs(second - first), 0.05) << "a border that nobody sees";
+        for (int i = 0; i < count; ++i) {
+            const double depth = depth_of(i), share = std::clamp((depth - 19) / 2, 0.0, 1.0);
+            if (std::fabs(depth - 21) < 1e-3) continue;
+            ASSERT_NEAR(off[std::size_t(i)], depth < 21 ? first : second, 2e-3) << depth;
+            ASSERT_NEAR(on[std::size_t(i)], first + share * (second - first), 3e-3) << depth;
+        }
+    }
+}
+
 TEST(ShadowMap, nothing_to_do) {
     const gnomon::Device device;
     Scene scene = floor_and_slabs(1);
@@ -185,6 +231,7 @@ TEST(ShadowMap, bad_settings_are_refused_in_one_sentence) {
     expect_refused({{"size", "1"}}, "size is a whole number from 16 to 16384, not \"1\"");
     expect_refused({{"size", "100000"}}, "size is a whole number from 16 to 16384");
     expect_refused({{"exponent", "nan"}}, "exponent is a number from 0.1 to 80, not \"nan\"");
+    expect_refused({{"blend", "2"}}, "blend is off or on, not \"2\"");
     expect_refused({{"store", "colour"}}, "store is depth, variance, layered");
     expect_refused({{"sharpness", "1"}}, "shadow-map has no setting \"sharpness\": it has size, store");
     expect_refused({{"prefilter", "gaussian"}}, "depths must not be filtered before they are compared");
