@@ -132,7 +132,7 @@ struct Triangles {
 };
 inline Triangles uploaded_triangles(gnomon::cl::Session& session, const Floats& vertices) {
     Triangles triangles{uploaded(session, vertices), {}};
-    triangles.inputs = {triangles.vertices.get(), 0, static_cast<cl_uint>(vertices.size() / 9)};
+    triangles.inputs = {triangles.vertices.get(), 0, static_cast<cl_uint>(vertices.size() / 9), nullptr};
     return triangles;
 }
 
