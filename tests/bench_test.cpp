@@ -338,5 +338,23 @@ TEST(BenchParts, TablesShowFailuresAndErrors) {
     EXPECT_FALSE(to_json(bad).contains("ms"));
 }
 
+TEST(BenchParts, BiasTableTellsAcneFromPeterPanning) {
+    Row row;
+    row.experiment = "bias";
+    row.technique = "shadow-map";
+    row.total = times_of({2, 2.5, 3});
+    row.errors.emplace();
+    row.errors->points = 1000;
+    row.errors->wrongly_lit = 7;
+    row.errors->wrongly_shadowed = 30;
+    const std::vector<Row> rows{row};
+    const std::vector<Table> tables = tables_of(rows, "bias");
+    ASSERT_EQ(tables.size(), 1u);
+    EXPECT_EQ(tables[0].lines.at(0),
+              (std::vector<std::string>{"shadow-map", "2.50 ± 0.250", "30", "3.00 %", "7", "0.700 %"}));
+    EXPECT_NE(tables[0].heads.at(2).find("wrongly shadowed"), std::string::npos);
+    EXPECT_NE(tables[0].heads.at(4).find("wrongly lit"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace gnomon::bench

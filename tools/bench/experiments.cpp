@@ -62,6 +62,15 @@ std::vector<Block> errors(const SceneShelf& shelf, const Limits& limits) {
     return blocks;
 }
 
+std::vector<Block> bias(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const SceneView& view : usual_views(shelf, limits)) {
+        blocks.push_back(block_of("bias", view, within(limits, {full_hd}), bias_configurations()));
+        blocks.back().errors = true;
+    }
+    return blocks;
+}
+
 // ---- Stages and rivals ----------------------------------------------------------------------------------------------
 
 std::vector<Block> rivals(const SceneShelf& shelf, const Limits& limits) {
@@ -184,6 +193,9 @@ const std::vector<Experiment>& experiments() {
          "The "
          "exact technique is checked against an independent oracle; all others are measured against it.",
          errors},
+        {"bias", "Bias: acne against peter-panning",
+         "The same map of 2048 x 2048 with constant, slope-scaled, adaptive and dual-layer bias of several strengths.",
+         bias},
         {"rivals", "Stages, and rivals on the same points",
          "gnomon's exact technique rebuilds everything in each run (animated). Embree, on the same points, light and "
          "number of threads: animated is its build and its rays together, static its rays alone from a finished tree.",

@@ -29,6 +29,18 @@ std::vector<Sweep> sweeps() {
         {"lispsm", {{"size", {"512", "4096"}}}},
         {"logpsm", {{"size", {"512", "4096"}}}},
         {"sdsm", {{"size", {"512", "4096"}}}},
+        {"sub-pixel", {{"map-size", {"512", "2048", "4096"}}}},
+        {"virtual-shadow-map", {{"detail", {"0.5", "2", "4"}}}},
+    };
+}
+
+// Every kind of bias, from none to too much.
+std::vector<Sweep> bias_sweeps() {
+    return {
+        {"shadow-map", {{"slope-bias", {"0"}}, {"constant-bias", {"0", "0.0001", "0.001", "0.01"}}}},
+        {"shadow-map", {{"slope-bias", {"0.5", "1.5", "5", "20"}}}},
+        {"adaptive-bias", {{"constant-bias", {"0", "0.0001", "0.001", "0.01"}}}},
+        {"dual-layer", {{"dual-limit", {"0.001", "0.05", "1"}}, {"constant-bias", {"0", "0.00001", "0.001"}}}},
     };
 }
 
@@ -65,6 +77,13 @@ std::vector<Configuration> swept_configurations() {
                 for (Settings& settings : combinations(sweep))
                     configurations.push_back({technique.technique, std::move(settings)});
     }
+    return configurations;
+}
+
+std::vector<Configuration> bias_configurations() {
+    std::vector<Configuration> configurations;
+    for (const Sweep& sweep : bias_sweeps())
+        for (Settings& settings : combinations(sweep)) configurations.push_back({sweep.technique, std::move(settings)});
     return configurations;
 }
 

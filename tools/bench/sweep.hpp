@@ -22,6 +22,9 @@ std::vector<Configuration> default_configurations();
 /// The same, and after each technique the settings that the table in sweep.cpp has for it.
 std::vector<Configuration> swept_configurations();
 
+/// Shadow maps with constant, slope-scaled, adaptive and dual-layer bias of several strengths.
+std::vector<Configuration> bias_configurations();
+
 /// The technique whose answer the others are measured against, with its defaults.
 Configuration truth_configuration();
 

@@ -92,6 +92,22 @@ Table error_table(const Comparison& view) {
     return table;
 }
 
+Table bias_table(const Comparison& view) {
+    Table table{view.title,
+                "Acne: points that are lit and called dark. Peter-panning: points in shadow that are called lit. Both "
+                "hold what the texels' size gets wrong along edges, whatever the bias.",
+                {"technique", "ms", "acne (wrongly shadowed)", "share", "peter-panning (wrongly lit)", "share"},
+                {}};
+    for (const Row* row : view.rows) {
+        if (!row->failed.empty() || !row->errors) continue;
+        const auto share = [&](std::uint64_t count) { return percent(double(count) / double(row->errors->points)); };
+        const std::uint64_t acne = row->errors->wrongly_shadowed, panning = row->errors->wrongly_lit;
+        table.lines.push_back({name_of(*row), times_text(row->total), with_spaces(double(acne)), share(acne),
+                               with_spaces(double(panning)), share(panning)});
+    }
+    return table;
+}
+
 Table stage_table(const Rows& rows) {
     Table table{"",
                 "Total: median and half the quartile distance of wall-clock runs. Stages: device time by events, in "
@@ -238,6 +254,8 @@ std::vector<Table> tables_of(std::span<const Row> rows, const std::string& exper
     if (ours.empty()) return tables;
     if (experiment == "errors" || experiment == "times") {
         for (const Comparison& view : views) tables.push_back(error_table(view));
+    } else if (experiment == "bias") {
+        for (const Comparison& view : views) tables.push_back(bias_table(view));
     } else if (experiment == "rivals") {
         tables = {rival_table(views), stage_table(ours)};
     } else if (experiment.starts_with("growth")) {
