@@ -397,7 +397,10 @@ TechniqueDescription FrustumTraced::describe() {
          {"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
          {"traversal", "points",
           "points (each over its bin's triangles) or triangles (each over its bins' points; a baseline to compare)"},
-         {"first-capacity", "262144", "entries that growing lists start with, from 1: for tests"}}};
+         {"first-capacity", "262144", "entries that growing lists start with, from 1: for tests"}},
+        {{"decided",
+          "what decided each point: pale and blue the filter, dark blue the map, green to red the exact "
+          "predicate; docs/techniques.md has the legend"}}};
 }
 
 }  // namespace gnomon

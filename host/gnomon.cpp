@@ -8,6 +8,7 @@
 #include "cl/session.hpp"
 #include "conservative_map_alone.hpp"
 #include "frustum_traced.hpp"
+#include "inputs.hpp"
 #include "self_check.hpp"
 #include "shadow_map/presets.hpp"
 #include "shadow_map/shadow_map.hpp"
@@ -75,10 +76,19 @@ Statistics Technique::prepare(const Triangles&, const Light& light) {
     return {};
 }
 
+std::vector<Statistics> Technique::run_lights(const Triangles& triangles, const Points& points,
+                                              std::span<const Light> lights, std::span<const Visibility> visibilities) {
+    require_run_lights(triangles, points, lights, visibilities);
+    std::vector<Statistics> statistics;
+    for (std::size_t i = 0; i < lights.size(); ++i)
+        statistics.push_back(run(triangles, points, lights[i], visibilities[i]));
+    return statistics;
+}
+
 std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
     throw InvalidArgument("this technique has no diagnostic named \"" + std::string(name) +
-                          "\": frustum-traced has decided; shadow-map and its presets have aliasing, grid, views and "
-                          "depth");
+                          "\": frustum-traced has decided, virtual-shadow-map has page, shadow-map and its presets "
+                          "have aliasing, grid, views, depth and warp");
 }
 
 std::vector<TechniqueDescription> techniques() {

@@ -359,6 +359,11 @@ struct Materials {
 /// Lambert with visibility, plus ambient, written as 8-bit sRGB, 4 bytes (RGBA) per pixel.
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 const Visibility& visibility, const Materials& materials, const Light& light);
+/// The same under several lights: their Lambert terms, each as bright as the one light above, are added up; what is
+/// brighter than white is white. visibilities[i] belongs to lights[i]: throws InvalidArgument if there is not one each.
+std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
+                                std::span<const Visibility> visibilities, const Materials& materials,
+                                std::span<const Light> lights);
 
 // ---- Techniques -----------------------------------------------------------------------------------------------------
 
@@ -390,12 +395,18 @@ public:
     virtual Statistics prepare(const Triangles& triangles, const Light& light);
     /// Frees what prepare() kept.
     virtual void forget() {}
+    /// run() for several lights and the same points: visibilities[i] gets the answer of lights[i], bit for bit run()'s.
+    /// What serves all of them is done once, as far as the technique can. Returns the statistics of each light. Throws
+    /// InvalidArgument if there is not one visibility for each light, or two of them are the same buffer.
+    virtual std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points,
+                                               std::span<const Light> lights, std::span<const Visibility> visibilities);
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
     virtual void set(std::string_view name, std::string_view value) = 0;
     /// Draws how the technique works for each point: RGBA, 4 bytes per point (sRGB). Shadow maps, for what a camera
-    /// sees, have "aliasing" (texels per pixel, in colours), "grid" (texels), "views" (which cascade or face serves)
-    /// and "depth"; frustum-traced has "decided": what decided each point (docs/techniques.md has the legend). Throws
-    /// InvalidArgument for a name that is none of the technique's, or where it needs points that a camera made.
+    /// sees, have "aliasing" (texels per pixel, in colours), "grid" (texels), "views" (which cascade or face serves),
+    /// "depth" and "warp"; a virtual map has "page"; frustum-traced has "decided": what decided each point
+    /// (docs/techniques.md has the legends). Throws InvalidArgument for a name that is none of the technique's, or
+    /// where it needs points that a camera made.
     virtual std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                                const Light& light);
 };
@@ -418,11 +429,18 @@ using SampleSink = std::function<void(const Points& points)>;
 Statistics run_samples(Technique& technique, const Device& device, const Triangles& triangles, const View& view,
                        const Light& light, std::uint32_t samples, const Visibility& mean, const SampleSink& sink = {});
 
+/// A picture that Technique::diagnose() draws.
+struct DiagnosticDescription {
+    std::string name;
+    std::string meaning;  ///< one line
+};
+
 struct TechniqueDescription {
     std::string name;
     std::string summary;  ///< one line
     bool exact = false;
     std::vector<SettingDescription> settings;
+    std::vector<DiagnosticDescription> diagnostics{};
 };
 /// Every technique this build knows, in the order they are listed.
 std::vector<TechniqueDescription> techniques();

@@ -212,6 +212,20 @@ void require_run(const Triangles& triangles, const Points& points, const Light& 
     require_apart(triangles, points, visibility);
 }
 
+void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
+                        std::span<const Visibility> visibilities) {
+    if (lights.size() != visibilities.size())
+        throw InvalidArgument("each light needs a visibility of its own: there are " + std::to_string(lights.size()) +
+                              " lights and " + std::to_string(visibilities.size()) + " visibilities");
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        require_run(triangles, points, lights[i], visibilities[i]);
+        for (std::size_t j = 0; j < i; ++j)
+            if (visibilities[i].buffer() == visibilities[j].buffer())
+                throw InvalidArgument("lights " + std::to_string(j) + " and " + std::to_string(i) +
+                                      " have the same visibility: give each its own");
+    }
+}
+
 TriangleInputs triangle_inputs(const Triangles& triangles) {
     return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count()), triangles.clusters()};
 }

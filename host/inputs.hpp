@@ -20,6 +20,10 @@ void require_light(const Light& light);
 /// that is large enough and overlaps no input. Every technique's run begins with it.
 void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility);
 
+/// The same for Technique::run_lights(), which also needs a visibility of its own for each light.
+void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
+                        std::span<const Visibility> visibilities);
+
 class Clusters;
 
 struct TriangleInputs {

@@ -21,11 +21,16 @@ std::vector<std::uint8_t> srgb_table() {
 }  // namespace
 
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
-                                const Visibility& visibility, const Materials& materials, const Light& light) {
+                                std::span<const Visibility> visibilities, const Materials& materials,
+                                std::span<const Light> lights) {
     cl::Session& session = device.session();
     const std::size_t pixels = view.points.count();
-    if (visibility.count() < pixels)
-        throw InvalidArgument("the visibility buffer has fewer entries than the view has pixels");
+    if (lights.size() != visibilities.size())
+        throw InvalidArgument("there are " + std::to_string(visibilities.size()) + " visibilities for " +
+                              std::to_string(lights.size()) + " lights");
+    for (const Visibility& visibility : visibilities)
+        if (visibility.count() < pixels)
+            throw InvalidArgument("the visibility buffer has fewer entries than the view has pixels");
     if (materials.triangle_material.size() != triangles.count())
         throw InvalidArgument("there are " + std::to_string(materials.triangle_material.size()) + " material ids for " +
                               std::to_string(triangles.count()) + " triangles");
@@ -41,13 +46,21 @@ std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles
     session.write(table_buffer.get(), table.data(), table.size());
     const cl::Buffer normals = camera_normals(device, triangles, view);
     const PointInputs points = point_inputs(view.points);
-    cl::Buffer picture(session, pixels * 4);
-    session.launch("shade.cl", "shade", cl::Range::items(pixels), points.layout, float4_of(light.xyzw),
-                   points.positions, points.receivers, normals, visibility.buffer(), ids, colors, table_buffer,
-                   picture);
+    const cl::Buffer lambert(session, pixels * sizeof(float)), picture(session, pixels * 4);
+    session.fill(lambert, 0, pixels * sizeof(float));
+    for (std::size_t i = 0; i < lights.size(); ++i)
+        session.launch("shade.cl", "shade_light", cl::Range::items(pixels), points.layout, float4_of(lights[i].xyzw),
+                       points.positions, points.receivers, normals, visibilities[i].buffer(), lambert);
+    session.launch("shade.cl", "shade", cl::Range::items(pixels), points.layout, points.receivers, normals, lambert,
+                   ids, colors, table_buffer, picture);
     std::vector<std::uint8_t> rgba(pixels * 4);
     session.read(picture.get(), rgba.data(), rgba.size());
     return rgba;
+}
+
+std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
+                                const Visibility& visibility, const Materials& materials, const Light& light) {
+    return shade(device, triangles, view, std::span(&visibility, 1), materials, std::span(&light, 1));
 }
 
 }  // namespace gnomon

@@ -878,25 +878,79 @@ nlohmann::json page_data(const std::string& html) {
     return nlohmann::json::parse(html.substr(begin, html.find("</script>", begin) - begin));
 }
 
+// One camera pass serves all lights; each has its own mask and statistics, as if it were alone.
+TEST_F(Command, AllLightsOfASceneInOneRun) {
+    write_scene(folder_, "square", floor_and_square());
+    const Arguments view{"square.gltf", "--camera", "above", "--size", "60x40"};
+    const auto with = [&](const Arguments& more) {
+        Arguments arguments = view;
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return arguments;
+    };
+    render_quietly(with({"--light", "sun", "--mask", "sun.png", "-o", "sun_lit.png"}));
+    render_quietly(with({"--light", "lamp", "--mask", "lamp.png", "-o", "lamp_lit.png"}));
+    render_quietly(with({"--light", "all", "--mask", "mask.png", "-o", "lit.png", "--stats", "stats.json"}));
+    EXPECT_EQ(text_of(in_folder("mask_0.png")), text_of(in_folder("sun.png")));
+    EXPECT_EQ(text_of(in_folder("mask_1.png")), text_of(in_folder("lamp.png")));
+    EXPECT_NE(text_of(in_folder("mask_0.png")), text_of(in_folder("mask_1.png")));
+    EXPECT_FALSE(fs::exists(in_folder("mask.png")));
+    const auto both = read_bytes(in_folder("lit.png")).values, sun = read_bytes(in_folder("sun_lit.png")).values,
+               lamp = read_bytes(in_folder("lamp_lit.png")).values;
+    // From above the square hides the sun's shadow, and the floor is white where the sun reaches it: also where the
+    // lamp does not.
+    std::size_t than_lamp = 0;
+    for (std::size_t i = 0; i < both.size(); ++i) {
+        EXPECT_GE(both[i], std::max(sun[i], lamp[i]));
+        than_lamp += both[i] > lamp[i];
+    }
+    EXPECT_GT(than_lamp, 20u);
+    const nlohmann::json stats = statistics("stats.json");
+    ASSERT_EQ(stats.at("lights").size(), 2u);
+    EXPECT_EQ(stats.at("lights").at(0).at("light").at("type"), "directional");
+    EXPECT_EQ(stats.at("lights").at(1).at("light").at("type"), "positional");
+    for (const nlohmann::json& light : stats.at("lights")) {
+        EXPECT_EQ(light.at("shadow_stages").at("counts").at("points"), 60 * 40);
+        EXPECT_EQ(int(light.at("pixels").at("lit")) + int(light.at("pixels").at("in_shadow")), 60 * 40);
+    }
+    EXPECT_FALSE(stats.contains("light"));
+    EXPECT_EQ(stats.at("outputs").at("mask_1"), "mask_1.png");
+}
+
+TEST_F(Command, AllLightsAreRefusedWhereThereIsButRoomForOne) {
+    write_scene(folder_, "square", floor_and_square());
+    expect_failure({"render", "square.gltf", "--light", "all", "--aov", "a.exr"}, 2, "--aov");
+    expect_failure({"render", "square.gltf", "--light", "all", "--diagnostic", "decided", "-o", "a.png"}, 2, "--light");
+    expect_failure({"gallery", "square.gltf", "--light", "all"}, 1, "there is no light \"all\"");
+}
+
 TEST_F(Command, AGalleryShowsEachTechniqueBesideTheTruth) {
     // The name would end the script if it went into the page as it is.
     write_scene(folder_, "a<!--<script>b", floor_and_square());
     const Outcome outcome =
         run({"gallery", "a<!--<script>b.gltf", "-o", "page.html", "--size", "40x30", "--runs", "1", "--camera", "above",
-             "--technique", "frustum-traced:conservative-map=off,map-size=64"});
+             "--technique", "frustum-traced:conservative-map=off,map-size=64", "--technique", "rtw:size=64"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const std::string html = text_of(in_folder("page.html"));
     EXPECT_EQ(html.rfind("<!DOCTYPE html>", 0), 0u);
     EXPECT_EQ(html.find("http"), std::string::npos) << "a self-contained page asks for nothing";
     const nlohmann::json data = page_data(html);
     EXPECT_EQ(data.at("title"), "gnomon: a<!--<script>b.gltf");
-    ASSERT_EQ(data.at("exhibits").size(), 2u);
+    ASSERT_EQ(data.at("exhibits").size(), 3u);
     EXPECT_EQ(data.at("exhibits").at(1).at("settings"), "conservative-map=off map-size=64");
     for (const nlohmann::json& exhibit : data.at("exhibits")) {
-        EXPECT_EQ(exhibit.at("name"), "frustum-traced");
+        const bool is_exact = exhibit.at("exact");
+        EXPECT_EQ(exhibit.at("name"), is_exact ? "frustum-traced" : "rtw");
         EXPECT_EQ(exhibit.at("points"), 40 * 30);
-        EXPECT_EQ(exhibit.at("wrongly_lit"), 0);
-        EXPECT_EQ(exhibit.at("wrongly_shadowed"), 0);
+        if (is_exact) {
+            EXPECT_EQ(exhibit.at("wrongly_lit"), 0);
+            EXPECT_EQ(exhibit.at("wrongly_shadowed"), 0);
+        }
+        std::string diagnostics;
+        for (const nlohmann::json& diagnostic : exhibit.at("diagnostics")) {
+            diagnostics += std::string(diagnostic.at("name")) + " ";
+            EXPECT_EQ(std::string(diagnostic.at("picture")).rfind("data:image/", 0), 0u);
+        }
+        EXPECT_EQ(diagnostics, is_exact ? "decided " : "aliasing grid views depth warp ");
         EXPECT_GT(exhibit.at("median_ms"), 0);
         EXPECT_EQ(std::string(exhibit.at("picture")).rfind("data:image/jpeg;base64,/9j/", 0), 0u);
         EXPECT_EQ(std::string(exhibit.at("difference")).rfind("data:image/png;base64,iVBORw0KGgo", 0), 0u);

@@ -394,6 +394,79 @@ TEST(Arguments, PicturesOfWhatDoesNotFitTogether) {
 
 // ---- Devices --------------------------------------------------------------------------------------------------------
 
+// ---- Several lights -------------------------------------------------------------------------------------------------
+
+TEST(Lights, RunTogetherGiveWhatEachGivesAlone) {
+    const Device device;
+    const Floats soup = support::soup(200, 0.5f, 3), places = support::random_points(500, -2, 2, 4);
+    const auto triangles = Triangles::upload(device, soup);
+    const auto points = Points::upload(device, places);
+    const std::vector<gnomon::Light> lights{noon, gnomon::Light::positional({0.1f, 3, 0.2f}),
+                                            gnomon::Light::directional({1, -1, 0.5f})};
+    for (const char* name : {"frustum-traced", "virtual-shadow-map", "shadow-map"}) {
+        SCOPED_TRACE(name);
+        const auto technique = gnomon::make_technique(name, device);
+        std::vector<Visibility> together;
+        for (std::size_t i = 0; i < lights.size(); ++i) together.emplace_back(device, points.count());
+        const auto statistics = technique->run_lights(triangles, points, lights, together);
+        ASSERT_EQ(statistics.size(), lights.size());
+        for (std::size_t i = 0; i < lights.size(); ++i) {
+            const Visibility alone(device, points.count());
+            gnomon::make_technique(name, device)->run(triangles, points, lights[i], alone);
+            EXPECT_EQ(together[i].read(), alone.read()) << "light " << i;
+            EXPECT_EQ(statistics[i].count("points"), points.count());
+        }
+        EXPECT_NE(together[0].read(), together[1].read());
+        EXPECT_TRUE(technique->run_lights(triangles, points, {}, {}).empty());
+        EXPECT_TRUE(throws<gnomon::InvalidArgument>(
+            [&] { technique->run_lights(triangles, points, lights, std::span(together).first(2)); },
+            {"3 lights", "2 visibilities"}));
+        together[2] = together[0];
+        EXPECT_TRUE(throws<gnomon::InvalidArgument>([&] { technique->run_lights(triangles, points, lights, together); },
+                                                    {"lights 0 and 2", "its own"}));
+    }
+}
+
+// sRGB's own formula, the other way round.
+double linear_of(std::uint8_t byte) {
+    const double encoded = byte / 255.0;
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+TEST(Lights, PicturesAddUpTheirLambertTerms) {
+    const Device device;
+    const auto triangles = Triangles::upload(device, roof);
+    const auto view =
+        gnomon::look(device, triangles, gnomon::Camera::look_at({0, 5, 3}, {0, 2, 0}, {0, 1, 0}, 40), 32, 24);
+    const gnomon::Materials grey{{0, 0}, {{0.3f, 0.2f, 0.1f}}};
+    const std::vector<gnomon::Light> lights{noon, gnomon::Light::directional({0, -1, -1})};
+    const Visibility lit(device, view.points.count()), dark(device, view.points.count());
+    for (const auto& [visibility, value] : {std::pair{&lit, 1.0f}, std::pair{&dark, 0.0f}})
+        ASSERT_EQ(clEnqueueFillBuffer(device.queue(), visibility->buffer(), &value, sizeof(value), 0,
+                                      view.points.count() * sizeof(value), 0, nullptr, nullptr),
+                  CL_SUCCESS);
+    const auto shaded = [&](const Visibility& first, const Visibility& second) {
+        const std::vector<Visibility> both{first, second};
+        return gnomon::shade(device, triangles, view, both, grey, lights);
+    };
+    const auto none = shaded(dark, dark), first = shaded(lit, dark), second = shaded(dark, lit),
+               both = shaded(lit, lit);
+    EXPECT_EQ(first, gnomon::shade(device, triangles, view, lit, grey, lights[0]));
+    EXPECT_EQ(second, gnomon::shade(device, triangles, view, lit, grey, lights[1]));
+    EXPECT_NE(first, second);
+    std::size_t brighter = 0;
+    for (std::size_t i = 0; i < both.size(); ++i) {
+        if (i % 4 == 3) continue;
+        // Each of the four bytes is off by half a step, which is at most 0.0045 of linear light here.
+        EXPECT_NEAR(linear_of(both[i]) + linear_of(none[i]), linear_of(first[i]) + linear_of(second[i]), 0.01);
+        brighter += linear_of(both[i]) > linear_of(first[i]) + 0.02;
+    }
+    EXPECT_GT(brighter, 100u);
+    EXPECT_TRUE(throws<gnomon::InvalidArgument>(
+        [&] { gnomon::shade(device, triangles, view, std::span(&lit, 1), grey, lights); },
+        {"1 visibilities", "2 lights"}));
+}
+
 TEST(Devices, ChosenByIndexByNameByEnvironment) {
     const Environment none("GNOMON_DEVICE", "");
     const auto all = gnomon::devices();

@@ -2,9 +2,9 @@
 // Choosing a camera and a light. Names win over positions, so that a light called "1" can be had.
 #include "choice.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <numbers>
-#include <vector>
 
 namespace gnomon::app {
 namespace {
@@ -73,6 +73,17 @@ ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene) 
         return {first.light, "the scene's first light, " + first.type + " \"" + first.name + "\""};
     }
     return {scene::default_light(), "the default light, as the scene has none"};
+}
+
+std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene) {
+    const bool is_name =
+        std::any_of(scene.lights.begin(), scene.lights.end(), [](const auto& light) { return light.name == "all"; });
+    if (options.light != "all" || is_name) return {choose_light(options, scene)};
+    if (scene.lights.empty()) throw Error("--light all: the scene has no lights");
+    std::vector<ChosenLight> lights;
+    for (const scene::NamedLight& light : scene.lights)
+        lights.push_back({light.light, "the scene's " + light.type + " light \"" + light.name + "\""});
+    return lights;
 }
 
 Float3 direction_of(const Light& light) { return {-light.xyzw[0], -light.xyzw[1], -light.xyzw[2]}; }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "../scene/scene.hpp"
 #include "options.hpp"
@@ -22,6 +23,8 @@ struct ChosenLight {
 /// Throws UsageError where the options make no camera, Error where the scene has none of that name.
 ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene);
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene);
+/// All lights of the scene, in its order, where "--light all" asks for them and none has that name; else the one above.
+std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene);
 
 /// The way a directional light travels, bit for bit as it was given.
 Float3 direction_of(const Light& light);

@@ -100,6 +100,10 @@ void exhibit(Hall& hall, const Asked& asked, std::uint32_t runs, Exhibit& result
     result.picture = jpeg_data_uri(
         width, height, shade(hall.device, hall.triangles, hall.view, visibility, hall.scene.materials, hall.light));
     result.difference = png_data_uri(width, height, measure::difference_picture(visible, hall.truth));
+    for (const auto& [name, meaning] : asked.technique.diagnostics) {
+        const auto drawn = technique->diagnose(name, hall.triangles, hall.view.points, hall.light);
+        result.diagnostics.push_back({name, meaning, short_data_uri(width, height, drawn)});
+    }
 }
 
 /// Like exhibit(), but what goes wrong becomes the exhibit's sentence (unless `strict`): the others can still be shown.

@@ -45,6 +45,8 @@ tr.front td:first-child::before { content: "\25C6 "; }
 .card { border: 1px solid var(--line); padding: .6rem; }
 .card h3 { margin: 0; font-size: 1rem; } .card p { margin: .2rem 0 .5rem; font-size: .85rem; }
 .card img { width: 100%; height: auto; display: block; margin-top: .3rem; }
+.card select { margin-top: .3rem; }
+.meaning { margin: .3rem 0 0; font-size: .85rem; opacity: .8; }
 .failure { color: #c33; }
 .lit { color: var(--lit); } .dark { color: var(--dark); }
 </style>
@@ -56,15 +58,16 @@ tr.front td:first-child::before { content: "\25C6 "; }
 <dl id="facts"></dl>
 <h2>Compare two</h2>
 <div class="choice"><label>left <select id="left"></select></label><label>right <select id="right"></select></label>
-<label><input type="checkbox" id="errors"> show errors instead of pictures</label></div>
+<label>show <select id="show"></select></label></div>
 <div class="compare"><img alt="right picture"><img class="over" alt="left picture"><span class="left"></span><span class="right"></span></div>
 <input id="at" type="range" min="0" max="100" value="50" aria-label="where the left picture ends">
+<p class="meaning"></p>
 <h2>All</h2>
 <p>Errors are against the exact truth of the same run: a pixel is <span class="lit">wrongly lit</span> or
 <span class="dark">wrongly shadowed</span> if its visibility is at least half off. Worst tile: the mean error of the worst
 32 x 32 pixels. &#9670; marks the Pareto front: nothing here is both faster and less wrong. Click a heading to sort.</p>
 <div class="scroll"><table><thead><tr></tr></thead><tbody></tbody></table></div>
-<h2>Pictures and errors</h2>
+<h2>Pictures, errors and diagnostics</h2>
 <div class="cards"></div>
 </main>
 <script type="application/json" id="data">)html";
@@ -102,21 +105,36 @@ document.title = data.title;
 $("h1").textContent = data.title;
 for (const [name, text] of data.facts) $("#facts").append(make("dt", name), make("dd", text));
 
+// What can be shown of a technique: its picture, its errors, its diagnostics.
+const sights = e => [
+  { name: "picture", meaning: "", picture: e.picture },
+  { name: "errors", meaning: "orange: wrongly lit, blue: wrongly shadowed", picture: e.difference },
+  ...e.diagnostics];
+const options = (select, names) => names.forEach((name, i) => {
+  const o = make("option", name);
+  o.value = i;
+  select.append(o);
+});
+const sightNames = [...new Set(shown.flatMap(e => sights(e).map(s => s.name)))];
+
 function compare() {
-  const left = shown[$("#left").value], right = shown[$("#right").value], errors = $("#errors").checked;
+  const left = shown[$("#left").value], right = shown[$("#right").value], name = sightNames[$("#show").value];
   const [under, over] = document.querySelectorAll(".compare img");
-  for (const [img, e] of [[under, right], [over, left]]) {
+  const meanings = new Set();
+  for (const [img, e, side] of [[under, right, ".right"], [over, left, ".left"]]) {
+    const sight = sights(e).find(s => s.name === name) || sights(e)[0];
     img.width = data.width; img.height = data.height;
-    img.src = errors ? e.difference : e.picture;
+    img.src = sight.picture;
+    $(".compare " + side).textContent = label(e) + (sight.name === name ? "" : " has no " + name);
+    if (sight.meaning) meanings.add(sight.meaning);
   }
-  $(".compare .left").textContent = label(left);
-  $(".compare .right").textContent = label(right);
+  $(".meaning").textContent = [...meanings].join("; ");
 }
 const moveTo = value => $(".compare").style.setProperty("--at", value + "%");
-for (const id of ["#left", "#right"])
-  shown.forEach((e, i) => { const o = make("option", label(e)); o.value = i; $(id).append(o); });
+for (const id of ["#left", "#right"]) options($(id), shown.map(label));
+options($("#show"), sightNames);
 $("#right").value = Math.min(1, shown.length - 1);
-for (const id of ["#left", "#right", "#errors"]) $(id).addEventListener("change", compare);
+for (const id of ["#left", "#right", "#show"]) $(id).addEventListener("change", compare);
 $("#at").addEventListener("input", e => moveTo(e.target.value));
 const drag = e => {
   if (e.type === "pointermove" && !e.buttons) return;
@@ -162,13 +180,26 @@ for (const e of data.exhibits) {
   } else {
     card.append(make("p", `${e.median_ms.toFixed(2)} ms (${e.least_ms.toFixed(2)} to ${e.most_ms.toFixed(2)}), ` +
       `wrong ${percent(wrong(e) / e.points)}`));
-    for (const [source, what] of [[e.picture, "picture"], [e.difference, "errors"]]) {
-      const img = make("img");
+    // The picture can be switched to the diagnostics; the errors stay below it.
+    const switched = sights(e).filter(s => s.name !== "errors");
+    const select = make("select"), meaning = make("p", undefined, "meaning");
+    options(select, switched.map(s => s.name));
+    select.setAttribute("aria-label", "what to show of " + label(e));
+    const show = (img, sight) => {
       img.width = data.width; img.height = data.height; img.loading = "lazy";
-      img.alt = label(e) + ": " + what;
-      img.src = source;
-      card.append(img);
-    }
+      img.alt = label(e) + ": " + sight.name;
+      img.src = sight.picture;
+      return img;
+    };
+    const picture = make("img");
+    const look = () => {
+      show(picture, switched[select.value]);
+      meaning.textContent = switched[select.value].meaning;
+    };
+    select.addEventListener("change", look);
+    look();
+    if (switched.length > 1) card.append(select);
+    card.append(picture, meaning, show(make("img"), sights(e)[1]));
   }
   $(".cards").append(card);
 }
@@ -196,6 +227,9 @@ ordered_json exhibit_json(const Exhibit& e) {
                  {"ssim", e.errors.ssim},
                  {"picture", e.picture},
                  {"difference", e.difference}});
+    json["diagnostics"] = ordered_json::array();
+    for (const auto& [name, meaning, picture] : e.diagnostics)
+        json["diagnostics"].push_back({{"name", name}, {"meaning", meaning}, {"picture", picture}});
     return json;
 }
 

@@ -11,6 +11,12 @@
 
 namespace gnomon::app {
 
+/// A technique's picture of how it works.
+struct ExhibitDiagnostic {
+    std::string name, meaning;
+    std::string picture;  ///< data URI
+};
+
 /// A technique with its settings, and what it did.
 struct Exhibit {
     std::string name;      ///< as in `gnomon techniques`
@@ -23,6 +29,7 @@ struct Exhibit {
     std::uint64_t memory_bytes = 0;
     measure::VisibilityErrors errors;
     std::string picture, difference;  ///< data URIs
+    std::vector<ExhibitDiagnostic> diagnostics;
 };
 
 /// The page.

@@ -27,11 +27,13 @@ std::string text_of(const DeviceDescription& device) {
 }
 
 std::string settings_text(const TechniqueDescription& technique) {
-    if (technique.settings.empty()) return "    no settings\n";
     std::ostringstream out;
+    if (technique.settings.empty()) out << "    no settings\n";
     for (const SettingDescription& setting : technique.settings)
         out << "    --set " << setting.name << "=" << setting.default_value << '\n'
             << "        " << setting.meaning << '\n';
+    for (const DiagnosticDescription& diagnostic : technique.diagnostics)
+        out << "    --diagnostic " << diagnostic.name << '\n' << "        " << diagnostic.meaning << '\n';
     return out.str();
 }
 

@@ -98,7 +98,8 @@ void add_camera_options(CLI::App& app, ViewOptions& options) {
               });
 }
 
-void add_light_options(CLI::App& app, ViewOptions& options) {
+/// `more` is said of --light.
+void add_light_options(CLI::App& app, ViewOptions& options, const std::string& more = {}) {
     const std::string group = "Light (default: the scene's first, else a sun that travels along -0.4,-1,-0.3)";
     add_value(app, group, "--light-direction", "X,Y,Z", "A light infinitely far away: the way it travels",
               [&](const std::string& option, const std::string& text) {
@@ -110,7 +111,7 @@ void add_light_options(CLI::App& app, ViewOptions& options) {
               [&](const std::string& option, const std::string& text) {
                   options.light_position = parse_float3(option, text);
               });
-    add_value(app, group, "--light", "NAME|INDEX", "A light of the scene, by its name or its position from 0",
+    add_value(app, group, "--light", "NAME|INDEX", "A light of the scene, by its name or its position from 0" + more,
               [&](const std::string& option, const std::string& text) { options.light = parse_name(option, text); });
 }
 
@@ -169,8 +170,8 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
               });
     add_value(
         app, group, "--diagnostic", "NAME",
-        "Draw how the technique works instead of the picture: frustum-traced has decided (by what, each pixel);\n"
-        "shadow-map and its presets have aliasing, grid, views and depth",
+        "Draw how the technique works instead of the picture: decided (frustum-traced), page (virtual-shadow-map),\n"
+        "aliasing, grid, views, depth or warp (shadow-map and its presets)",
         [&](const std::string& option, const std::string& text) { options.diagnostic = parse_name(option, text); });
     add_value(app, group, "--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
               set("conservative-map"));
@@ -210,6 +211,8 @@ void check_light_options(const ViewOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
+    if (options.light == "all" && (options.aov || options.diagnostic))
+        throw UsageError("--aov and --diagnostic show one light: name it with --light instead of all");
     if (!options.picture && !options.mask && !options.aov && !options.triangle_dump && !options.point_dump &&
         !options.statistics)
         throw UsageError(
@@ -240,7 +243,9 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
     add_scene_argument(*render, options);
     add_output_options(*render, options);
     add_camera_options(*render, options);
-    add_light_options(*render, options);
+    add_light_options(*render, options,
+                      ";\nall: every light of the scene, each with its own mask and statistics; the picture\n"
+                      "is lit by all, and --mask NAME.png writes NAME_0.png, NAME_1.png, ...");
     add_technique_options(*render, options);
     add_device_options(*render, options);
     render->footer(render_footer);

@@ -171,4 +171,9 @@ std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<c
     return data_uri("jpeg", width, height, rgba, 4);
 }
 
+std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
+    std::string png = data_uri("png", width, height, rgba, 4), jpeg = jpeg_data_uri(width, height, rgba);
+    return png.size() <= jpeg.size() ? png : jpeg;
+}
+
 }  // namespace gnomon::app

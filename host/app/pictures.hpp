@@ -25,5 +25,7 @@ void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, cons
 /// A picture inside a page: "data:image/png;base64,..." of RGB bytes (exact), "data:image/jpeg..." of RGBA (for looks).
 std::string png_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb);
 std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
+/// RGBA bytes as a PNG, or as a JPEG where that is shorter: pictures of a few colours stay exact.
+std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 
 }  // namespace gnomon::app

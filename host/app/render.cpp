@@ -49,21 +49,27 @@ private:
 
 /// The files of a run, opened: null where not asked for.
 struct Outputs {
+    /// All but the masks of several lights, whose number the scene tells.
     explicit Outputs(const RenderOptions& options) {
         if (options.scene) files.protect(*options.scene);
         const auto open = [this](const std::optional<std::filesystem::path>& file) {
             return file ? &files.open(*file) : nullptr;
         };
         picture = open(options.picture);
-        mask = open(options.mask);
+        if (options.mask && options.light != "all") masks.push_back(open(options.mask));
         aov = open(options.aov);
         triangle_dump = open(options.triangle_dump);
         point_dump = open(options.point_dump);
         statistics = open(options.statistics);
     }
+    void open_masks(const RenderOptions& options, std::size_t light_count) {
+        for (std::size_t i = masks.size(); options.mask && i < light_count; ++i)
+            masks.push_back(&files.open(mask_of(*options.mask, i, light_count)));
+    }
 
     OutputFiles files;
-    OutputFile *picture = nullptr, *mask = nullptr, *aov = nullptr, *triangle_dump = nullptr, *point_dump = nullptr,
+    std::vector<OutputFile*> masks;  ///< one for each light, if asked for
+    OutputFile *picture = nullptr, *aov = nullptr, *triangle_dump = nullptr, *point_dump = nullptr,
                *statistics = nullptr;
 };
 
@@ -111,14 +117,32 @@ void write_statistics(OutputFile& file, const Report& report) {
     file.check();
 }
 
-/// What the device computed for one camera and one light.
+/// What the device computed for one camera and its lights.
 struct Seen {
     Triangles triangles;
     View view;
-    Visibility visibility;
-    std::vector<float> visible;      ///< visibility, on the host
-    std::vector<std::uint32_t> ids;  ///< where the triangles lie in the scene; empty: they are all of it
+    std::vector<Visibility> visibilities;     ///< one for each light
+    std::vector<std::vector<float>> visible;  ///< the same, on the host
+    std::vector<std::uint32_t> ids;           ///< where the triangles lie in the scene; empty: they are all of it
 };
+
+std::vector<Light> lights_of(const Report& report) {
+    std::vector<Light> lights;
+    for (const LightReport& light : report.lights) lights.push_back(light.chosen.light);
+    return lights;
+}
+
+std::vector<Visibility> visibilities_for(const Device& device, const View& view, const Report& report) {
+    std::vector<Visibility> visibilities;
+    for (std::size_t i = 0; i < report.lights.size(); ++i) visibilities.emplace_back(device, view.points.count());
+    return visibilities;
+}
+
+std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibilities) {
+    std::vector<std::vector<float>> visible;
+    for (const Visibility& visibility : visibilities) visible.push_back(visibility.read());
+    return visible;
+}
 
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
          OutputFile* point_dump) {
@@ -128,21 +152,27 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
     const View view = steps.run("camera", "camera (compiles kernels the first time)",
                                 [&] { return look(device, triangles, report.camera.camera, width, height); });
     report.camera_statistics = view.statistics;
-    const Visibility visibility(device, view.points.count());
-    std::vector<float> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
+    std::vector<Visibility> visibilities = visibilities_for(device, view, report);
+    std::vector<std::vector<float>> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
+        bool is_dumped = false;  // every light has the same points
         const SampleSink dump = [&](const Points& points) {
-            if (point_dump) write_points(*point_dump, read(device, points));
+            if (point_dump && !is_dumped) write_points(*point_dump, read(device, points));
         };
         if (report.options.samples == 1) {
             dump(view.points);
-            report.shadow_statistics = technique.run(triangles, view.points, report.light.light, visibility);
+            const auto statistics = technique.run_lights(triangles, view.points, lights_of(report), visibilities);
+            for (std::size_t i = 0; i < statistics.size(); ++i) report.lights[i].statistics = statistics[i];
         } else {
-            report.shadow_statistics = run_samples(technique, device, triangles, view, report.light.light,
-                                                   report.options.samples, visibility, dump);
+            for (std::size_t i = 0; i < visibilities.size(); ++i) {
+                LightReport& light = report.lights[i];
+                light.statistics = run_samples(technique, device, triangles, view, light.chosen.light,
+                                               report.options.samples, visibilities[i], dump);
+                is_dumped = true;
+            }
         }
-        return visibility.read();
+        return read_all(visibilities);
     });
-    return {triangles, view, visibility, std::move(visible), {}};
+    return {triangles, view, std::move(visibilities), std::move(visible), {}};
 }
 
 /// The same bits with the triangles on the host, for a scene that the device cannot hold at once.
@@ -152,14 +182,15 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<
         return look_in_parts(device, vertices, report.camera.camera, width, height);
     });
     report.camera_statistics = looked.view.statistics;
-    const Visibility visibility(device, looked.view.points.count());
+    std::vector<Visibility> visibilities = visibilities_for(device, looked.view, report);
     const auto make = [&] { return make_technique(device, report.options.technique, report.options.settings); };
-    std::vector<float> visible = steps.run("shadow_in_parts", "shadows, in parts", [&] {
-        report.shadow_statistics =
-            run_in_parts(make, device, vertices, looked.view.points, looked.ids, report.light.light, visibility);
-        return visibility.read();
+    std::vector<std::vector<float>> visible = steps.run("shadow_in_parts", "shadows, in parts", [&] {
+        for (std::size_t i = 0; i < visibilities.size(); ++i)
+            report.lights[i].statistics = run_in_parts(make, device, vertices, looked.view.points, looked.ids,
+                                                       report.lights[i].chosen.light, visibilities[i]);
+        return read_all(visibilities);
     });
-    return {looked.triangles, looked.view, visibility, std::move(visible), std::move(looked.ids)};
+    return {looked.triangles, looked.view, std::move(visibilities), std::move(visible), std::move(looked.ids)};
 }
 
 /// Parts answer for the whole if the technique is exact. Samples, dumped points and diagnostics are for scenes that
@@ -191,25 +222,28 @@ ViewOnHost view_of(const Device& device, const Seen& seen) {
 void write_files(Steps& steps, const Outputs& outputs, const Device& device, const scene::Scene& scene,
                  const Report& report, const Seen& seen) {
     const std::uint32_t width = seen.view.width, height = seen.view.height;
-    const Light& light = report.light.light;
+    const std::vector<Light> lights = lights_of(report);
     if (outputs.picture)
         steps.run("write_picture", "writing the picture", [&] {
             if (report.options.diagnostic) {
                 const auto technique = make_technique(device, report.options.technique, report.options.settings);
                 const auto drawn =
-                    technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, light);
+                    technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, lights.front());
                 return write_picture(*outputs.picture, width, height, drawn);
             }
             const auto rgba =
-                shade(device, seen.triangles, seen.view, seen.visibility, materials_of(scene, seen), light);
+                shade(device, seen.triangles, seen.view, seen.visibilities, materials_of(scene, seen), lights);
             write_picture(*outputs.picture, width, height, rgba);
         });
-    if (outputs.mask)
-        steps.run("write_mask", "writing the mask", [&] { write_mask(*outputs.mask, width, height, seen.visible); });
+    if (!outputs.masks.empty())
+        steps.run("write_mask", "writing the mask", [&] {
+            for (std::size_t i = 0; i < lights.size(); ++i)
+                write_mask(*outputs.masks[i], width, height, seen.visible[i]);
+        });
     if (outputs.aov)
         steps.run("write_aov", "writing the EXR", [&] {
             const ViewOnHost view = view_of(device, seen);
-            write_aov(*outputs.aov, width, height, view, seen.visible);
+            write_aov(*outputs.aov, width, height, view, seen.visible.front());
         });
     if (outputs.triangle_dump)
         steps.run("write_triangles", "writing the triangles",
@@ -217,12 +251,12 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
 }
 
 /// What the report still lacks when the work is done.
-void complete(Report& report, const Device& device, const scene::Scene& scene, std::span<const float> visible) {
+void complete(Report& report, const Device& device, const scene::Scene& scene, const Seen& seen) {
     report.triangles = scene.triangle_count();
     report.non_finite_triangles = count_non_finite(scene.triangles);
     report.warnings = scene.warnings;
     report.device = device.description();
-    report.shares = count_shares(visible);
+    for (std::size_t i = 0; i < report.lights.size(); ++i) report.lights[i].shares = count_shares(seen.visible[i]);
     report.device_memory_bytes = device.memory_bytes();
     report.device_memory_peak_bytes = device.peak_memory_bytes();
 }
@@ -242,12 +276,13 @@ void render(const RenderOptions& options) {
     auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
                                [&] { return make_technique(device, options.technique, options.settings); });
 
-    // The scene, its camera and its light.
+    // The scene, its camera and its lights.
     const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] { return load_scene(options); });
     report.camera = choose_camera(options, scene);
-    report.light = choose_light(options, scene);
+    for (ChosenLight& light : choose_lights(options, scene)) report.lights.push_back({std::move(light), {}, {}});
+    outputs.open_masks(options, report.lights.size());
 
-    // What the camera sees, and which of it the light reaches.
+    // What the camera sees, and which of it each light reaches.
     const Seen seen = [&] {
         try {
             return see(steps, report, device, *technique, scene.triangles, outputs.point_dump);
@@ -261,7 +296,7 @@ void render(const RenderOptions& options) {
 
     // The files, each complete before the first appears.
     write_files(steps, outputs, device, scene, report, seen);
-    complete(report, device, scene, seen.visible);
+    complete(report, device, scene, seen);
     report.total_ms = ms_since(start);
     if (outputs.statistics) write_statistics(*outputs.statistics, report);
     outputs.files.commit();

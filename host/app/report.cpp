@@ -78,10 +78,18 @@ ordered_json technique_json(const RenderOptions& options) {
     return {{"name", options.technique}, {"settings", settings}};
 }
 
-ordered_json outputs_json(const RenderOptions& options) {
+ordered_json outputs_json(const Report& report) {
     ordered_json outputs = ordered_json::object();
-    for (const auto& [option, file] : outputs_of(options)) outputs[option] = file.string();
+    for (const auto& [option, file] : outputs_of(report.options, report.lights.size())) outputs[option] = file.string();
     return outputs;
+}
+
+/// What a run says of one light.
+ordered_json light_part_json(const LightReport& light) {
+    return {{"light", light_json(light.chosen)},
+            {"shadow_stages", statistics_part_json(light.statistics)},
+            {"pixels",
+             {{"lit", light.shares.lit}, {"in_shadow", light.shares.in_shadow}, {"partly", light.shares.partly}}}};
 }
 
 ordered_json phases_json(const Report& report) {
@@ -147,21 +155,29 @@ std::string shares_text(const Shares& shares) {
     return text;
 }
 
-std::string file_list(const RenderOptions& options) {
+std::string file_list(const Report& report) {
     std::string text;
-    for (const auto& [option, file] : outputs_of(options)) text += (text.empty() ? "" : ", ") + file.string();
+    for (const auto& [option, file] : outputs_of(report.options, report.lights.size()))
+        text += (text.empty() ? "" : ", ") + file.string();
     return text;
 }
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options) {
+std::filesystem::path mask_of(const std::filesystem::path& mask, std::size_t light, std::size_t light_count) {
+    if (light_count == 1) return mask;
+    return mask.parent_path() / (mask.stem().string() + "_" + std::to_string(light) + mask.extension().string());
+}
+
+std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options,
+                                                                      std::size_t light_count) {
     std::vector<std::pair<std::string, std::filesystem::path>> outputs;
-    const auto add = [&](const char* option, const std::optional<std::filesystem::path>& file) {
+    const auto add = [&](const std::string& option, const std::optional<std::filesystem::path>& file) {
         if (file) outputs.emplace_back(option, *file);
     };
     add("output", options.picture);
-    add("mask", options.mask);
+    for (std::size_t i = 0; options.mask && i < light_count; ++i)
+        add(light_count == 1 ? "mask" : "mask_" + std::to_string(i), mask_of(*options.mask, i, light_count));
     add("aov", options.aov);
     add("dump-triangles", options.triangle_dump);
     add("dump-points", options.point_dump);
@@ -170,28 +186,30 @@ std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const Rend
 }
 
 nlohmann::ordered_json statistics_json(const Report& report) {
-    return {{"command", report.options.command_line},
-            {"version", std::string(version())},
-            {"scene", scene_name(report.options)},
-            {"triangles", report.triangles},
-            {"non_finite_triangles", report.non_finite_triangles},
-            {"warnings", report.warnings},
-            {"image",
-             {{"width", report.options.size.width},
-              {"height", report.options.size.height},
-              {"samples", report.options.samples}}},
-            {"camera", camera_json(report.camera)},
-            {"light", light_json(report.light)},
-            {"technique", technique_json(report.options)},
-            {"device", device_json(report.device)},
-            {"camera_stages", statistics_part_json(report.camera_statistics)},
-            {"shadow_stages", statistics_part_json(report.shadow_statistics)},
-            {"pixels",
-             {{"lit", report.shares.lit}, {"in_shadow", report.shares.in_shadow}, {"partly", report.shares.partly}}},
-            {"memory",
-             {{"device_bytes", report.device_memory_bytes}, {"device_peak_bytes", report.device_memory_peak_bytes}}},
-            {"phases_ms", phases_json(report)},
-            {"outputs", outputs_json(report.options)}};
+    ordered_json json{{"command", report.options.command_line},
+                      {"version", std::string(version())},
+                      {"scene", scene_name(report.options)},
+                      {"triangles", report.triangles},
+                      {"non_finite_triangles", report.non_finite_triangles},
+                      {"warnings", report.warnings},
+                      {"image",
+                       {{"width", report.options.size.width},
+                        {"height", report.options.size.height},
+                        {"samples", report.options.samples}}},
+                      {"camera", camera_json(report.camera)},
+                      {"technique", technique_json(report.options)},
+                      {"device", device_json(report.device)},
+                      {"camera_stages", statistics_part_json(report.camera_statistics)}};
+    if (report.lights.size() == 1)
+        json.update(light_part_json(report.lights.front()));
+    else
+        for (const LightReport& light : report.lights) json["lights"].push_back(light_part_json(light));
+    json.update(
+        {{"memory",
+          {{"device_bytes", report.device_memory_bytes}, {"device_peak_bytes", report.device_memory_peak_bytes}}},
+         {"phases_ms", phases_json(report)},
+         {"outputs", outputs_json(report)}});
+    return json;
 }
 
 std::string summary(const Report& report) {
@@ -204,19 +222,21 @@ std::string summary(const Report& report) {
     add_fact(
         out, "camera",
         report.camera.source + ", " + std::to_string(options.size.width) + "x" + std::to_string(options.size.height));
-    add_fact(out, "light", light_option(report.light.light) + " (" + report.light.source + ")");
     const bool profiled = options.statistics.has_value();
-    for (const auto& [part, statistics] :
-         {std::pair{"camera", &report.camera_statistics}, std::pair{"shadow", &report.shadow_statistics}}) {
+    out << '\n';
+    add_stages(out, "camera", report.camera_statistics, profiled);
+    add_counts(out, report.camera_statistics);
+    for (const LightReport& light : report.lights) {
         out << '\n';
-        add_stages(out, part, *statistics, profiled);
-        add_counts(out, *statistics);
+        add_fact(out, "light", light_option(light.chosen.light) + " (" + light.chosen.source + ")");
+        add_stages(out, "shadow", light.statistics, profiled);
+        add_counts(out, light.statistics);
+        add_fact(out, "result", shares_text(light.shares));
     }
     out << '\n';
-    add_fact(out, "result", shares_text(report.shares));
     add_fact(out, "memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
     add_fact(out, "time", milliseconds(report.total_ms / 1000) + " s in all");
-    add_fact(out, "wrote", file_list(options));
+    add_fact(out, "wrote", file_list(report));
     return out.str();
 }
 

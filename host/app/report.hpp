@@ -18,6 +18,13 @@ struct Shares {
     std::uint64_t lit = 0, in_shadow = 0, partly = 0;
 };
 
+/// A light, and what it reaches.
+struct LightReport {
+    ChosenLight chosen;
+    Statistics statistics;
+    Shares shares;
+};
+
 /// Everything a finished run knows.
 struct Report {
     RenderOptions options;
@@ -25,18 +32,20 @@ struct Report {
     std::uint64_t non_finite_triangles = 0;
     std::vector<std::string> warnings;
     ChosenCamera camera;
-    ChosenLight light;
+    std::vector<LightReport> lights;  ///< one; more with --light all
     DeviceDescription device;
     Statistics camera_statistics;
-    Statistics shadow_statistics;
-    Shares shares;
     std::uint64_t device_memory_bytes = 0, device_memory_peak_bytes = 0;
     std::vector<std::pair<std::string, double>> phases_ms;  ///< wall time of the command's own steps, in order
     double total_ms = 0;
 };
 
+/// The file of one light's mask: --mask's, or with several lights NAME_0.png, NAME_1.png, ...
+std::filesystem::path mask_of(const std::filesystem::path& mask, std::size_t light, std::size_t light_count);
+
 /// The option and the file of every output asked for, in the order they are written.
-std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options);
+std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options,
+                                                                      std::size_t light_count);
 
 /// stats.json: keys keep this order, float32 values are printed exactly.
 nlohmann::ordered_json statistics_json(const Report& report);

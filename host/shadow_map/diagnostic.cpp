@@ -1,10 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "diagnostic.hpp"
 
+#include <cmath>
+
 namespace gnomon {
-std::span<const std::string_view> map_diagnostics() {
-    static constexpr std::string_view names[] = {"aliasing", "grid", "views", "depth"};
-    return names;
+
+std::span<const DiagnosticDescription> map_diagnostics() {
+    static const DiagnosticDescription all[] = {
+        {"aliasing", "texels per pixel: green one, yellow, red and black too few, blue more than needed"},
+        {"grid", "the map's texels as lines; evenly grey where a pixel is wider than a texel"},
+        {"views", "a colour for each cascade, side or cube face that serves; black where none does"},
+        {"depth", "the map's depth of what is seen, black nearest to the light"},
+        {"warp",
+         "32 x 32 equal shares of the map; green as dense as without the warp, blue denser, yellow and red less"}};
+    return all;
+}
+
+std::vector<std::uint8_t> opaque_bytes(std::span<const float> colors) {
+    std::vector<std::uint8_t> rgba(colors.size() / 3 * 4, 255);
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        rgba[i / 3 * 4 + i % 3] = static_cast<std::uint8_t>(std::lround(255 * colors[i]));
+    return rgba;
 }
 
 MapDiagnostic run_map_diagnostic(cl::Session& session, cl_uint diagnostic, const FitInputs& inputs,

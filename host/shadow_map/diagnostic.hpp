@@ -12,8 +12,11 @@ struct MapDiagnostic {
     std::vector<float> colors;            ///< red, green, blue per point, 0 to 1
 };
 
-/// The names of diagnostics, in the order of their values.
-std::span<const std::string_view> map_diagnostics();
+/// What diagnostics there are, in the order of their values.
+std::span<const DiagnosticDescription> map_diagnostics();
+
+/// RGBA, 4 bytes per point, of red, green and blue from 0 to 1.
+std::vector<std::uint8_t> opaque_bytes(std::span<const float> colors);
 
 /// Draws a diagnostic of the views. Throws InvalidArgument unless the points have a camera and receivers.
 MapDiagnostic run_map_diagnostic(cl::Session& session, cl_uint diagnostic, const FitInputs& inputs,

@@ -284,16 +284,15 @@ Statistics ShadowMap::run(const Triangles& triangles, const Points& points, cons
 
 std::vector<std::uint8_t> ShadowMap::diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                               const Light& light) {
-    const std::uint32_t diagnostic = choice_setting("the diagnostic", name, map_diagnostics());
+    const auto all = map_diagnostics();
+    const auto asked = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.name == name; });
+    if (asked == all.end()) return Technique::diagnose(name, triangles, points, light);
     const Visibility visibility(device_, points.count());
     run(triangles, points, light, visibility);  // leaves its views behind
     const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                            points.camera()};
-    const MapDiagnostic drawn = run_map_diagnostic(device_.session(), diagnostic, inputs, map_views_);
-    std::vector<std::uint8_t> rgba(4 * points.count(), 255);
-    for (std::size_t i = 0; i < drawn.colors.size(); ++i)
-        rgba[i / 3 * 4 + i % 3] = static_cast<std::uint8_t>(std::lround(255 * drawn.colors[i]));
-    return rgba;
+    const auto diagnostic = static_cast<cl_uint>(asked - all.begin());
+    return opaque_bytes(run_map_diagnostic(device_.session(), diagnostic, inputs, map_views_).colors);
 }
 
 void ShadowMap::set(std::string_view name, std::string_view value) {
@@ -307,9 +306,14 @@ void ShadowMap::set(std::string_view name, std::string_view value) {
 
 TechniqueDescription ShadowMap::describe() {
     TechniqueDescription description{
-        "shadow-map", "shadow map of any composition: projection x partition x store x prefilter x lookup", false, {}};
+        "shadow-map",
+        "shadow map of any composition: projection x partition x store x prefilter x lookup",
+        false,
+        {},
+        {}};
     for (const Setting& setting : settings_table()) description.settings.push_back(setting.description);
     for (SettingDescription& setting : ViewFit::settings()) description.settings.push_back(std::move(setting));
+    description.diagnostics.assign(map_diagnostics().begin(), map_diagnostics().end());
     return description;
 }
 

@@ -15,6 +15,7 @@
 
 #include "../../kernels/triangle_setup.h"
 #include "../facing.hpp"
+#include "diagnostic.hpp"
 #include "setting_values.hpp"
 
 namespace gnomon {
@@ -177,6 +178,26 @@ Statistics VirtualShadowMap::run(const Triangles& triangles, const Points& point
     return statistics;
 }
 
+std::vector<std::uint8_t> VirtualShadowMap::diagnose(std::string_view name, const Triangles& triangles,
+                                                     const Points& points, const Light& light) {
+    if (name != "page") return Technique::diagnose(name, triangles, points, light);
+    cl::Session& session = device_.session();
+    const std::size_t count = points.count();
+    // Where no point faces the light the run asks for no page.
+    point_entries_.reserve(session, count * sizeof(cl_uint));
+    session.fill(point_entries_, NO_PAGE, count * sizeof(cl_uint));
+    const Visibility visibility(device_, count);
+    run(triangles, points, light, visibility);  // leaves its pages behind
+    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+                           points.camera()};
+    const cl::Buffer colors(session, 3 * count * sizeof(float));
+    session.launch(file, "virtual_map_page_colors", cl::Range::items(count), plan_of(inputs, map_views_.set.view_count),
+                   inputs.points.layout, inputs.points.positions, point_entries_, colors);
+    std::vector<float> drawn(3 * count);
+    session.read(colors.get(), drawn.data(), drawn.size() * sizeof(float));
+    return opaque_bytes(drawn);
+}
+
 void VirtualShadowMap::set(std::string_view name, std::string_view value) {
     if (name == "size")
         size_ = PAGE_SIZE << choice_setting(name, value, sizes);
@@ -205,7 +226,9 @@ TechniqueDescription VirtualShadowMap::describe() {
          {"level", "0", "of points without a camera: level they ask for, 0 (finest) to 7"},
          {"constant-bias", "0.0001", "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range"},
          {"slope-bias", "1.5", "times the caster's depth per texel, 0 to 100"},
-         {"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}}};
+         {"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}},
+        {{"page",
+          "a colour for each level, red the finest, lighter and darker page by page; black where none serves"}}};
 }
 
 }  // namespace gnomon

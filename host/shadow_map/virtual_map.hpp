@@ -16,6 +16,9 @@ public:
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
     void set(std::string_view name, std::string_view value) override;
+    /// "page": which page serves each point. Of any points, not only a camera's.
+    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                       const Light& light) override;
 
     static TechniqueDescription describe();
 

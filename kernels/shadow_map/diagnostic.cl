@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Pictures of how a shadow map's texels lie over what the camera sees (diagnostic.h).
 #include "diagnostic.h"
-
-#define SKY (float3)(0.25f, 0.25f, 0.25f)
+#include "diagnostic_colors.h"
 
 // Of slide 65: colours at these texels per pixel, linear between.
 __constant float error_stops[7] = {0.0f, 1.0f / 7.75f, 1.0f / 3.25f, 1.0f, 3.25f, 7.75f, 10.0f};
 __constant float error_colors[7][3] = {{0.2f, 0.0f, 0.0f}, {1.0f, 0.2f, 0.0f}, {1.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f},
                                        {0.3f, 0.8f, 1.0f}, {0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.2f}};
-__constant float view_colors[8][3] = {{0.9f, 0.3f, 0.25f}, {0.95f, 0.75f, 0.2f}, {0.4f, 0.75f, 0.3f},
-                                      {0.25f, 0.7f, 0.8f}, {0.3f, 0.4f, 0.9f},   {0.65f, 0.35f, 0.8f},
-                                      {0.9f, 0.5f, 0.7f},  {0.6f, 0.5f, 0.4f}};
-
-static float3 color_at(__constant const float* color) { return (float3)(color[0], color[1], color[2]); }
-
 static float3 error_color(float error) {
     for (int i = 0; i < 6; ++i)
         if (error < error_stops[i + 1]) {
@@ -35,6 +28,30 @@ static float3 grid_color(float2 at, float2 ds, float2 dt) {
     if (pixel.x >= 1.0f || pixel.y >= 1.0f) return (float3)(0.5f, 0.5f, 0.5f);
     float line = fmax(grid_line(at.x, pixel.x), grid_line(at.y, pixel.y));
     return line != 0.0f ? (float3)(0.1f, 0.1f, 0.1f) : (float3)(0.9f, 0.9f, 0.9f);
+}
+
+// How many times denser the warp makes texels along an axis at x than they would be without it.
+static float warp_density(__global const MapView* view, __global const float* tables, uint axis, float x) {
+    if (view->warp == WARP_LOGARITHMIC && axis == 1u)
+        return view->log_strength / ((1.0f + view->log_strength * fmax(x, 0.0f)) * log1p(view->log_strength));
+    if (view->warp == WARP_RECTILINEAR) {
+        uint pieces = view->warp_size;
+        __global const float* table = tables + view->forward_first + axis * (pieces + 1);
+        uint piece = min((uint)(clamp(x, 0.0f, 1.0f) * (float)pieces), pieces - 1);
+        return (table[piece + 1] - table[piece]) * (float)pieces;
+    }
+    return 1.0f;
+}
+
+// Cells of the warped map as a checkerboard, `at` and the steps in texels; between the two where a pixel is wider than
+// a cell.
+static float3 warp_color(__global const MapView* view, __global const float* tables, float2 uv, float2 at, float2 ds,
+                         float2 dt) {
+    float2 cells = (float2)(WARP_CELLS / (float)view->width, WARP_CELLS / (float)view->height);
+    float2 cell = floor(at * cells), pixel = (fabs(ds) + fabs(dt)) * cells;
+    bool is_dark = ((int)cell.x + (int)cell.y) % 2 != 0, is_mixed = pixel.x >= 1.0f || pixel.y >= 1.0f;
+    float density = sqrt(warp_density(view, tables, 0u, uv.x) * warp_density(view, tables, 1u, uv.y));
+    return error_color(density) * (is_mixed ? 0.8f : is_dark ? 0.6f : 1.0f);
 }
 
 // errors: texels per pixel, 0 where there are none; colors: red, green, blue.
@@ -64,13 +81,13 @@ __kernel void map_diagnostic(DiagnosticPlan plan, MapSet set, PointsLayout layou
                     color = grid_color(map_texels(view, tables, at.xy), ds, dt) * color_at(view_colors[index]);
                 else if (plan.diagnostic == DIAGNOSTIC_VIEWS)
                     color = color_at(view_colors[index]) * facing;
+                else if (plan.diagnostic == DIAGNOSTIC_WARP)
+                    color = warp_color(view, tables, at.xy, map_texels(view, tables, at.xy), ds, dt);
                 else
                     color = (float3)(clamp(at.z, 0.0f, 1.0f));
             }
         }
         errors[i] = error;
-        colors[3 * i] = color.x;
-        colors[3 * i + 1] = color.y;
-        colors[3 * i + 2] = color.z;
+        store_color(color, i, colors);
     }
 }

@@ -9,6 +9,9 @@
 //             thesis 6.8); evenly grey where a pixel is wider than a texel
 //   views     a colour per view (cascade, side, cube face); black where no view serves
 //   depth     the map's depth of what is seen, black nearest to the light
+//   warp      a checkerboard of WARP_CELLS x WARP_CELLS equal shares of the map's texels: small where the map is dense.
+//             In the colours of aliasing: how many times denser, per side, the warp (map_view.h) makes texels than
+//             they would be without it; green where it leaves them as they are
 // Steps are those of footprint.h. Points without a camera or a receiver, and the sky, are drawn in SKY.
 #ifndef GN_SHADOW_DIAGNOSTIC_H
 #define GN_SHADOW_DIAGNOSTIC_H
@@ -19,6 +22,8 @@
 #define DIAGNOSTIC_GRID 1u
 #define DIAGNOSTIC_VIEWS 2u
 #define DIAGNOSTIC_DEPTH 3u
+#define DIAGNOSTIC_WARP 4u
+#define WARP_CELLS 32.0f
 
 GN_STRUCT_BEGIN(DiagnosticPlan)
     PixelSteps steps;

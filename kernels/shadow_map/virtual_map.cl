@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Virtual shadow maps: levels, requests, pages, drawing and lookup (contract: virtual_map.h).
 #include "caster.h"
+#include "diagnostic_colors.h"
 #include "lookup.h"
 #include "virtual_map.h"
 
@@ -152,5 +153,20 @@ __kernel void virtual_map_lookup(VirtualPlan plan, PointsLayout layout, __global
         uint x = texel_below(r.at_texels.x, r.view->width), y = texel_below(r.at_texels.y, r.view->height);
         uint at = r.view->first_texel + y * r.view->row_stride + x;
         visibility[i] = as_float(keys[at]) >= r.depth - plan.receiver_bias ? 1.0f : 0.0f;
+    }
+}
+
+// The diagnostic "page": a colour per level, lighter and darker page by page; black where no page serves a point.
+__kernel void virtual_map_page_colors(VirtualPlan plan, PointsLayout layout, __global const float* positions,
+                                      __global const uint* point_entries, __global float* colors) {
+    GN_FOR_EACH(i, layout.count) {
+        float3 color = (float3)(0.0f, 0.0f, 0.0f);
+        if (!is_present(load_point(positions, layout, i))) {
+            color = SKY;
+        } else if (point_entries[i] != NO_PAGE) {
+            Page page = page_of_entry(&plan, point_entries[i]);
+            color = color_at(view_colors[page.level]) * ((page.column + page.row) % 2 != 0 ? 0.75f : 1.0f);
+        }
+        store_color(color, i, colors);
     }
 }

@@ -111,6 +111,58 @@ TEST(diagnostic, views_have_their_own_colours) {
     EXPECT_EQ(hues.size(), 4u);
 }
 
+// Green is as dense as without a warp: half of red and blue at either end. Its checkerboard darkens, which the ratio of
+// two channels does not see.
+struct Hues {
+    std::size_t green = 0, red = 0, blue = 0;
+};
+Hues hues_of(const gnomon::MapDiagnostic& drawn) {
+    Hues hues;
+    for (std::size_t i = 0; i < drawn.texels_per_pixel.size(); ++i) {
+        if (drawn.texels_per_pixel[i] == 0) continue;
+        const float* c = &drawn.colors[3 * i];
+        ++(c[0] > 0.1f * c[1] ? (c[2] > c[0] ? hues.blue : hues.red) : c[2] > 0.1f * c[1] ? hues.blue : hues.green);
+    }
+    return hues;
+}
+
+TEST(diagnostic, warp_is_green_where_there_is_none) {
+    Scene scene;
+    const auto light = gnomon::Light::directional({0.2f, -1, 0.3f});
+    const Hues plain = hues_of(draw(scene, light, {}, DIAGNOSTIC_WARP, 256));
+    EXPECT_GT(plain.green, 1000u);
+    EXPECT_EQ(plain.red + plain.blue, 0u);
+    // A warp gives to some what it takes from others.
+    for (const Settings& settings : {Settings{{"warp", "backward"}}, Settings{{"projection", "logpsm"}}}) {
+        const Hues warped = hues_of(draw(scene, light, settings, DIAGNOSTIC_WARP, 256));
+        EXPECT_GT(warped.red, 50u) << settings[0].second;
+        EXPECT_GT(warped.blue, 50u) << settings[0].second;
+    }
+}
+
+// The 32 x 32 cells hold the map's texels in equal numbers: two pixels are of one colour of the board exactly if their
+// texels, found from the views on the host, lie in cells of one kind.
+TEST(diagnostic, warp_shows_equal_shares_of_the_map) {
+    Scene scene;
+    const auto light = gnomon::Light::directional({0.2f, -1, 0.3f});
+    const Settings settings{{"fit", "casters"}};
+    const MapView view = fit(scene, light, settings, 512).views.at(0);
+    const auto drawn = draw(scene, light, settings, DIAGNOSTIC_WARP, 512);
+    const gnomon::ViewOnHost host = gnomon::read(scene.device, scene.triangles, scene.view);
+    std::size_t dark = 0, light_ones = 0;
+    for (std::size_t i = 0; i < drawn.texels_per_pixel.size(); ++i) {
+        if (drawn.texels_per_pixel[i] == 0 || drawn.texels_per_pixel[i] > 4) continue;  // far less than a cell's 16
+        const Place at = place(view, to_double(&host.position[3 * i]));
+        const double x = at.u * 32, y = at.v * 32;
+        if (std::fabs(x - std::round(x)) < 0.01 || std::fabs(y - std::round(y)) < 0.01) continue;
+        const bool is_dark = (int(x) + int(y)) % 2 != 0;
+        ASSERT_NEAR(drawn.colors[3 * i + 1], is_dark ? 0.6 : 1.0, 1e-6) << "pixel " << i;
+        ++(is_dark ? dark : light_ones);
+    }
+    EXPECT_GT(dark, 200u);
+    EXPECT_GT(light_ones, 200u);
+}
+
 // As the command asks for it: the technique's own views, four bytes per pixel, opaque; a sentence where there is none.
 TEST(diagnostic, techniques_draw_their_own) {
     Scene scene;
@@ -131,6 +183,30 @@ TEST(diagnostic, techniques_draw_their_own) {
     EXPECT_THROW(technique->diagnose("grid", scene.triangles, bare, light), gnomon::InvalidArgument);
     const auto exact = gnomon::make_technique("frustum-traced", scene.device);
     EXPECT_THROW(exact->diagnose("grid", scene.triangles, scene.view.points, light), gnomon::InvalidArgument);
+}
+
+// What techniques() lists can be drawn, and the sentence for any other name tells of it.
+TEST(diagnostic, what_is_listed_can_be_drawn) {
+    Scene scene;
+    const auto light = gnomon::Light::directional({0.3f, -1, 0});
+    std::string sentence;
+    try {
+        gnomon::make_technique("shadow-volumes", scene.device)
+            ->diagnose("smell", scene.triangles, scene.view.points, light);
+    } catch (const gnomon::InvalidArgument& error) {
+        sentence = error.what();
+    }
+    for (const gnomon::TechniqueDescription& technique : gnomon::techniques())
+        for (const gnomon::DiagnosticDescription& diagnostic : technique.diagnostics) {
+            EXPECT_NE(sentence.find(diagnostic.name), std::string::npos) << sentence;
+            if (technique.name != "frustum-traced" && technique.name != "shadow-map" &&
+                technique.name != "virtual-shadow-map")
+                continue;  // presets of shadow-map
+            EXPECT_NE(sentence.find(technique.name), std::string::npos) << sentence;
+            const auto drawn = gnomon::make_technique(technique.name, scene.device)
+                                   ->diagnose(diagnostic.name, scene.triangles, scene.view.points, light);
+            EXPECT_EQ(drawn.size(), 4 * scene.view.points.count()) << technique.name << " " << diagnostic.name;
+        }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 // camera chooses levels, and small.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "../../host/shadow_map/depth_pass.hpp"
@@ -215,6 +216,64 @@ TEST_F(VirtualMap, runs_on_nothing_and_refuses_bad_settings) {
                                               {"slope-bias", "-1"},
                                               {"taps", "3"}})
         EXPECT_THROW(technique->set(name, value), gnomon::InvalidArgument) << name;
+}
+
+// The colours of docs/techniques.md, finest level first; pages are lighter and darker in turn.
+constexpr int level_colors[8][3] = {{230, 77, 64},  {242, 191, 51}, {102, 191, 77},  {64, 179, 204},
+                                    {77, 102, 230}, {166, 89, 204}, {230, 128, 179}, {153, 128, 102}};
+
+/// -1: the sky, -2: no page.
+int level_of(const std::uint8_t* rgba, bool& is_dark) {
+    if (rgba[0] == 64 && rgba[1] == 64 && rgba[2] == 64) return -1;
+    if (rgba[0] + rgba[1] + rgba[2] == 0) return -2;
+    for (int level = 0; level < 8; ++level)
+        for (const double shade : {1.0, 0.75}) {
+            bool is_same = true;
+            for (int c = 0; c < 3; ++c) is_same &= std::fabs(rgba[c] - shade * level_colors[level][c]) < 1.5;
+            is_dark = shade != 1;
+            if (is_same) return level;
+        }
+    ADD_FAILURE() << "a colour of no level: " << int(rgba[0]) << " " << int(rgba[1]) << " " << int(rgba[2]);
+    return -3;
+}
+
+// Half the detail asks for texels twice as wide: every pixel's page lies one level up, as long as there is one. Without
+// a camera all lie on the level that is set.
+TEST_F(VirtualMap, page_diagnostic_shows_the_levels) {
+    const auto triangles = gnomon::Triangles::upload(device_, floor_slabs_and_sheets());
+    const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 60);
+    const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
+    const auto drawn = [&](const gnomon::Points& points, const Settings& settings) {
+        const auto technique = gnomon::make_technique("virtual-shadow-map", device_);
+        for (const auto& [key, value] : settings) technique->set(key, value);
+        return technique->diagnose("page", triangles, points, sun);
+    };
+    const auto fine = drawn(view.points, {{"size", "4096"}}),
+               coarse = drawn(view.points, {{"size", "4096"}, {"detail", "0.5"}});
+    ASSERT_EQ(fine.size(), 4 * view.points.count());
+    const gnomon::PointsOnHost host = gnomon::read(device_, view.points);
+    std::array<std::size_t, 8> levels{};
+    std::array<std::size_t, 2> pages{};
+    for (std::size_t i = 0; i < view.points.count(); ++i) {
+        bool is_dark = false, unused = false;
+        const int level = level_of(&fine[4 * i], is_dark);
+        EXPECT_EQ(level == -1, host.receiver[i] == gnomon::no_receiver);
+        EXPECT_EQ(level_of(&coarse[4 * i], unused), level < 0 ? level : std::min(level + 1, 5));
+        if (level < 0) continue;
+        ++levels[std::size_t(level)];
+        ++pages[is_dark];
+    }
+    EXPECT_GE(std::count_if(levels.begin(), levels.end(), [](std::size_t n) { return n > 100; }), 2);
+    EXPECT_GT(std::min(pages[0], pages[1]), 100u);
+
+    const auto bare = gnomon::Points::wrap(device_, view.points.positions(), view.points.layout(), view.points.count(),
+                                           view.points.receivers());
+    const auto second = drawn(bare, {{"level", "2"}});
+    for (std::size_t i = 0; i < view.points.count(); ++i) {
+        bool unused = false;
+        const int level = level_of(&second[4 * i], unused);
+        EXPECT_EQ(level, host.receiver[i] == gnomon::no_receiver ? -1 : 2);
+    }
 }
 
 }  // namespace
