@@ -119,7 +119,7 @@ static LaneInt boxes_that_matter(__global const ClusterBoxes* boxes, LaneInt lan
                         (corner & 4) ? boxes->high[2] : boxes->low[2]};
         v[corner] = project(projection, &p);
     }
-    HullSides sides = sides_of_hulls(v, 8);
+    HullSides sides = sides_of_hulls(v, 8, projection);
     Rectangles rectangle;
     LaneInt inside = lanes & ~sides.wild & ~sides.behind;
     inside &= covered_rectangles(v, 8, projection, &rectangle);

@@ -32,7 +32,7 @@ static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock
     } else {
         t = same_triangle(load_triangle(vertices, first));
     }
-    asked &= present_lanes(t.a) & present_lanes(t.b) & present_lanes(t.c);
+    asked &= finite_triangles(&t);
     if (!LANES_ANY(asked)) return answer;
     LaneCross normals = triangle_normals(&t);
     PointBlock towards = same_point(light.x, light.y, light.z), zero = same_point(0.0f, 0.0f, 0.0f);
@@ -130,6 +130,11 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
         LaneInt valid = valid_lanes(layout, block);
         PointBlock points = load_block(positions, layout, block);
         LaneInt open = valid & present_lanes(points);
+        minus_absent += valid & ~open;
+        if (!LANES_ANY(open)) {
+            store_lanes((LaneFloat)(1.0f), visibility, layout, block);
+            continue;
+        }
         LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0);
         if (layout.has_receivers) {
             LaneInt ids = load_lane_ids(receivers, layout, block);
@@ -143,7 +148,6 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
                 doubtful = answer.doubtful;
             }
         }
-        minus_absent += valid & ~open;
         minus_away += away;
         if (opens == FACING_DECIDES) open = (LaneInt)(0);
         open &= ~away & LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));

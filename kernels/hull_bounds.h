@@ -30,22 +30,20 @@ typedef struct HullSides {
     LaneInt straddles;  // not wholly in front of the light for certain
 } HullSides;
 
-static LaneInt is_not_finite(LaneFloat x) { return ~LANE_COMPARE(fabs(x), <=, (LaneFloat)(FLT_MAX)); }
-
-static HullSides sides_of_hulls(const Projected* v, int count) {
-    HullSides sides = {(LaneInt)(0), (LaneInt)(-1), (LaneInt)(0)};
-    LaneFloat sum_x = (LaneFloat)(0.0f), sum_y = sum_x, sum_w = sum_x;
+static HullSides sides_of_hulls(const Projected* v, int count, __constant const Projection* projection) {
+    HullSides sides = {(LaneInt)(0), (LaneInt)(0), (LaneInt)(0)};
+    LaneInt largest = (LaneInt)(0);  // NaN and infinity are larger than anything
     for (int i = 0; i < count; ++i) {
-        LaneFloat x = fabs(v[i].x), y = fabs(v[i].y), w = fabs(v[i].w);
-        LaneFloat wildest = LANES_MAX(x, y);
-        wildest = LANES_MAX(w, wildest);
-        wildest = LANES_MAX(v[i].error, wildest);
-        sides.wild |= ~LANE_COMPARE(wildest, <, (LaneFloat)(WILD_TEXELS));
+        LaneInt position = max(LANES_SIZE_BITS(v[i].x), LANES_SIZE_BITS(v[i].y));
+        largest = max(largest, max(position, max(LANES_SIZE_BITS(v[i].w), LANES_SIZE_BITS(v[i].error))));
+    }
+    sides.wild = LANE_COMPARE(largest, >=, LANES_AS_INT((LaneFloat)(WILD_TEXELS)));
+    if (!projection->perspective) return sides;
+    sides.behind = (LaneInt)(-1);
+    for (int i = 0; i < count; ++i) {
         sides.behind &= LANE_COMPARE(v[i].w, <, -v[i].error_w);
         sides.straddles |= ~LANE_COMPARE(v[i].w, >, v[i].error_w * 2.0f);
-        sum_x += v[i].x, sum_y += v[i].y, sum_w += v[i].w;
     }
-    sides.wild |= is_not_finite(sum_x) | is_not_finite(sum_y) | is_not_finite(sum_w);
     return sides;
 }
 
@@ -145,8 +143,9 @@ static LaneInt covered_rectangles(const Projected* v, int count, __constant cons
     rectangle->y0 = LANES_MAX(r.y0, zero);
     rectangle->x1 = LANES_MIN(r.x1, last_x);
     rectangle->y1 = LANES_MIN(r.y1, last_y);
-    return LANE_COMPARE(r.x1, >=, zero) & LANE_COMPARE(r.y1, >=, zero) & LANE_COMPARE(r.x0, <, last_x) &
-           LANE_COMPARE(r.y0, <, last_y);
+    // A difference of unlike floats is not 0, and keeps its sign when it is rounded.
+    LaneFloat beyond_x = r.x0 - last_x, beyond_y = r.y0 - last_y;
+    return LANE_COMPARE(LANES_MIN(r.x1, r.y1), >=, zero) & LANE_COMPARE(LANES_MAX(beyond_x, beyond_y), <, zero);
 }
 
 // ---- Heights --------------------------------------------------------------------------------------------------------

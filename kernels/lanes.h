@@ -77,6 +77,11 @@ static int sum_of_16(int16 v) {
 #define LANES_MIN(a, b) LANES_SELECT(b, a, LANE_COMPARE(a, <, b))
 #define LANES_MAX(a, b) LANES_SELECT(b, a, LANE_COMPARE(a, >, b))
 
+// The bits of |x|: in the order of the magnitudes, infinities and NaNs above all of them. Integer maxima over them and
+// one comparison say whether all of several values are finite.
+#define LANES_SIZE_BITS(x) (LANES_AS_INT(x) & 0x7FFFFFFF)
+#define BITS_OF_INFINITY 0x7F800000
+
 // One lane of a vector (of a variable).
 #define LANE_OF_INT(v, lane) (((int*)&(v))[lane])
 #define LANE_OF_FLOAT(v, lane) (((float*)&(v))[lane])

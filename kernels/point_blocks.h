@@ -125,10 +125,11 @@ static LaneInt doubtful_lanes(LaneFloat visibility) {
     return LANE_COMPARE(visibility, >=, (LaneFloat)(VISIBILITY_DOUBTFUL));
 }
 
+static LaneInt largest_size_bits(PointBlock p) {
+    return max(max(LANES_SIZE_BITS(p.x), LANES_SIZE_BITS(p.y)), LANES_SIZE_BITS(p.z));
+}
 static LaneInt present_lanes(PointBlock points) {
-    return LANE_COMPARE(fabs(points.x), <=, (LaneFloat)(FLT_MAX)) &
-           LANE_COMPARE(fabs(points.y), <=, (LaneFloat)(FLT_MAX)) &
-           LANE_COMPARE(fabs(points.z), <=, (LaneFloat)(FLT_MAX));
+    return LANE_COMPARE(largest_size_bits(points), <, (LaneInt)(BITS_OF_INFINITY));
 }
 
 #endif

@@ -41,6 +41,11 @@ static Triangle lane_triangle(const TriangleBlock* t, int lane) {
     return triangle;
 }
 
+static LaneInt finite_triangles(const TriangleBlock* t) {
+    LaneInt largest = max(max(largest_size_bits(t->a), largest_size_bits(t->b)), largest_size_bits(t->c));
+    return LANE_COMPARE(largest, <, (LaneInt)(BITS_OF_INFINITY));
+}
+
 static PointBlock difference(PointBlock a, PointBlock b) {
     PointBlock d = {a.x - b.x, a.y - b.y, a.z - b.z};
     return d;

@@ -234,7 +234,7 @@ static ProjectedTriangles project_triangles(const TriangleBlock* t, __constant c
     p.v[0] = project(projection, &t->a);
     p.v[1] = project(projection, &t->b);
     p.v[2] = project(projection, &t->c);
-    p.sides = sides_of_hulls(p.v, 3);
+    p.sides = sides_of_hulls(p.v, 3, projection);
     return p;
 }
 
@@ -309,8 +309,7 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
         if (first >= triangle_count) continue;  // past the end of the last cluster
         uint count = min(triangle_count - first, (uint)GN_LANES);
         TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
-        LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & present_lanes(t.a) & present_lanes(t.b) &
-                         present_lanes(t.c);
+        LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & finite_triangles(&t);
         looked_at += count;
         finite_count += count_lanes(finite);
         BoundsBlock found;
