@@ -31,11 +31,18 @@ void Facing::run_prepared(cl::Session& session, const LightFrame& light_frame, c
     launch(session, light_frame, FACING_PREPARED, triangles, points, domains, visibility, counters, counters);
 }
 
-void run_facing(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points, const Light& light,
-                cl_mem visibility, const cl::Buffer& counters) {
-    // No bounds are taken of points that are not opened.
-    launch(session, make_light_frame(light, {1, 0}), FACING_DECIDES, triangles, points, counters, visibility, counters,
-           counters);
+FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
+                         const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters) {
+    if (points.layout.count == 0) return {};
+    {
+        cl::StageTimer timer(session, statistics, "facing");
+        counters.reserve(session, sizeof(FrameCounters));
+        session.fill(counters, 0, sizeof(FrameCounters));
+        // No bounds are taken of points that are not opened.
+        launch(session, make_light_frame(light, {1, 0}), FACING_DECIDES, triangles, points, counters, visibility,
+               counters, counters);
+    }
+    return session.read_value<FrameCounters>(counters);
 }
 
 }  // namespace gnomon

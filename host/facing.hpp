@@ -2,6 +2,7 @@
 // Stage facing: points that face away are decided, the others are open, and their bounds are taken (kernels/facing.cl).
 #pragma once
 
+#include "../kernels/triangle_setup.h"
 #include "light_frame.hpp"
 
 namespace gnomon {
@@ -22,8 +23,9 @@ private:
     cl::Buffer frame_bounds_;
 };
 
-/// For techniques without frames: decides the points that face away, and leaves all others lit.
-void run_facing(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points, const Light& light,
-                cl_mem visibility, const cl::Buffer& counters);
+/// For techniques without frames: decides the points that face away, and leaves all others lit. Returns what it
+/// counted, in `counters`, which has room for FrameCounters afterwards.
+FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
+                         const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters);
 
 }  // namespace gnomon

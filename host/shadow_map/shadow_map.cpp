@@ -254,16 +254,10 @@ Statistics ShadowMap::run(const Triangles& triangles, const Points& points, cons
     FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
     inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // it measures how far they are
     Statistics statistics;
-    FrameCounters facing{};
     map_views_.set = {};
+    const FrameCounters facing =
+        run_facing(session, statistics, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
     if (points.count() != 0) {
-        {
-            cl::StageTimer timer(session, statistics, "facing");
-            counters_.reserve(session, sizeof(FrameCounters));
-            session.fill(counters_, 0, sizeof(FrameCounters));
-            run_facing(session, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
-        }
-        session.read(counters_.get(), &facing, sizeof(facing));
         if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
             run_stages(inputs, statistics);
         else

@@ -145,17 +145,12 @@ Statistics VirtualShadowMap::run(const Triangles& triangles, const Points& point
     const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                            points.camera()};
     Statistics statistics;
-    FrameCounters facing{};
     map_views_.set = {};
     counted_ = {};
+    static_assert(sizeof(VirtualCounters) <= sizeof(FrameCounters));
+    const FrameCounters facing =
+        run_facing(session, statistics, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
     if (points.count() != 0) {
-        {
-            cl::StageTimer timer(session, statistics, "facing");
-            counters_.reserve(session, std::max(sizeof(FrameCounters), sizeof(VirtualCounters)));
-            session.fill(counters_, 0, sizeof(FrameCounters));
-            run_facing(session, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
-        }
-        session.read(counters_.get(), &facing, sizeof(facing));
         if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
             run_stages(inputs, statistics);
         else
