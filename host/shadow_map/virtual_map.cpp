@@ -7,6 +7,8 @@
 //   pages    a prefix sum gives every requested page its place
 //   draw     the nearest caster per texel of these pages
 //   lookup   visibility of the points that face the light
+//
+// Several lights: facing, fit, request and lookup for each, pages and draw once for all.
 #include "virtual_map.hpp"
 
 #include <algorithm>
@@ -46,22 +48,19 @@ VirtualPlan VirtualShadowMap::plan_of(const FitInputs& inputs, std::uint32_t vie
     return plan;
 }
 
-void VirtualShadowMap::request(const FitInputs& inputs, const VirtualPlan& plan) {
+void VirtualShadowMap::request(LightRun& run, const VirtualPlan& plan) {
     cl::Session& session = device_.session();
-    const std::size_t entries = std::size_t(plan.view_count) * plan.entries_per_view;
-    level_views_.set = map_views_.set;
-    level_views_.set.view_count = plan.view_count * plan.levels;
-    level_views_.views.reserve(session, level_views_.set.view_count * sizeof(MapView));
-    level_views_.tables.reserve(session, std::size_t(plan.view_count) * 4 * size_ * sizeof(cl_float));
-    session.launch(file, "virtual_map_levels", cl::Range::items(level_views_.set.view_count), plan, map_views_.views,
-                   level_views_.views);
-    fill_centres(session, level_views_);
-    requested_.reserve(session, entries * sizeof(cl_uint));
-    point_entries_.reserve(session, std::size_t(inputs.points.layout.count) * sizeof(cl_uint));
-    session.fill(requested_, 0, entries * sizeof(cl_uint));
-    session.launch(file, "virtual_map_request", cl::Range::items(inputs.points.layout.count), plan, map_views_.set,
-                   inputs.points.layout, inputs.points.positions, inputs.visibility, map_views_.views,
-                   map_views_.tables, requested_, point_entries_, counters_);
+    const MapViews& views = light_views_[run.index];
+    const PointInputs& points = run.inputs.points;
+    session.launch(file, "virtual_map_levels", cl::Range::items(views.set.view_count * plan.levels), plan,
+                   run.first_view, views.set.view_count, views.views, level_views_.views);
+    session.launch(file, "virtual_map_request", cl::Range::items(points.layout.count), plan, run.first_view,
+                   first_point(run), views.set, points.layout, points.positions, run.inputs.visibility, views.views,
+                   views.tables, requested_, point_entries_, counters_);
+    const VirtualCounters before = counted_;
+    session.read(counters_.get(), &counted_, sizeof(counted_));
+    run.outside = counted_.points_outside - before.points_outside;
+    run.pages = counted_.pages_requested - before.pages_requested;
 }
 
 void VirtualShadowMap::allocate(const VirtualPlan& plan) {
@@ -69,7 +68,6 @@ void VirtualShadowMap::allocate(const VirtualPlan& plan) {
     const cl_uint entries = plan.view_count * plan.entries_per_view;
     page_of_.reserve(session, (std::size_t(entries) + 1) * sizeof(cl_uint));
     scan_.run(session, entries, 1, requested_, page_of_);
-    session.read(counters_.get(), &counted_, sizeof(counted_));
     const cl_uint pages = counted_.pages_requested;
     if (pages > most_pages)
         throw InvalidArgument("the points ask for " + std::to_string(pages) + " pages of a virtual map of size " +
@@ -110,67 +108,120 @@ void VirtualShadowMap::draw(const TriangleInputs& triangles, const VirtualPlan& 
     }
 }
 
-void VirtualShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
+std::uint64_t VirtualShadowMap::pages_drawn(std::uint64_t first, std::uint64_t count) const {
+    if (count == 0) return 0;
+    std::vector<cl_uint> touched(first + count);
+    device_.session().read(touched_.get(), touched.data(), touched.size() * sizeof(cl_uint));
+    return std::uint64_t(std::count(touched.begin() + std::ptrdiff_t(first), touched.end(), 1u));
+}
+
+cl_ulong VirtualShadowMap::first_point(const LightRun& run) {
+    return cl_ulong(run.index) * run.inputs.points.layout.count;
+}
+
+void VirtualShadowMap::run_stages(std::vector<LightRun*>& runs) {
     cl::Session& session = device_.session();
-    {
-        cl::StageTimer timer(session, statistics, "fit");
-        fit_.run(session, inputs, size_, map_views_);
+    cl_uint view_count = 0;
+    for (LightRun* run : runs) {
+        cl::StageTimer timer(session, run->statistics, "fit");
+        fit_.run(session, run->inputs, size_, light_views_[run->index]);
+        run->first_view = view_count;
+        view_count += light_views_[run->index].set.view_count;
     }
-    const VirtualPlan plan = plan_of(inputs, map_views_.set.view_count);
+    const FitInputs& any = runs.front()->inputs;
+    const VirtualPlan plan = plan_of(any, view_count);
+    const std::size_t entries = std::size_t(plan.view_count) * plan.entries_per_view;
+    level_views_.set = light_views_[runs.front()->index].set;
+    level_views_.set.view_count = plan.view_count * plan.levels;
+    level_views_.views.reserve(session, level_views_.set.view_count * sizeof(MapView));
+    level_views_.tables.reserve(session, std::size_t(plan.view_count) * 4 * size_ * sizeof(cl_float));
+    requested_.reserve(session, entries * sizeof(cl_uint));
+    point_entries_.reserve(session, light_views_.size() * any.points.layout.count * sizeof(cl_uint));
+    session.fill(requested_, 0, entries * sizeof(cl_uint));
     session.fill(counters_, 0, sizeof(VirtualCounters));
-    {
-        cl::StageTimer timer(session, statistics, "request");
-        request(inputs, plan);
+    for (LightRun* run : runs) {
+        cl::StageTimer timer(session, run->statistics, "request");
+        request(*run, plan);
     }
+    Statistics& shared = runs.front()->statistics;
     {
-        cl::StageTimer timer(session, statistics, "pages");
+        cl::StageTimer timer(session, shared, "pages");
+        fill_centres(session, level_views_);
         allocate(plan);
     }
     {
-        cl::StageTimer timer(session, statistics, "draw");
-        draw(inputs.triangles, plan);
+        cl::StageTimer timer(session, shared, "draw");
+        draw(any.triangles, plan);
     }
-    cl::StageTimer timer(session, statistics, "lookup");
-    session.launch(file, "virtual_map_lookup", cl::Range::items(inputs.points.layout.count), plan, inputs.points.layout,
-                   inputs.points.positions, level_views_.tables, point_entries_, page_of_, pages_, keys_,
-                   inputs.visibility);
+    for (LightRun* run : runs) {
+        if (run != runs.front())
+            run->statistics.stages.push_back({"draw", 0, 0, "in one pass with the first light that is drawn"});
+        cl::StageTimer timer(session, run->statistics, "lookup");
+        session.launch(file, "virtual_map_lookup", cl::Range::items(any.points.layout.count), plan, first_point(*run),
+                       any.points.layout, any.points.positions, level_views_.tables, point_entries_, page_of_, pages_,
+                       keys_, run->inputs.visibility);
+    }
 }
 
 Statistics VirtualShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
                                  const Visibility& visibility) {
-    require_run(triangles, points, light, visibility);
+    return run_lights(triangles, points, std::span(&light, 1), std::span(&visibility, 1)).front();
+}
+
+std::vector<Statistics> VirtualShadowMap::run_lights(const Triangles& triangles, const Points& points,
+                                                     std::span<const Light> lights,
+                                                     std::span<const Visibility> visibilities) {
+    require_run_lights(triangles, points, lights, visibilities);
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
-                           points.camera()};
-    Statistics statistics;
-    map_views_.set = {};
+    light_views_.resize(lights.size());
     counted_ = {};
     static_assert(sizeof(VirtualCounters) <= sizeof(FrameCounters));
-    const FrameCounters facing =
-        run_facing(session, statistics, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
-    if (points.count() != 0) {
-        if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
-            run_stages(inputs, statistics);
+    std::vector<LightRun> runs;
+    std::vector<LightRun*> drawn;
+    runs.reserve(lights.size());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        LightRun& run = runs.emplace_back(LightRun{
+            {triangle_inputs(triangles), point_inputs(points), visibilities[i].buffer(), lights[i], points.camera()}});
+        run.index = i;
+        light_views_[i].set = {};
+        const FrameCounters facing = run_facing(session, run.statistics, run.inputs.triangles, run.inputs.points,
+                                                lights[i], run.inputs.visibility, counters_);
+        run.absent = facing.absent;
+        run.facing_away = facing.facing_away;
+        if (points.count() == 0) continue;
+        if (triangles.count() != 0 && run.absent + run.facing_away < points.count())
+            drawn.push_back(&run);
         else
-            statistics.stages.push_back({"draw", 0, 0, "no point faces the light, or there are no triangles"});
+            run.statistics.stages.push_back({"draw", 0, 0, "no point faces the light, or there are no triangles"});
     }
-    statistics.counts = {{"points", points.count()},
-                         {"points_absent", facing.absent},
-                         {"points_facing_away", facing.facing_away},
-                         {"points_outside", counted_.points_outside},
-                         {"triangles", triangles.count()},
-                         {"map_views", map_views_.set.view_count},
-                         {"map_texels", std::uint64_t(counted_.pages_requested) * PAGE_TEXELS},
-                         {"virtual_texels", std::uint64_t(map_views_.set.view_count) * size_ * size_},
-                         {"pages_requested", counted_.pages_requested},
-                         {"pages_drawn", counted_.pages_drawn}};
+    if (!drawn.empty()) run_stages(drawn);
     session.finish();
-    statistics.device_memory_bytes = memory.peak_bytes();
-    statistics.total_wall_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    return statistics;
+
+    std::vector<Statistics> all;
+    std::uint64_t first_page = 0;
+    const double total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    for (LightRun& run : runs) {
+        const std::uint64_t view_count = light_views_[run.index].set.view_count;
+        Statistics& s = run.statistics;
+        s.counts = {{"points", points.count()},
+                    {"points_absent", run.absent},
+                    {"points_facing_away", run.facing_away},
+                    {"points_outside", run.outside},
+                    {"triangles", triangles.count()},
+                    {"map_views", view_count},
+                    {"map_texels", run.pages * PAGE_TEXELS},
+                    {"virtual_texels", view_count * size_ * size_},
+                    {"pages_requested", run.pages},
+                    {"pages_drawn", pages_drawn(first_page, run.pages)}};
+        first_page += run.pages;
+        s.device_memory_bytes = memory.peak_bytes();  // of the pool
+        // The time of the whole is shared out evenly: most of it serves all.
+        s.total_wall_ms = total_ms / double(runs.size());
+        all.push_back(std::move(s));
+    }
+    return all;
 }
 
 std::vector<std::uint8_t> VirtualShadowMap::diagnose(std::string_view name, const Triangles& triangles,
@@ -186,8 +237,9 @@ std::vector<std::uint8_t> VirtualShadowMap::diagnose(std::string_view name, cons
     const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                            points.camera()};
     const cl::Buffer colors(session, 3 * count * sizeof(float));
-    session.launch(file, "virtual_map_page_colors", cl::Range::items(count), plan_of(inputs, map_views_.set.view_count),
-                   inputs.points.layout, inputs.points.positions, point_entries_, colors);
+    session.launch(file, "virtual_map_page_colors", cl::Range::items(count),
+                   plan_of(inputs, light_views_.front().set.view_count), inputs.points.layout, inputs.points.positions,
+                   point_entries_, colors);
     std::vector<float> drawn(3 * count);
     session.read(colors.get(), drawn.data(), drawn.size() * sizeof(float));
     return opaque_bytes(drawn);

@@ -15,6 +15,9 @@ public:
     explicit VirtualShadowMap(const Device& device) : device_(device) {}
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
+    /// All lights' pages lie in one pool, drawn in one pass.
+    std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
+                                       std::span<const Visibility> visibilities) override;
     void set(std::string_view name, std::string_view value) override;
     /// "page": which page serves each point. Of any points, not only a camera's.
     std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
@@ -23,12 +26,25 @@ public:
     static TechniqueDescription describe();
 
 private:
+    /// A light, what its points still need, and where its views and points stand among those of all lights.
+    struct LightRun {
+        FitInputs inputs;
+        Statistics statistics{};
+        std::uint64_t facing_away = 0, absent = 0, outside = 0, pages = 0;
+        std::size_t index = 0;
+        cl_uint first_view = 0;
+    };
+
     VirtualPlan plan_of(const FitInputs& inputs, std::uint32_t view_count) const;
-    void run_stages(const FitInputs& inputs, Statistics& statistics);
-    void request(const FitInputs& inputs, const VirtualPlan& plan);
+    static cl_ulong first_point(const LightRun& run);
+    /// Views, requests, pages, drawing and lookup for the lights that some point faces.
+    void run_stages(std::vector<LightRun*>& runs);
+    void request(LightRun& run, const VirtualPlan& plan);
     /// Makes a physical page of every entry that was asked for.
     void allocate(const VirtualPlan& plan);
     void draw(const TriangleInputs& triangles, const VirtualPlan& plan);
+    /// How many of the pages [first, first + count) some caster's rectangle met.
+    std::uint64_t pages_drawn(std::uint64_t first, std::uint64_t count) const;
 
     Device device_;
     std::uint32_t size_ = 16384, level_ = 0;
@@ -38,7 +54,8 @@ private:
 
     ViewFit fit_;
     Scan scan_;
-    MapViews map_views_, level_views_;
+    std::vector<MapViews> light_views_;  ///< of each light
+    MapViews level_views_;
     cl::Buffer counters_, requested_, page_of_, point_entries_, pages_, touched_, keys_, pairs_;
     std::uint32_t pair_capacity_ = 1u << 12;
     VirtualCounters counted_{};

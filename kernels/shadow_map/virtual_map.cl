@@ -5,18 +5,20 @@
 #include "lookup.h"
 #include "virtual_map.h"
 
-// The grids of all levels of all views: level_views[view levels + level].
-__kernel void virtual_map_levels(VirtualPlan plan, __global const MapView* views, __global MapView* level_views) {
-    GN_FOR_EACH(i, plan.view_count * plan.levels) {
-        uint view = (uint)i / plan.levels, level = (uint)i % plan.levels;
+// The grids of all levels of one light's views, which are the views from first_view on: level_views[view levels +
+// level].
+__kernel void virtual_map_levels(VirtualPlan plan, uint first_view, uint light_views, __global const MapView* views,
+                                 __global MapView* level_views) {
+    GN_FOR_EACH(i, light_views * plan.levels) {
+        uint view = first_view + (uint)i / plan.levels, level = (uint)i % plan.levels;
         uint size = plan.pages_across << PAGE_LOG2;
-        MapView grid = views[view];
+        MapView grid = views[i / plan.levels];
         if (grid.width != 0) grid.width = grid.height = size >> level;
         // Columns and rows of finer levels: 2 size (1 + 1/2 + 1/4 + ...).
         grid.centres_first = view * 4 * size + 4 * (size - (size >> level));
         grid.first_texel = 0;
         grid.row_stride = PAGE_SIZE;
-        level_views[i] = grid;
+        level_views[view * plan.levels + level] = grid;
     }
 }
 
@@ -31,13 +33,14 @@ static uint wanted_level(const VirtualPlan* plan, MapSet set, const Receiver* r,
     return level;
 }
 
-// requested: 0 before. point_entries: the entry that each point asks for, NO_PAGE if none.
-__kernel void virtual_map_request(VirtualPlan plan, MapSet set, PointsLayout layout, __global const float* positions,
-                                  __global const float* visibility, __global const MapView* views,
-                                  __global const float* tables, __global uint* requested, __global uint* point_entries,
-                                  __global VirtualCounters* counters) {
+// For one light. requested: 0 before. point_entries: the entry that each point asks for, NO_PAGE if none, from
+// first_point on.
+__kernel void virtual_map_request(VirtualPlan plan, uint first_view, ulong first_point, MapSet set, PointsLayout layout,
+                                  __global const float* positions, __global const float* visibility,
+                                  __global const MapView* views, __global const float* tables, __global uint* requested,
+                                  __global uint* point_entries, __global VirtualCounters* counters) {
     GN_FOR_EACH(i, layout.count) {
-        point_entries[i] = NO_PAGE;
+        point_entries[first_point + i] = NO_PAGE;
         if (visibility[i] != 1.0f) continue;
         float3 p = load_point(positions, layout, i);
         if (!is_present(p)) continue;
@@ -51,8 +54,8 @@ __kernel void virtual_map_request(VirtualPlan plan, MapSet set, PointsLayout lay
         uint level = wanted_level(&plan, set, &r, p);
         uint column = texel_below(r.at_texels.x, r.view->width) >> (PAGE_LOG2 + level);
         uint row = texel_below(r.at_texels.y, r.view->height) >> (PAGE_LOG2 + level);
-        uint entry = page_entry(&plan, index, level, column, row);
-        point_entries[i] = entry;
+        uint entry = page_entry(&plan, first_view + index, level, column, row);
+        point_entries[first_point + i] = entry;
         // Many points ask for one page: most need not write.
         if (GN_LOOK(&requested[entry]) == 0 && atomic_xchg(&requested[entry], 1u) == 0)
             atomic_inc(&counters->pages_requested);
@@ -88,8 +91,7 @@ static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint
             uint entry = page_entry(plan, level_view / plan->levels, level_view % plan->levels, column, row);
             if (requested[entry] == 0) continue;
             uint page = page_of[entry];
-            if (GN_LOOK(&touched[page]) == 0 && atomic_xchg(&touched[page], 1u) == 0)
-                atomic_inc(&counters->pages_drawn);
+            if (GN_LOOK(&touched[page]) == 0) atomic_xchg(&touched[page], 1u);
             if (is_small) {
                 Caster part = *caster;
                 clip_to_page(&part, column, row);
@@ -140,12 +142,12 @@ __kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, ulong first_fl
     }
 }
 
-__kernel void virtual_map_lookup(VirtualPlan plan, PointsLayout layout, __global const float* positions,
-                                 __global const float* tables, __global const uint* point_entries,
-                                 __global const uint* page_of, __global const MapView* pages, __global const uint* keys,
-                                 __global float* visibility) {
+__kernel void virtual_map_lookup(VirtualPlan plan, ulong first_point, PointsLayout layout,
+                                 __global const float* positions, __global const float* tables,
+                                 __global const uint* point_entries, __global const uint* page_of,
+                                 __global const MapView* pages, __global const uint* keys, __global float* visibility) {
     GN_FOR_EACH(i, layout.count) {
-        uint entry = point_entries[i];
+        uint entry = point_entries[first_point + i];
         if (entry == NO_PAGE) continue;
         Receiver r;
         make_receiver(pages + page_of[entry], tables, load_point(positions, layout, i), &r);

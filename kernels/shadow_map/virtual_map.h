@@ -2,6 +2,8 @@
 // Contract of virtual shadow maps (Olsson, Sintorn, Kaempe, Billeter, Assarsson 2014, "Efficient Virtual Shadow Maps
 // for Many Lights"; survey, slide 137): a map of which only the pages that shading points ask for exist.
 //
+// Several lights share one pool: their views stand one after the other, and so do their entries and pages.
+//
 // Each fitted view (map_view.h) of size x size texels has levels 0, 1, 2 ... of size, size / 2, size / 4 ... texels per
 // side, down to one page of PAGE_SIZE x PAGE_SIZE. A page's entry counts through views, their levels, rows and columns:
 //   entry = view entries_per_view + (pages of finer levels) + row pages_across(level) + column
@@ -28,19 +30,18 @@ GN_STRUCT_BEGIN(VirtualPlan)
     uint pages_across;      // of level 0: a power of two
     uint levels;            // pages_across is 2^(levels - 1)
     uint entries_per_view;  // (4 pages_across^2 - 1) / 3
-    uint view_count;
-    float pixel_size;     // a pixel's side at camera depth 1; 0: no camera
-    float detail;         // texels per pixel side, at least
-    uint level;           // without a camera
-    float receiver_bias;  // depth; subtracted from the receiver's
+    uint view_count;        // of all lights
+    float pixel_size;       // a pixel's side at camera depth 1; 0: no camera
+    float detail;           // texels per pixel side, at least
+    uint level;             // without a camera
+    float receiver_bias;    // depth; subtracted from the receiver's
 GN_STRUCT_END(VirtualPlan, 32)
 
 GN_STRUCT_BEGIN(VirtualCounters)
     uint points_outside;   // open points that no view holds
     uint pages_requested;  // physical pages
-    uint pages_drawn;      // of them: those that some caster's rectangle meets
     uint pairs;            // (triangle, page) wanted
-GN_STRUCT_END(VirtualCounters, 16)
+GN_STRUCT_END(VirtualCounters, 12)
 
 #ifndef __cplusplus
 

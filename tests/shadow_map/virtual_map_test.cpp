@@ -218,6 +218,32 @@ TEST_F(VirtualMap, runs_on_nothing_and_refuses_bad_settings) {
         EXPECT_THROW(technique->set(name, value), gnomon::InvalidArgument) << name;
 }
 
+// Several lights share one pool of pages: each point gets the bits, and each light the counts, that it has alone.
+TEST_F(VirtualMap, lights_in_one_pool_are_as_each_alone) {
+    const auto triangles = gnomon::Triangles::upload(device_, floor_slabs_and_sheets());
+    const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 60);
+    const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
+    // The second light comes from below the floor: nothing that is seen faces it.
+    const std::vector<Light> lights{lamp, Light::directional({0, 1, 0}), sun, Light::directional({1, -0.3f, 0})};
+    const auto technique = gnomon::make_technique("virtual-shadow-map", device_);
+    technique->set("size", "4096");
+    std::vector<gnomon::Visibility> together;
+    for (std::size_t i = 0; i < lights.size(); ++i) together.emplace_back(device_, view.points.count());
+    // Twice: what an earlier run of more or fewer lights leaves behind must not matter.
+    technique->run_lights(triangles, view.points, std::span(lights).first(2), std::span(together).first(2));
+    const auto statistics = technique->run_lights(triangles, view.points, lights, together);
+    ASSERT_EQ(statistics.size(), lights.size());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        SCOPED_TRACE(i);
+        const Answer alone = answer(lights[i], true, "virtual-shadow-map", {{"size", "4096"}});
+        EXPECT_EQ(together[i].read(), alone.mask);
+        EXPECT_EQ(statistics[i].counts, alone.statistics.counts);
+    }
+    EXPECT_EQ(statistics[1].count("pages_requested"), 0u);
+    for (const std::size_t i : {0u, 2u, 3u}) EXPECT_GT(statistics[i].count("pages_drawn"), 0u);
+    EXPECT_NE(together[2].read(), together[3].read());
+}
+
 // The colours of docs/techniques.md, finest level first; pages are lighter and darker in turn.
 constexpr int level_colors[8][3] = {{230, 77, 64},  {242, 191, 51}, {102, 191, 77},  {64, 179, 204},
                                     {77, 102, 230}, {166, 89, 204}, {230, 128, 179}, {153, 128, 102}};
