@@ -81,6 +81,13 @@ CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint3
     p.active_points = 1;
     p.z_scale = 1.0f;
 
+    for (int i = 0; i < 3; ++i) {
+        tables.picture.corner[i] = static_cast<float>(camera.forward[i] - half_width * pixel * camera.right[i] +
+                                                      half_height * pixel * camera.up[i]);
+        tables.picture.step_x[i] = static_cast<float>(pixel * camera.right[i]);
+        tables.picture.step_y[i] = static_cast<float>(-pixel * camera.up[i]);
+    }
+
     // Exact: sums of small multiples of 1 / SAMPLE_UNITS.
     const double sample_x = 0.5 + double(offset.x) / SAMPLE_UNITS, sample_y = 0.5 + double(offset.y) / SAMPLE_UNITS;
     tables.rays.reserve((std::size_t(width) + height) * RAY_FLOATS);
@@ -113,8 +120,6 @@ CameraStage::CameraStage(const Device& device, const Triangles& triangles, const
 }
 
 void CameraStage::make_lists(Statistics& statistics) {
-    const std::uint32_t tiles_x = (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2,
-                        tiles_y = (height_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2;
     session_.fill(counters_, 0, sizeof(FrameCounters));
     {
         cl::StageTimer timer(session_, statistics, "camera_setup");
@@ -124,7 +129,30 @@ void CameraStage::make_lists(Statistics& statistics) {
     }
     {
         cl::StageTimer timer(session_, statistics, "camera_bins");
-        bins_.run(session_, projection_, tiles_x * tiles_y, setup_, nullptr, counters_);
+        bins_.run(session_, projection_, tiles_x() * tiles_y(), setup_, nullptr, counters_);
+    }
+}
+
+bool CameraStage::check_lists(Statistics& statistics) {
+    FrameCounters counted;
+    session_.read(counters_.get(), &counted, sizeof(counted));
+    statistics.counts = {{"pixels", std::size_t(width_) * height_},
+                         {"triangles", triangles_.count},
+                         {"clusters", triangles_.clusters != nullptr ? triangles_.clusters->count() : 0},
+                         {"clusters_outside", counted.clusters_outside},
+                         {"triangles_not_finite", counted.not_finite},
+                         {"triangles_edge_on", counted.edge_on},
+                         {"triangles_outside", counted.outside},
+                         {"triangles_kept", counted.survivors - counted.edge_on},
+                         {"references", counted.references}};
+    const bool setup = setup_.fitted(session_, counted);
+    return bins_.fitted(session_, counted, setup) && setup;
+}
+
+void CameraStage::fit_lists(Statistics& statistics) {
+    while (!fitted_) {
+        make_lists(statistics);
+        fitted_ = check_lists(statistics);
     }
 }
 
@@ -151,19 +179,7 @@ void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSl
     while (triangles_.count != 0 && !fitted_) {
         make_lists(statistics);
         find_receivers(offset, pixel_receivers, out, statistics);
-        FrameCounters counted;
-        session_.read(counters_.get(), &counted, sizeof(counted));
-        const bool setup = setup_.fitted(session_, counted);
-        fitted_ = bins_.fitted(session_, counted, setup) && setup;
-        statistics.counts = {{"pixels", std::size_t(width_) * height_},
-                             {"triangles", triangles_.count},
-                             {"clusters", triangles_.clusters != nullptr ? triangles_.clusters->count() : 0},
-                             {"clusters_outside", counted.clusters_outside},
-                             {"triangles_not_finite", counted.not_finite},
-                             {"triangles_edge_on", counted.edge_on},
-                             {"triangles_outside", counted.outside},
-                             {"triangles_kept", counted.survivors - counted.edge_on},
-                             {"references", counted.references}};
+        fitted_ = check_lists(statistics);
     }
     cl::StageTimer timer(session_, statistics, "camera_points");
     session_.launch("camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), width_, height_,

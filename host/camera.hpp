@@ -3,6 +3,7 @@
 // of gnomon.hpp are its face; samples.cpp runs it for many samples per pixel.
 #pragma once
 
+#include "../kernels/camera.h"
 #include "../kernels/projection.h"
 #include "bins.hpp"
 #include "clusters.hpp"
@@ -14,6 +15,7 @@ namespace gnomon {
 struct CameraTables {
     Projection projection;
     std::vector<float> rays;  ///< RAY_FLOATS per column, then per row
+    PictureRays picture;      ///< through any place of the picture, whatever the offset
 };
 CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset = {});
 
@@ -33,7 +35,16 @@ public:
     /// its pixel takes that one; with pixel_receivers null, and otherwise, the nearest. Adds to `statistics`.
     void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
 
+    /// Makes the lists of triangles per tile, once. Adds to `statistics`.
+    void fit_lists(Statistics& statistics);
+    const cl::Buffer& projection() const { return projection_; }
+    const TriangleSetup& setup() const { return setup_; }
+    const Bins& bins() const { return bins_; }
+    std::uint32_t tiles_x() const { return (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
+    std::uint32_t tiles_y() const { return (height_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
+
 private:
+    bool check_lists(Statistics& statistics);
     void find_receivers(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
     void make_lists(Statistics& statistics);
 

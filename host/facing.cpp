@@ -9,8 +9,9 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
             const PointInputs& points, const cl::Buffer& domains, cl_mem visibility, const cl::Buffer& frame_bounds,
             const cl::Buffer& counters) {
     session.launch("facing.cl", "facing", cl::Range::items(points.layout.count / session.lanes() + 1), points.layout,
-                   light_frame, opens, triangles.first_float, triangles.count, points.positions, points.receivers,
-                   triangles.vertices, domains, visibility, frame_bounds, counters,
+                   light_frame, opens, cl_uint(points.footprints != nullptr), triangles.first_float, triangles.count,
+                   points.positions, points.footprints != nullptr ? points.footprints : points.positions,
+                   points.receivers, triangles.vertices, domains, visibility, frame_bounds, counters,
                    cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
 }
 

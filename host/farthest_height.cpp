@@ -42,8 +42,10 @@ void FarthestHeight::run(cl::Session& session, const LightFrame& light_frame, cl
     session.fill(pyramid_, 0xFFFFFFFFu, bin_bytes);
     session.fill(doubtful_, 0xFFFFFFFFu, bin_bytes);
     session.launch("farthest_height.cl", "farthest_height", cl::Range::items(points.layout.count / session.lanes() + 1),
-                   light_frame, first_frame, frame_count, points.layout, projections, points.positions, visibility,
-                   pyramid_, doubtful_);
+                   light_frame, first_frame, frame_count, points.layout, projections,
+                   cl_uint(points.footprints != nullptr), points.positions,
+                   points.footprints != nullptr ? points.footprints : points.positions, visibility, pyramid_,
+                   doubtful_);
     reduce(session, levels, frame_count, pyramid_);
 }
 

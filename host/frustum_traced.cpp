@@ -12,6 +12,8 @@
 //   trace             open points against the map, then against their bin's triangles by the filter
 //   exact_trace       what the filter left open
 //
+// Of footprints (settled_samples.cpp) the same is asked, with one stage, settle, in the place of the last two.
+//
 // With traversal=triangles, the baseline to compare with, izb lists the open points by bin and the trace takes each
 // listed triangle over them.
 //
@@ -114,7 +116,10 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     const cl::Buffer* map = lists_.run(session, statistics, light_frame, projection_, run.triangles,
                                        {draws_map(run.points), cover_test_}, farthest_height_, counters_);
     const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
-    if (traversal_ == Traversal::triangles) {
+    if (run.points.footprints != nullptr) {
+        cl::StageTimer timer(session, statistics, "settle");
+        run_settle(session, light_frame, frame, 1, run.points, projection_, map, lists, run.visibility, counters_);
+    } else if (traversal_ == Traversal::triangles) {
         {
             cl::StageTimer timer(session, statistics, "izb");
             izb_.run(session, light_frame, frame, run.points, projection_, map, run.visibility, counters_);
@@ -128,7 +133,7 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
                    counters_);
     }
     if (decisions_) decisions_->trace(session, light_frame, frame, run.points, projection_, map, run.visibility);
-    {
+    if (run.points.footprints == nullptr) {
         cl::StageTimer timer(session, statistics, "exact_trace");
         run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     }
@@ -136,6 +141,7 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
         decisions_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     FrameCounters counted = read_counters(session, counters_);
     if (!lists_.fitted(session, counted)) return {};
+    if (run.points.footprints != nullptr) return counted;
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
         if (decisions_) decisions_->second_look(session, light_frame, frame, run.points, run.visibility);
         cl::StageTimer timer(session, statistics, "trace");
@@ -226,19 +232,29 @@ void FrustumTraced::run_unprepared(Run& run) {
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
+    return run_on(triangles, point_inputs(points), light, visibility.buffer());
+}
+
+Statistics FrustumTraced::settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
+                                 const Light& light, const Visibility& answers) {
+    require_run(triangles, centres, light, answers);
+    PointInputs inputs = point_inputs(centres);
+    inputs.footprints = footprints.get();
+    return run_on(triangles, inputs, light, answers.buffer());
+}
+
+Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
+                                 cl_mem visibility) {
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    Run run{session,
-            triangle_inputs(triangles),
-            point_inputs(points),
-            light,
-            make_light_frame(light, grid(points.count())),
-            visibility.buffer()};
+    Run run{session,   triangle_inputs(triangles), points, light, make_light_frame(light, grid(points.layout.count)),
+            visibility};
     counters_.reserve(session, sizeof(FrameCounters));
-    const bool is_prepared = !decisions_ && prepared_ && prepared_->is_usable() && prepared_->is_of(triangles, light);
-    const bool used_prepared = points.count() != 0 && is_prepared && run_prepared(run);
-    if (points.count() != 0 && !used_prepared) run_unprepared(run);
+    const bool is_prepared = !decisions_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
+                             prepared_->is_of(triangles, light);
+    const bool used_prepared = points.layout.count != 0 && is_prepared && run_prepared(run);
+    if (points.layout.count != 0 && !used_prepared) run_unprepared(run);
 
     Statistics& s = run.statistics;
     merge_stages(s);
@@ -250,7 +266,7 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     if (run.triangles.clusters == nullptr) s.stages.push_back({"clusters", 0, 0, "no clusters are kept"});
     if (run.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
     const FrameCounters& t = run.total;
-    s.counts = {{"points", points.count()},
+    s.counts = {{"points", points.layout.count},
                 {"points_absent", run.facing.absent},
                 {"points_facing_away", run.facing.facing_away},
                 {"points_decided_by_map", t.decided_by_map},

@@ -8,14 +8,17 @@
 #include "decisions.hpp"
 #include "facing.hpp"
 #include "prepared_light.hpp"
+#include "settle.hpp"
 
 namespace gnomon {
 
-class FrustumTraced final : public Technique {
+class FrustumTraced final : public Technique, public SettlesFootprints {
 public:
     explicit FrustumTraced(const Device& device) : device_(device) {}
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
+    Statistics settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
+                      const Light& light, const Visibility& answers) override;
     Statistics prepare(const Triangles& triangles, const Light& light) override;
     void forget() override;
     void set(std::string_view name, std::string_view value) override;
@@ -30,6 +33,7 @@ private:
     enum class Traversal { points, triangles };
     struct Run;
 
+    Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
     FrameGrid grid(std::size_t point_count) const;
     FrameGrid prepared_grid() const;
     bool draws_map(const PointInputs& points) const;

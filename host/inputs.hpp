@@ -37,7 +37,8 @@ TriangleInputs triangle_inputs(const Triangles& triangles);
 struct PointInputs {
     PointsLayout layout;
     cl_mem positions;
-    cl_mem receivers;  ///< any buffer if there are none
+    cl_mem receivers;             ///< any buffer if there are none
+    cl_mem footprints = nullptr;  ///< kernels/footprint.h, around the points; null: points are points
 };
 PointInputs point_inputs(const Points& points);
 

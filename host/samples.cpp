@@ -6,6 +6,7 @@
 
 #include "../kernels/camera.h"
 #include "camera.hpp"
+#include "settled_samples.hpp"
 
 namespace gnomon {
 namespace {
@@ -57,18 +58,6 @@ constexpr auto pattern_8 = from_sixteenths(direct3d_8);
 constexpr auto pattern_16 = from_sixteenths(direct3d_16);
 constexpr auto pattern_32 = hammersley_32();
 
-void add_stage(Statistics& total, const StageStatistics& stage) {
-    const auto found =
-        std::find_if(total.stages.begin(), total.stages.end(), [&](const auto& s) { return s.name == stage.name; });
-    if (found == total.stages.end()) {
-        total.stages.push_back(stage);
-        return;
-    }
-    found->device_ms += stage.device_ms;
-    found->wall_ms += stage.wall_ms;
-    if (stage.skipped.empty()) found->skipped.clear();
-}
-
 void add_counts(Statistics& total, const Statistics& batch) {
     for (const auto& [name, count] : batch.counts) {
         const auto found = std::find_if(total.counts.begin(), total.counts.end(),
@@ -80,7 +69,63 @@ void add_counts(Statistics& total, const Statistics& batch) {
     }
 }
 
+// For techniques that settle nothing, or for `sink` alone (technique null): every sample of every pixel a point.
+Statistics run_every_sample(Technique* technique, const Device& device, const Triangles& triangles, const View& view,
+                            const Light& light, std::span<const SampleOffset> pattern, const Visibility& mean,
+                            const SampleSink& sink, std::size_t points_at_once) {
+    cl::Session& session = device.session();
+    const std::uint64_t before = session.memory_bytes();
+    const std::size_t pixels = view.points.count();
+    const Camera& camera = view.points.camera()->camera;
+    const std::size_t batch = std::clamp<std::size_t>(points_at_once / pixels, 1, pattern.size());
+    CameraStage stage(device, triangles, camera, view.width, view.height);
+    const cl::Buffer positions(session, batch * pixels * 3 * sizeof(float)),
+        receivers(session, batch * pixels * sizeof(cl_uint));
+    const Visibility visibility(device, batch * pixels);
+
+    Statistics total;
+    for (std::size_t first = 0; first < pattern.size(); first += batch) {
+        const std::size_t count = std::min(batch, pattern.size() - first), points_count = count * pixels;
+        Statistics part;
+        for (std::size_t i = 0; i < count; ++i)
+            stage.run(pattern[first + i], view.points.receivers(), {positions, receivers, i * pixels, points_count},
+                      part);
+        add_stages(total, part);
+        Points points = Points::wrap(device, positions.get(), {0, 1, points_count}, points_count, receivers.get());
+        points.set_camera(camera, view.width, view.height);
+        if (sink) sink(points);
+        if (technique == nullptr) continue;
+        const Statistics shadow = technique->run(triangles, points, light, visibility);
+        add_stages(total, shadow);
+        add_counts(total, shadow);
+        const bool is_last = first + count == pattern.size();
+        {
+            cl::StageTimer timer(session, total, "samples_mean");
+            session.launch("samples.cl", "samples_mean", cl::Range::items(pixels), cl_uint(pixels), cl_uint(count),
+                           cl_uint(first == 0), is_last ? 1.0f / static_cast<float>(pattern.size()) : 1.0f,
+                           visibility.buffer(), mean.buffer());
+        }
+        total.device_memory_bytes =
+            std::max(total.device_memory_bytes, session.memory_bytes() - before + shadow.device_memory_bytes);
+    }
+    return total;
+}
+
 }  // namespace
+
+void add_stages(Statistics& total, const Statistics& run) {
+    for (const StageStatistics& stage : run.stages) {
+        const auto found =
+            std::find_if(total.stages.begin(), total.stages.end(), [&](const auto& s) { return s.name == stage.name; });
+        if (found == total.stages.end()) {
+            total.stages.push_back(stage);
+            continue;
+        }
+        found->device_ms += stage.device_ms;
+        found->wall_ms += stage.wall_ms;
+        if (stage.skipped.empty()) found->skipped.clear();
+    }
+}
 
 std::span<const SampleOffset> sample_pattern(std::uint32_t samples) {
     switch (samples) {
@@ -109,41 +154,19 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
         throw InvalidArgument("the visibility buffer holds " + std::to_string(mean.count()) + " of " +
                               std::to_string(pixels) + " pixels");
     const auto start = std::chrono::steady_clock::now();
-    cl::Session& session = device.session();
-    const std::uint64_t before = session.memory_bytes();
-    const Camera& camera = view.points.camera()->camera;
-    const std::size_t batch = std::clamp<std::size_t>(points_at_once / pixels, 1, samples);
-    CameraStage stage(device, triangles, camera, view.width, view.height);
-    const cl::Buffer positions(session, batch * pixels * 3 * sizeof(float)),
-        receivers(session, batch * pixels * sizeof(cl_uint));
-    const Visibility visibility(device, batch * pixels);
-
     Statistics total;
-    for (std::size_t first = 0; first < samples; first += batch) {
-        const std::size_t count = std::min(batch, samples - first), points_count = count * pixels;
-        Statistics camera_statistics;
-        for (std::size_t i = 0; i < count; ++i)
-            stage.run(pattern[first + i], view.points.receivers(), {positions, receivers, i * pixels, points_count},
-                      camera_statistics);
-        Points points = Points::wrap(device, positions.get(), {0, 1, points_count}, points_count, receivers.get());
-        points.set_camera(camera, view.width, view.height);
-        if (sink) sink(points);
-        const Statistics shadow = technique.run(triangles, points, light, visibility);
-        const bool is_last = first + count == samples;
-        Statistics mean_statistics;
-        {
-            cl::StageTimer timer(session, mean_statistics, "samples_mean");
-            session.launch("samples.cl", "samples_mean", cl::Range::items(pixels), cl_uint(pixels), cl_uint(count),
-                           cl_uint(first == 0), is_last ? 1.0f / static_cast<float>(samples) : 1.0f,
-                           visibility.buffer(), mean.buffer());
-        }
-        for (const Statistics* part : std::array<const Statistics*, 3>{&camera_statistics, &shadow, &mean_statistics})
-            for (const StageStatistics& s : part->stages) add_stage(total, s);
-        add_counts(total, shadow);
-        total.device_memory_bytes =
-            std::max(total.device_memory_bytes, session.memory_bytes() - before + shadow.device_memory_bytes);
+    auto* settling = dynamic_cast<SettlesFootprints*>(&technique);
+    if (settling != nullptr && samples > 1 && triangles.count() != 0) {
+        if (sink) run_every_sample(nullptr, device, triangles, view, light, pattern, mean, sink, points_at_once);
+        total =
+            run_settled_samples(technique, *settling, device, triangles, view, light, pattern, mean, points_at_once);
+    } else {
+        total = run_every_sample(&technique, device, triangles, view, light, pattern, mean, sink, points_at_once);
     }
-    session.finish();
+    device.session().finish();
+    Statistics by_stage;
+    add_stages(by_stage, total);
+    total.stages = std::move(by_stage.stages);
     total.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return total;
 }

@@ -36,4 +36,11 @@
 // Floats per entry of the ray table: high xyz, low xyz. Entries: width columns, then height rows.
 #define RAY_FLOATS 6
 
+// The same rays for the float level, as a function of the place in the picture (pixels): corner + x step_x + y step_y.
+GN_STRUCT_BEGIN(PictureRays)
+    float corner[4];  // [3] unused, here and below
+    float step_x[4];
+    float step_y[4];
+GN_STRUCT_END(PictureRays, 48)
+
 #endif

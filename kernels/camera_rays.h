@@ -104,6 +104,62 @@ static bool covers(const Outline* outline, float3 eye, Ray ray) {
            sign_with_ray(outline->ca, t.c, eye, t.a, eye, ray) * orientation >= 0;
 }
 
+// ---- Many rays at the float level -----------------------------------------------------------------------------------
+
+// Directions side by side, with sizes as det3_float wants them.
+typedef struct RayLanes {
+    LaneFloat x, y, z, size_x, size_y, size_z;
+} RayLanes;
+
+static LaneFloat picture_coordinate(PictureRays picture, int i, LaneFloat x, LaneFloat y, LaneFloat* size) {
+    // The constants, two fma: an error of at most u (|corner| + |x step_x| + |y step_y|) + u |corner + y step_y| +
+    // u |r|, so 3u of the sum of magnitudes. The fourth is for the table's rounding and for what its rays are apart
+    // from a plane's points between them, 2^-47 each.
+    *size = 4.0f * (fabs(picture.corner[i]) + fabs(picture.step_x[i]) * x + fabs(picture.step_y[i]) * y);
+    return fma(x, (LaneFloat)(picture.step_x[i]),
+               fma(y, (LaneFloat)(picture.step_y[i]), (LaneFloat)(picture.corner[i])));
+}
+
+// The rays through these places of the picture (none negative).
+static RayLanes rays_at(PictureRays picture, LaneFloat x, LaneFloat y) {
+    RayLanes rays;
+    rays.x = picture_coordinate(picture, 0, x, y, &rays.size_x);
+    rays.y = picture_coordinate(picture, 1, x, y, &rays.size_y);
+    rays.z = picture_coordinate(picture, 2, x, y, &rays.size_z);
+    return rays;
+}
+
+// det3_float for many rays.
+static LaneFloat det3_lanes(Det3FloatCross cross, RayLanes rays, LaneFloat* bound) {
+    LaneFloat value = rays.x * cross.value.x + rays.y * cross.value.y + rays.z * cross.value.z;
+    LaneFloat permanent = rays.size_x * cross.size.x + rays.size_y * cross.size.y + rays.size_z * cross.size.z;
+    LaneFloat most = (LaneFloat)(0x1p20f);
+    LaneInt in_range = LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f)) & LANE_COMPARE(rays.size_x, <=, most) &
+                       LANE_COMPARE(rays.size_y, <=, most) & LANE_COMPARE(rays.size_z, <=, most);
+    if (!(cross.largest.x <= 0x1p20f && cross.largest.y <= 0x1p20f && cross.largest.z <= 0x1p20f))
+        in_range = (LaneInt)(0);
+    *bound = LANES_SELECT((LaneFloat)(INFINITY), DET3_FLOAT_BOUND * permanent, in_range);
+    return value;
+}
+
+// Which of the rays meet the triangle for certain, by more than every error, and which may?
+typedef struct Coverage {
+    LaneInt certain, possible;
+} Coverage;
+
+static Coverage coverage_of(const Outline* outline, RayLanes rays) {
+    Coverage coverage = {(LaneInt)(-1), (LaneInt)(-1)};
+    if (outline->orientation == 0) coverage.certain = coverage.possible = (LaneInt)(0);
+    for (int i = 0; i < 3; ++i) {
+        LaneFloat bound;
+        LaneFloat value = det3_lanes(i == 0 ? outline->ab : i == 1 ? outline->bc : outline->ca, rays, &bound);
+        value *= (float)outline->orientation;
+        coverage.certain &= LANE_COMPARE(value, >, bound);
+        coverage.possible &= ~LANE_COMPARE(value, <, -bound);
+    }
+    return coverage;
+}
+
 // ---- Planes ---------------------------------------------------------------------------------------------------------
 
 // Is the error, at most `bound`, below 2^-30 of the value?

@@ -9,7 +9,12 @@
 // An open point is doubtful if its receiver's plane is strictly between it and the light, that is if det(b - a, c - a,
 // a - P) has the sign l: only then can the receiver block it (exact/blocks.h), which by contract it never does. What
 // the camera makes is lifted off its receiver and never doubtful; a caller's point may be.
+//
+// Of footprints (footprint.h) the same is asked: what holds for a receiver holds for all samples on it, which the
+// camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
+// others.
 #include "exact/det3_lanes.h"
+#include "footprint.h"
 #include "prepared_light.h"
 #include "triangle_setup.h"
 
@@ -18,9 +23,9 @@ typedef struct ReceiverAnswer {
     LaneInt faces_away, doubtful;
 } ReceiverAnswer;
 
-// `ids` of the lanes `asked` name triangles.
+// `ids` of the lanes `asked` name triangles. Doubts are only cast on points that may have any.
 static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
-                                    float4 light, __global const float* vertices, uint* exact) {
+                                    float4 light, bool doubts, __global const float* vertices, uint* exact) {
     ReceiverAnswer answer = {(LaneInt)(0), (LaneInt)(0)};
     uint first = (uint)LANE_OF_INT(ids, first_lane(asked));
     ids = LANES_SELECT((LaneInt)((int)first), ids, asked);
@@ -43,7 +48,7 @@ static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock
         facing &= LANE_COMPARE(lanes_side(&t, &normals, &eye, &t.a, facing, exact), ==, side);
         answer.faces_away = asked & ~facing;
     }
-    if (LANES_ANY(facing)) {
+    if (doubts && LANES_ANY(facing)) {
         uint doubts_by_exact = 0;  // not counted: they are no matter of facing
         LaneInt point_side = lanes_side(&t, &normals, &t.a, points, facing, &doubts_by_exact);
         answer.doubtful = facing & LANE_COMPARE(point_side, ==, side);
@@ -52,6 +57,42 @@ static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock
 }
 
 // ---- Bounds of the frames -------------------------------------------------------------------------------------------
+
+// From the values of footprints' centres to the least and greatest in the footprints; of these the frame takes in all.
+static void widen_values(LightFrame frame, PointBlock centres, const FootprintBlock* f, LaneFloat* lows,
+                         LaneFloat* highs) {
+    PointBlock reach = footprint_reach(f);
+    LaneFloat reach_x = along(reach, frame.axis_x), reach_y = along(reach, frame.axis_y);
+    LaneFloat reach_z = along(reach, frame.axis_z);
+    if (frame.perspective) {
+        PointBlock d = {centres.x - frame.light[0], centres.y - frame.light[1], centres.z - frame.light[2]};
+        LaneFloat w = along(d, frame.axis_z) * frame.sign_z, near = w - reach_z, far = w + reach_z;
+        LaneFloat x = along(d, frame.axis_x), y = along(d, frame.axis_y);
+        lows[0] = fmin((x - reach_x) / near, (x - reach_x) / far);
+        highs[0] = fmax((x + reach_x) / near, (x + reach_x) / far);
+        lows[1] = fmin((y - reach_y) / near, (y - reach_y) / far);
+        highs[1] = fmax((y + reach_y) / near, (y + reach_y) / far);
+        lows[4] = near;
+        highs[4] = far;
+    } else {
+        LaneFloat across_x = fabs(along(f->u, frame.axis_x) - frame.shear_x * along(f->u, frame.axis_z)) +
+                             fabs(along(f->v, frame.axis_x) - frame.shear_x * along(f->v, frame.axis_z)) +
+                             f->spread * (1.0f + fabs(frame.shear_x));
+        LaneFloat across_y = fabs(along(f->u, frame.axis_y) - frame.shear_y * along(f->u, frame.axis_z)) +
+                             fabs(along(f->v, frame.axis_y) - frame.shear_y * along(f->v, frame.axis_z)) +
+                             f->spread * (1.0f + fabs(frame.shear_y));
+        lows[0] -= across_x;
+        highs[0] += across_x;
+        lows[1] -= across_y;
+        highs[1] += across_y;
+        lows[4] -= reach.z;
+        highs[4] += reach.z;
+    }
+    lows[2] -= reach.x;
+    highs[2] += reach.x;
+    lows[3] -= reach.y;
+    highs[3] += reach.y;
+}
 
 // A work-item's bounds of the frame that its last points were in.
 typedef struct RunningBounds {
@@ -85,8 +126,9 @@ static void flush_bounds(const RunningBounds* bounds, __local uint* shared) {
     atomic_add(&words[2 * BOUNDED_VALUES], count);
 }
 
-static void include_points(RunningBounds* bounds, LightFrame light_frame, PointBlock points, LaneInt lanes,
-                           __local uint* shared) {
+// `footprints` is null where points are points.
+static void include_points(RunningBounds* bounds, LightFrame light_frame, PointBlock points,
+                           const FootprintBlock* footprints, LaneInt lanes, __local uint* shared) {
     LaneInt frames = frames_of(light_frame, points);
     while (LANES_ANY(lanes)) {
         int frame = LANE_OF_INT(frames, first_lane(lanes));
@@ -96,13 +138,15 @@ static void include_points(RunningBounds* bounds, LightFrame light_frame, PointB
             flush_bounds(bounds, shared);
             start_bounds(bounds, (uint)frame);
         }
-        LaneFloat values[BOUNDED_VALUES];
-        bounded_values(face_of(light_frame, (uint)frame), points, values);
+        LaneFloat lows[BOUNDED_VALUES], highs[BOUNDED_VALUES];
+        bounded_values(face_of(light_frame, (uint)frame), points, lows);
+        for (int i = 0; i < BOUNDED_VALUES; ++i) highs[i] = lows[i];
+        if (footprints) widen_values(face_of(light_frame, (uint)frame), points, footprints, lows, highs);
         for (int i = 0; i < BOUNDED_VALUES; ++i) {
-            LaneInt lower = same & LANE_COMPARE(values[i], <, bounds->lowest[i]);
-            LaneInt higher = same & LANE_COMPARE(values[i], >, bounds->highest[i]);
-            bounds->lowest[i] = LANES_SELECT(bounds->lowest[i], values[i], lower);
-            bounds->highest[i] = LANES_SELECT(bounds->highest[i], values[i], higher);
+            LaneInt lower = same & LANE_COMPARE(lows[i], <, bounds->lowest[i]);
+            LaneInt higher = same & LANE_COMPARE(highs[i], >, bounds->highest[i]);
+            bounds->lowest[i] = LANES_SELECT(bounds->lowest[i], lows[i], lower);
+            bounds->highest[i] = LANES_SELECT(bounds->highest[i], highs[i], higher);
         }
         bounds->minus_count += same;
     }
@@ -110,8 +154,9 @@ static void include_points(RunningBounds* bounds, LightFrame light_frame, PointB
 
 // `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `shared`: BOUNDS_WORDS for each
 // frame. The frames' bounds and the counters are zeroed before. `domains`: for FACING_PREPARED, one per frame.
-__kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ulong first_float, uint triangle_count,
-                     __global const float* positions, __global const uint* receivers, __global const float* vertices,
+__kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, ulong first_float,
+                     uint triangle_count, __global const float* positions, __global const float* footprints,
+                     __global const uint* receivers, __global const float* vertices,
                      __global const PreparedDomain* domains, __global float* visibility,
                      volatile __global uint* frame_bounds, __global FrameCounters* counters, __local uint* shared) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
@@ -143,7 +188,7 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
             LaneInt asked = open & LANE_COMPARE(ids ^ top, <, (LaneInt)((int)triangle_count) ^ top);
             if (LANES_ANY(asked)) {
                 ReceiverAnswer answer =
-                    ask_receivers(ids, asked, &points, layout, light, vertices + first_float, &exact);
+                    ask_receivers(ids, asked, &points, layout, light, !has_footprints, vertices + first_float, &exact);
                 away = answer.faces_away;
                 doubtful = answer.doubtful;
             }
@@ -157,10 +202,18 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ul
             minus_strays += strays;
         }
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
+        FootprintBlock around;
+        if (has_footprints) {
+            around = load_footprints(footprints, layout, block);
+            LaneInt present = valid & present_lanes(points);
+            open &= in_one_frame(light_frame, points, &around);
+            result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_MIXED), present & ~away);
+        }
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_DOUBTFUL), open & doubtful);
         store_lanes(result, visibility, layout, block);
-        if (opens == FACING_BOUNDS && LANES_ANY(open)) include_points(&bounds, light_frame, points, open, shared);
+        if (opens == FACING_BOUNDS && LANES_ANY(open))
+            include_points(&bounds, light_frame, points, has_footprints ? &around : 0, open, shared);
     }
     flush_bounds(&bounds, shared);
     atomic_add(&group_counts[0], (uint)-LANES_SUM(minus_absent));

@@ -6,7 +6,7 @@
 // Heights are kept as order-preserving keys, so that integer minima serve; an empty bin holds 0xFFFFFFFF, above all.
 // The same per bin for doubtful points alone (point_blocks.h): what the conservative map must not decide.
 // Of several frames: bins frame by frame; the pyramid level by level, inside a level frame by frame.
-#include "light_frame.h"
+#include "footprint.h"
 
 // A look first: most points are not the farthest of their bin. What it sees can only be too high.
 static void lower_to(volatile __global uint* lowest, uint key) {
@@ -24,8 +24,25 @@ static void lower_bins(LaneInt bins, LaneInt heights, LaneInt lanes, volatile __
     }
 }
 
+// The lowest place of each footprint, in every bin that it touches. Those too large to be settled are left out.
+static void lower_footprint_bins(__constant const Projection* projection, PointBlock centres,
+                                 const FootprintBlock* footprints, LaneInt lanes, volatile __global uint* lowest) {
+    GridFootprint grid = project_footprint(projection, centres, footprints);
+    CellSpan span = footprint_cells(projection, &grid, projection->bin_log2);
+    lanes &= grid.usable & small_spans(&span);
+    LaneInt heights = lanes_in_order(grid.centre.z - grid.reach.z);
+    for (int y = 0; y < FOOTPRINT_SPAN; ++y)
+        for (int x = 0; x < FOOTPRINT_SPAN; ++x) {
+            LaneInt bin_x = span.x0 + x, bin_y = span.y0 + y;
+            LaneInt touching = lanes & LANE_COMPARE(bin_x, <=, span.x1) & LANE_COMPARE(bin_y, <=, span.y1);
+            if (!LANES_ANY(touching)) break;
+            lower_bins(bin_y * (int)projection->bins_x + bin_x, heights, touching, lowest);
+        }
+}
+
 __kernel void farthest_height(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
-                              __constant const Projection* projections, __global const float* positions,
+                              __constant const Projection* projections, uint has_footprints,
+                              __global const float* positions, __global const float* footprints,
                               __global const float* visibility, __global uint* pyramid, __global uint* doubtful) {
     uint bin_count = light_frame.bins_x * light_frame.bins_y;
     GN_FOR_EACH(block, block_count(layout)) {
@@ -39,6 +56,11 @@ __kernel void farthest_height(LightFrame light_frame, uint first_frame, uint fra
             int frame = LANE_OF_INT(frames, first_lane(left));
             LaneInt same = left & LANE_COMPARE(frames, ==, (LaneInt)(frame));
             left &= ~same;
+            if (has_footprints) {
+                FootprintBlock around = load_footprints(footprints, layout, block);
+                lower_footprint_bins(&projections[frame], points, &around, same, pyramid + (size_t)frame * bin_count);
+                continue;
+            }
             PointBlock places = project_points(&projections[frame], points);
             LaneInt bins = bins_of(&projections[frame], places) + frame * (int)bin_count;
             LaneInt heights = lanes_in_order(places.z);

@@ -1,9 +1,33 @@
 // SPDX-License-Identifier: MIT
-// Samples: the mean of a pixel's samples, batch by batch. Sums of 0 and 1 are exact, and so is the mean, because the
-// number of samples is a power of two; filtered techniques' values are added in the samples' order on every device.
-#include "prelude.h"
+// Samples: several per pixel. Contract in samples.h; for techniques that cannot settle footprints, samples_mean alone.
+//
+// samples_whole    which pixels' samples lie on one receiver; the others are edges
+// samples_seek     the receiver of each sample of the edges, exactly
+// samples_group    their pieces
+// samples_bound    the footprints of all pieces
+// samples_sort     what the technique settled is counted, the rest listed
+// samples_place    the samples of mixed pieces, and samples_points their shading points
+// samples_count    what became of them
+//
+// Footprints. In real arithmetic the ray through a place of the picture is linear in it, so the samples' rays lie in
+// the convex hull of those through the corners of a box around them (up to 2^-47: the table's rounding). Where these
+// meet the receiver's plane in front of the eye, at h = eye + t r, t = n . (a - eye) / n . r, so do all others, in the
+// convex hull of the four corners' hits: a projective map whose denominator keeps its sign keeps hulls. With
+//     C = (h00 + h10 + h01 + h11) / 4,  U = (h10 - h00 + h11 - h01) / 4,  V = (h01 - h00 + h11 - h10) / 4,
+//     R = (h00 - h10 - h01 + h11) / 4      the corners are  C +- U +- V +- R,
+// so R and every error go into the footprint's spread: that of the corners, and a shading point's distance from its
+// hit, below 9 ulp of the larger of hit and eye (camera.h), 18u of it. A corner: t is off by a relative e as in
+// nearness_float (bounds of both determinants), the ray by u times its size, and h by two roundings: |t r| e + t u size
+// + 3u (|t r| + |eye|) per coordinate.
+#include "samples.h"
+
+#include "claim.h"
+#include "footprint.h"
+#include "shading_point.h"
 
 // visibility: sample by sample, `pixels` each. The first batch starts the sum, the last one's scale makes it the mean.
+// Sums of 0 and 1 are exact, and so is the mean, because the number of samples is a power of two; filtered techniques'
+// values are added in the samples' order on every device.
 __kernel void samples_mean(uint pixels, uint samples, uint is_first, float scale, __global const float* visibility,
                            __global float* mean) {
     GN_FOR_EACH(pixel, pixels) {
@@ -11,4 +35,388 @@ __kernel void samples_mean(uint pixels, uint samples, uint is_first, float scale
         for (uint sample = 0; sample < samples; ++sample) sum += visibility[(size_t)sample * pixels + pixel];
         mean[pixel] = sum * scale;
     }
+}
+
+// ---- Pieces ---------------------------------------------------------------------------------------------------------
+
+static uint tile_of_pixel(PixelBatch batch, uint pixel) {
+    return (pixel / batch.width >> CAMERA_TILE_LOG2) * batch.tiles_x + (pixel % batch.width >> CAMERA_TILE_LOG2);
+}
+
+// Upper left corners of pixels, as places in the picture.
+static void corners_of(PixelBatch batch, LaneInt pixels, LaneFloat* x, LaneFloat* y) {
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        uint pixel = (uint)LANE_OF_INT(pixels, lane);
+        LANE_OF_FLOAT(*x, lane) = (float)(pixel % batch.width);
+        LANE_OF_FLOAT(*y, lane) = (float)(pixel / batch.width);
+    }
+}
+
+// Writes the pixels' own pieces (edges: still empty), the list of edges, and starts the sums `lit`.
+__kernel void samples_whole(PictureRays picture, __constant const SamplePattern* pattern, PixelBatch batch,
+                            float4 eye_and_zero, ulong first_float, __global const float* vertices,
+                            __global const uint* pixel_receivers, __global const uint2* tile_ranges,
+                            __global uint* receivers, __global uint* masks, __global uint* lit, __global uint* edges,
+                            __global SampleCounters* counters) {
+    float3 eye = eye_and_zero.xyz;
+    Claim places = no_claim();
+    uint whole_count = 0, sky_count = 0;
+    GN_FOR_EACH(block, (batch.count + GN_LANES - 1u) / GN_LANES) {
+        uint first = (uint)block * GN_LANES;
+        LaneInt index = (LaneInt)((int)first) + LANE_INDEX;
+        LaneInt left = LANE_COMPARE(index, <, (LaneInt)((int)batch.count)), present = left;
+        LaneInt ids = (LaneInt)((int)GN_NO_ID);
+        for (int lane = 0; lane < GN_LANES; ++lane)
+            if (LANE_OF_INT(present, lane)) LANE_OF_INT(ids, lane) = (int)pixel_receivers[batch.first + first + lane];
+        LaneFloat x, y;
+        corners_of(batch, index + (LaneInt)((int)batch.first), &x, &y);
+        LaneInt whole = (LaneInt)(0);
+        while (LANES_ANY(left)) {
+            int id = LANE_OF_INT(ids, first_lane(left));
+            LaneInt same = left & LANE_COMPARE(ids, ==, (LaneInt)(id));
+            left &= ~same;
+            if ((uint)id == GN_NO_ID) continue;
+            Outline outline = outline_of(load_triangle(vertices + first_float, (uint)id), eye);
+            for (int corner = 0; corner < 4 && LANES_ANY(same); ++corner)
+                same &= coverage_of(&outline, rays_at(picture, x + (corner & 1 ? pattern->high[0] : pattern->low[0]),
+                                                      y + (corner & 2 ? pattern->high[1] : pattern->low[1])))
+                            .certain;
+            whole |= same;
+        }
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            if (!LANE_OF_INT(present, lane)) continue;
+            uint i = first + lane, id = (uint)LANE_OF_INT(ids, lane);
+            uint2 range = tile_ranges[tile_of_pixel(batch, batch.first + i)];
+            bool is_whole = LANE_OF_INT(whole, lane), is_sky = range.x == range.y;
+            receivers[i] = id;
+            masks[i] = is_whole ? pattern->all : 0u;
+            lit[i] = is_sky ? pattern->count : 0u;
+            whole_count += is_whole;
+            sky_count += is_sky;
+            if (!is_whole && !is_sky) edges[claim(&places, &counters->edges)] = i;
+        }
+    }
+    for (; places.next < places.end; ++places.next) edges[places.next] = GN_NO_ID;
+    if (whole_count != 0) atomic_add(&counters->whole, whole_count);
+    if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
+}
+
+// seen[edge of this part * samples + sample]. One work-item takes GN_LANES samples of a pixel. `rays`: the tables of
+// all samples, one behind the other.
+__kernel void samples_seek(__constant const Projection* projection, PictureRays picture,
+                           __constant const SamplePattern* pattern, PixelBatch batch, uint first_edge, uint edge_count,
+                           ulong first_float, __global const float* vertices, __global const float* rays,
+                           __global const TriangleRecord* records, __global const TriangleBounds* bounds,
+                           __global const uint2* ranges, __global const BinEntries* entries,
+                           __global const uint* pixel_receivers, __global const uint* edges, __global uint* seen) {
+    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays};
+    float3 eye = center_of(projection);
+    uint samples = pattern->count, blocks = (samples + GN_LANES - 1u) / GN_LANES;
+    GN_FOR_EACH(item, edge_count * blocks) {
+        uint edge = (uint)item / blocks, first = (uint)item % blocks * GN_LANES;
+        if (edges[first_edge + edge] == GN_NO_ID) continue;
+        uint pixel = batch.first + edges[first_edge + edge];
+        uint x = pixel % batch.width, y = pixel / batch.width;
+        RayBlock block;
+        LaneInt sample = (LaneInt)((int)first) + LANE_INDEX;
+        LaneInt searching = LANE_COMPARE(sample, <, (LaneInt)((int)samples)), present = searching;
+        block.column = sample * (int)(batch.width + batch.height) + (int)x;
+        block.row = sample * (int)(batch.width + batch.height) + (int)(batch.width + y);
+        block.x = block.y = (LaneFloat)(0.0f);
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            if (!LANE_OF_INT(present, lane)) continue;
+            LANE_OF_FLOAT(block.x, lane) = (float)x + pattern->place[2u * (first + lane)];
+            LANE_OF_FLOAT(block.y, lane) = (float)y + pattern->place[2u * (first + lane) + 1u];
+        }
+        uint own = pixel_receivers[pixel];
+        if (own != GN_NO_ID) {
+            Outline outline = outline_of(load_triangle(lists.vertices, own), eye);
+            Coverage coverage = coverage_of(&outline, rays_at(picture, block.x, block.y));
+            LaneInt open = searching & coverage.possible & ~coverage.certain;
+            for (int lane = 0; lane < GN_LANES; ++lane)
+                if (LANE_OF_INT(open, lane) && covers(&outline, eye, ray_of_lane(rays, &block, lane)))
+                    LANE_OF_INT(coverage.certain, lane) = -1;
+            searching &= ~coverage.certain;
+        }
+        QuantisedBlock box;
+        box.x0 = quantised_texel((float)x + pattern->low[0], projection->width);
+        box.x1 = quantised_texel((float)x + pattern->high[0], projection->width);
+        box.y0 = quantised_texel((float)y + pattern->low[1], projection->height);
+        box.y1 = quantised_texel((float)y + pattern->high[1], projection->height);
+        box.z = 0;
+        LaneInt nearest = nearest_of_tile(lists, eye, tile_of_pixel(batch, pixel), box, block, searching);
+        nearest = LANES_SELECT((LaneInt)((int)own), nearest, searching);
+        for (int lane = 0; lane < GN_LANES; ++lane)
+            if (LANE_OF_INT(present, lane))
+                seen[(size_t)edge * samples + first + lane] = (uint)LANE_OF_INT(nearest, lane);
+    }
+}
+
+// One piece for each receiver that an edge pixel's samples have: the own one's in its place, others behind.
+__kernel void samples_group(__constant const SamplePattern* pattern, PixelBatch batch, uint first_edge, uint edge_count,
+                            uint extra_capacity, __global const uint* pixel_receivers, __global const uint* edges,
+                            __global const uint* seen, __global uint* extra_pixels, __global uint* receivers,
+                            __global uint* masks, __global uint* lit, __global SampleCounters* counters) {
+    Claim places = no_claim();
+    uint sky_count = 0;
+    GN_FOR_EACH(edge, edge_count) {
+        uint i = edges[first_edge + edge];
+        if (i == GN_NO_ID) continue;
+        __global const uint* mine = seen + (size_t)edge * pattern->count;
+        uint own = pixel_receivers[batch.first + i], left = pattern->all;
+        while (left != 0u) {
+            uint first = 31u - clz(left & (0u - left)), id = mine[first], mask = 0u;
+            for (uint sample = first; sample < pattern->count; ++sample)
+                if (mine[sample] == id) mask |= 1u << sample;
+            left &= ~mask;
+            if (id == GN_NO_ID) {
+                lit[i] = popcount(mask);
+                sky_count += popcount(mask);
+            } else if (id == own) {
+                masks[i] = mask;
+            } else {
+                uint place = claim(&places, &counters->extra);
+                if (place >= extra_capacity) continue;
+                extra_pixels[place] = i;
+                receivers[batch.count + place] = id;
+                masks[batch.count + place] = mask;
+            }
+        }
+    }
+    for (; places.next < min(places.end, extra_capacity); ++places.next) {
+        extra_pixels[places.next] = 0u;
+        receivers[batch.count + places.next] = GN_NO_ID;
+        masks[batch.count + places.next] = 0u;
+    }
+    if (sky_count != 0) atomic_add(&counters->lit, sky_count);
+}
+
+// ---- Footprints -----------------------------------------------------------------------------------------------------
+
+// The plane of a triangle as the float level knows it.
+typedef struct FloatPlane {
+    Det3FloatCross normal;
+    float depth, relative_error;  // n . (a - eye)
+    bool is_good;
+} FloatPlane;
+
+static FloatPlane float_plane_of(Triangle t, float3 eye) {
+    FloatPlane plane;
+    plane.normal = det3_cross_float(t.b - t.a, t.c - t.a);
+    float3 to_plane = t.a - eye;
+    float bound;
+    plane.depth = det3_float(plane.normal, to_plane, fabs(to_plane), &bound);
+    plane.is_good = 4.0f * bound < fabs(plane.depth);
+    plane.relative_error = plane.is_good ? bound / fabs(plane.depth) : 1.0f;
+    return plane;
+}
+
+// Hits of a plane, with the largest error of a coordinate; `met` where they are in front of the eye for certain.
+typedef struct HitLanes {
+    PointBlock at;
+    LaneFloat error;
+    LaneInt met;
+} HitLanes;
+
+static LaneFloat largest_of(LaneFloat x, LaneFloat y, LaneFloat z) { return fmax(fabs(x), fmax(fabs(y), fabs(z))); }
+
+static HitLanes hits_of(const FloatPlane* plane, RayLanes rays, float3 eye) {
+    LaneFloat bound;
+    LaneFloat along = det3_lanes(plane->normal, rays, &bound);
+    LaneFloat t = plane->depth / along;
+    HitLanes hit;
+    hit.met = LANE_COMPARE(4.0f * bound, <, fabs(along)) & LANE_COMPARE(t, >, (LaneFloat)(0.0f));
+    if (!plane->is_good) hit.met = (LaneInt)(0);
+    LaneFloat relative = 1.4f * (bound / fabs(along) + plane->relative_error) + 1.0e-6f;
+    hit.at.x = fma(t, rays.x, (LaneFloat)(eye.x));
+    hit.at.y = fma(t, rays.y, (LaneFloat)(eye.y));
+    hit.at.z = fma(t, rays.z, (LaneFloat)(eye.z));
+    LaneFloat reach = t * largest_of(rays.x, rays.y, rays.z), size = largest_of(rays.size_x, rays.size_y, rays.size_z);
+    float eye_size = fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z)));
+    hit.error = reach * relative + GN_U * (t * size + 3.0f * (reach + eye_size));
+    return hit;
+}
+
+static PointBlock combined(HitLanes* h, float s0, float s1, float s2, float s3) {
+    PointBlock sum = {0.25f * (s0 * h[0].at.x + s1 * h[1].at.x + s2 * h[2].at.x + s3 * h[3].at.x),
+                      0.25f * (s0 * h[0].at.y + s1 * h[1].at.y + s2 * h[2].at.y + s3 * h[3].at.y),
+                      0.25f * (s0 * h[0].at.z + s1 * h[1].at.z + s2 * h[2].at.z + s3 * h[3].at.z)};
+    return sum;
+}
+
+static PointBlock selected(PointBlock no, PointBlock yes, LaneInt lanes) {
+    PointBlock chosen = {LANES_SELECT(no.x, yes.x, lanes), LANES_SELECT(no.y, yes.y, lanes),
+                         LANES_SELECT(no.z, yes.z, lanes)};
+    return chosen;
+}
+
+// The part of a receiver's plane that is seen through boxes of the picture. Unbounded ones keep their centre at the
+// eye.
+static void bound_lanes(const FloatPlane* plane, PictureRays picture, float3 eye, PointBlock low, PointBlock high,
+                        LaneInt lanes, PointBlock* centres, FootprintBlock* footprints) {
+    HitLanes h[4];
+    LaneInt met = lanes;
+    LaneFloat error = (LaneFloat)(0.0f), largest = (LaneFloat)(fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z))));
+    for (int corner = 0; corner < 4; ++corner) {
+        h[corner] = hits_of(plane, rays_at(picture, corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y), eye);
+        met &= h[corner].met;
+        error = fmax(error, h[corner].error);
+        largest = fmax(largest, largest_of(h[corner].at.x, h[corner].at.y, h[corner].at.z));
+    }
+    PointBlock rest = combined(h, 1.0f, -1.0f, -1.0f, 1.0f);
+    // 18u: the lift. 32u: the sums here, and those of footprint.h and facing.cl with places of this size.
+    LaneFloat spread = 1.01f * (largest_of(rest.x, rest.y, rest.z) + error + (50.0f * GN_U) * largest) + 1.0e-30f;
+    met &= LANE_COMPARE(spread, <, (LaneFloat)(1.0e30f)) & LANE_COMPARE(largest, <, (LaneFloat)(1.0e30f));
+    PointBlock at_eye = {(LaneFloat)(eye.x), (LaneFloat)(eye.y), (LaneFloat)(eye.z)};
+    *centres = selected(*centres, at_eye, lanes);
+    *centres = selected(*centres, combined(h, 1.0f, 1.0f, 1.0f, 1.0f), met);
+    footprints->u = selected(footprints->u, combined(h, -1.0f, 1.0f, -1.0f, 1.0f), met);
+    footprints->v = selected(footprints->v, combined(h, -1.0f, -1.0f, 1.0f, 1.0f), met);
+    footprints->spread = LANES_SELECT(footprints->spread, spread, met);
+}
+
+// From the box around all samples to that around those of a mask; z is not used.
+static void shrink_box(__constant const SamplePattern* pattern, uint mask, int lane, PointBlock* low,
+                       PointBlock* high) {
+    float2 least = (float2)(1.0f), greatest = (float2)(0.0f);
+    for (; mask != 0u; mask &= mask - 1u) {
+        uint sample = 31u - clz(mask & (0u - mask));
+        float2 place = (float2)(pattern->place[2u * sample], pattern->place[2u * sample + 1u]);
+        least = fmin(least, place);
+        greatest = fmax(greatest, place);
+    }
+    // Places are multiples of 1 / 64: all of this is exact.
+    LANE_OF_FLOAT(low->x, lane) += least.x - pattern->low[0];
+    LANE_OF_FLOAT(low->y, lane) += least.y - pattern->low[1];
+    LANE_OF_FLOAT(high->x, lane) += greatest.x - pattern->high[0];
+    LANE_OF_FLOAT(high->y, lane) += greatest.y - pattern->high[1];
+}
+
+static uint pixel_of_piece(PixelBatch batch, __global const uint* extra_pixels, uint piece) {
+    return piece < batch.count ? piece : extra_pixels[piece - batch.count];
+}
+
+__kernel void samples_bound(PictureRays picture, __constant const SamplePattern* pattern, PixelBatch batch,
+                            PointsLayout pieces, float4 eye_and_zero, ulong first_float, __global const float* vertices,
+                            __global const uint* extra_pixels, __global const uint* receivers,
+                            __global const uint* masks, __global float* centres, __global float* footprints) {
+    float3 eye = eye_and_zero.xyz;
+    FloatPlane plane;
+    uint plane_id = GN_NO_ID;
+    GN_FOR_EACH(block, block_count(pieces)) {
+        LaneInt left = valid_lanes(pieces, block), ids = load_lane_ids(receivers, pieces, block);
+        LaneInt mask = load_lane_ids(masks, pieces, block);
+        left &= LANE_COMPARE(mask, !=, (LaneInt)(0));
+        LaneInt pixels = (LaneInt)((int)batch.first);
+        for (int lane = 0; lane < GN_LANES; ++lane)
+            if (LANE_OF_INT(left, lane))
+                LANE_OF_INT(pixels, lane) += (int)pixel_of_piece(batch, extra_pixels, (uint)block * GN_LANES + lane);
+        PointBlock low;
+        corners_of(batch, pixels, &low.x, &low.y);
+        low.z = (LaneFloat)(0.0f);
+        PointBlock high = {low.x + pattern->high[0], low.y + pattern->high[1], low.z};
+        low.x += pattern->low[0];
+        low.y += pattern->low[1];
+        LaneInt partial = left & LANE_COMPARE(mask, !=, (LaneInt)((int)pattern->all));
+        if (LANES_ANY(partial))
+            for (int lane = 0; lane < GN_LANES; ++lane)
+                if (LANE_OF_INT(partial, lane)) shrink_box(pattern, (uint)LANE_OF_INT(mask, lane), lane, &low, &high);
+        PointBlock none = {(LaneFloat)(0.0f), (LaneFloat)(0.0f), (LaneFloat)(0.0f)};
+        PointBlock at = {(LaneFloat)(NAN), (LaneFloat)(NAN), (LaneFloat)(NAN)};
+        FootprintBlock f = {none, none, (LaneFloat)(INFINITY)};
+        while (LANES_ANY(left)) {
+            int id = LANE_OF_INT(ids, first_lane(left));
+            LaneInt same = left & LANE_COMPARE(ids, ==, (LaneInt)(id));
+            left &= ~same;
+            if ((uint)id != plane_id) plane = float_plane_of(load_triangle(vertices + first_float, (uint)id), eye);
+            plane_id = (uint)id;
+            bound_lanes(&plane, picture, eye, low, high, same, &at, &f);
+        }
+        size_t count = pieces.count;
+        store_lanes(at.x, centres, pieces, block);
+        store_lanes(at.y, centres + count, pieces, block);
+        store_lanes(at.z, centres + 2 * count, pieces, block);
+        store_lanes(f.u.x, footprints, pieces, block);
+        store_lanes(f.u.y, footprints + count, pieces, block);
+        store_lanes(f.u.z, footprints + 2 * count, pieces, block);
+        store_lanes(f.v.x, footprints + 3 * count, pieces, block);
+        store_lanes(f.v.y, footprints + 4 * count, pieces, block);
+        store_lanes(f.v.z, footprints + 5 * count, pieces, block);
+        store_lanes(f.spread, footprints + 6 * count, pieces, block);
+    }
+}
+
+// ---- What was settled, and the rest ---------------------------------------------------------------------------------
+
+__kernel void samples_sort(PixelBatch batch, uint piece_count, __global const uint* extra_pixels,
+                           __global const uint* masks, __global const float* visibility, __global uint* lit,
+                           __global uint* mixed, __global SampleCounters* counters) {
+    Claim places = no_claim();
+    uint in_shadow = 0, lit_count = 0, mixed_count = 0, mixed_samples = 0, pieces = 0;
+    GN_FOR_EACH(piece, piece_count) {
+        uint samples = popcount(masks[piece]);
+        if (samples == 0u) continue;
+        ++pieces;
+        if (visibility[piece] == 0.0f) {
+            in_shadow += samples;
+        } else if (visibility[piece] == 1.0f) {
+            lit_count += samples;
+            atomic_add(&lit[pixel_of_piece(batch, extra_pixels, (uint)piece)], samples);
+        } else {
+            ++mixed_count;
+            mixed_samples += samples;
+            mixed[claim(&places, &counters->mixed)] = (uint)piece;
+        }
+    }
+    for (; places.next < places.end; ++places.next) mixed[places.next] = GN_NO_ID;
+    if (pieces != 0) atomic_add(&counters->pieces, pieces);
+    if (in_shadow != 0) atomic_add(&counters->in_shadow, in_shadow);
+    if (lit_count != 0) atomic_add(&counters->lit, lit_count);
+    if (mixed_count != 0) atomic_add(&counters->mixed_pieces, mixed_count);
+    if (mixed_samples != 0) atomic_add(&counters->mixed_samples, mixed_samples);
+}
+
+// places[i] = (pixel of the batch, sample) of point i: the samples of a piece lie together.
+__kernel void samples_place(PixelBatch batch, uint first_mixed, uint mixed_count, __global const uint* extra_pixels,
+                            __global const uint* piece_receivers, __global const uint* masks,
+                            __global const uint* mixed, __global uint2* places, __global uint* receivers,
+                            __global SampleCounters* counters) {
+    GN_FOR_EACH(i, mixed_count) {
+        uint piece = mixed[first_mixed + i];
+        if (piece == GN_NO_ID) continue;
+        uint mask = masks[piece], place = atomic_add(&counters->placed, popcount(mask));
+        for (; mask != 0u; mask &= mask - 1u, ++place) {
+            places[place] = (uint2)(pixel_of_piece(batch, extra_pixels, piece), 31u - clz(mask & (0u - mask)));
+            receivers[place] = piece_receivers[piece];
+        }
+    }
+}
+
+// The shading points of samples, x of all points, then y, then z.
+__kernel void samples_points(PixelBatch batch, uint count, float4 eye_and_zero, ulong first_float,
+                             __global const float* vertices, __global const float* rays, __global const uint2* places,
+                             __global const uint* receivers, __global float* positions) {
+    float3 eye = eye_and_zero.xyz;
+    SeenTriangle seen;
+    seen.id = GN_NO_ID;
+    GN_FOR_EACH(i, count) {
+        if (receivers[i] != seen.id) seen = see_triangle(vertices + first_float, receivers[i], eye);
+        uint pixel = batch.first + places[i].x, table = places[i].y * (batch.width + batch.height);
+        float3 p = shading_point(
+            &seen, eye, load_ray(rays, table + pixel % batch.width, table + batch.width + pixel / batch.width));
+        positions[i] = p.x;
+        positions[i + count] = p.y;
+        positions[i + 2 * (size_t)count] = p.z;
+    }
+}
+
+__kernel void samples_count(uint count, __global const uint2* places, __global const float* visibility,
+                            __global uint* lit) {
+    GN_FOR_EACH(i, count) {
+        if (visibility[i] == 1.0f) atomic_inc(&lit[places[i].x]);
+    }
+}
+
+__kernel void samples_mean_of_sums(PixelBatch batch, float scale, __global const uint* lit, __global float* mean) {
+    GN_FOR_EACH(i, batch.count) mean[batch.first + i] = (float)lit[i] * scale;
 }

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// Stage settle: footprints, regions of points on one receiver, against the map and their bins' triangles
+// (kernels/footprint.h, kernels/settle.cl).
+#pragma once
+
+#include "light_frame.hpp"
+#include "trace.hpp"
+
+namespace gnomon {
+
+/// A technique whose answer for all points of a region can be proven at once. run_samples() asks techniques for it.
+class SettlesFootprints {
+public:
+    virtual ~SettlesFootprints() = default;
+    /// Writes one answer per footprint: 0 if all its points are in shadow, 1 if all are lit, else VISIBILITY_MIXED.
+    /// `centres` have receivers and the eye of a camera; centre and receiver are those of points that it made.
+    virtual Statistics settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
+                              const Light& light, const Visibility& answers) = 0;
+};
+
+/// As Trace::run(), for points that carry footprints.
+void run_settle(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
+                const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
+                const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters);
+
+}  // namespace gnomon

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT
+// run_settled_samples(), at the end, reads top to bottom; the stages above are in its order.
+#include "settled_samples.hpp"
+
+#include <algorithm>
+
+#include "../kernels/claim.h"
+#include "../kernels/footprint.h"
+#include "../kernels/samples.h"
+#include "samples.hpp"
+
+namespace gnomon {
+namespace {
+
+SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
+    SamplePattern pattern{};
+    pattern.count = static_cast<cl_uint>(offsets.size());
+    pattern.all = pattern.count == MOST_SAMPLES ? 0xFFFFFFFFu : (1u << pattern.count) - 1;
+    for (int c = 0; c < 2; ++c) {
+        pattern.low[c] = 1.0f;
+        pattern.high[c] = 0.0f;
+    }
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+        const float place[2] = {0.5f + static_cast<float>(offsets[i].x) / SAMPLE_UNITS,
+                                0.5f + static_cast<float>(offsets[i].y) / SAMPLE_UNITS};
+        for (std::size_t c = 0; c < 2; ++c) {
+            pattern.place[2 * i + c] = place[c];
+            pattern.low[c] = std::min(pattern.low[c], place[c]);
+            pattern.high[c] = std::max(pattern.high[c], place[c]);
+        }
+    }
+    return pattern;
+}
+
+Float4 float4_of_eye(const Camera& camera) { return {camera.eye[0], camera.eye[1], camera.eye[2], 0.0f}; }
+
+class SettledSamples {
+public:
+    SettledSamples(Technique& technique, SettlesFootprints& settling, const Device& device, const Triangles& triangles,
+                   const View& view, const Light& light, std::span<const SampleOffset> offsets, const Visibility& mean,
+                   std::size_t points_at_once)
+        : technique_(technique),
+          settling_(settling),
+          device_(device),
+          session_(device.session()),
+          triangles_(triangles),
+          inputs_(triangle_inputs(triangles)),
+          view_(view),
+          light_(light),
+          mean_(mean),
+          points_at_once_(std::max<std::size_t>(points_at_once, std::size_t(view.width) * offsets.size())),
+          camera_(view.points.camera()->camera),
+          eye_(float4_of_eye(camera_)),
+          pattern_(pattern_of(offsets)),
+          camera_stage_(device, triangles, camera_, view.width, view.height),
+          pattern_buffer_(session_, sizeof(SamplePattern)),
+          counters_(session_, sizeof(SampleCounters)) {
+        session_.write(pattern_buffer_.get(), &pattern_, sizeof(pattern_));
+        write_rays(offsets);
+    }
+
+    Statistics run() {
+        Statistics camera;
+        camera_stage_.fit_lists(camera);
+        add_stages(total_, camera);
+        const std::size_t pixels = view_.points.count(), most = std::max<std::size_t>(points_at_once_ / 2, 1);
+        std::size_t at_once = std::min(most, pixels);
+        for (std::size_t first = 0; first < pixels;) {
+            set_batch(first, std::min(at_once, pixels - first));
+            if (!make_pieces()) {
+                // More receivers in a pixel than expected: room for them, or fewer pixels at a time.
+                extra_expected_ = counted_.extra + counted_.extra / 4;
+                if (batch_.count + extra_expected_ > points_at_once_) at_once = std::max(batch_.count / 2, 1u);
+                continue;
+            }
+            settle();
+            sort();
+            trace_mixed();
+            write_mean();
+            first += batch_.count;
+        }
+        add_counts();
+        return std::move(total_);
+    }
+
+    std::uint64_t technique_memory_bytes() const { return technique_memory_bytes_; }
+
+private:
+    // One table per sample, one behind the other.
+    void write_rays(std::span<const SampleOffset> offsets) {
+        std::vector<float> rays;
+        for (const SampleOffset& offset : offsets) {
+            const CameraTables tables = camera_tables(camera_, view_.width, view_.height, offset);
+            rays.insert(rays.end(), tables.rays.begin(), tables.rays.end());
+            picture_ = tables.picture;
+        }
+        rays_.reserve(session_, rays.size() * sizeof(float));
+        session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
+    }
+
+    /// What work-items may claim of a list and not use.
+    std::size_t unused_places() const {
+        return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
+    }
+
+    void set_batch(std::size_t first, std::size_t count) {
+        batch_ = {static_cast<cl_uint>(first), static_cast<cl_uint>(count), view_.width, view_.height,
+                  camera_stage_.tiles_x()};
+        const std::size_t extra = std::min(std::max(extra_expected_, count / 2 + 64), points_at_once_);
+        extra_capacity_ = static_cast<cl_uint>(extra + unused_places());
+        const std::size_t most_pieces = count + extra_capacity_;
+        edges_.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
+        lit_.reserve(session_, count * sizeof(cl_uint));
+        extra_pixels_.reserve(session_, extra_capacity_ * sizeof(cl_uint));
+        for (cl::Buffer* buffer : {&receivers_, &masks_}) buffer->reserve(session_, most_pieces * sizeof(cl_uint));
+        session_.fill(counters_, 0, sizeof(SampleCounters));
+        counted_ = {};
+    }
+
+    void read_counters() { session_.read(counters_.get(), &counted_, sizeof(counted_)); }
+
+    /// False if there are more pieces than places.
+    bool make_pieces() {
+        const std::size_t count = batch_.count;
+        {
+            cl::StageTimer timer(session_, total_, "samples_whole");
+            session_.launch("samples.cl", "samples_whole", cl::Range::items(count / session_.lanes() + 1), picture_,
+                            pattern_buffer_, batch_, eye_, inputs_.first_float, inputs_.vertices,
+                            view_.points.receivers(), camera_stage_.bins().ranges(), receivers_, masks_, lit_, edges_,
+                            counters_);
+        }
+        read_counters();
+        const std::size_t part = points_at_once_ / pattern_.count;
+        seen_.reserve(session_, std::min<std::size_t>(part, counted_.edges) * pattern_.count * sizeof(cl_uint));
+        for (std::size_t first = 0; first < counted_.edges; first += part)
+            seek(static_cast<cl_uint>(first), static_cast<cl_uint>(std::min(part, counted_.edges - first)));
+        read_counters();
+        return counted_.extra <= extra_capacity_;
+    }
+
+    void seek(cl_uint first, cl_uint count) {
+        cl::StageTimer timer(session_, total_, "samples_seek");
+        session_.launch("samples.cl", "samples_seek", cl::Range::items(std::size_t(count) * pattern_.count),
+                        camera_stage_.projection(), picture_, pattern_buffer_, batch_, first, count,
+                        inputs_.first_float, inputs_.vertices, rays_, camera_stage_.setup().records(),
+                        camera_stage_.setup().bounds(), camera_stage_.bins().ranges(), camera_stage_.bins().entries(),
+                        view_.points.receivers(), edges_, seen_);
+        session_.launch("samples.cl", "samples_group", cl::Range::items(count), pattern_buffer_, batch_, first, count,
+                        extra_capacity_, view_.points.receivers(), edges_, seen_, extra_pixels_, receivers_, masks_,
+                        lit_, counters_);
+    }
+
+    std::size_t piece_count() const { return std::size_t(batch_.count) + counted_.extra; }
+
+    void settle() {
+        const std::size_t count = piece_count();
+        centres_.reserve(session_, 3 * count * sizeof(float));
+        footprints_.reserve(session_, FOOTPRINT_FLOATS * count * sizeof(float));
+        answers_.reserve(session_, count * sizeof(float));
+        Points centres = Points::wrap(device_, centres_.get(), {0, 1, count}, count, receivers_.get());
+        centres.set_eye(camera_.eye);
+        {
+            cl::StageTimer timer(session_, total_, "samples_bound");
+            session_.launch("samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1), picture_,
+                            pattern_buffer_, batch_, point_inputs(centres).layout, eye_, inputs_.first_float,
+                            inputs_.vertices, extra_pixels_, receivers_, masks_, centres_, footprints_);
+        }
+        add_run(settling_.settle(triangles_, centres, footprints_, light_, Visibility(device_, answers_.get(), count)));
+    }
+
+    void sort() {
+        const std::size_t count = piece_count();
+        mixed_.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
+        {
+            cl::StageTimer timer(session_, total_, "samples_sort");
+            session_.launch("samples.cl", "samples_sort", cl::Range::items(count), batch_, cl_uint(count),
+                            extra_pixels_, masks_, answers_, lit_, mixed_, counters_);
+        }
+        read_counters();
+        sum_.edges += batch_.count - counted_.whole;
+        sum_.whole += counted_.whole;
+        sum_.pieces += counted_.pieces;
+        sum_.mixed_pieces += counted_.mixed_pieces;
+        sum_.mixed_samples += counted_.mixed_samples;
+        sum_.in_shadow += counted_.in_shadow;
+        sum_.lit += counted_.lit;
+    }
+
+    void trace_mixed() {
+        // All at once where that is known to fit, else pieces of as many samples as there may be.
+        const std::size_t part =
+            counted_.mixed_samples <= points_at_once_ ? counted_.mixed : points_at_once_ / pattern_.count;
+        for (std::size_t first = 0; first < counted_.mixed; first += part)
+            trace_part(static_cast<cl_uint>(first), static_cast<cl_uint>(std::min(part, counted_.mixed - first)));
+    }
+
+    void trace_part(cl_uint first, cl_uint count) {
+        const std::size_t most = std::min<std::size_t>(counted_.mixed_samples, points_at_once_);
+        places_.reserve(session_, most * 2 * sizeof(cl_uint));
+        sample_receivers_.reserve(session_, most * sizeof(cl_uint));
+        session_.fill(counters_, 0, sizeof(SampleCounters));
+        SampleCounters placed;
+        {
+            cl::StageTimer timer(session_, total_, "samples_points");
+            session_.launch("samples.cl", "samples_place", cl::Range::items(count), batch_, first, count, extra_pixels_,
+                            receivers_, masks_, mixed_, places_, sample_receivers_, counters_);
+            session_.read(counters_.get(), &placed, sizeof(placed));
+        }
+        const std::size_t points = placed.placed;
+        if (points == 0) return;
+        positions_.reserve(session_, 3 * points * sizeof(float));
+        visibility_.reserve(session_, points * sizeof(float));
+        {
+            cl::StageTimer timer(session_, total_, "samples_points");
+            session_.launch("samples.cl", "samples_points", cl::Range::items(points), batch_, cl_uint(points), eye_,
+                            inputs_.first_float, inputs_.vertices, rays_, places_, sample_receivers_, positions_);
+        }
+        Points samples = Points::wrap(device_, positions_.get(), {0, 1, points}, points, sample_receivers_.get());
+        samples.set_eye(camera_.eye);
+        add_run(technique_.run(triangles_, samples, light_, Visibility(device_, visibility_.get(), points)));
+        cl::StageTimer timer(session_, total_, "samples_mean");
+        session_.launch("samples.cl", "samples_count", cl::Range::items(points), cl_uint(points), places_, visibility_,
+                        lit_);
+    }
+
+    void write_mean() {
+        cl::StageTimer timer(session_, total_, "samples_mean");
+        session_.launch("samples.cl", "samples_mean_of_sums", cl::Range::items(batch_.count), batch_,
+                        1.0f / static_cast<float>(pattern_.count), lit_, mean_.buffer());
+    }
+
+    void add_run(const Statistics& run) {
+        add_stages(total_, run);
+        technique_memory_bytes_ = std::max(technique_memory_bytes_, run.device_memory_bytes);
+    }
+
+    void add_counts() {
+        total_.counts = {{"points", view_.points.count() * pattern_.count},
+                         {"pixels_on_one_receiver", sum_.whole},
+                         {"pixels_on_several", sum_.edges},
+                         {"pieces", sum_.pieces},
+                         {"pieces_mixed", sum_.mixed_pieces},
+                         {"samples_settled_in_shadow", sum_.in_shadow},
+                         {"samples_settled_lit", sum_.lit},
+                         {"samples_traced", sum_.mixed_samples}};
+    }
+
+    Technique& technique_;
+    SettlesFootprints& settling_;
+    const Device& device_;
+    cl::Session& session_;
+    const Triangles& triangles_;
+    TriangleInputs inputs_;
+    const View& view_;
+    const Light& light_;
+    const Visibility& mean_;
+    std::size_t points_at_once_;
+    Camera camera_;
+    Float4 eye_;
+    SamplePattern pattern_;
+    PictureRays picture_{};
+    CameraStage camera_stage_;
+    PixelBatch batch_{};
+    SampleCounters counted_{};
+    struct {
+        std::uint64_t edges, whole, pieces, mixed_pieces, mixed_samples, in_shadow, lit;
+    } sum_{};
+    Statistics total_;
+    std::uint64_t technique_memory_bytes_ = 0;
+    std::size_t extra_expected_ = 0;
+    cl_uint extra_capacity_ = 0;
+
+    cl::Buffer pattern_buffer_, counters_, rays_;
+    cl::Buffer edges_, seen_, extra_pixels_, receivers_, masks_, lit_, mixed_;  ///< of a batch of pixels
+    cl::Buffer centres_, footprints_, answers_;                                 ///< of its pieces
+    cl::Buffer places_, sample_receivers_, positions_, visibility_;             ///< of samples that are traced
+};
+
+}  // namespace
+
+Statistics run_settled_samples(Technique& technique, SettlesFootprints& settling, const Device& device,
+                               const Triangles& triangles, const View& view, const Light& light,
+                               std::span<const SampleOffset> offsets, const Visibility& mean,
+                               std::size_t points_at_once) {
+    cl::Session& session = device.session();
+    const std::uint64_t before = session.memory_bytes();
+    SettledSamples samples(technique, settling, device, triangles, view, light, offsets, mean, points_at_once);
+    Statistics total = samples.run();
+    total.device_memory_bytes = session.memory_bytes() - before + samples.technique_memory_bytes();
+    return total;
+}
+
+}  // namespace gnomon

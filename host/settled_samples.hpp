@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// Samples, most of them settled together: pieces of pixels whose footprints a technique proves to be in shadow or lit,
+// and points for the samples of the others (kernels/samples.h, kernels/samples.cl).
+#pragma once
+
+#include "camera.hpp"
+#include "settle.hpp"
+
+namespace gnomon {
+
+/// As run_samples(), with about `points_at_once` points or pieces on the device, but a row of pixels at least.
+/// `technique` is the same object as `settling`.
+Statistics run_settled_samples(Technique& technique, SettlesFootprints& settling, const Device& device,
+                               const Triangles& triangles, const View& view, const Light& light,
+                               std::span<const SampleOffset> offsets, const Visibility& mean,
+                               std::size_t points_at_once);
+
+}  // namespace gnomon

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// Contract of the samples: how the samples of many pixels are settled together.
+//
+// A piece is what one receiver holds of a pixel's samples: pixel, receiver, and a mask of samples. Piece i of a batch
+// of pixels is what pixel i's own receiver (that of the view) holds; further receivers' pieces follow behind them. A
+// pixel is whole if its own receiver holds all its samples, proven by the corners of the samples' box; the others are
+// edges, whose samples find their receivers one by one, exactly. Every piece has a footprint (footprint.h). Those that
+// the technique settles count for all their samples; of the others, the mixed ones, every sample is made into a point.
+#ifndef GN_SAMPLES_H
+#define GN_SAMPLES_H
+
+#include "prelude.h"
+
+#define MOST_SAMPLES 32
+
+GN_STRUCT_BEGIN(SamplePattern)
+    uint count;
+    uint all;                       // the mask of all samples
+    float low[2], high[2];          // the box that holds them, in pixels from the pixel's upper left corner
+    float place[2 * MOST_SAMPLES];  // x and y of each, likewise
+GN_STRUCT_END(SamplePattern, 280)
+
+// The pixels that are worked on: `count` of them from `first` on, in rows of `width`.
+GN_STRUCT_BEGIN(PixelBatch)
+    uint first, count;
+    uint width, height;  // of the picture
+    uint tiles_x;        // camera tiles per row
+GN_STRUCT_END(PixelBatch, 20)
+
+// Zeroed before each batch of pixels. Claimed lists may hold unused places, GN_NO_ID.
+GN_STRUCT_BEGIN(SampleCounters)
+    uint edges;          // places in the list of edge pixels
+    uint whole;          // pixels
+    uint extra;          // places for pieces behind the pixels' own, wanted
+    uint mixed;          // places in the list of mixed pieces
+    uint mixed_samples;  // in mixed pieces
+    uint pieces;         // with a sample
+    uint mixed_pieces;
+    uint in_shadow;  // samples settled
+    uint lit;        // samples settled, those of the sky among them
+    uint placed;     // points made of the mixed pieces at hand; zeroed for each part of them
+GN_STRUCT_END(SampleCounters, 40)
+
+#endif
