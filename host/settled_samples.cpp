@@ -24,7 +24,7 @@ SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
         const float place[2] = {0.5f + static_cast<float>(offsets[i].x) / SAMPLE_UNITS,
                                 0.5f + static_cast<float>(offsets[i].y) / SAMPLE_UNITS};
         for (std::size_t c = 0; c < 2; ++c) {
-            pattern.place[2 * i + c] = place[c];
+            (c == 0 ? pattern.place_x : pattern.place_y)[i] = place[c];
             pattern.low[c] = std::min(pattern.low[c], place[c]);
             pattern.high[c] = std::max(pattern.high[c], place[c]);
         }

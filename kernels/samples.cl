@@ -122,12 +122,9 @@ __kernel void samples_seek(__constant const Projection* projection, PictureRays 
         LaneInt searching = LANE_COMPARE(sample, <, (LaneInt)((int)samples)), present = searching;
         block.column = sample * (int)(batch.width + batch.height) + (int)x;
         block.row = sample * (int)(batch.width + batch.height) + (int)(batch.width + y);
-        block.x = block.y = (LaneFloat)(0.0f);
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(present, lane)) continue;
-            LANE_OF_FLOAT(block.x, lane) = (float)x + pattern->place[2u * (first + lane)];
-            LANE_OF_FLOAT(block.y, lane) = (float)y + pattern->place[2u * (first + lane) + 1u];
-        }
+        // Lanes past the last sample hold 0.
+        block.x = (float)x + LANES_STRIDED(pattern->place_x + first, 1);
+        block.y = (float)y + LANES_STRIDED(pattern->place_y + first, 1);
         uint own = pixel_receivers[pixel];
         if (own != GN_NO_ID) {
             Outline outline = outline_of(load_triangle(lists.vertices, own), eye);
@@ -281,7 +278,7 @@ static void shrink_box(__constant const SamplePattern* pattern, uint mask, int l
     float2 least = (float2)(1.0f), greatest = (float2)(0.0f);
     for (; mask != 0u; mask &= mask - 1u) {
         uint sample = 31u - clz(mask & (0u - mask));
-        float2 place = (float2)(pattern->place[2u * sample], pattern->place[2u * sample + 1u]);
+        float2 place = (float2)(pattern->place_x[sample], pattern->place_y[sample]);
         least = fmin(least, place);
         greatest = fmax(greatest, place);
     }

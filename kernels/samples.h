@@ -15,9 +15,10 @@
 
 GN_STRUCT_BEGIN(SamplePattern)
     uint count;
-    uint all;                       // the mask of all samples
-    float low[2], high[2];          // the box that holds them, in pixels from the pixel's upper left corner
-    float place[2 * MOST_SAMPLES];  // x and y of each, likewise
+    uint all;                     // the mask of all samples
+    float low[2], high[2];        // the box that holds them, in pixels from the pixel's upper left corner
+    float place_x[MOST_SAMPLES];  // of each, likewise
+    float place_y[MOST_SAMPLES];
 GN_STRUCT_END(SamplePattern, 280)
 
 // The pixels that are worked on: `count` of them from `first` on, in rows of `width`.
