@@ -122,7 +122,7 @@ void count_elements(const boost::property_tree::ptree& tree, std::map<std::strin
 TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
     std::string arguments =
         "sundial --technique frustum-traced --technique shadow-map --peers --oracle 100000 --runs 1 --size 320x180 "
-        "--stages";
+        "--stages --mode animated --mode static";
     for (const char* output : {"json", "csv", "html"})
         arguments.append(" --").append(output).append(" ").append(path("all.")).append(output);
     ASSERT_EQ(run(arguments), 0) << errors();
@@ -154,10 +154,13 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_GT(row["oracle"]["points"].get<int>(), 10000);
         EXPECT_EQ(row["oracle"]["wrong"], 0);
         EXPECT_GT(row["counts"]["points_in_shadow"].get<int>(), 0);
+        const bool is_still = row["mode"] == "static";
+        EXPECT_EQ(row["counts"]["prepared"], is_still ? 1 : 0);
+        EXPECT_EQ(row.contains("build_ms"), is_still);
         EXPECT_TRUE(row.contains("stages_ms"));
     }
-    EXPECT_EQ(exact_rows, 1);
-    EXPECT_EQ(approximate_rows, 1);
+    EXPECT_EQ(exact_rows, 2);        // animated and static
+    EXPECT_EQ(approximate_rows, 2);  // which keeps nothing
     if (embree_version() != "not built in") {
         EXPECT_EQ(rival_rows, 16);
         EXPECT_GT(missed_nearby, 0);

@@ -55,6 +55,12 @@ gnomon::Points points_of(const Device& on, const Question& question) {
     return points;
 }
 
+std::string text_of(const Settings& settings) {
+    std::string text;
+    for (const auto& [name, value] : settings) text += name + "=" + value + " ";
+    return text;
+}
+
 /// How a question is asked: as it is, or with the light prepared.
 enum class Mode { animated, prepared };
 
@@ -63,6 +69,9 @@ Answer ask(const Device& on, const Question& question, const Settings& settings,
     const gnomon::Points points = points_of(on, question);
     const auto technique = gnomon::make_technique("frustum-traced", on);
     for (const auto& [name, value] : settings) technique->set(name, value);
+    // A coarser grid than its own, or clearing maps would take most of the time.
+    if (mode == Mode::prepared && text_of(settings).find("map-size") == std::string::npos)
+        technique->set("map-size", "128");
     if (mode == Mode::prepared) technique->prepare(triangles, gnomon::Light{question.light});
     const gnomon::Visibility visibility(on, points.count());
     Answer answer;
@@ -77,12 +86,6 @@ std::vector<float> truth_of(const Question& question) {
     std::vector<float> visibility;
     for (const std::uint8_t in_shadow : shadowed) visibility.push_back(in_shadow ? 0.0f : 1.0f);
     return visibility;
-}
-
-std::string text_of(const Settings& settings) {
-    std::string text;
-    for (const auto& [name, value] : settings) text += name + "=" + value + " ";
-    return text;
 }
 
 /// Fails with the first wrong point unless all are right.

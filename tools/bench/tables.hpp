@@ -24,7 +24,7 @@ struct Comparison {
     std::vector<const Row*> rows;
 };
 
-/// "frustum-traced map-size=1024", and the mode of a rival
+/// "frustum-traced map-size=1024", and the mode if it is not animated
 std::string name_of(const Row& row);
 /// "crytek_sponza atrium_floor.noon_slant 1920x1080, DEVICE"
 std::string view_of(const Row& row);
