@@ -107,6 +107,14 @@ __kernel void make_clusters(uint triangle_count, ulong first_float, uint cluster
 
 // ---- Which of them matter -------------------------------------------------------------------------------------------
 
+static void project_corners(__global const ClusterBoxes* boxes, __constant const Projection* projection, Projected* v) {
+    for (int corner = 0; corner < 8; ++corner) {
+        PointBlock p = {(corner & 1) ? boxes->high[0] : boxes->low[0], (corner & 2) ? boxes->high[1] : boxes->low[1],
+                        (corner & 4) ? boxes->high[2] : boxes->low[2]};
+        v[corner] = project(projection, &p);
+    }
+}
+
 // Which of these boxes can matter, and which only the pyramid rules out (ignored unless `has_pyramid`).
 static LaneInt boxes_that_matter(__global const ClusterBoxes* boxes, LaneInt lanes,
                                  __constant const Projection* projection, __global const uint* pyramid,
@@ -114,11 +122,7 @@ static LaneInt boxes_that_matter(__global const ClusterBoxes* boxes, LaneInt lan
     *too_far = (LaneInt)(0);
     if (projection->indistinct) return lanes;
     Projected v[8];
-    for (int corner = 0; corner < 8; ++corner) {
-        PointBlock p = {(corner & 1) ? boxes->high[0] : boxes->low[0], (corner & 2) ? boxes->high[1] : boxes->low[1],
-                        (corner & 4) ? boxes->high[2] : boxes->low[2]};
-        v[corner] = project(projection, &p);
-    }
+    project_corners(boxes, projection, v);
     HullSides sides = sides_of_hulls(v, 8, projection);
     Rectangles rectangle;
     LaneInt inside = lanes & ~sides.wild & ~sides.behind;

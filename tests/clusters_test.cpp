@@ -109,6 +109,137 @@ TEST(clusters, boxes_are_those_of_the_finite_vertices_to_the_bit) {
     EXPECT_GT(clean, 10u);  // the two ways to make a box both ran
 }
 
+// ---- Bounds ---------------------------------------------------------------------------------------------------------
+
+// What clusters.cl makes of a box before it asks the pyramid.
+const char* const bounds_kernel = R"(
+#include "clusters.cl"
+__kernel void bounds_of_boxes(__constant const Projection* projection, uint blocks,
+                              __global const ClusterBoxes* boxes, __global float* bounds) {
+    GN_FOR_EACH(block, blocks) {
+        Projected v[8];
+        project_corners(&boxes[block], projection, v);
+        HullSides sides = sides_of_hulls(v, 8, projection);
+        Rectangles r;
+        LaneInt inside = covered_rectangles(v, 8, projection, &r) & ~sides.behind;
+        LaneFloat z_low, z_high;
+        height_intervals(v, 8, sides.straddles, projection, &z_low, &z_high);
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            __global float* mine = bounds + 8 * (block * GN_LANES + lane);
+            mine[0] = LANE_OF_INT(sides.wild, lane) ? 1.0f : 0.0f;
+            mine[1] = LANE_OF_INT(inside, lane) ? 1.0f : 0.0f;
+            mine[2] = LANE_OF_FLOAT(r.x0, lane);
+            mine[3] = LANE_OF_FLOAT(r.y0, lane);
+            mine[4] = LANE_OF_FLOAT(r.x1, lane);
+            mine[5] = LANE_OF_FLOAT(r.y1, lane);
+            mine[6] = LANE_OF_FLOAT(z_low, lane);
+            mine[7] = LANE_OF_FLOAT(z_high, lane);
+        }
+    }
+}
+)";
+
+/// Clusters of boxes of all sizes around `center`, each with its corners among its vertices: 64 triangles of three
+/// corners or places in the box.
+Floats triangles_in_boxes(std::size_t boxes, const Float3& center, float reach, std::uint64_t seed) {
+    Random random(seed);
+    Floats triangles;
+    for (std::size_t i = 0; i < boxes; ++i) {
+        const float size = reach * std::exp2(random.between(-18, 1));
+        Float3 low = random_vector(random, -reach, reach), high;
+        for (int c = 0; c < 3; ++c) {
+            // Some sides lie in the planes of the light or eye, where W is 0.
+            low[c] = random.below(8) == 0 ? center[c] : center[c] + low[c];
+            high[c] = random.below(8) == 0 ? low[c] : low[c] + random.between(0, size);
+        }
+        for (std::uint32_t v = 0; v < 3 * cluster_size; ++v) {
+            Float3 p;
+            for (int c = 0; c < 3; ++c)
+                p[c] = v < 8 ? ((v >> c & 1) != 0 ? high[c] : low[c])
+                             : std::min(low[c] + random.between(0, 1) * (high[c] - low[c]), high[c]);
+            add(triangles, p);
+        }
+    }
+    return triangles;
+}
+
+struct BoundsTally {
+    std::uint64_t vertices = 0, bounded = 0;
+};
+
+/// Each vertex where it truly is, with a point's error: in the rectangle, not above z_high, and nothing is dropped that
+/// has one in the grid.
+void expect_bounds_hold(const gnomon::Projection& p, const reference::GridMap& map, const Floats& triangles,
+                        const std::vector<float>& bounds, BoundsTally& tally) {
+    for (std::size_t i = 0; i < triangles.size() / 3; ++i) {
+        const float* b = &bounds[8 * (i / (3 * cluster_size))];
+        const bool is_wild = b[0] != 0, is_inside = b[1] != 0;
+        const reference::GridPosition at = map({triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]});
+        if (is_wild || at.w <= 0) continue;
+        const long double x = at.x / at.w, y = at.y / at.w, error = p.point_error;
+        if (x < 0 || y < 0 || x >= p.width || y >= p.height) continue;
+        ++tally.vertices;
+        tally.bounded += b[7] < infinity;
+        ASSERT_TRUE(is_inside) << "vertex " << i << " is at " << double(x) << ", " << double(y);
+        ASSERT_LE(b[2], std::max(x - error, 0.0L)) << "vertex " << i;
+        ASSERT_LE(b[3], std::max(y - error, 0.0L)) << "vertex " << i;
+        ASSERT_GE(b[4], std::min(x + error, static_cast<long double>(p.width))) << "vertex " << i;
+        ASSERT_GE(b[5], std::min(y + error, static_cast<long double>(p.height))) << "vertex " << i;
+        const long double z_error = p.height_error * (p.perspective != 0 ? at.z : 1.0L);
+        ASSERT_GE(b[7], at.z + z_error) << "vertex " << i;
+    }
+}
+
+void attack_bounds(const gnomon::Device& device, const gnomon::Projection& projection, const reference::GridMap& map,
+                   float reach, std::uint64_t seed, BoundsTally& tally) {
+    Session& session = device.session();
+    session.add_source("clusters_test.cl", bounds_kernel);
+    const Float3 center{projection.center[0], projection.center[1], projection.center[2]};
+    const Floats floats = triangles_in_boxes(320, center, reach, seed);
+    auto triangles = gnomon::Triangles::upload(device, floats);
+    triangles.keep_clusters(device);
+    const gnomon::cl::Buffer projected = uploaded(session, std::vector{projection}),
+                             bounds(session, 320 * 8 * sizeof(float));
+    const cl_uint blocks = triangles.clusters()->count() / session.lanes();
+    session.launch("clusters_test.cl", "bounds_of_boxes", gnomon::cl::Range::items(blocks), projected, blocks,
+                   triangles.clusters()->boxes(), bounds);
+    expect_bounds_hold(projection, map, floats, downloaded<float>(session, bounds.get(), 320 * 8), tally);
+}
+
+TEST(clusters, bounds_hold_for_every_vertex_in_the_box) {
+    const gnomon::Device device = device_with();
+    Session& session = device.session();
+    BoundsTally tally;
+    std::uint64_t seed = 80;
+    for (const LightScene& scene : light_scenes()) {
+        if (++seed % 3 != 0) continue;
+        SCOPED_TRACE(scene.name);
+        const UploadedScene inputs(device, scene);
+        gnomon::LightFrameFit fit;
+        const gnomon::LightFrame first = gnomon::make_light_frame(inputs.light, {64, 0});
+        fit.run(session, first, inputs.facing.frame_bounds());
+        for (const gnomon::Projection& projection :
+             downloaded<gnomon::Projection>(session, fit.projections().get(), gnomon::frame_count_of(first))) {
+            if (projection.active_points == 0 || projection.indistinct != 0) continue;
+            float reach = 0;  // as far as the points are
+            for (std::size_t i = 0; i < scene.points.size(); ++i)
+                reach = std::max(reach, std::fabs(scene.points[i] - projection.center[i % 3]));
+            attack_bounds(device, projection, real_map(projection), reach, seed, tally);
+            if (HasFatalFailure()) return;
+        }
+    }
+    for (const CameraScene& scene : camera_scenes()) {
+        SCOPED_TRACE(scene.name);
+        const gnomon::Projection projection =
+            gnomon::camera_tables(scene.camera(), scene.width, scene.height).projection;
+        for (const float reach : {1.0f, 1e-6f, 1e6f})
+            attack_bounds(device, projection, real_map(projection), reach, ++seed, tally);
+        if (HasFatalFailure()) return;
+    }
+    std::cout << tally.vertices << " vertices in the grid, of " << tally.bounded << " the height is bounded\n";
+    EXPECT_GT(tally.bounded, 100000u);
+}
+
 // ---- What is dropped ------------------------------------------------------------------------------------------------
 
 struct Tally {
