@@ -63,7 +63,8 @@ struct Bits {
 };
 
 Bits frame(const Device& device, gnomon::Technique& technique, const Light& light, bool takes_any_points) {
-    const auto triangles = gnomon::Triangles::upload(device, vertices());
+    auto triangles = gnomon::Triangles::upload(device, vertices());
+    triangles.keep_clusters(device);
     const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 40);
     const gnomon::View view = look(device, triangles, camera, width, height);
     const gnomon::Visibility visibility(device, view.points.count());

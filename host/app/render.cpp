@@ -144,11 +144,18 @@ std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibili
     return visible;
 }
 
+/// From so many triangles on, boxes around clusters of them cost less than they save, even for one picture: the camera
+/// and every batch of samples skip what they do not need.
+constexpr std::size_t triangles_worth_clusters = 1u << 16;
+
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
          OutputFile* point_dump) {
     const auto [width, height] = report.options.size;
-    const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device",
-                                          [&] { return Triangles::upload(device, vertices); });
+    const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device", [&] {
+        Triangles uploaded = Triangles::upload(device, vertices);
+        if (uploaded.count() >= triangles_worth_clusters) uploaded.keep_clusters(device);
+        return uploaded;
+    });
     const View view = steps.run("camera", "camera (compiles kernels the first time)",
                                 [&] { return look(device, triangles, report.camera.camera, width, height); });
     report.camera_statistics = view.statistics;

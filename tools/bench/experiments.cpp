@@ -185,6 +185,21 @@ std::vector<Block> automatic_map(const SceneShelf& shelf, const Limits& limits) 
     return blocks;
 }
 
+// ---- Clusters -------------------------------------------------------------------------------------------------------
+
+std::vector<Block> clusters(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<SceneView> views = usual_views(shelf, limits);
+    for (const SceneView& view : large_views(limits))
+        for (const char* only : {"v0.sun", "v1.sun"}) views.push_back({view.scene, only});
+    std::vector<Block> blocks;
+    for (const SceneView& view : views) {
+        blocks.push_back(block_of("clusters", view, within(limits, {full_hd}),
+                                  {{technique, {}, "animated"}, {technique, {}, "moving"}}));
+        blocks.back().take_turns = blocks.back().stages = true;
+    }
+    return blocks;
+}
+
 }  // namespace
 
 const std::vector<Experiment>& experiments() {
@@ -220,6 +235,11 @@ const std::vector<Experiment>& experiments() {
          figure5},
         {"auto", "Is the automatic choice right?",
          "conservative-map auto beside on and off; the three take turns, run by run.", automatic_map},
+        {"clusters", "A mesh that does not change",
+         "Animated: every triangle is looked at in every run. Moving: clusters of 64 triangles are kept, and what "
+         "cannot "
+         "matter is dropped before its vertices are read; the light or the camera may move. The two take turns.",
+         clusters},
     };
     return all;
 }

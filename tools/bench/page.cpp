@@ -161,7 +161,8 @@ std::string page(const Json& machine, std::span<const Row> rows) {
         text("gnomon") + " (" + text("commit") + ")</p>\n" +
         "<p>Times are medians of wall-clock runs after warm-up, from resident triangles and points to the resident "
         "mask. A wrong point is one whose visibility is on the other side of one half. Modes: animated keeps nothing "
-        "but the raw triangles between runs; static keeps all that depends on scene and light.</p>\n" +
+        "but the raw triangles between runs; moving keeps clusters of triangles; static keeps all that depends on "
+        "scene and light.</p>\n" +
         machine_table(machine);
     html += section(rows, "times", "Times", "The scenes of the command line.");
     for (const Experiment& experiment : experiments())

@@ -45,8 +45,8 @@ struct Row {
     std::string device, driver;
     Times total;
     std::optional<Times> camera;  ///< the camera stage, not part of the total
-    std::optional<Times>
-        build;  ///< of a ray tracer's tree, part of the total in animated mode alone; of a prepared light
+    /// Of a ray tracer's tree, part of the total in animated mode alone; of what is kept in the other modes.
+    std::optional<Times> build;
     std::uint64_t device_memory_bytes = 0;
     std::vector<std::pair<std::string, double>> stages;  ///< device time by events, of profiled runs
     std::vector<std::pair<std::string, std::uint64_t>> counts;

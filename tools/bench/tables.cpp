@@ -216,6 +216,32 @@ Table map_table(const std::vector<Comparison>& views) {
     return table;
 }
 
+Table cluster_table(const std::vector<Comparison>& views) {
+    Table table{
+        "",
+        "Milliseconds, medians; the two take turns. Setup: the stages clusters and triangle_setup, with profiling. "
+        "Dropped: of all clusters, and of all triangles by whichever test. Keeping: once for a mesh.",
+        {"view", "animated", "moving", "setup, animated", "setup, moving", "camera, animated", "camera, moving",
+         "clusters dropped", "triangles dropped", "keeping them"},
+        {}};
+    for (const Comparison& view : views) {
+        const Row *animated = row_with(view, "frustum-traced", "", "animated"),
+                  *moving = row_with(view, "frustum-traced", "", "moving");
+        if (!animated || !moving || !animated->camera || !moving->camera || !moving->build) continue;
+        const auto setup = [](const Row& row) { return stage_ms(row, "clusters") + stage_ms(row, "triangle_setup"); };
+        const auto share = [&](std::uint64_t part, const char* of) {
+            return percent(double(part) / double(std::max<std::uint64_t>(moving->count(of), 1)));
+        };
+        table.lines.push_back({view.title, times_text(animated->total), times_text(moving->total),
+                               three_digits(setup(*animated)), three_digits(setup(*moving)),
+                               three_digits(animated->camera->median_ms), three_digits(moving->camera->median_ms),
+                               share(moving->count("clusters_outside") + moving->count("clusters_too_far"), "clusters"),
+                               share(moving->count("triangles_outside"), "triangles"),
+                               three_digits(moving->build->median_ms)});
+    }
+    return table;
+}
+
 Table published_table(const nlohmann::ordered_json& json) {
     Table table{json["title"],
                 "Published by others: " + json["source"].get<std::string>() +
@@ -270,6 +296,8 @@ std::vector<Table> tables_of(std::span<const Row> rows, const std::string& exper
         tables = {growth_table(ours, experiment == "growth_in_points")};
     } else if (experiment == "auto") {
         tables = {map_table(views)};
+    } else if (experiment == "clusters") {
+        tables = {cluster_table(views)};
     } else {
         tables = {stage_table(ours)};
         if (experiment == "figure5") tables.push_back(map_table(views));
