@@ -124,6 +124,9 @@ struct DeviceOptions {
     bool hide_fp64 = false;
     /// Work-group size of every kernel, 0: chosen per device. Same bits for every size.
     std::uint32_t work_group_size = 0;
+    /// Take the kernels that are made for GPUs (a point per work-item, groups that work together) on a CPU as well, as
+    /// the environment variable GNOMON_GPU_KERNELS does: for tests and measurements. Same bits.
+    bool gpu_kernels = false;
 };
 
 namespace cl {

@@ -106,7 +106,7 @@ Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions
 }
 
 void Session::configure(const DeviceOptions& options) {
-    is_cpu_ = description_.type == "CPU";
+    is_cpu_ = description_.type == "CPU" && !options.gpu_kernels && std::getenv("GNOMON_GPU_KERNELS") == nullptr;
     has_fp64_ = description_.has_fp64 && !options.hide_fp64;
     profiles_ = options.profile;
     memory_limit_bytes_ = options.memory_limit_bytes;
