@@ -25,6 +25,7 @@
 #include <charconv>
 
 #include "exact_trace.hpp"
+#include "statistics.hpp"
 
 namespace gnomon {
 
@@ -49,32 +50,10 @@ constexpr std::uint32_t smallest_map = 16, largest_map = 8192;
 
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
-FrameCounters read_counters(cl::Session& session, const cl::Buffer& counters) {
-    FrameCounters counted;
-    session.read(counters.get(), &counted, sizeof(counted));
-    return counted;
-}
-
 // Stages that had nothing to do say why.
 void mark_skipped(Statistics& statistics, std::string_view stage, const std::string& why) {
     for (StageStatistics& s : statistics.stages)
         if (s.name == stage && s.skipped.empty()) s.skipped = why;
-}
-
-// One line per stage, whatever the number of frames.
-void merge_stages(Statistics& statistics) {
-    std::vector<StageStatistics> merged;
-    for (const StageStatistics& stage : statistics.stages) {
-        auto found = std::find_if(merged.begin(), merged.end(), [&](const auto& m) { return m.name == stage.name; });
-        if (found == merged.end()) {
-            merged.push_back(stage);
-            continue;
-        }
-        found->device_ms += stage.device_ms;
-        found->wall_ms += stage.wall_ms;
-        if (stage.skipped.empty()) found->skipped.clear();
-    }
-    statistics.stages = std::move(merged);
 }
 
 }  // namespace
@@ -116,41 +95,43 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     Statistics& statistics = run.statistics;
     const LightFrame& light_frame = run.light_frame;
     clear(session, counters_);
-    const cl::Buffer* map = lists_.run(session, statistics, light_frame, projection_, run.triangles,
+    const cl::Buffer* map = lists_.run(session, statistics, light_frame, frames_.projection(), run.triangles,
                                        {draws_map(run.points), cover_test_}, farthest_height_, counters_);
     const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
     if (run.points.footprints != nullptr) {
         cl::StageTimer timer(session, statistics, "settle");
-        run_settle(session, light_frame, frame, 1, run.points, projection_, map, lists, run.visibility, counters_);
+        run_settle(session, light_frame, frame, 1, run.points, frames_.projection(), map, lists, run.visibility,
+                   counters_);
     } else if (traversal_ == Traversal::triangles) {
         {
             cl::StageTimer timer(session, statistics, "izb");
-            izb_.run(session, light_frame, frame, run.points, projection_, map, run.visibility, counters_);
+            izb_.run(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility, counters_);
         }
         cl::StageTimer timer(session, statistics, "trace");
         trace_.run_triangles(session, light_frame, run.triangles, run.points, izb_, lists_.bins(), lists_.setup(),
                              run.visibility, counters_);
     } else {
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, lists, run.visibility,
-                   counters_);
+        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
+                   run.visibility, counters_);
     }
-    if (decisions_) decisions_->trace(session, light_frame, frame, run.points, projection_, map, run.visibility);
+    if (decisions_)
+        decisions_->trace(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility);
     if (run.points.footprints == nullptr) {
         cl::StageTimer timer(session, statistics, "exact_trace");
         run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     }
     if (decisions_)
         decisions_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
-    FrameCounters counted = read_counters(session, counters_);
+    FrameCounters counted = session.read_value<FrameCounters>(counters_);
     if (!lists_.fitted(session, counted)) return {};
     if (run.points.footprints != nullptr) return counted;
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
         if (decisions_) decisions_->second_look(session, light_frame, frame, run.points, run.visibility);
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, projection_, map, lists, run.visibility,
-                   counters_, Trace::Look::second);
-        counted = read_counters(session, counters_);
+        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
+                   run.visibility, counters_, Trace::Look::second);
+        counted = session.read_value<FrameCounters>(counters_);
     }
     return counted;
 }
@@ -160,23 +141,6 @@ void FrustumTraced::run_frame(Run& run, cl_uint frame) {
     std::optional<FrameCounters> counted;
     while (!(counted = run_frame_once(run, frame))) ++run.grown;
     add(run, *counted);
-}
-
-void FrustumTraced::run_frames(Run& run) {
-    cl::Session& session = run.session;
-    std::array<Projection, LAMP_FRAMES> projections;
-    const cl_uint frame_count = frame_count_of(run.light_frame);
-    session.read(light_frame_.projections().get(), projections.data(), frame_count * sizeof(Projection));
-    projection_.reserve(session, sizeof(Projection));
-    for (cl_uint frame = 0; frame < frame_count; ++frame) {
-        if (projections[frame].active_points == 0) continue;
-        session.write(projection_.get(), &projections[frame], sizeof(Projection));
-        {
-            cl::StageTimer timer(session, run.statistics, "farthest_height");
-            farthest_height_.run(session, run.light_frame, frame, 1, run.points, projection_, run.visibility);
-        }
-        run_frame(run, frame);
-    }
 }
 
 // Only what depends on the points; false if some of them need more than was prepared.
@@ -192,20 +156,20 @@ bool FrustumTraced::run_prepared(Run& run) {
     clear(session, counters_);
     {
         cl::StageTimer timer(session, run.statistics, "facing");
-        facing_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->domains(), run.visibility,
-                             counters_);
+        frames_.facing().run_prepared(session, light_frame, run.triangles, run.points, prepared_->domains(),
+                                      run.visibility, counters_);
     }
     trace(Trace::Look::first);
     {
         cl::StageTimer timer(session, run.statistics, "exact_trace");
         run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     }
-    FrameCounters counted = read_counters(session, counters_);
+    FrameCounters counted = session.read_value<FrameCounters>(counters_);
     run.strays = counted.strays;
     if (counted.strays != 0) return false;
     if (!trace_.fitted(session, run.points, counted)) {
         trace(Trace::Look::second);
-        counted = read_counters(session, counters_);
+        counted = session.read_value<FrameCounters>(counters_);
     }
     run.frames = frame_count;
     run.facing = counted;
@@ -217,19 +181,17 @@ bool FrustumTraced::run_prepared(Run& run) {
 
 void FrustumTraced::run_unprepared(Run& run) {
     cl::Session& session = run.session;
-    clear(session, counters_);
-    {
-        cl::StageTimer timer(session, run.statistics, "facing");
-        facing_.run(session, run.light_frame, run.triangles, run.points, run.visibility, counters_);
-    }
+    run.facing = frames_.decide_facing(session, run.statistics, run.light_frame, run.triangles, run.points,
+                                       run.visibility, counters_);
     if (decisions_) decisions_->facing(session, run.points, run.visibility);
-    run.facing = read_counters(session, counters_);
     if (run.triangles.count == 0) return;
-    {
-        cl::StageTimer timer(session, run.statistics, "light_frame");
-        light_frame_.run(session, run.light_frame, facing_.frame_bounds());
-    }
-    run_frames(run);
+    frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) {
+        {
+            cl::StageTimer timer(session, run.statistics, "farthest_height");
+            farthest_height_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), run.visibility);
+        }
+        run_frame(run, frame);
+    });
 }
 
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "decisions.hpp"
-#include "facing.hpp"
+#include "light_frames.hpp"
 #include "prepared_light.hpp"
 #include "settle.hpp"
 
@@ -39,7 +39,6 @@ private:
     bool draws_map(const PointInputs& points) const;
     bool run_prepared(Run& run);
     void run_unprepared(Run& run);
-    void run_frames(Run& run);
     void run_frame(Run& run, cl_uint frame);
     static void add(Run& run, const FrameCounters& counted);
     /// Nothing if a list was too short, which is longer now.
@@ -54,9 +53,8 @@ private:
 
     std::uint64_t kept_bytes_ = 0;  ///< of the lists below, kept from run to run
 
-    cl::Buffer counters_, projection_;
-    Facing facing_;
-    LightFrameFit light_frame_;
+    cl::Buffer counters_;
+    LightFrames frames_;
     FarthestHeight farthest_height_;
     TriangleLists lists_;
     Izb izb_;

@@ -15,7 +15,15 @@ public:
     FrameCounters run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                       const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
                       const cl::Buffer& counters, const std::function<void(cl_uint frame)>& use);
+    /// The first half of run(): points that face away are decided, those of the frames are open. There must be points.
+    FrameCounters decide_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
+                                const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
+                                const cl::Buffer& counters);
+    /// The second half, where there are triangles.
+    void for_each(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
+                  const std::function<void(cl_uint frame)>& use);
     const cl::Buffer& projection() const { return projection_; }
+    Facing& facing() { return facing_; }
 
 private:
     Facing facing_;

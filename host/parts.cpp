@@ -16,6 +16,7 @@
 
 #include "cl/session.hpp"
 #include "inputs.hpp"
+#include "statistics.hpp"
 
 namespace gnomon {
 namespace {
@@ -89,9 +90,9 @@ std::vector<float> visible(const Device& device, Technique& technique, const Par
     Points points = Points::upload(device, std::span(open.positions).subspan(3 * first, 3 * count), receivers);
     if (eye) points.set_eye(*eye);
     const Visibility visibility(device, count);
-    Statistics run = technique.run(part.triangles, points, light, visibility);
+    const Statistics run = technique.run(part.triangles, points, light, visibility);
     statistics.device_memory_bytes = std::max(statistics.device_memory_bytes, run.device_memory_bytes);
-    std::move(run.stages.begin(), run.stages.end(), std::back_inserter(statistics.stages));
+    add_stages(statistics, run);
     return visibility.read();
 }
 
@@ -108,23 +109,6 @@ void close_points(OpenPoints& open, std::span<const float> answers, std::vector<
     open.positions.resize(3 * kept);
     open.receivers.resize(kept);
     open.places.resize(kept);
-}
-
-/// One entry for each name, in the order of their first appearance.
-void merge_stages(Statistics& statistics) {
-    std::vector<StageStatistics> merged;
-    for (StageStatistics& stage : statistics.stages) {
-        const auto same =
-            std::find_if(merged.begin(), merged.end(), [&](const auto& other) { return other.name == stage.name; });
-        if (same == merged.end()) {
-            merged.push_back(std::move(stage));
-            continue;
-        }
-        same->device_ms += stage.device_ms;
-        same->wall_ms += stage.wall_ms;
-        if (stage.skipped.empty()) same->skipped.clear();  // it ran in one part at least
-    }
-    statistics.stages = std::move(merged);
 }
 
 }  // namespace
@@ -187,7 +171,6 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
         }
     }
     device.session().write(visibility.buffer(), answers.data(), answers.size() * sizeof(float));
-    merge_stages(statistics);
     statistics.counts = {{"points", points.count()},
                          {"points_in_shadow", std::uint64_t(std::count(answers.begin(), answers.end(), 0.0f))},
                          {"triangles", total},

@@ -52,7 +52,7 @@ PreparedLight::PreparedLight(cl::Session& session, Statistics& statistics, const
         do {
             session.fill(counters, 0, sizeof(FrameCounters));
             lists.run(session, statistics, light_frame_, projection, inputs, settings, anywhere, counters);
-            session.read(counters.get(), &counted, sizeof(counted));
+            counted = session.read_value<FrameCounters>(counters);
         } while (!lists.fitted(session, counted));
         keep(session, statistics, lists, counted, frame);
         add_counters(counted_, counted);
@@ -88,8 +88,7 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Tri
     session.fill(kept, 0, sizeof(cl_uint));
     session.launch("prepared_light.cl", "prepared_places", cl::Range::items(counted.entries), counted.entries,
                    records_kept_, lists.bins().entries(), places, kept);
-    cl_uint named = 0;
-    session.read(kept.get(), &named, sizeof(named));
+    const auto named = session.read_value<cl_uint>(kept);
 
     const std::uint64_t records = std::uint64_t(records_kept_) + named,
                         entries = std::uint64_t(entries_kept_) + counted.entries;

@@ -7,6 +7,7 @@
 #include "../kernels/camera.h"
 #include "camera.hpp"
 #include "settled_samples.hpp"
+#include "statistics.hpp"
 
 namespace gnomon {
 namespace {
@@ -113,20 +114,6 @@ Statistics run_every_sample(Technique* technique, const Device& device, const Tr
 
 }  // namespace
 
-void add_stages(Statistics& total, const Statistics& run) {
-    for (const StageStatistics& stage : run.stages) {
-        const auto found =
-            std::find_if(total.stages.begin(), total.stages.end(), [&](const auto& s) { return s.name == stage.name; });
-        if (found == total.stages.end()) {
-            total.stages.push_back(stage);
-            continue;
-        }
-        found->device_ms += stage.device_ms;
-        found->wall_ms += stage.wall_ms;
-        if (stage.skipped.empty()) found->skipped.clear();
-    }
-}
-
 std::span<const SampleOffset> sample_pattern(std::uint32_t samples) {
     switch (samples) {
         case 1:
@@ -164,9 +151,7 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
         total = run_every_sample(&technique, device, triangles, view, light, pattern, mean, sink, points_at_once);
     }
     device.session().finish();
-    Statistics by_stage;
-    add_stages(by_stage, total);
-    total.stages = std::move(by_stage.stages);
+    merge_stages(total);
     total.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return total;
 }

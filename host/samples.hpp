@@ -12,7 +12,4 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
                                   const View& view, const Light& light, std::uint32_t samples, const Visibility& mean,
                                   const SampleSink& sink, std::size_t points_at_once);
 
-/// Adds the times of a run's stages to those of several runs, stage by stage.
-void add_stages(Statistics& total, const Statistics& run);
-
 }  // namespace gnomon

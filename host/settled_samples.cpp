@@ -7,7 +7,7 @@
 #include "../kernels/claim.h"
 #include "../kernels/footprint.h"
 #include "../kernels/samples.h"
-#include "samples.hpp"
+#include "statistics.hpp"
 
 namespace gnomon {
 namespace {

@@ -31,6 +31,8 @@ GN_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 
 #ifndef __cplusplus
 
+#include "lanes.h"
+
 #if GN_LANES == 1
 typedef ushort LaneUshort;
 typedef uint LaneUint;
@@ -65,6 +67,18 @@ typedef struct QuantisedBlock {
     ushort x0, y0, x1, y1;
     ushort z;  // the least
 } QuantisedBlock;
+
+// Around what some lanes span, in quantised units.
+static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
+    const LaneInt low = (LaneInt)(0), high = (LaneInt)(65535);
+    QuantisedBlock block;
+    block.x0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, x0, lanes));
+    block.y0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, y0, lanes));
+    block.x1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, x1, lanes));
+    block.y1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, y1, lanes));
+    block.z = (ushort)LANES_MINIMUM(LANES_SELECT(high, lowest, lanes));
+    return block;
+}
 
 // Bit i: entry i of these may meet the block.
 static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock block) {

@@ -92,14 +92,7 @@ static QuantisedBlock quantised_footprints(__constant const Projection* projecti
     LaneInt x1 = LANES_TO_INT(clamp((grid->centre.x + grid->reach.x) * x_units, 0.0f, most));
     LaneInt y1 = LANES_TO_INT(clamp((grid->centre.y + grid->reach.y) * y_units, 0.0f, most));
     LaneInt lowest = LANES_TO_INT(clamp((z - projection->z_origin) * projection->z_scale, 0.0f, most));
-    const LaneInt low = (LaneInt)(0), high = (LaneInt)(65535);
-    QuantisedBlock block;
-    block.x0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, x0, lanes));
-    block.y0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, y0, lanes));
-    block.x1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, x1, lanes));
-    block.y1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, y1, lanes));
-    block.z = (ushort)LANES_MINIMUM(LANES_SELECT(high, lowest, lanes));
-    return block;
+    return block_of_lanes(x0, y0, x1, y1, lowest, lanes);
 }
 
 // One bin's list for some footprints that touch it.

@@ -19,6 +19,20 @@ typedef struct ExactPairs {
     __global FrameCounters* counters;
 } ExactPairs;
 
+static ExactPairs exact_pairs(LightFrame light_frame, PointsLayout layout, __global const uint* receivers,
+                              __global const float* vertices, __global uint2* queue, uint queue_capacity,
+                              __global FrameCounters* counters) {
+    ExactPairs pairs;
+    pairs.receivers = receivers;
+    pairs.vertices = vertices;
+    pairs.queue = queue;
+    pairs.queue_capacity = queue_capacity;
+    pairs.has_receivers = layout.has_receivers;
+    pairs.light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+    pairs.counters = counters;
+    return pairs;
+}
+
 static bool is_receiver(const ExactPairs* pairs, uint point, uint id) {
     return pairs->has_receivers != 0u && pairs->receivers[point] == id;
 }

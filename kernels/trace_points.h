@@ -42,14 +42,7 @@ static QuantisedBlock quantised_block(__constant const Projection* projection, P
     LaneInt x = LANES_TO_INT(clamp(places.x * texel_units(projection->width), 0.0f, most));
     LaneInt y = LANES_TO_INT(clamp(places.y * texel_units(projection->height), 0.0f, most));
     LaneInt z = LANES_TO_INT(clamp((places.z - projection->z_origin) * projection->z_scale, 0.0f, most));
-    const LaneInt low = (LaneInt)(0), high = (LaneInt)(65535);
-    QuantisedBlock block;
-    block.x0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, x, lanes));
-    block.y0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, y, lanes));
-    block.x1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, x, lanes));
-    block.y1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, y, lanes));
-    block.z = (ushort)LANES_MINIMUM(LANES_SELECT(high, z, lanes));
-    return block;
+    return block_of_lanes(x, y, x, y, z, lanes);
 }
 
 // What becomes of a block: points in shadow, and points that must be looked at again.
@@ -144,14 +137,8 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     barrier(CLK_LOCAL_MEM_FENCE);
 #endif
     TraceLists lists = {ranges, entries, records, bounds};
-    ExactPairs pairs;
-    pairs.receivers = receivers;
-    pairs.vertices = vertices + first_float;
-    pairs.queue = queue;
-    pairs.queue_capacity = queue_capacity;
-    pairs.has_receivers = layout.has_receivers;
-    pairs.light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
-    pairs.counters = counters;
+    ExactPairs pairs =
+        exact_pairs(light_frame, layout, receivers, vertices + first_float, queue, queue_capacity, counters);
     uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
     ulong tests = 0;
     LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),

@@ -17,15 +17,8 @@ __kernel void trace_triangles(LightFrame light_frame, PointsLayout layout, uint 
                               __global const TriangleBounds* bounds, __global uint* visibility_bits,
                               __global uint2* queue, __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    ExactPairs pairs;
-    pairs.receivers = receivers;
-    pairs.vertices = vertices + first_float;
-    pairs.queue = queue;
-    pairs.queue_capacity = queue_capacity;
-    pairs.has_receivers = layout.has_receivers;
-    pairs.light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
-    pairs.counters = counters;
-
+    ExactPairs pairs =
+        exact_pairs(light_frame, layout, receivers, vertices + first_float, queue, queue_capacity, counters);
     uint by_trace = 0, by_exact = 0;
     ulong tests = 0;
     GN_FOR_EACH(i, counters->pairs) {
