@@ -311,37 +311,73 @@ TEST(PreparedMemory, ALimitThatItDoesNotFitUnderLeavesRunsAlone) {
     EXPECT_EQ(after.statistics.count("prepared"), 0u);
 }
 
+/// A light that is prepared anew and used, again and again.
+struct PreparedAnew {
+    Still still;
+    const Light light;
+    const std::vector<float> wanted;
+    gnomon::cl::Session& session;
+
+    PreparedAnew(bool has_lamp, const char* first_capacity)
+        : light(has_lamp ? still.lamp : still.sun),
+          wanted((still.technique->set("map-size", "64"), still.technique->set("first-capacity", first_capacity),
+                  still.run(still.triangles, light).visibility)),
+          session(still.device.session()) {}
+
+    Asked prepare_and_run() {
+        still.technique->prepare(still.triangles, light);
+        return still.run(still.triangles, light);
+    }
+    void expect_sound(std::size_t failed) {
+        ASSERT_EQ(still.run(still.triangles, light).visibility, wanted) << "after a failure of call " << failed;
+        const Asked again = prepare_and_run();
+        ASSERT_EQ(again.visibility, wanted) << "after a failure of call " << failed;
+        ASSERT_EQ(again.statistics.count("prepared"), 1u);
+    }
+};
+
 TEST(PreparedFaults, EveryCallFailsOnceAndNothingIsLost) {
     for (const bool has_lamp : {false, true}) {
-        Still still;
-        const Light light = has_lamp ? still.lamp : still.sun;
-        still.technique->set("map-size", "64");
-        still.technique->set("first-capacity", "16");
-        const std::vector<float> wanted = still.run(still.triangles, light).visibility;
-        const auto prepare_and_run = [&] {
-            still.technique->prepare(still.triangles, light);
-            return still.run(still.triangles, light);
-        };
-        gnomon::cl::Session& session = still.device.session();
-        EXPECT_EQ(prepare_and_run().statistics.count("prepared"), 1u);
+        // Lists that never grow, so that the calls are the same each time.
+        PreparedAnew anew(has_lamp, "262144");
+        EXPECT_EQ(anew.prepare_and_run().statistics.count("prepared"), 1u);
         std::size_t calls = 0;
-        session.inject_faults([&](std::string_view) { return ++calls, CL_SUCCESS; });
-        ASSERT_EQ(prepare_and_run().visibility, wanted);
+        anew.session.inject_faults([&](std::string_view) { return ++calls, CL_SUCCESS; });
+        ASSERT_EQ(anew.prepare_and_run().visibility, anew.wanted);
         ASSERT_GT(calls, 30u);
-        const std::uint64_t kept = still.device.memory_bytes();
+        const std::uint64_t kept = anew.still.device.memory_bytes();
         for (std::size_t failing = 1; failing <= calls; ++failing) {
             std::size_t call = 0;
-            session.inject_faults(
+            anew.session.inject_faults(
                 [&](std::string_view) { return ++call == failing ? CL_MEM_OBJECT_ALLOCATION_FAILURE : CL_SUCCESS; });
-            EXPECT_THROW(prepare_and_run(), gnomon::OutOfDeviceMemory) << "call " << failing;
-            session.inject_faults(nullptr);
-            ASSERT_EQ(still.run(still.triangles, light).visibility, wanted) << "after a failure of call " << failing;
-            const Asked again = prepare_and_run();
-            ASSERT_EQ(again.visibility, wanted) << "after a failure of call " << failing;
-            ASSERT_EQ(again.statistics.count("prepared"), 1u);
-            ASSERT_EQ(still.device.memory_bytes(), kept) << "after a failure of call " << failing;
+            EXPECT_THROW(anew.prepare_and_run(), gnomon::OutOfDeviceMemory) << "call " << failing;
+            anew.session.inject_faults(nullptr);
+            anew.expect_sound(failing);
+            ASSERT_EQ(anew.still.device.memory_bytes(), kept) << "after a failure of call " << failing;
         }
-        still.technique.reset();
+    }
+}
+
+// How often tight lists grow depends on which work-items ran when: calls fail until a frame gets by without them.
+TEST(PreparedFaults, CallsThatFailWhileListsGrowLoseNothing) {
+    for (const bool has_lamp : {false, true}) {
+        PreparedAnew anew(has_lamp, "16");
+        std::size_t failures = 0;
+        bool has_failed = true;
+        for (std::size_t failing = 1; has_failed; failing += 5) {
+            std::size_t call = 0;
+            anew.session.inject_faults(
+                [&](std::string_view) { return ++call == failing ? CL_MEM_OBJECT_ALLOCATION_FAILURE : CL_SUCCESS; });
+            try {
+                anew.prepare_and_run();
+                has_failed = false;
+            } catch (const gnomon::OutOfDeviceMemory&) {
+                ++failures;
+            }
+            anew.session.inject_faults(nullptr);
+            anew.expect_sound(failing);
+        }
+        EXPECT_GT(failures, 10u);
     }
 }
 
