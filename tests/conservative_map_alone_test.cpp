@@ -98,10 +98,12 @@ TEST_F(ConservativeMapAlone, NothingToDo) {
     EXPECT_EQ(visibility.read(), (std::vector<float>{1, 1}));
 }
 
-// Sheets over the whole grid are in many more tiles than there are triangles.
+// Sheets over the whole grid are in many more tiles than there are triangles. Lists start longer where there are more
+// cores, up to 64 of them.
 TEST_F(ConservativeMapAlone, ListsThatAreTooShortGrow) {
     Floats sheets;
-    for (int i = 0; i < 300; ++i) {
+    const std::uint32_t sheet_count = 90 * std::clamp(device_.description().compute_units, 4u, 64u);
+    for (std::uint32_t i = 0; i < sheet_count; ++i) {
         const float y = 2 + 0.001f * float(i);
         add(sheets, {-9, y, -9}, {-9, y, 9}, {9, y, 9});
     }
