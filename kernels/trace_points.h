@@ -128,8 +128,9 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
                            __global const BinEntries* entries, __global const TriangleRecord* records,
                            __global const TriangleBounds* bounds, __global float* visibility, __global uint2* queue,
                            __global FrameCounters* counters) {
-    // An overflow upstream: the host will grow the lists and run again.
-    if (counters->references == GN_NO_LISTS) return;
+    // After an overflow upstream there is nothing to do: the host will grow the lists and run again. No return: every
+    // item must come to the barriers, also as far as a compiler can tell (PoCL 3.1 makes code that crashes).
+    uint blocks = counters->references == GN_NO_LISTS ? 0u : block_count(layout);
 #ifndef GN_CPU
     // One atomic per work-group and counter: hundreds of thousands on one address would take longer than the trace.
     __local uint group_counts[TRACE_COUNTS];
@@ -143,7 +144,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     ulong tests = 0;
     LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
             minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
-    GN_FOR_EACH(block, block_count(layout)) {
+    GN_FOR_EACH(block, blocks) {
         LaneFloat state = load_lanes(visibility, layout, block);
         LaneInt left = open_lanes(state);
         if (!LANES_ANY(left)) continue;

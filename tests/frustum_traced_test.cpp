@@ -6,12 +6,14 @@
 // splitting, swapping triangles; turning everything by 90 degrees).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <ostream>
 
+#include "../host/cl/session.hpp"
 #include "gnomon.hpp"
 #include "reference/view.hpp"
 #include "scene/scene.hpp"
@@ -545,6 +547,24 @@ TEST(SameBits, WithDoublePrecisionHidden) {
     for (const Scene& scene : extreme_scenes())
         expect_same({scene.triangles, scene.points, scene.receivers, scene.lights[0], scene.eye}, scene.name);
     EXPECT_GT(by_integers, 1000u);
+}
+
+// The kernels with one point per work-item and work-groups that share what they count, also where there is no GPU.
+TEST(SameBits, WithTheKernelsMadeForGpus) {
+    DeviceOptions options;
+    options.gpu_kernels = true;
+    const Device other({}, options);
+    ASSERT_EQ(other.session().lanes(), 1u);
+    for (const Question& question : typical_questions())
+        for (const Settings& settings : {map_on, Settings{{"map-size", "100"}, {"first-capacity", "3"}}}) {
+            const Answer answer = ask(other, question, settings);
+            expect_equal(answer.visibility, truth_of(question), question, "kernels for GPUs " + text_of(settings));
+            // What the work-groups sum up.
+            const auto shadowed = std::uint64_t(std::ranges::count(answer.visibility, 0.0f));
+            EXPECT_EQ(answer.statistics.count("points_in_shadow"), shadowed);
+        }
+    expect_equal(ask(other, typical_questions().back(), map_on, Mode::prepared).visibility,
+                 truth_of(typical_questions().back()), typical_questions().back(), "kernels for GPUs, prepared");
 }
 
 class WorkGroup : public testing::TestWithParam<std::uint32_t> {};

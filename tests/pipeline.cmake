@@ -21,3 +21,7 @@ gnomon_oclgrind_test(oclgrind_cases COMMAND oclgrind_cases)
 add_test(NAME oclgrind_cases_in_dirty_memory COMMAND oclgrind_cases)
 set_tests_properties(oclgrind_cases_in_dirty_memory PROPERTIES
   TIMEOUT ${GNOMON_TEST_TIMEOUT_S} ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR};MALLOC_PERTURB_=1")
+# And with the kernels that are made for GPUs, where the default device is a CPU.
+add_test(NAME oclgrind_cases_with_kernels_for_gpus COMMAND oclgrind_cases)
+set_tests_properties(oclgrind_cases_with_kernels_for_gpus PROPERTIES
+  TIMEOUT ${GNOMON_TEST_TIMEOUT_S} ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR};GNOMON_GPU_KERNELS=1")

@@ -48,9 +48,10 @@ __kernel void projection_bounds(ViewPlan plan, uint first, uint count, uint only
                                 __global const PlannedView* planned, __global KeyBounds* bounds, __local uint* shared) {
     for (uint index = first; index < first + count; ++index) {
         __global const PlannedView* view = planned + index;
-        if (view->is_off) continue;
+        // A view that is off has no points; it is not skipped, since every item must come to the barriers.
+        uint points = view->is_off ? 0u : layout.count;
         float4 low = (float4)(INFINITY), high = (float4)(-INFINITY);
-        GN_FOR_EACH(i, layout.count) {
+        GN_FOR_EACH(i, points) {
             if (only_open && visibility[i] != 1.0f) continue;
             float3 p = load_point(positions, layout, i);
             float4 place;
