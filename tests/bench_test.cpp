@@ -14,6 +14,7 @@
 #include "bench/charts.hpp"
 #include "bench/experiments.hpp"
 #include "bench/output.hpp"
+#include "bench/page.hpp"
 #include "bench/peers.hpp"
 #include "bench/published.hpp"
 #include "bench/tables.hpp"
@@ -213,6 +214,8 @@ TEST_F(BenchTest, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(errors().find("--experiment"), std::string::npos) << errors();
     EXPECT_NE(run("sundial --size 0x10"), 0);
     EXPECT_NE(errors().find("WIDTHxHEIGHT"), std::string::npos) << errors();
+    EXPECT_NE(run("sundial --charts " + path("chart")), 0);
+    EXPECT_NE(errors().find("--experiment techniques"), std::string::npos) << errors();
     EXPECT_NE(run("nothing:1000"), 0);
     EXPECT_NE(errors().find("no recipe"), std::string::npos) << errors();
     EXPECT_NE(run("sundial --size 32x18 --set map-size=no"), 0) << "a technique that fails must fail the benchmark";
@@ -260,6 +263,60 @@ TEST(BenchParts, NumbersKeepThreeDigits) {
     EXPECT_EQ(with_spaces(12800000), "12\u00a0800\u00a0000");
     EXPECT_EQ(with_spaces(100), "100");
     EXPECT_EQ(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
+}
+
+// Two techniques in two scenes, of which the second fails in one: what no other beats is bold, in tables and charts.
+TEST(BenchParts, TechniquesAreComparedSceneByScene) {
+    const auto row_of = [](const char* scene, const char* technique, double ms, std::uint64_t wrong) {
+        Row row;
+        row.experiment = "techniques";
+        row.scene = scene;
+        row.technique = technique;
+        row.total = times_of({ms});
+        row.errors.emplace();
+        row.errors->points = 1000;
+        row.errors->wrongly_lit = wrong;
+        return row;
+    };
+    std::vector<Row> rows{row_of("city", "frustum-traced", 5, 0), row_of("city", "vsm", 9, 20),
+                          row_of("yard", "frustum-traced", 5, 0), row_of("yard", "vsm", 4, 20),
+                          row_of("yard", "esm", 3, 30)};
+    rows[1].settings = rows[3].settings = {{"size", "512"}};
+    rows.push_back(row_of("city", "esm", 0, 0));
+    rows.back().failed = "it broke";
+
+    const std::vector<Table> tables = tables_of(rows, "techniques");
+    ASSERT_EQ(tables.size(), 1u);
+    using Lines = std::vector<std::vector<std::string>>;
+    EXPECT_EQ(tables[0].lines, (Lines{{"frustum-traced", "**5.00 ms, 0**", "**5.00 ms, 0**"},
+                                      {"vsm size=512", "9.00 ms, 2.00 %", "**4.00 ms, 2.00 %**"},
+                                      {"esm", "it broke", "**3.00 ms, 3.00 %**"}}));
+    EXPECT_NE(html(tables[0]).find("<td class=\"n\"><strong>4.00 ms, 2.00 %</strong></td>"), std::string::npos);
+
+    const auto files = chart_files(rows);
+    ASSERT_EQ(files.size(), 2u);
+    EXPECT_EQ(files[0].first, "city");
+    EXPECT_EQ(files[1].first, "yard");
+    std::istringstream stream(files[1].second);
+    boost::property_tree::ptree svg;
+    boost::property_tree::read_xml(stream, svg);
+    std::map<std::string, int> elements;
+    count_elements(svg, elements);
+    EXPECT_EQ(elements["title"], 3) << "a mark for each row";
+    EXPECT_EQ(elements["circle"], 3 + 2) << "and a colour for each of the two families";
+    for (const char* text : {">exact<", ">filtered maps<", ">1  esm: 3.00 ms, 30 wrong<",
+                             ">2  vsm size=512: 4.00 ms, 20 wrong<", ">3  frustum-traced: 5.00 ms, 0 wrong<"})
+        EXPECT_NE(files[1].second.find(text), std::string::npos) << text;
+}
+
+TEST(BenchParts, EveryTechniqueHasOneColour) {
+    std::vector<std::string> all{"embree"}, coloured;
+    for (const TechniqueDescription& technique : techniques()) all.push_back(technique.name);
+    for (const Family& family : families()) std::ranges::copy(family.techniques, std::back_inserter(coloured));
+    std::ranges::sort(all);
+    std::ranges::sort(coloured);
+    EXPECT_EQ(all, coloured);
+    EXPECT_LE(families().size(), 8u) << "the page has eight colours";
 }
 
 // The sweep and the experiments name techniques and settings by hand: what they name must be there.

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "page_style.hpp"
+
 namespace gnomon::bench {
 
 namespace {
@@ -62,9 +64,12 @@ std::string line_between(double x0, double y0, double x1, double y1, const char*
            number(x1) + "\" y2=\"" + number(y1) + "\"/>\n";
 }
 
+std::string opened_svg(double height, const std::string& title, const std::string& more = "") {
+    return "<svg " + more + "viewBox=\"0 0 " + number(width) + " " + number(height) + "\" role=\"img\" aria-label=\"" +
+           escaped(title) + "\">\n";
+}
 std::string opened(double height, const std::string& title) {
-    return "<div class=\"chart\"><svg viewBox=\"0 0 " + number(width) + " " + number(height) +
-           "\" role=\"img\" aria-label=\"" + escaped(title) + "\">\n";
+    return "<div class=\"chart\">" + opened_svg(height, title);
 }
 constexpr const char* closed = "</svg></div>\n";
 
@@ -108,6 +113,36 @@ std::pair<double, double> range_of(const Values& values, ValueOf value_of) {
         high = std::max(high, x);
     }
     return high > 0 ? std::pair{low, high} : std::pair{1.0, 10.0};
+}
+
+constexpr double scatter_height = 420;
+
+// What is inside the picture of `scatter`.
+std::string scatter_marks(const std::vector<Mark>& marks, const std::vector<std::size_t>& front) {
+    constexpr double bottom = scatter_height - 46, exact_x = left + 26, error_left = left + 70;
+    const auto [least, most] = range_of(marks, [](const Mark& m) { return m.ms; });
+    const auto [smallest, largest] = range_of(marks, [](const Mark& m) { return m.error_share; });
+    const LogAxis y(least, most, bottom, top), x(smallest, largest, error_left, width - right);
+    const auto x_of = [&](const Mark& mark) { return mark.error_share > 0 ? x(mark.error_share) : exact_x; };
+
+    std::string svg = time_grid(y, left, width - right) + x_grid(x, bottom, top);
+    svg += text_at(exact_x, bottom + 16, "middle", "0");
+    svg += text_at((error_left + width - right) / 2, bottom + 36, "middle", "share of wrong points (left: none at all)",
+                   "axis");
+
+    std::string path;
+    for (const std::size_t i : front)
+        path += (path.empty() ? "M" : " L") + number(x_of(marks[i])) + " " + number(y(marks[i].ms));
+    svg += "<path class=\"front\" d=\"" + path + "\"/>\n";
+    for (const Mark& mark : marks)
+        svg += std::string("<circle class=\"mark ") + (mark.is_aside ? "hollow " : "") + class_of(mark.series) +
+               "\" cx=\"" + number(x_of(mark)) + "\" cy=\"" + number(y(mark.ms)) + "\" r=\"5\"><title>" +
+               escaped(mark.tip) + "</title></circle>\n";
+    for (std::size_t k = 0; k < front.size(); ++k) {
+        const Mark& mark = marks[front[k]];
+        svg += text_at(x_of(mark) + 8, y(mark.ms) - 7, "start", std::to_string(k + 1), "label");
+    }
+    return svg;
 }
 
 }  // namespace
@@ -158,32 +193,33 @@ std::vector<std::size_t> pareto_front(const std::vector<Mark>& marks) {
 }
 
 std::string scatter(const std::vector<Mark>& marks) {
-    constexpr double height = 420, bottom = height - 46, exact_x = left + 26, error_left = left + 70;
-    const auto [least, most] = range_of(marks, [](const Mark& m) { return m.ms; });
-    const auto [smallest, largest] = range_of(marks, [](const Mark& m) { return m.error_share; });
-    const LogAxis y(least, most, bottom, top), x(smallest, largest, error_left, width - right);
-    const auto x_of = [&](const Mark& mark) { return mark.error_share > 0 ? x(mark.error_share) : exact_x; };
+    return opened(scatter_height, "run time against error") + scatter_marks(marks, pareto_front(marks)) + closed;
+}
 
-    std::string svg =
-        opened(height, "run time against error") + time_grid(y, left, width - right) + x_grid(x, bottom, top);
-    svg += text_at(exact_x, bottom + 16, "middle", "0");
-    svg += text_at((error_left + width - right) / 2, bottom + 36, "middle", "share of wrong points (left: none at all)",
-                   "axis");
-
+std::string scatter_file(const std::string& title, const std::vector<Mark>& marks,
+                         const std::vector<std::pair<std::size_t, std::string>>& legend) {
+    constexpr double line = 17, chart_top = 26 + 2 * line;
+    constexpr std::size_t per_row = 4;
     const std::vector<std::size_t> front = pareto_front(marks);
-    std::string path;
-    for (const std::size_t i : front)
-        path += (path.empty() ? "M" : " L") + number(x_of(marks[i])) + " " + number(y(marks[i].ms));
-    svg += "<path class=\"front\" d=\"" + path + "\"/>\n";
-    for (const Mark& mark : marks)
-        svg += std::string("<circle class=\"mark ") + (mark.is_aside ? "hollow " : "") + class_of(mark.series) +
-               "\" cx=\"" + number(x_of(mark)) + "\" cy=\"" + number(y(mark.ms)) + "\" r=\"5\"><title>" +
-               escaped(mark.tip) + "</title></circle>\n";
-    for (std::size_t k = 0; k < front.size(); ++k) {
-        const Mark& mark = marks[front[k]];
-        svg += text_at(x_of(mark) + 8, y(mark.ms) - 7, "start", std::to_string(k + 1), "label");
+    const double height = chart_top + scatter_height + line * (double(front.size()) + 2);
+    std::string svg =
+        "<!-- SPDX-License-Identifier: MIT -->\n" +
+        opened_svg(height, title, "xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(width) + "\" ") + "<style>" +
+        page_style + "</style>\n<rect width=\"100%\" height=\"100%\" style=\"fill: var(--paper)\"/>\n" +
+        text_at(left, 18, "start", title, "label");
+    for (std::size_t i = 0; i < legend.size(); ++i) {
+        const auto& [series, name] = legend[i];
+        const double x = left + (width - left - right) / per_row * double(i % per_row),
+                     y = 26 + line * (double(i / per_row) + 0.5);
+        svg += "<circle class=\"" + class_of(series) + "\" cx=\"" + number(x + 5) + "\" cy=\"" + number(y) +
+               "\" r=\"5\"/>\n" + text_at(x + 15, y + 4, "start", name);
     }
-    return svg + closed;
+    svg += "<g transform=\"translate(0 " + number(chart_top) + ")\">\n" + scatter_marks(marks, front) + "</g>\n";
+    double y = chart_top + scatter_height + line;
+    svg += text_at(left, y, "start", "On the front, from the fastest to the least wrong:");
+    for (std::size_t k = 0; k < front.size(); ++k)
+        svg += text_at(left, y += line, "start", std::to_string(k + 1) + "  " + marks[front[k]].tip);
+    return svg + "</svg>\n";
 }
 
 std::string bars(const std::vector<Bar>& bars) {

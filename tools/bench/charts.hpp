@@ -25,6 +25,10 @@ std::vector<std::size_t> pareto_front(const std::vector<Mark>& marks);
 /// Run time against error, both logarithmic; no error at all has a band of its own on the left. Marks of the front are
 /// numbered 1, 2, ... in the order of pareto_front and joined by a line.
 std::string scatter(const std::vector<Mark>& marks);
+/// The same as an SVG file of its own, which says without tooltips what colours and numbers mean. `legend`: names of up
+/// to eight series.
+std::string scatter_file(const std::string& title, const std::vector<Mark>& marks,
+                         const std::vector<std::pair<std::size_t, std::string>>& legend);
 
 struct Bar {
     std::string label;

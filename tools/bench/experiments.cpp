@@ -62,6 +62,24 @@ std::vector<Block> errors(const SceneShelf& shelf, const Limits& limits) {
     return blocks;
 }
 
+// The largest usual size that the machine takes: on a CPU, every technique in 1920x1080 takes most of an hour.
+std::vector<Block> techniques_and_settings(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<SceneView> views;
+    if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty())
+        views.push_back({sponza, "atrium_floor.noon_slant"});
+    views.push_back({made("city", 1'000'000, limits), "v1.sun"});
+    views.push_back({made("foliage", 1'000'000, limits), "v1.sun"});
+    views.push_back({made("colonnade", 300'000, limits), "v1.sun"});
+    std::vector<Size> sizes = within(limits, {full_hd, {1280, 720}, hd});
+    if (sizes.size() > 1) sizes.resize(1);
+    std::vector<Block> blocks;
+    for (const SceneView& view : views) {
+        blocks.push_back(block_of("techniques", view, sizes, swept_configurations()));
+        blocks.back().errors = true;
+    }
+    return blocks;
+}
+
 std::vector<Block> bias(const SceneShelf& shelf, const Limits& limits) {
     std::vector<Block> blocks;
     for (const SceneView& view : usual_views(shelf, limits)) {
@@ -210,6 +228,10 @@ const std::vector<Experiment>& experiments() {
          "The "
          "exact technique is checked against an independent oracle; all others are measured against it.",
          errors},
+        {"techniques", "Every technique in four scenes",
+         "Run time against error of every technique, with the settings worth comparing, in Sponza and three made "
+         "scenes.",
+         techniques_and_settings},
         {"bias", "Bias: acne against peter-panning",
          "The same map of 2048 x 2048 with constant, slope-scaled, adaptive and dual-layer bias of several strengths.",
          bias},

@@ -28,7 +28,7 @@ struct Options {
     std::vector<std::string> techniques{"frustum-traced"};
     std::vector<std::string> modes{"animated"};
     std::string views_file, scenes_folder, only;
-    std::string json_file, csv_file, html_file, markdown_file;
+    std::string json_file, csv_file, html_file, markdown_file, charts_prefix;
     Limits limits;
     RunRule rule;
     unsigned threads = 0;
@@ -84,6 +84,9 @@ std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
         std::ranges::move(experiment.blocks(shelf, options.limits), std::back_inserter(blocks));
     }
     std::erase_if(blocks, [&](const Block& b) { return b.only.find(options.only) == std::string::npos; });
+    const auto is_charted = [](const Block& block) { return block.experiment == "techniques"; };
+    if (!options.charts_prefix.empty() && (options.devices.size() > 1 || std::ranges::none_of(blocks, is_charted)))
+        throw gnomon::InvalidArgument("--charts draws --experiment techniques on one --device; leave it out");
     if (blocks.empty()) throw gnomon::InvalidArgument("name scenes or an --experiment to run; --help lists them");
     return blocks;
 }
@@ -93,6 +96,9 @@ void write_outputs(const Options& options, const nlohmann::ordered_json& machine
     if (!options.csv_file.empty()) write_file(options.csv_file, report_csv(machine, rows));
     if (!options.html_file.empty()) write_file(options.html_file, page(machine, rows));
     if (!options.markdown_file.empty()) write_file(options.markdown_file, markdown_report(machine, rows));
+    if (!options.charts_prefix.empty())
+        for (const auto& [scene, svg] : chart_files(rows))
+            write_file(options.charts_prefix + "_" + scene + ".svg", svg);
 }
 
 // What must not be in a benchmark of exact shadows: a technique that failed, or an exact one that is wrong.
@@ -172,6 +178,8 @@ int main(int argc, char** argv) {
     app.add_option("--html", options.html_file, "the same as a page with charts and pictures");
     app.add_option("--markdown", options.markdown_file,
                    "machine, and the tables of the experiments, as in docs/performance.md");
+    app.add_option("--charts", options.charts_prefix,
+                   "of --experiment techniques, write each scene's chart as PREFIX_SCENE.svg; for one --device");
     app.add_flag("--stages", options.stages, "also run with profiling: each stage's time, and the counts");
     CLI11_PARSE(app, argc, argv);
     try {

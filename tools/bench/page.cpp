@@ -14,6 +14,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::string legend_html(const std::vector<std::pair<std::size_t, std::string>>& legend) {
+    std::string html = "<ul class=\"legend\">";
+    for (const auto& [series, name] : legend)
+        html += "<li><span class=\"swatch s" + std::to_string(series % 8) + "\"></span>" + escaped(name) + "</li>";
+    return html + "</ul>\n";
+}
+
 /// Names in the order they are first seen; their positions are the series' colours.
 class Names {
 public:
@@ -24,39 +31,29 @@ public:
         return names_.size() - 1;
     }
     std::string legend() const {
-        std::string html = "<ul class=\"legend\">";
-        for (std::size_t i = 0; i < names_.size(); ++i)
-            html += "<li><span class=\"swatch s" + std::to_string(i % 8) + "\"></span>" + escaped(names_[i]) + "</li>";
-        return html + "</ul>\n";
+        std::vector<std::pair<std::size_t, std::string>> legend;
+        for (std::size_t i = 0; i < names_.size(); ++i) legend.emplace_back(i, names_[i]);
+        return legend_html(legend);
     }
 
 private:
     std::vector<std::string> names_;
 };
 
-// What a mark's colour says; its name is in its tooltip.
-std::string family_of(const Row& row) {
-    if (row.exact) return "exact";
-    if (row.technique == "embree")
-        return row.mode == "static" ? "embree, rays alone (hollow)" : "embree, build and rays";
-    return row.technique == "shadow-map" ? "basic shadow map" : "other techniques";
+// Families that are there, with their colours.
+std::vector<std::pair<std::size_t, std::string>> legend_of(const std::vector<Mark>& marks) {
+    std::vector<std::pair<std::size_t, std::string>> legend;
+    for (std::size_t i = 0; i < families().size(); ++i)
+        if (std::ranges::find(marks, i, &Mark::series) != marks.end()) legend.emplace_back(i, families()[i].name);
+    return legend;
 }
 
 std::string error_chart(const Comparison& view) {
-    Names names;
-    std::vector<Mark> marks;
-    std::vector<std::string> labels;
-    for (const Row* row : view.rows) {
-        if (!row->failed.empty() || !row->errors) continue;
-        labels.push_back(name_of(*row) + ": " + three_digits(row->total.median_ms) + " ms, " +
-                         with_spaces(double(row->errors->wrong())) + " wrong");
-        marks.push_back({row->errors->wrong_share(), row->total.median_ms, names(family_of(*row)), labels.back(),
-                         row->mode == "static"});
-    }
+    const std::vector<Mark> marks = marks_of(view);
     if (marks.empty()) return {};
-    std::string html = "<h3>" + escaped(view.title) + "</h3>\n" + names.legend() + scatter(marks);
+    std::string html = "<h3>" + escaped(view.title) + "</h3>\n" + legend_html(legend_of(marks)) + scatter(marks);
     html += "<ol class=\"front\">";
-    for (const std::size_t i : pareto_front(marks)) html += "<li>" + escaped(labels[i]) + "</li>";
+    for (const std::size_t i : pareto_front(marks)) html += "<li>" + escaped(marks[i].tip) + "</li>";
     return html + "</ol>\n";
 }
 
@@ -168,6 +165,16 @@ std::string page(const Json& machine, std::span<const Row> rows) {
     for (const Experiment& experiment : experiments())
         html += section(rows, experiment.name, experiment.title, experiment.idea);
     return html + "</body></html>\n";
+}
+
+std::vector<std::pair<std::string, std::string>> chart_files(std::span<const Row> rows) {
+    std::vector<std::pair<std::string, std::string>> files;
+    for (const Comparison& view : comparisons_of(rows, "techniques")) {
+        const std::vector<Mark> marks = marks_of(view);
+        if (!marks.empty())
+            files.emplace_back(view.rows.front()->scene, scatter_file(view.title, marks, legend_of(marks)));
+    }
+    return files;
 }
 
 std::string markdown_report(const Json& machine, std::span<const Row> rows) {

@@ -28,8 +28,13 @@ std::vector<Sweep> sweeps() {
         {"msm64", {{"size", {"512", "4096"}}}},
         {"lispsm", {{"size", {"512", "4096"}}}},
         {"logpsm", {{"size", {"512", "4096"}}}},
+        {"vsm-mip", {{"size", {"512", "4096"}}}},
+        {"rtw", {{"size", {"512", "4096"}}}},
         {"sdsm", {{"size", {"512", "4096"}}}},
+        {"sdsm", {{"blend", {"on"}}}},
+        {"stabilised-cascades", {{"blend", {"on"}}}},
         {"sub-pixel", {{"map-size", {"512", "2048", "4096"}}}},
+        {"conservative-map", {{"map-size", {"512", "2048", "4096"}}}},
         {"virtual-shadow-map", {{"detail", {"0.5", "2", "4"}}}},
     };
 }
@@ -91,6 +96,21 @@ Configuration truth_configuration() {
     for (const TechniqueDescription& technique : techniques())
         if (technique.exact) return {technique.name, {}};
     throw Error("this build has no exact technique to measure the others against");
+}
+
+const std::vector<Family>& families() {
+    static const std::vector<Family> all{
+        {"exact", {"frustum-traced"}},
+        {"hard shadow maps", {"shadow-map", "adaptive-bias", "dual-layer"}},
+        {"filtered maps",
+         {"pcf", "gaussian-12-tap", "fast-9x9", "pcss", "vsm", "vsm-remap", "vsm-edges", "vsm-mip", "layered-vsm",
+          "convolution", "esm", "evsm2", "evsm4", "ewgf", "msm64", "msm128"}},
+        {"warped maps", {"psm", "lispsm", "logpsm", "logpsm-faces", "rtw"}},
+        {"cascades, virtual maps", {"pssm", "sdsm", "stabilised-cascades", "quantised-cascades", "virtual-shadow-map"}},
+        {"maps of triangles, volumes", {"sub-pixel", "conservative-map", "shadow-volumes"}},
+        {"Embree", {"embree"}},
+    };
+    return all;
 }
 
 bool has_setting(const std::string& technique, const std::string& setting) {

@@ -28,6 +28,14 @@ std::vector<Configuration> bias_configurations();
 /// The technique whose answer the others are measured against, with its defaults.
 Configuration truth_configuration();
 
+/// What a mark's colour says.
+struct Family {
+    std::string name;
+    std::vector<std::string> techniques;
+};
+/// Each technique, gnomon's or a rival's, is in one of these eight at most.
+const std::vector<Family>& families();
+
 /// Whether this build's technique has the setting.
 bool has_setting(const std::string& technique, const std::string& setting);
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "charts.hpp"
 #include "published.hpp"
+#include "sweep.hpp"
 
 namespace gnomon::bench {
 
@@ -242,6 +242,40 @@ Table cluster_table(const std::vector<Comparison>& views) {
     return table;
 }
 
+// Which family's colour a row has.
+std::size_t series_of(const Row& row) {
+    const auto found = std::ranges::find_if(families(), [&](const Family& family) {
+        return std::ranges::find(family.techniques, row.technique) != family.techniques.end();
+    });
+    return std::size_t(found - families().begin());
+}
+
+// One line for each technique and setting, one column for each view.
+Table technique_table(const std::vector<Comparison>& views) {
+    Table table{"",
+                "Milliseconds (median) and share of wrong points. Bold: on the view's front, where no other is both "
+                "faster and less wrong.",
+                {"technique"},
+                {}};
+    for (const Comparison& view : views) {
+        table.heads.push_back(view.title);
+        const std::vector<Mark> marks = marks_of(view);
+        const std::vector<std::size_t> front = pareto_front(marks);
+        std::size_t mark = 0;
+        for (const Row* row : view.rows) {
+            auto line = std::ranges::find(table.lines, name_of(*row), [](const auto& cells) { return cells.front(); });
+            if (line == table.lines.end()) line = table.lines.insert(line, {name_of(*row)});
+            line->resize(table.heads.size());
+            if (!row->failed.empty()) line->back() = row->failed;
+            if (!row->failed.empty() || !row->errors) continue;
+            std::string cell = three_digits(row->total.median_ms) + " ms, " + percent(row->errors->wrong_share());
+            if (std::ranges::find(front, mark++) != front.end()) cell = "**" + cell + "**";
+            line->back() = std::move(cell);
+        }
+    }
+    return table;
+}
+
 Table published_table(const nlohmann::ordered_json& json) {
     Table table{json["title"],
                 "Published by others: " + json["source"].get<std::string>() +
@@ -258,7 +292,16 @@ Table published_table(const nlohmann::ordered_json& json) {
     return table;
 }
 
-bool is_number(const std::string& cell) { return !cell.empty() && (std::isdigit(cell[0]) || cell == "–"); }
+bool is_bold(const std::string& cell) { return cell.starts_with("**"); }
+
+std::string cell_html(const std::string& cell) {
+    return is_bold(cell) ? "<strong>" + escaped(cell.substr(2, cell.size() - 4)) + "</strong>" : escaped(cell);
+}
+
+bool is_number(const std::string& cell) {
+    const std::string text = is_bold(cell) ? cell.substr(2) : cell;
+    return !text.empty() && (std::isdigit(text[0]) || text == "–");
+}
 
 }  // namespace
 
@@ -281,6 +324,18 @@ std::vector<Comparison> comparisons_of(std::span<const Row> rows, const std::str
     return views;
 }
 
+std::vector<Mark> marks_of(const Comparison& view) {
+    std::vector<Mark> marks;
+    for (const Row* row : view.rows) {
+        if (!row->failed.empty() || !row->errors) continue;
+        marks.push_back({row->errors->wrong_share(), row->total.median_ms, series_of(*row),
+                         name_of(*row) + ": " + three_digits(row->total.median_ms) + " ms, " +
+                             with_spaces(double(row->errors->wrong())) + " wrong",
+                         row->technique == "embree" && row->mode == "static"});
+    }
+    return marks;
+}
+
 std::vector<Table> tables_of(std::span<const Row> rows, const std::string& experiment) {
     const Rows ours = rows_of(rows, experiment);
     const std::vector<Comparison> views = comparisons_of(rows, experiment);
@@ -288,6 +343,8 @@ std::vector<Table> tables_of(std::span<const Row> rows, const std::string& exper
     if (ours.empty()) return tables;
     if (experiment == "errors" || experiment == "times") {
         for (const Comparison& view : views) tables.push_back(error_table(view));
+    } else if (experiment == "techniques") {
+        tables = {technique_table(views)};
     } else if (experiment == "bias") {
         for (const Comparison& view : views) tables.push_back(bias_table(view));
     } else if (experiment == "rivals") {
@@ -320,7 +377,7 @@ std::string html(const Table& table) {
     for (const auto& line : table.lines) {
         text += "<tr>";
         for (std::size_t i = 0; i < line.size(); ++i)
-            text += (i != 0 && is_number(line[i]) ? "<td class=\"n\">" : "<td>") + escaped(line[i]) + "</td>";
+            text += (i != 0 && is_number(line[i]) ? "<td class=\"n\">" : "<td>") + cell_html(line[i]) + "</td>";
         text += "</tr>\n";
     }
     text += "</tbody></table></div>\n";

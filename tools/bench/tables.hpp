@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "charts.hpp"
 #include "row.hpp"
 
 namespace gnomon::bench {
@@ -15,7 +16,7 @@ struct Table {
     std::string title;  ///< may be empty
     std::string note;   ///< may be empty: below the table
     std::vector<std::string> heads;
-    std::vector<std::vector<std::string>> lines;
+    std::vector<std::vector<std::string>> lines;  ///< **bold** as in Markdown, a whole cell or none of it
 };
 
 /// Rows of one view at one size on one device: what may be compared.
@@ -31,6 +32,9 @@ std::string view_of(const Row& row);
 
 /// The rows of an experiment, view by view, in the order they were measured.
 std::vector<Comparison> comparisons_of(std::span<const Row> rows, const std::string& experiment);
+
+/// The view's rows that have errors. Their series are positions in families().
+std::vector<Mark> marks_of(const Comparison& view);
 
 /// The tables that belong to an experiment: ours, then those of others.
 std::vector<Table> tables_of(std::span<const Row> rows, const std::string& experiment);
