@@ -115,8 +115,9 @@ CameraStage::CameraStage(const Device& device, const Triangles& triangles, const
       projection_(session_, sizeof(Projection)),
       rays_(session_, (std::size_t(width) + height) * RAY_FLOATS * sizeof(float)),
       counters_(session_, sizeof(FrameCounters)) {
-    const Projection projection = camera_tables(camera, width, height).projection;
-    session_.write(projection_.get(), &projection, sizeof(projection));
+    const CameraTables tables = camera_tables(camera, width, height);
+    session_.write(projection_.get(), &tables.projection, sizeof(tables.projection));
+    picture_ = tables.picture;
 }
 
 void CameraStage::make_lists(Statistics& statistics) {
@@ -162,7 +163,7 @@ void CameraStage::find_receivers(SampleOffset offset, cl_mem pixel_receivers, co
     const std::size_t pixels = std::size_t(width_) * height_;
     const std::array<float, 2> moved{float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS};
     session_.launch("camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1), projection_,
-                    triangles_.first_float, moved, cl_uint(out.first), cl_uint(pixel_receivers != nullptr),
+                    picture_, triangles_.first_float, moved, cl_uint(out.first), cl_uint(pixel_receivers != nullptr),
                     triangles_.vertices, rays_, setup_.records(), setup_.bounds(), bins_.ranges(), bins_.entries(),
                     counters_, pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers);
 }

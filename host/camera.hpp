@@ -38,6 +38,7 @@ public:
     /// Makes the lists of triangles per tile, once. Adds to `statistics`.
     void fit_lists(Statistics& statistics);
     const cl::Buffer& projection() const { return projection_; }
+    const PictureRays& picture() const { return picture_; }
     const TriangleSetup& setup() const { return setup_; }
     const Bins& bins() const { return bins_; }
     std::uint32_t tiles_x() const { return (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
@@ -52,6 +53,7 @@ private:
     TriangleInputs triangles_;
     Camera camera_;
     std::uint32_t width_, height_;
+    PictureRays picture_{};
     cl::Buffer projection_, rays_, counters_;
     ClusterCull clusters_;
     TriangleSetup setup_;

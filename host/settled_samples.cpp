@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "../kernels/camera.h"
 #include "../kernels/claim.h"
 #include "../kernels/footprint.h"
 #include "../kernels/samples.h"
@@ -48,7 +49,7 @@ public:
           view_(view),
           light_(light),
           mean_(mean),
-          points_at_once_(std::max<std::size_t>(points_at_once, std::size_t(view.width) * offsets.size())),
+          points_at_once_(std::max<std::size_t>(points_at_once, pixels_of_bands(1) * offsets.size())),
           camera_(view.points.camera()->camera),
           eye_(float4_of_eye(camera_)),
           pattern_(pattern_of(offsets)),
@@ -63,21 +64,22 @@ public:
         Statistics camera;
         camera_stage_.fit_lists(camera);
         add_stages(total_, camera);
-        const std::size_t pixels = view_.points.count(), most = std::max<std::size_t>(points_at_once_ / 2, 1);
-        std::size_t at_once = std::min(most, pixels);
-        for (std::size_t first = 0; first < pixels;) {
-            set_batch(first, std::min(at_once, pixels - first));
+        const std::uint32_t bands = camera_stage_.tiles_y();
+        std::uint32_t at_once =
+            static_cast<std::uint32_t>(std::clamp<std::size_t>(points_at_once_ / 2 / pixels_of_bands(1), 1, bands));
+        for (std::uint32_t first = 0; first < bands;) {
+            set_batch(first, std::min(at_once, bands - first));
             if (!make_pieces()) {
                 // More receivers in a pixel than expected: room for them, or fewer pixels at a time.
                 extra_expected_ = counted_.extra + counted_.extra / 4;
-                if (batch_.count + extra_expected_ > points_at_once_) at_once = std::max(batch_.count / 2, 1u);
+                if (batch_.count + extra_expected_ > points_at_once_) at_once = std::max(batch_.bands / 2, 1u);
                 continue;
             }
             settle();
             sort();
             trace_mixed();
             write_mean();
-            first += batch_.count;
+            first += batch_.bands;
         }
         add_counts();
         return std::move(total_);
@@ -92,7 +94,6 @@ private:
         for (const SampleOffset& offset : offsets) {
             const CameraTables tables = camera_tables(camera_, view_.width, view_.height, offset);
             rays.insert(rays.end(), tables.rays.begin(), tables.rays.end());
-            picture_ = tables.picture;
         }
         rays_.reserve(session_, rays.size() * sizeof(float));
         session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
@@ -103,9 +104,18 @@ private:
         return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
     }
 
-    void set_batch(std::size_t first, std::size_t count) {
-        batch_ = {static_cast<cl_uint>(first), static_cast<cl_uint>(count), view_.width, view_.height,
-                  camera_stage_.tiles_x()};
+    std::size_t pixels_of_bands(std::uint32_t bands) const {
+        return std::size_t(view_.width) * std::min(bands << CAMERA_TILE_LOG2, view_.height);
+    }
+
+    void set_batch(std::uint32_t first_band, std::uint32_t bands) {
+        const std::size_t first = pixels_of_bands(first_band), count = pixels_of_bands(first_band + bands) - first;
+        batch_ = {static_cast<cl_uint>(first),
+                  static_cast<cl_uint>(count),
+                  view_.width,
+                  view_.height,
+                  camera_stage_.tiles_x(),
+                  bands};
         const std::size_t extra = std::min(std::max(extra_expected_, count / 2 + 64), points_at_once_);
         extra_capacity_ = static_cast<cl_uint>(extra + unused_places());
         const std::size_t most_pieces = count + extra_capacity_;
@@ -124,10 +134,10 @@ private:
         const std::size_t count = batch_.count;
         {
             cl::StageTimer timer(session_, total_, "samples_whole");
-            session_.launch("samples.cl", "samples_whole", cl::Range::items(count / session_.lanes() + 1), picture_,
-                            pattern_buffer_, batch_, eye_, inputs_.first_float, inputs_.vertices,
-                            view_.points.receivers(), camera_stage_.bins().ranges(), receivers_, masks_, lit_, edges_,
-                            counters_);
+            session_.launch("samples.cl", "samples_whole", cl::Range::items(count / session_.lanes() + 1),
+                            camera_stage_.picture(), pattern_buffer_, batch_, eye_, inputs_.first_float,
+                            inputs_.vertices, view_.points.receivers(), camera_stage_.bins().ranges(), receivers_,
+                            masks_, lit_, edges_, counters_);
         }
         read_counters();
         const std::size_t part = points_at_once_ / pattern_.count;
@@ -141,7 +151,7 @@ private:
     void seek(cl_uint first, cl_uint count) {
         cl::StageTimer timer(session_, total_, "samples_seek");
         session_.launch("samples.cl", "samples_seek", cl::Range::items(std::size_t(count) * pattern_.count),
-                        camera_stage_.projection(), picture_, pattern_buffer_, batch_, first, count,
+                        camera_stage_.projection(), camera_stage_.picture(), pattern_buffer_, batch_, first, count,
                         inputs_.first_float, inputs_.vertices, rays_, camera_stage_.setup().records(),
                         camera_stage_.setup().bounds(), camera_stage_.bins().ranges(), camera_stage_.bins().entries(),
                         view_.points.receivers(), edges_, seen_);
@@ -161,9 +171,10 @@ private:
         centres.set_eye(camera_.eye);
         {
             cl::StageTimer timer(session_, total_, "samples_bound");
-            session_.launch("samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1), picture_,
-                            pattern_buffer_, batch_, point_inputs(centres).layout, eye_, inputs_.first_float,
-                            inputs_.vertices, extra_pixels_, receivers_, masks_, centres_, footprints_);
+            session_.launch("samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1),
+                            camera_stage_.picture(), pattern_buffer_, batch_, point_inputs(centres).layout, eye_,
+                            inputs_.first_float, inputs_.vertices, extra_pixels_, receivers_, masks_, centres_,
+                            footprints_);
         }
         add_run(settling_.settle(triangles_, centres, footprints_, light_, Visibility(device_, answers_.get(), count)));
     }
@@ -258,7 +269,6 @@ private:
     Camera camera_;
     Float4 eye_;
     SamplePattern pattern_;
-    PictureRays picture_{};
     CameraStage camera_stage_;
     PixelBatch batch_{};
     SampleCounters counted_{};

@@ -8,19 +8,20 @@
 
 // `rays` are those of one sample per pixel, which lies `offset` pixels off the centre. With pixel_receivers, a sample
 // whose ray meets the receiver of its pixel takes that one, seen or not. visible[first_point + pixel] is written.
-__kernel void camera_visibility(__constant const Projection* projection, ulong first_float, float2 offset,
-                                uint first_point, uint has_pixel_receivers, __global const float* vertices,
-                                __global const float* rays, __global const TriangleRecord* records,
-                                __global const TriangleBounds* bounds, __global const uint2* ranges,
-                                __global const BinEntries* entries, __global const FrameCounters* counters,
-                                __global const uint* pixel_receivers, __global uint* visible) {
+__kernel void camera_visibility(__constant const Projection* projection, PictureRays picture, ulong first_float,
+                                float2 offset, uint first_point, uint has_pixel_receivers,
+                                __global const float* vertices, __global const float* rays,
+                                __global const TriangleRecord* records, __global const TriangleBounds* bounds,
+                                __global const uint2* ranges, __global const BinEntries* entries,
+                                __global const FrameCounters* counters, __global const uint* pixel_receivers,
+                                __global uint* visible) {
     if (counters->references == GN_NO_LISTS) return;
     const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
     const uint blocks_per_tile = tile_pixels * tile_pixels / GN_LANES;
     const uint blocks_per_row = tile_pixels / GN_LANES;
     float3 eye = center_of(projection);
     uint width = projection->width, height = projection->height;
-    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays};
+    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays, picture};
     GN_FOR_EACH(block, projection->bins_x * projection->bins_y * blocks_per_tile) {
         uint tile = (uint)block / blocks_per_tile, within = (uint)block % blocks_per_tile;
         uint first_x = (tile % projection->bins_x) * tile_pixels + (within % blocks_per_row) * GN_LANES;
@@ -48,13 +49,8 @@ __kernel void camera_visibility(__constant const Projection* projection, ulong f
                 LANE_OF_INT(searching, lane) = 0;
             }
         }
-
-        QuantisedBlock row;
-        row.x0 = quantised_texel((float)first_x + 0.5f + offset.x, width);
-        row.x1 = quantised_texel((float)(first_x + GN_LANES) - 0.5f + offset.x, width);
-        row.y0 = row.y1 = quantised_texel((float)pixel_y + 0.5f + offset.y, height);
-        row.z = 0;
-        LaneInt nearest = LANES_SELECT(own, nearest_of_tile(lists, eye, tile, row, block_rays, searching), searching);
+        LaneInt nearest = nearest_of_tile(lists, projection, tile, block_rays, searching);
+        nearest = LANES_SELECT(own, nearest, searching);
         for (int lane = 0; lane < GN_LANES; ++lane)
             if (LANE_OF_INT(present, lane))
                 visible[first_point + (size_t)pixel_y * width + first_x + (uint)lane] =

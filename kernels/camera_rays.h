@@ -203,38 +203,49 @@ static Wide nearness(Plane plane, Triangle t, Ray ray) {
     return wide_div(along, plane.depth);
 }
 
-// 1 / t in float: true and an interval in which it lies for certain, with enough on both sides for the error of
-// nearness() as well, so that intervals apart order nearness() too. N and D are off by at most a quarter of themselves;
-// with a and b their relative errors, N / D is off by a relative (a + b) / (1 - b) <= 4/3 (a + b). 1.4 covers the
-// roundings of that sum; 1e-6 those of the quotient (2.5 ulp) and of the interval's ends, and 2^-29. All numbers are
-// normal: bounds are at least 2^-61, values at most 2^63.
-static bool nearness_float(Triangle t, float3 eye, Ray ray, float* low, float* high) {
-    Det3FloatCross n = det3_cross_float(t.b - t.a, t.c - t.a);
-    float3 to_plane = t.a - eye, size;
-    float3 r = ray_float(ray, &size);
-    float bound_along, bound_depth;
-    float along = det3_float(n, r, size, &bound_along);
-    float depth = det3_float(n, to_plane, fabs(to_plane), &bound_depth);
-    if (!(4.0f * bound_along < fabs(along) && 4.0f * bound_depth < fabs(depth))) return false;
-    float value = along / depth;
-    float error = fabs(value) * (1.4f * (bound_along / fabs(along) + bound_depth / fabs(depth)) + 1.0e-6f);
-    *low = value - error;
-    *high = value + error;
-    return true;
+// ---- Planes at the float level --------------------------------------------------------------------------------------
+
+typedef struct FloatPlane {
+    Det3FloatCross normal;
+    float depth, relative_error;  // n . (a - eye)
+    bool is_good;
+} FloatPlane;
+
+static FloatPlane float_plane_of(Triangle t, float3 eye) {
+    FloatPlane plane;
+    plane.normal = det3_cross_float(t.b - t.a, t.c - t.a);
+    float3 to_plane = t.a - eye;
+    float bound;
+    plane.depth = det3_float(plane.normal, to_plane, fabs(to_plane), &bound);
+    plane.is_good = 4.0f * bound < fabs(plane.depth);
+    plane.relative_error = plane.is_good ? bound / fabs(plane.depth) : 1.0f;
+    return plane;
 }
 
-static bool is_nearer(Triangle t, uint id, Triangle best, uint best_id, float3 eye, Ray ray) {
-    float low, high, best_low, best_high;
-    if (nearness_float(t, eye, ray, &low, &high) && nearness_float(best, eye, ray, &best_low, &best_high)) {
-        if (low > best_high) return true;
-        if (high < best_low) return false;
-    }
-    Wide mine = nearness(plane_of(t, eye), t, ray), other = nearness(plane_of(best, eye), best, ray);
-    return wide_less(other, mine) || (!wide_less(mine, other) && id < best_id);
+// Intervals in which 1 / t lies for certain, with enough on both sides for the error of nearness() as well, so that
+// intervals apart order nearness() too; all numbers where floats cannot say. N and D are off by at most a quarter of
+// themselves; with a and b their relative errors, N / D is off by a relative (a + b) / (1 - b) <= 4/3 (a + b). 1.4
+// covers the roundings of that sum; 1e-6 those of the quotient (2.5 ulp) and of the interval's ends, and 2^-29. All
+// numbers are normal: bounds are at least 2^-61, values at most 2^63.
+typedef struct NearnessLanes {
+    LaneFloat low, high;
+} NearnessLanes;
+
+static NearnessLanes nearness_lanes(Triangle t, float3 eye, RayLanes rays) {
+    FloatPlane plane = float_plane_of(t, eye);
+    LaneFloat bound;
+    LaneFloat along = det3_lanes(plane.normal, rays, &bound);
+    LaneInt good = LANE_COMPARE(4.0f * bound, <, fabs(along));
+    if (!plane.is_good) good = (LaneInt)(0);
+    LaneFloat value = along / plane.depth;
+    LaneFloat error = fabs(value) * (1.4f * (bound / fabs(along) + plane.relative_error) + 1.0e-6f);
+    NearnessLanes nearness;
+    nearness.low = LANES_SELECT((LaneFloat)(-INFINITY), value - error, good);
+    nearness.high = LANES_SELECT((LaneFloat)(INFINITY), value + error, good);
+    return nearness;
 }
 
-// ---- The nearest of a tile
-// ------------------------------------------------------------------------------------------
+// ---- The nearest of a tile ------------------------------------------------------------------------------------------
 
 // Rays side by side: where they pass through the picture, in pixels, and their entries in the table.
 typedef struct RayBlock {
@@ -254,16 +265,107 @@ typedef struct TileLists {
     __global const TriangleBounds* bounds;
     __global const float* vertices;  // of the first triangle
     __global const float* rays;
+    PictureRays picture;  // the same rays
 } TileLists;
 
-// Of the triangles listed for a tile, which `box` may meet, the nearest that each of the lanes `searching` meets,
-// or GN_NO_ID.
-static LaneInt nearest_of_tile(TileLists lists, float3 eye, uint tile, QuantisedBlock box, RayBlock block,
+// The nearest so far: intervals of 1 / t, and the triangles' numbers.
+typedef struct NearestLanes {
+    LaneFloat low, high;
+    LaneInt id;
+} NearestLanes;
+
+// Which of the lanes that a triangle may be the nearest for it is the nearest for.
+typedef struct NearestFilter {
+    LaneInt possible, inside, nearer;  // may be; meets the ray for certain; is nearer than the best so far for certain
+    LaneFloat low, high;
+} NearestFilter;
+
+// Lanes that floats leave open, one by one.
+static LaneInt decide_nearest(TileLists lists, float3 eye, const RayBlock* block, uint id, const Outline* outline,
+                              Triangle t, const NearestFilter* found, const NearestLanes* best) {
+    LaneInt wins = found->possible & found->inside & found->nearer;
+    LaneInt open = found->possible & ~wins;
+    uint other = GN_NO_ID;
+    Triangle other_triangle;
+    Plane plane, other_plane;
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        if (!LANE_OF_INT(open, lane)) continue;
+        Ray ray = ray_of_lane(lists.rays, block, lane);
+        if (!LANE_OF_INT(found->inside, lane) && !covers(outline, eye, ray)) continue;
+        bool is_nearer = true;
+        if (!LANE_OF_INT(found->nearer, lane) && (uint)LANE_OF_INT(best->id, lane) != GN_NO_ID) {
+            if (other == GN_NO_ID) plane = plane_of(t, eye);
+            if (other != (uint)LANE_OF_INT(best->id, lane)) {
+                other = (uint)LANE_OF_INT(best->id, lane);
+                other_triangle = load_triangle(lists.vertices, other);
+                other_plane = plane_of(other_triangle, eye);
+            }
+            Wide mine = nearness(plane, t, ray), its = nearness(other_plane, other_triangle, ray);
+            is_nearer = wide_less(its, mine) || (!wide_less(mine, its) && id < other);
+        }
+        LANE_OF_INT(wins, lane) = is_nearer ? -1 : 0;
+    }
+    return wins;
+}
+
+static void compare_with_best(NearestFilter* found, const NearestLanes* best) {
+    found->nearer = LANE_COMPARE(found->low, >, best->high);
+    found->possible &= ~LANE_COMPARE(found->high, <, best->low);
+}
+
+// The intervals of the best so far, which are those of records, from their triangles: for some lanes at least.
+static void look_closer_at_best(TileLists lists, float3 eye, RayLanes rays, LaneInt lanes, NearestLanes* best) {
+    lanes &= LANE_COMPARE(best->id, !=, (LaneInt)((int)GN_NO_ID));
+    while (LANES_ANY(lanes)) {
+        int id = LANE_OF_INT(best->id, first_lane(lanes));
+        LaneInt same = LANE_COMPARE(best->id, ==, (LaneInt)(id));
+        lanes &= ~same;
+        NearnessLanes nearness = nearness_lanes(load_triangle(lists.vertices, (uint)id), eye, rays);
+        best->low = LANES_SELECT(best->low, LANES_MAX(best->low, nearness.low), same);
+        best->high = LANES_SELECT(best->high, LANES_MIN(best->high, nearness.high), same);
+    }
+}
+
+// The same for what a record leaves open: the triangle itself says more, of all lanes at once.
+static void look_closer(TileLists lists, float3 eye, const RayBlock* block, uint id, NearestFilter* found,
+                        NearestLanes* best) {
+    Triangle t = load_triangle(lists.vertices, id);
+    RayLanes rays = rays_at(lists.picture, block->x, block->y);
+    Outline outline;
+    if (LANES_ANY(found->possible & ~found->inside)) {
+        outline = outline_of(t, eye);
+        Coverage coverage = coverage_of(&outline, rays);
+        found->possible &= found->inside | coverage.possible;
+        found->inside |= coverage.certain;
+    }
+    if (LANES_ANY(found->possible & ~found->nearer)) {
+        NearnessLanes nearness = nearness_lanes(t, eye, rays);
+        found->low = LANES_MAX(found->low, nearness.low);
+        found->high = LANES_MIN(found->high, nearness.high);
+        compare_with_best(found, best);
+        look_closer_at_best(lists, eye, rays, found->possible & ~found->nearer, best);
+        compare_with_best(found, best);
+    }
+    if (LANES_ANY(found->possible & ~(found->inside & found->nearer)))
+        found->possible = decide_nearest(lists, eye, block, id, &outline, t, found, best);
+}
+
+// The part of the picture that rays pass through.
+static QuantisedBlock box_of_rays(__constant const Projection* projection, const RayBlock* block, LaneInt lanes) {
+    LaneInt x = LANES_TO_INT(clamp(block->x * texel_units(projection->width), 0.0f, 65535.0f));
+    LaneInt y = LANES_TO_INT(clamp(block->y * texel_units(projection->height), 0.0f, 65535.0f));
+    return block_of_lanes(x, y, x, y, (LaneInt)(0), lanes);
+}
+
+// Of the triangles listed for a tile, the nearest that each of the lanes `searching` meets, or GN_NO_ID.
+static LaneInt nearest_of_tile(TileLists lists, __constant const Projection* projection, uint tile, RayBlock block,
                                LaneInt searching) {
-    LaneFloat best_low = (LaneFloat)(-INFINITY), best_high = (LaneFloat)(-INFINITY);
-    LaneInt best_id = (LaneInt)((int)GN_NO_ID);
+    NearestLanes best = {(LaneFloat)(-INFINITY), (LaneFloat)(-INFINITY), (LaneInt)((int)GN_NO_ID)};
     uint2 range = lists.ranges[tile];
-    if (!LANES_ANY(searching)) return best_id;
+    if (!LANES_ANY(searching)) return best.id;
+    float3 eye = center_of(projection);
+    QuantisedBlock box = box_of_rays(projection, &block, searching);
+    float farthest = -INFINITY;  // of the best so far
     uint i = range.x, meeting = 0;
     while (true) {
 #if GN_LANES == 1
@@ -277,37 +379,31 @@ static LaneInt nearest_of_tile(TileLists lists, float3 eye, uint tile, Quantised
 #endif
         uint slot = ENTRY_SLOT(&lists.entries[i - 1u], take_lowest_bit(&meeting));
         __global const TriangleRecord* r = &lists.records[slot];
+        if (r->z_high < farthest) continue;
         LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], block.x, block.y);
         LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], block.x, block.y);
         LaneFloat e2 = lanes_linear(r->edge_x[2], r->edge_y[2], r->edge_0[2], block.x, block.y);
-        LaneFloat inside = LANES_MIN(e0, LANES_MIN(e1, e2));
+        LaneFloat least = LANES_MIN(e0, LANES_MIN(e1, e2));
         LaneFloat z = lanes_linear(r->plane_x, r->plane_y, r->plane_0, block.x, block.y);
-        LaneFloat z_low = z - (LaneFloat)(r->margin_plane), z_high = z + (LaneFloat)(r->margin_plane);
-        LaneInt possible =
-            searching & ~LANE_COMPARE(inside, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(z_high, <, best_low);
-        if (!LANES_ANY(possible)) continue;
-        int id = (int)lists.bounds[slot].id;
-        LaneInt inside_for_certain = LANE_COMPARE(inside, >, (LaneFloat)(r->margin_edge));
-        LaneInt nearer_for_certain = LANE_COMPARE(z_low, >, best_high);
-        LaneInt certain = possible & inside_for_certain & nearer_for_certain;
-        LaneInt open = possible & ~certain;
-        if (LANES_ANY(open)) {
-            Outline outline = outline_of(load_triangle(lists.vertices, (uint)id), eye);
-            for (int lane = 0; lane < GN_LANES; ++lane) {
-                if (!LANE_OF_INT(open, lane)) continue;
-                Ray ray = ray_of_lane(lists.rays, &block, lane);
-                uint other = (uint)LANE_OF_INT(best_id, lane);
-                bool wins = LANE_OF_INT(inside_for_certain, lane) || covers(&outline, eye, ray);
-                if (wins && other != GN_NO_ID && !LANE_OF_INT(nearer_for_certain, lane))
-                    wins = is_nearer(outline.t, (uint)id, load_triangle(lists.vertices, other), other, eye, ray);
-                LANE_OF_INT(certain, lane) = wins ? -1 : 0;
-            }
-        }
-        best_low = LANES_SELECT(best_low, z_low, certain);
-        best_high = LANES_SELECT(best_high, z_high, certain);
-        best_id = LANES_SELECT(best_id, (LaneInt)(id), certain);
+        NearestFilter found;
+        // Where a ray meets the triangle, 1 / t lies between the vertices' as well; where it does not, nothing depends
+        // on it. Small triangles' planes say less than that.
+        found.low = LANES_MAX(z - (LaneFloat)(r->margin_plane), (LaneFloat)(r->z_low));
+        found.high = LANES_MIN(z + (LaneFloat)(r->margin_plane), (LaneFloat)(r->z_high));
+        found.possible =
+            searching & ~LANE_COMPARE(least, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(found.high, <, best.low);
+        if (!LANES_ANY(found.possible)) continue;
+        uint id = lists.bounds[slot].id;
+        found.inside = LANE_COMPARE(least, >, (LaneFloat)(r->margin_edge));
+        found.nearer = LANE_COMPARE(found.low, >, best.high);
+        if (LANES_ANY(found.possible & ~(found.inside & found.nearer)))
+            look_closer(lists, eye, &block, id, &found, &best);
+        best.low = LANES_SELECT(best.low, found.low, found.possible);
+        best.high = LANES_SELECT(best.high, found.high, found.possible);
+        best.id = LANES_SELECT(best.id, (LaneInt)((int)id), found.possible);
+        farthest = LANES_LEAST(LANES_SELECT((LaneFloat)(INFINITY), best.low, searching));
     }
-    return best_id;
+    return best.id;
 }
 
 #endif

@@ -19,6 +19,7 @@ typedef int LaneInt;
 #define LANES_MINIMUM(v) (v)
 #define LANES_MAXIMUM(v) (v)
 #define LANES_SUM(v) (v)
+#define LANES_LEAST(v) (v)
 #define LANES_STRIDED(values, stride) (*(values))
 #define LANES_OF_ROWS(rows, k) ((rows)[0][k])
 #define LANES_GATHER(values, at) ((values)[at])
@@ -35,6 +36,7 @@ typedef int16 LaneInt;
 #define LANES_MINIMUM(v) least_of_16(v)
 #define LANES_MAXIMUM(v) ~least_of_16(~(v))
 #define LANES_SUM(v) sum_of_16(v)
+#define LANES_LEAST(v) least_float_of_16(v)
 
 // values[0], values[stride], values[2 stride] ...; rows[0][k], rows[1][k] ...; values[at.s0], values[at.s1] ... Written
 // out: lane by lane through an array, each vector would wait for its stores.
@@ -63,6 +65,12 @@ static int least_of_16(int16 v) {
     int4 b = min(a.lo, a.hi);
     int2 c = min(b.lo, b.hi);
     return min(c.x, c.y);
+}
+static float least_float_of_16(float16 v) {
+    float8 a = fmin(v.lo, v.hi);
+    float4 b = fmin(a.lo, a.hi);
+    float2 c = fmin(b.lo, b.hi);
+    return fmin(c.x, c.y);
 }
 static int sum_of_16(int16 v) {
     int8 a = v.lo + v.hi;

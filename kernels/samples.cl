@@ -17,7 +17,7 @@
 //     R = (h00 - h10 - h01 + h11) / 4      the corners are  C +- U +- V +- R,
 // so R and every error go into the footprint's spread: that of the corners, and a shading point's distance from its
 // hit, below 9 ulp of the larger of hit and eye (camera.h), 18u of it. A corner: t is off by a relative e as in
-// nearness_float (bounds of both determinants), the ray by u times its size, and h by two roundings: |t r| e + t u size
+// nearness_lanes (bounds of both determinants), the ray by u times its size, and h by two roundings: |t r| e + t u size
 // + 3u (|t r| + |eye|) per coordinate.
 #include "samples.h"
 
@@ -61,15 +61,23 @@ __kernel void samples_whole(PictureRays picture, __constant const SamplePattern*
     float3 eye = eye_and_zero.xyz;
     Claim places = no_claim();
     uint whole_count = 0, sky_count = 0;
-    GN_FOR_EACH(block, (batch.count + GN_LANES - 1u) / GN_LANES) {
-        uint first = (uint)block * GN_LANES;
-        LaneInt index = (LaneInt)((int)first) + LANE_INDEX;
-        LaneInt left = LANE_COMPARE(index, <, (LaneInt)((int)batch.count)), present = left;
-        LaneInt ids = (LaneInt)((int)GN_NO_ID);
+    const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
+    const uint blocks_per_row = tile_pixels / GN_LANES, blocks_per_tile = tile_pixels * blocks_per_row;
+    // Tile by tile, so that edges that meet the same triangles follow each other.
+    GN_FOR_EACH(block, batch.bands * batch.tiles_x * blocks_per_tile) {
+        uint tile = (uint)block / blocks_per_tile, within = (uint)block % blocks_per_tile;
+        uint column = (tile % batch.tiles_x) * tile_pixels + (within % blocks_per_row) * GN_LANES;
+        uint row = (tile / batch.tiles_x) * tile_pixels + within / blocks_per_row;
+        if (column >= batch.width || row * batch.width >= batch.count) continue;
+        uint first = row * batch.width + column;
+        LaneInt present = LANE_COMPARE((LaneInt)((int)column) + LANE_INDEX, <, (LaneInt)((int)batch.width));
+        LaneInt left = present, ids = (LaneInt)((int)GN_NO_ID);
         for (int lane = 0; lane < GN_LANES; ++lane)
             if (LANE_OF_INT(present, lane)) LANE_OF_INT(ids, lane) = (int)pixel_receivers[batch.first + first + lane];
-        LaneFloat x, y;
-        corners_of(batch, index + (LaneInt)((int)batch.first), &x, &y);
+        uint2 range = tile_ranges[batch.first / batch.width / tile_pixels * batch.tiles_x + tile];
+        bool is_sky = range.x == range.y;
+        LaneFloat x = LANES_TO_FLOAT((LaneInt)((int)column) + LANE_INDEX);
+        LaneFloat y = (LaneFloat)((float)(batch.first / batch.width + row));
         LaneInt whole = (LaneInt)(0);
         while (LANES_ANY(left)) {
             int id = LANE_OF_INT(ids, first_lane(left));
@@ -86,8 +94,7 @@ __kernel void samples_whole(PictureRays picture, __constant const SamplePattern*
         for (int lane = 0; lane < GN_LANES; ++lane) {
             if (!LANE_OF_INT(present, lane)) continue;
             uint i = first + lane, id = (uint)LANE_OF_INT(ids, lane);
-            uint2 range = tile_ranges[tile_of_pixel(batch, batch.first + i)];
-            bool is_whole = LANE_OF_INT(whole, lane), is_sky = range.x == range.y;
+            bool is_whole = LANE_OF_INT(whole, lane);
             receivers[i] = id;
             masks[i] = is_whole ? pattern->all : 0u;
             lit[i] = is_sky ? pattern->count : 0u;
@@ -109,7 +116,7 @@ __kernel void samples_seek(__constant const Projection* projection, PictureRays 
                            __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                            __global const uint2* ranges, __global const BinEntries* entries,
                            __global const uint* pixel_receivers, __global const uint* edges, __global uint* seen) {
-    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays};
+    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays, picture};
     float3 eye = center_of(projection);
     uint samples = pattern->count, blocks = (samples + GN_LANES - 1u) / GN_LANES;
     GN_FOR_EACH(item, edge_count * blocks) {
@@ -135,13 +142,7 @@ __kernel void samples_seek(__constant const Projection* projection, PictureRays 
                     LANE_OF_INT(coverage.certain, lane) = -1;
             searching &= ~coverage.certain;
         }
-        QuantisedBlock box;
-        box.x0 = quantised_texel((float)x + pattern->low[0], projection->width);
-        box.x1 = quantised_texel((float)x + pattern->high[0], projection->width);
-        box.y0 = quantised_texel((float)y + pattern->low[1], projection->height);
-        box.y1 = quantised_texel((float)y + pattern->high[1], projection->height);
-        box.z = 0;
-        LaneInt nearest = nearest_of_tile(lists, eye, tile_of_pixel(batch, pixel), box, block, searching);
+        LaneInt nearest = nearest_of_tile(lists, projection, tile_of_pixel(batch, pixel), block, searching);
         nearest = LANES_SELECT((LaneInt)((int)own), nearest, searching);
         for (int lane = 0; lane < GN_LANES; ++lane)
             if (LANE_OF_INT(present, lane))
@@ -189,24 +190,6 @@ __kernel void samples_group(__constant const SamplePattern* pattern, PixelBatch 
 }
 
 // ---- Footprints -----------------------------------------------------------------------------------------------------
-
-// The plane of a triangle as the float level knows it.
-typedef struct FloatPlane {
-    Det3FloatCross normal;
-    float depth, relative_error;  // n . (a - eye)
-    bool is_good;
-} FloatPlane;
-
-static FloatPlane float_plane_of(Triangle t, float3 eye) {
-    FloatPlane plane;
-    plane.normal = det3_cross_float(t.b - t.a, t.c - t.a);
-    float3 to_plane = t.a - eye;
-    float bound;
-    plane.depth = det3_float(plane.normal, to_plane, fabs(to_plane), &bound);
-    plane.is_good = 4.0f * bound < fabs(plane.depth);
-    plane.relative_error = plane.is_good ? bound / fabs(plane.depth) : 1.0f;
-    return plane;
-}
 
 // Hits of a plane, with the largest error of a coordinate; `met` where they are in front of the eye for certain.
 typedef struct HitLanes {

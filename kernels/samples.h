@@ -21,12 +21,14 @@ GN_STRUCT_BEGIN(SamplePattern)
     float place_y[MOST_SAMPLES];
 GN_STRUCT_END(SamplePattern, 280)
 
-// The pixels that are worked on: `count` of them from `first` on, in rows of `width`.
+// The pixels that are worked on: `count` of them from `first` on, in rows of `width`: whole bands, which are rows of
+// camera tiles.
 GN_STRUCT_BEGIN(PixelBatch)
     uint first, count;
     uint width, height;  // of the picture
-    uint tiles_x;        // camera tiles per row
-GN_STRUCT_END(PixelBatch, 20)
+    uint tiles_x;        // camera tiles per band
+    uint bands;
+GN_STRUCT_END(PixelBatch, 24)
 
 // Zeroed before each batch of pixels. Claimed lists may hold unused places, GN_NO_ID.
 GN_STRUCT_BEGIN(SampleCounters)

@@ -397,7 +397,7 @@ TEST(samples, settled_means_survive_what_hides_in_a_pixel) {
     expect_not_vacuous(sum);
 }
 
-// Not vacuous: one sample per batch, and batches that do not divide the samples.
+// Not vacuous: a band of tiles per batch, and batches that do not divide the samples.
 TEST(samples, shape_free) {
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     const CameraScene scene = scenes().front();
