@@ -75,6 +75,7 @@ public:
                 if (batch_.count + extra_expected_ > points_at_once_) at_once = std::max(batch_.bands / 2, 1u);
                 continue;
             }
+            bound();
             settle();
             sort();
             trace_mixed();
@@ -110,19 +111,17 @@ private:
 
     void set_batch(std::uint32_t first_band, std::uint32_t bands) {
         const std::size_t first = pixels_of_bands(first_band), count = pixels_of_bands(first_band + bands) - first;
-        batch_ = {static_cast<cl_uint>(first),
-                  static_cast<cl_uint>(count),
-                  view_.width,
-                  view_.height,
-                  camera_stage_.tiles_x(),
-                  bands};
         const std::size_t extra = std::min(std::max(extra_expected_, count / 2 + 64), points_at_once_);
         extra_capacity_ = static_cast<cl_uint>(extra + unused_places());
         const std::size_t most_pieces = count + extra_capacity_;
+        batch_ = {cl_uint(first),          cl_uint(count), view_.width,         view_.height,
+                  camera_stage_.tiles_x(), bands,          cl_uint(most_pieces)};
         edges_.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
         lit_.reserve(session_, count * sizeof(cl_uint));
         extra_pixels_.reserve(session_, extra_capacity_ * sizeof(cl_uint));
         for (cl::Buffer* buffer : {&receivers_, &masks_}) buffer->reserve(session_, most_pieces * sizeof(cl_uint));
+        centres_.reserve(session_, 3 * most_pieces * sizeof(float));
+        footprints_.reserve(session_, FOOTPRINT_FLOATS * most_pieces * sizeof(float));
         session_.fill(counters_, 0, sizeof(SampleCounters));
         counted_ = {};
     }
@@ -137,7 +136,7 @@ private:
             session_.launch("samples.cl", "samples_whole", cl::Range::items(count / session_.lanes() + 1),
                             camera_stage_.picture(), pattern_buffer_, batch_, eye_, inputs_.first_float,
                             inputs_.vertices, view_.points.receivers(), camera_stage_.bins().ranges(), receivers_,
-                            masks_, lit_, edges_, counters_);
+                            masks_, lit_, edges_, centres_, footprints_, counters_);
         }
         read_counters();
         const std::size_t part = points_at_once_ / pattern_.count;
@@ -160,22 +159,22 @@ private:
                         lit_, counters_);
     }
 
+    void bound() {
+        const std::size_t count = std::size_t(counted_.edges) + counted_.extra;
+        cl::StageTimer timer(session_, total_, "samples_bound");
+        session_.launch("samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1),
+                        camera_stage_.picture(), pattern_buffer_, batch_, counted_.edges, counted_.extra, eye_,
+                        inputs_.first_float, inputs_.vertices, edges_, extra_pixels_, receivers_, masks_, centres_,
+                        footprints_);
+    }
+
     std::size_t piece_count() const { return std::size_t(batch_.count) + counted_.extra; }
 
     void settle() {
         const std::size_t count = piece_count();
-        centres_.reserve(session_, 3 * count * sizeof(float));
-        footprints_.reserve(session_, FOOTPRINT_FLOATS * count * sizeof(float));
         answers_.reserve(session_, count * sizeof(float));
-        Points centres = Points::wrap(device_, centres_.get(), {0, 1, count}, count, receivers_.get());
+        Points centres = Points::wrap(device_, centres_.get(), {0, 1, batch_.places}, count, receivers_.get());
         centres.set_eye(camera_.eye);
-        {
-            cl::StageTimer timer(session_, total_, "samples_bound");
-            session_.launch("samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1),
-                            camera_stage_.picture(), pattern_buffer_, batch_, point_inputs(centres).layout, eye_,
-                            inputs_.first_float, inputs_.vertices, extra_pixels_, receivers_, masks_, centres_,
-                            footprints_);
-        }
         add_run(settling_.settle(triangles_, centres, footprints_, light_, Visibility(device_, answers_.get(), count)));
     }
 

@@ -5,7 +5,7 @@
 
 #include "bin_lists.h"
 #include "camera.h"
-#include "exact/det3.h"
+#include "exact/det3_lanes.h"
 #include "lanes.h"
 #include "points.h"
 #include "projection.h"
@@ -108,7 +108,7 @@ static bool covers(const Outline* outline, float3 eye, Ray ray) {
 
 // Directions side by side, with sizes as det3_float wants them.
 typedef struct RayLanes {
-    LaneFloat x, y, z, size_x, size_y, size_z;
+    PointBlock direction, size;
 } RayLanes;
 
 static LaneFloat picture_coordinate(PictureRays picture, int i, LaneFloat x, LaneFloat y, LaneFloat* size) {
@@ -123,23 +123,35 @@ static LaneFloat picture_coordinate(PictureRays picture, int i, LaneFloat x, Lan
 // The rays through these places of the picture (none negative).
 static RayLanes rays_at(PictureRays picture, LaneFloat x, LaneFloat y) {
     RayLanes rays;
-    rays.x = picture_coordinate(picture, 0, x, y, &rays.size_x);
-    rays.y = picture_coordinate(picture, 1, x, y, &rays.size_y);
-    rays.z = picture_coordinate(picture, 2, x, y, &rays.size_z);
+    rays.direction.x = picture_coordinate(picture, 0, x, y, &rays.size.x);
+    rays.direction.y = picture_coordinate(picture, 1, x, y, &rays.size.y);
+    rays.direction.z = picture_coordinate(picture, 2, x, y, &rays.size.z);
     return rays;
 }
 
-// det3_float for many rays.
-static LaneFloat det3_lanes(Det3FloatCross cross, RayLanes rays, LaneFloat* bound) {
-    LaneFloat value = rays.x * cross.value.x + rays.y * cross.value.y + rays.z * cross.value.z;
-    LaneFloat permanent = rays.size_x * cross.size.x + rays.size_y * cross.size.y + rays.size_z * cross.size.z;
-    LaneFloat most = (LaneFloat)(0x1p20f);
-    LaneInt in_range = LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f)) & LANE_COMPARE(rays.size_x, <=, most) &
-                       LANE_COMPARE(rays.size_y, <=, most) & LANE_COMPARE(rays.size_z, <=, most);
-    if (!(cross.largest.x <= 0x1p20f && cross.largest.y <= 0x1p20f && cross.largest.z <= 0x1p20f))
-        in_range = (LaneInt)(0);
-    *bound = LANES_SELECT((LaneFloat)(INFINITY), DET3_FLOAT_BOUND * permanent, in_range);
-    return value;
+// Outlines side by side.
+typedef struct OutlineLanes {
+    LaneCross sides[3];
+    LaneInt orientation;
+} OutlineLanes;
+
+static OutlineLanes same_outline(const Outline* one) {
+    OutlineLanes outline = {{same_cross(one->ab), same_cross(one->bc), same_cross(one->ca)},
+                            (LaneInt)(one->orientation)};
+    return outline;
+}
+
+static OutlineLanes outlines_of(const TriangleBlock* t, float3 eye, LaneInt lanes) {
+    PointBlock from = same_point(eye.x, eye.y, eye.z);
+    LaneCross normals = triangle_normals(t);
+    uint exact = 0;
+    OutlineLanes outline;
+    // det(b - a, c - a, a - eye) = det(a - eye, b - eye, c - eye)
+    outline.orientation = lanes_side(t, &normals, &t->a, &from, lanes, &exact);
+    outline.sides[0] = lanes_cross(difference(t->a, from), difference(t->b, t->a));
+    outline.sides[1] = lanes_cross(difference(t->b, from), difference(t->c, t->b));
+    outline.sides[2] = lanes_cross(difference(t->c, from), difference(t->a, t->c));
+    return outline;
 }
 
 // Which of the rays meet the triangle for certain, by more than every error, and which may?
@@ -147,13 +159,13 @@ typedef struct Coverage {
     LaneInt certain, possible;
 } Coverage;
 
-static Coverage coverage_of(const Outline* outline, RayLanes rays) {
-    Coverage coverage = {(LaneInt)(-1), (LaneInt)(-1)};
-    if (outline->orientation == 0) coverage.certain = coverage.possible = (LaneInt)(0);
+static Coverage coverage_of(const OutlineLanes* outline, const RayLanes* rays) {
+    Coverage coverage;
+    coverage.certain = coverage.possible = LANE_COMPARE(outline->orientation, !=, (LaneInt)(0));
     for (int i = 0; i < 3; ++i) {
         LaneFloat bound;
-        LaneFloat value = det3_lanes(i == 0 ? outline->ab : i == 1 ? outline->bc : outline->ca, rays, &bound);
-        value *= (float)outline->orientation;
+        LaneFloat value = lanes_det3(&outline->sides[i], rays->direction, rays->size, &bound);
+        value *= LANES_TO_FLOAT(outline->orientation);
         coverage.certain &= LANE_COMPARE(value, >, bound);
         coverage.possible &= ~LANE_COMPARE(value, <, -bound);
     }
@@ -205,21 +217,22 @@ static Wide nearness(Plane plane, Triangle t, Ray ray) {
 
 // ---- Planes at the float level --------------------------------------------------------------------------------------
 
-typedef struct FloatPlane {
-    Det3FloatCross normal;
-    float depth, relative_error;  // n . (a - eye)
-    bool is_good;
-} FloatPlane;
+// Of triangles side by side.
+typedef struct PlaneLanes {
+    LaneCross normal;
+    LaneFloat depth, relative_error;  // n . (a - eye)
+    LaneInt good;
+} PlaneLanes;
 
-static FloatPlane float_plane_of(Triangle t, float3 eye) {
-    FloatPlane plane;
-    plane.normal = det3_cross_float(t.b - t.a, t.c - t.a);
-    float3 to_plane = t.a - eye;
-    float bound;
-    plane.depth = det3_float(plane.normal, to_plane, fabs(to_plane), &bound);
-    plane.is_good = 4.0f * bound < fabs(plane.depth);
-    plane.relative_error = plane.is_good ? bound / fabs(plane.depth) : 1.0f;
-    return plane;
+static PlaneLanes planes_of(const TriangleBlock* t, float3 eye) {
+    PlaneLanes planes;
+    PointBlock to_plane = difference(t->a, same_point(eye.x, eye.y, eye.z));
+    LaneFloat bound;
+    planes.normal = triangle_normals(t);
+    planes.depth = lanes_det3(&planes.normal, to_plane, magnitudes(to_plane), &bound);
+    planes.good = LANE_COMPARE(4.0f * bound, <, fabs(planes.depth));
+    planes.relative_error = bound / fabs(planes.depth);
+    return planes;
 }
 
 // Intervals in which 1 / t lies for certain, with enough on both sides for the error of nearness() as well, so that
@@ -231,14 +244,14 @@ typedef struct NearnessLanes {
     LaneFloat low, high;
 } NearnessLanes;
 
-static NearnessLanes nearness_lanes(Triangle t, float3 eye, RayLanes rays) {
-    FloatPlane plane = float_plane_of(t, eye);
+static NearnessLanes nearness_lanes(Triangle t, float3 eye, const RayLanes* rays) {
+    TriangleBlock same = same_triangle(t);
+    PlaneLanes planes = planes_of(&same, eye);
     LaneFloat bound;
-    LaneFloat along = det3_lanes(plane.normal, rays, &bound);
-    LaneInt good = LANE_COMPARE(4.0f * bound, <, fabs(along));
-    if (!plane.is_good) good = (LaneInt)(0);
-    LaneFloat value = along / plane.depth;
-    LaneFloat error = fabs(value) * (1.4f * (bound / fabs(along) + plane.relative_error) + 1.0e-6f);
+    LaneFloat along = lanes_det3(&planes.normal, rays->direction, rays->size, &bound);
+    LaneInt good = planes.good & LANE_COMPARE(4.0f * bound, <, fabs(along));
+    LaneFloat value = along / planes.depth;
+    LaneFloat error = fabs(value) * (1.4f * (bound / fabs(along) + planes.relative_error) + 1.0e-6f);
     NearnessLanes nearness;
     nearness.low = LANES_SELECT((LaneFloat)(-INFINITY), value - error, good);
     nearness.high = LANES_SELECT((LaneFloat)(INFINITY), value + error, good);
@@ -314,7 +327,7 @@ static void compare_with_best(NearestFilter* found, const NearestLanes* best) {
 }
 
 // The intervals of the best so far, which are those of records, from their triangles: for some lanes at least.
-static void look_closer_at_best(TileLists lists, float3 eye, RayLanes rays, LaneInt lanes, NearestLanes* best) {
+static void look_closer_at_best(TileLists lists, float3 eye, const RayLanes* rays, LaneInt lanes, NearestLanes* best) {
     lanes &= LANE_COMPARE(best->id, !=, (LaneInt)((int)GN_NO_ID));
     while (LANES_ANY(lanes)) {
         int id = LANE_OF_INT(best->id, first_lane(lanes));
@@ -334,16 +347,17 @@ static void look_closer(TileLists lists, float3 eye, const RayBlock* block, uint
     Outline outline;
     if (LANES_ANY(found->possible & ~found->inside)) {
         outline = outline_of(t, eye);
-        Coverage coverage = coverage_of(&outline, rays);
+        OutlineLanes lanes = same_outline(&outline);
+        Coverage coverage = coverage_of(&lanes, &rays);
         found->possible &= found->inside | coverage.possible;
         found->inside |= coverage.certain;
     }
     if (LANES_ANY(found->possible & ~found->nearer)) {
-        NearnessLanes nearness = nearness_lanes(t, eye, rays);
+        NearnessLanes nearness = nearness_lanes(t, eye, &rays);
         found->low = LANES_MAX(found->low, nearness.low);
         found->high = LANES_MIN(found->high, nearness.high);
         compare_with_best(found, best);
-        look_closer_at_best(lists, eye, rays, found->possible & ~found->nearer, best);
+        look_closer_at_best(lists, eye, &rays, found->possible & ~found->nearer, best);
         compare_with_best(found, best);
     }
     if (LANES_ANY(found->possible & ~(found->inside & found->nearer)))

@@ -27,16 +27,7 @@ typedef struct ReceiverAnswer {
 static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
                                     float4 light, bool doubts, __global const float* vertices, uint* exact) {
     ReceiverAnswer answer = {(LaneInt)(0), (LaneInt)(0)};
-    uint first = (uint)LANE_OF_INT(ids, first_lane(asked));
-    ids = LANES_SELECT((LaneInt)((int)first), ids, asked);
-    TriangleBlock t;
-    if (LANES_ANY(LANE_COMPARE(ids, !=, (LaneInt)((int)first)))) {
-        __global const float* rows[GN_LANES];
-        for (int lane = 0; lane < GN_LANES; ++lane) rows[lane] = vertices + 9 * (size_t)(uint)LANE_OF_INT(ids, lane);
-        t = load_triangle_rows(rows);
-    } else {
-        t = same_triangle(load_triangle(vertices, first));
-    }
+    TriangleBlock t = load_triangles_of(vertices, ids, asked);
     asked &= finite_triangles(&t);
     if (!LANES_ANY(asked)) return answer;
     LaneCross normals = triangle_normals(&t);

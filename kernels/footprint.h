@@ -41,7 +41,7 @@ typedef struct FootprintBlock {
 } FootprintBlock;
 
 static FootprintBlock load_footprints(__global const float* footprints, PointsLayout layout, size_t block) {
-    size_t count = layout.count;
+    size_t count = layout.coordinate_stride;
     FootprintBlock f;
     f.u.x = load_lanes(footprints, layout, block);
     f.u.y = load_lanes(footprints + count, layout, block);

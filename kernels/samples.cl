@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Samples: several per pixel. Contract in samples.h; for techniques that cannot settle footprints, samples_mean alone.
 //
-// samples_whole    which pixels' samples lie on one receiver; the others are edges
+// samples_whole    which pixels' samples lie on one receiver, with their footprints; the others are edges
 // samples_seek     the receiver of each sample of the edges, exactly
 // samples_group    their pieces
-// samples_bound    the footprints of all pieces
+// samples_bound    the footprints of these pieces
 // samples_sort     what the technique settled is counted, the rest listed
 // samples_place    the samples of mixed pieces, and samples_points their shading points
 // samples_count    what became of them
@@ -37,29 +37,142 @@ __kernel void samples_mean(uint pixels, uint samples, uint is_first, float scale
     }
 }
 
+// ---- Footprints -----------------------------------------------------------------------------------------------------
+
+// Hits of a plane, with the largest error of a coordinate; `met` where they are in front of the eye for certain.
+typedef struct HitLanes {
+    PointBlock at;
+    LaneFloat error;
+    LaneInt met;
+} HitLanes;
+
+static LaneFloat largest_of(PointBlock v) {
+    PointBlock size = magnitudes(v);
+    LaneFloat largest = LANES_MAX(size.x, size.y);
+    return LANES_MAX(size.z, largest);
+}
+
+static HitLanes hits_of(const PlaneLanes* planes, const RayLanes* rays, float3 eye) {
+    LaneFloat bound;
+    LaneFloat along = lanes_det3(&planes->normal, rays->direction, rays->size, &bound);
+    LaneFloat t = planes->depth / along;
+    HitLanes hit;
+    hit.met = planes->good & LANE_COMPARE(4.0f * bound, <, fabs(along)) & LANE_COMPARE(t, >, (LaneFloat)(0.0f));
+    LaneFloat relative = 1.4f * (bound / fabs(along) + planes->relative_error) + 1.0e-6f;
+    hit.at.x = fma(t, rays->direction.x, (LaneFloat)(eye.x));
+    hit.at.y = fma(t, rays->direction.y, (LaneFloat)(eye.y));
+    hit.at.z = fma(t, rays->direction.z, (LaneFloat)(eye.z));
+    LaneFloat reach = t * largest_of(rays->direction), size = largest_of(rays->size);
+    float eye_size = fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z)));
+    hit.error = reach * relative + GN_U * (t * size + 3.0f * (reach + eye_size));
+    return hit;
+}
+
+static PointBlock combined(const HitLanes* h, float s0, float s1, float s2, float s3) {
+    PointBlock sum = {0.25f * (s0 * h[0].at.x + s1 * h[1].at.x + s2 * h[2].at.x + s3 * h[3].at.x),
+                      0.25f * (s0 * h[0].at.y + s1 * h[1].at.y + s2 * h[2].at.y + s3 * h[3].at.y),
+                      0.25f * (s0 * h[0].at.z + s1 * h[1].at.z + s2 * h[2].at.z + s3 * h[3].at.z)};
+    return sum;
+}
+
+static PointBlock selected(PointBlock no, PointBlock yes, LaneInt lanes) {
+    PointBlock chosen = {LANES_SELECT(no.x, yes.x, lanes), LANES_SELECT(no.y, yes.y, lanes),
+                         LANES_SELECT(no.z, yes.z, lanes)};
+    return chosen;
+}
+
+// The rays through the corners of boxes in the picture.
+static void corner_rays(PictureRays picture, LaneFloat low_x, LaneFloat low_y, LaneFloat high_x, LaneFloat high_y,
+                        RayLanes* rays) {
+    for (int corner = 0; corner < 4; ++corner)
+        rays[corner] = rays_at(picture, corner & 1 ? high_x : low_x, corner & 2 ? high_y : low_y);
+}
+
+// A piece's footprint: where it lies, and its shape.
+typedef struct PieceBounds {
+    PointBlock centre;
+    FootprintBlock shape;
+} PieceBounds;
+
+// The part of each receiver's plane that is seen between four rays. Unbounded ones keep their centre at the eye; lanes
+// without a piece are absent.
+static PieceBounds bounds_of_pieces(const TriangleBlock* receivers, const RayLanes* rays, float3 eye, LaneInt lanes) {
+    PlaneLanes planes = planes_of(receivers, eye);
+    HitLanes h[4];
+    LaneInt met = lanes;
+    LaneFloat error = (LaneFloat)(0.0f), largest = (LaneFloat)(fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z))));
+    for (int corner = 0; corner < 4; ++corner) {
+        h[corner] = hits_of(&planes, &rays[corner], eye);
+        met &= h[corner].met;
+        LaneFloat size = largest_of(h[corner].at);
+        error = LANES_MAX(h[corner].error, error);
+        largest = LANES_MAX(size, largest);
+    }
+    PointBlock rest = combined(h, 1.0f, -1.0f, -1.0f, 1.0f);
+    // 18u: the lift. 32u: the sums here, and those of footprint.h and facing.cl with places of this size.
+    LaneFloat spread = 1.01f * (largest_of(rest) + error + (50.0f * GN_U) * largest) + 1.0e-30f;
+    met &= LANE_COMPARE(spread, <, (LaneFloat)(1.0e30f)) & LANE_COMPARE(largest, <, (LaneFloat)(1.0e30f));
+    PointBlock none = same_point(0.0f, 0.0f, 0.0f), absent = same_point(NAN, NAN, NAN);
+    PieceBounds bounds;
+    bounds.centre = selected(absent, same_point(eye.x, eye.y, eye.z), lanes);
+    bounds.centre = selected(bounds.centre, combined(h, 1.0f, 1.0f, 1.0f, 1.0f), met);
+    bounds.shape.u = selected(none, combined(h, -1.0f, 1.0f, -1.0f, 1.0f), met);
+    bounds.shape.v = selected(none, combined(h, -1.0f, -1.0f, 1.0f, 1.0f), met);
+    bounds.shape.spread = LANES_SELECT((LaneFloat)(INFINITY), spread, met);
+    return bounds;
+}
+
+static PieceBounds no_pieces(void) {
+    PointBlock none = same_point(0.0f, 0.0f, 0.0f);
+    PieceBounds bounds = {same_point(NAN, NAN, NAN), {none, none, (LaneFloat)(INFINITY)}};
+    return bounds;
+}
+
+static void store_piece_lanes(LaneFloat values, const uint* places, LaneInt written, bool in_a_row,
+                              __global float* all) {
+#if GN_LANES == 16
+    if (in_a_row) {
+        vstore16(values, 0, all + places[0]);
+        return;
+    }
+#endif
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        if (LANE_OF_INT(written, lane)) all[places[lane]] = LANE_OF_FLOAT(values, lane);
+}
+
+// Those of the lanes `written`, to their places; in_a_row: all lanes, and the places follow each other.
+static void store_bounds(const PieceBounds* bounds, const uint* places, LaneInt written, bool in_a_row,
+                         PixelBatch batch, __global float* centres, __global float* footprints) {
+    const FootprintBlock* f = &bounds->shape;
+    LaneFloat at[3] = {bounds->centre.x, bounds->centre.y, bounds->centre.z};
+    LaneFloat shape[FOOTPRINT_FLOATS] = {f->u.x, f->u.y, f->u.z, f->v.x, f->v.y, f->v.z, f->spread};
+    for (int i = 0; i < 3; ++i) store_piece_lanes(at[i], places, written, in_a_row, centres + i * (size_t)batch.places);
+    for (int i = 0; i < FOOTPRINT_FLOATS; ++i)
+        store_piece_lanes(shape[i], places, written, in_a_row, footprints + i * (size_t)batch.places);
+}
+
 // ---- Pieces ---------------------------------------------------------------------------------------------------------
 
 static uint tile_of_pixel(PixelBatch batch, uint pixel) {
     return (pixel / batch.width >> CAMERA_TILE_LOG2) * batch.tiles_x + (pixel % batch.width >> CAMERA_TILE_LOG2);
 }
 
-// Upper left corners of pixels, as places in the picture.
-static void corners_of(PixelBatch batch, LaneInt pixels, LaneFloat* x, LaneFloat* y) {
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        uint pixel = (uint)LANE_OF_INT(pixels, lane);
-        LANE_OF_FLOAT(*x, lane) = (float)(pixel % batch.width);
-        LANE_OF_FLOAT(*y, lane) = (float)(pixel / batch.width);
-    }
+// Triangles that cover all four rays for certain.
+static LaneInt covering_all(const TriangleBlock* t, const RayLanes* rays, float3 eye, LaneInt lanes) {
+    OutlineLanes outlines = outlines_of(t, eye, lanes);
+    for (int corner = 0; corner < 4 && LANES_ANY(lanes); ++corner)
+        lanes &= coverage_of(&outlines, &rays[corner]).certain;
+    return lanes;
 }
 
-// Writes the pixels' own pieces (edges: still empty), the list of edges, and starts the sums `lit`.
+// Writes the pixels' own pieces (edges: still empty), with bounds, and the list of edges, and starts the sums `lit`.
 __kernel void samples_whole(PictureRays picture, __constant const SamplePattern* pattern, PixelBatch batch,
                             float4 eye_and_zero, ulong first_float, __global const float* vertices,
                             __global const uint* pixel_receivers, __global const uint2* tile_ranges,
                             __global uint* receivers, __global uint* masks, __global uint* lit, __global uint* edges,
-                            __global SampleCounters* counters) {
+                            __global float* centres, __global float* footprints, __global SampleCounters* counters) {
     float3 eye = eye_and_zero.xyz;
-    Claim places = no_claim();
+    Claim claimed = no_claim();
     uint whole_count = 0, sky_count = 0;
     const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
     const uint blocks_per_row = tile_pixels / GN_LANES, blocks_per_tile = tile_pixels * blocks_per_row;
@@ -69,41 +182,40 @@ __kernel void samples_whole(PictureRays picture, __constant const SamplePattern*
         uint column = (tile % batch.tiles_x) * tile_pixels + (within % blocks_per_row) * GN_LANES;
         uint row = (tile / batch.tiles_x) * tile_pixels + within / blocks_per_row;
         if (column >= batch.width || row * batch.width >= batch.count) continue;
-        uint first = row * batch.width + column;
-        LaneInt present = LANE_COMPARE((LaneInt)((int)column) + LANE_INDEX, <, (LaneInt)((int)batch.width));
-        LaneInt left = present, ids = (LaneInt)((int)GN_NO_ID);
-        for (int lane = 0; lane < GN_LANES; ++lane)
+        uint first = row * batch.width + column, places[GN_LANES];
+        LaneInt columns = (LaneInt)((int)column) + LANE_INDEX;
+        LaneInt present = LANE_COMPARE(columns, <, (LaneInt)((int)batch.width)), ids = (LaneInt)((int)GN_NO_ID);
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            places[lane] = first + lane;
             if (LANE_OF_INT(present, lane)) LANE_OF_INT(ids, lane) = (int)pixel_receivers[batch.first + first + lane];
+        }
         uint2 range = tile_ranges[batch.first / batch.width / tile_pixels * batch.tiles_x + tile];
         bool is_sky = range.x == range.y;
-        LaneFloat x = LANES_TO_FLOAT((LaneInt)((int)column) + LANE_INDEX);
-        LaneFloat y = (LaneFloat)((float)(batch.first / batch.width + row));
-        LaneInt whole = (LaneInt)(0);
-        while (LANES_ANY(left)) {
-            int id = LANE_OF_INT(ids, first_lane(left));
-            LaneInt same = left & LANE_COMPARE(ids, ==, (LaneInt)(id));
-            left &= ~same;
-            if ((uint)id == GN_NO_ID) continue;
-            Outline outline = outline_of(load_triangle(vertices + first_float, (uint)id), eye);
-            for (int corner = 0; corner < 4 && LANES_ANY(same); ++corner)
-                same &= coverage_of(&outline, rays_at(picture, x + (corner & 1 ? pattern->high[0] : pattern->low[0]),
-                                                      y + (corner & 2 ? pattern->high[1] : pattern->low[1])))
-                            .certain;
-            whole |= same;
+        LaneInt whole = LANE_COMPARE(ids, !=, (LaneInt)((int)GN_NO_ID));
+        PieceBounds bounds = no_pieces();
+        if (LANES_ANY(whole)) {
+            LaneFloat x = LANES_TO_FLOAT(columns), y = (LaneFloat)((float)(batch.first / batch.width + row));
+            TriangleBlock t = load_triangles_of(vertices + first_float, ids, whole);
+            RayLanes rays[4];
+            corner_rays(picture, x + pattern->low[0], y + pattern->low[1], x + pattern->high[0], y + pattern->high[1],
+                        rays);
+            whole = covering_all(&t, rays, eye, whole);
+            if (LANES_ANY(whole)) bounds = bounds_of_pieces(&t, rays, eye, whole);
         }
+        store_bounds(&bounds, places, present, !LANES_ANY(~present), batch, centres, footprints);
         for (int lane = 0; lane < GN_LANES; ++lane) {
             if (!LANE_OF_INT(present, lane)) continue;
-            uint i = first + lane, id = (uint)LANE_OF_INT(ids, lane);
+            uint i = first + lane;
             bool is_whole = LANE_OF_INT(whole, lane);
-            receivers[i] = id;
+            receivers[i] = (uint)LANE_OF_INT(ids, lane);
             masks[i] = is_whole ? pattern->all : 0u;
             lit[i] = is_sky ? pattern->count : 0u;
             whole_count += is_whole;
             sky_count += is_sky;
-            if (!is_whole && !is_sky) edges[claim(&places, &counters->edges)] = i;
+            if (!is_whole && !is_sky) edges[claim(&claimed, &counters->edges)] = i;
         }
     }
-    for (; places.next < places.end; ++places.next) edges[places.next] = GN_NO_ID;
+    for (; claimed.next < claimed.end; ++claimed.next) edges[claimed.next] = GN_NO_ID;
     if (whole_count != 0) atomic_add(&counters->whole, whole_count);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
 }
@@ -135,7 +247,9 @@ __kernel void samples_seek(__constant const Projection* projection, PictureRays 
         uint own = pixel_receivers[pixel];
         if (own != GN_NO_ID) {
             Outline outline = outline_of(load_triangle(lists.vertices, own), eye);
-            Coverage coverage = coverage_of(&outline, rays_at(picture, block.x, block.y));
+            OutlineLanes lanes = same_outline(&outline);
+            RayLanes block_rays = rays_at(picture, block.x, block.y);
+            Coverage coverage = coverage_of(&lanes, &block_rays);
             LaneInt open = searching & coverage.possible & ~coverage.certain;
             for (int lane = 0; lane < GN_LANES; ++lane)
                 if (LANE_OF_INT(open, lane) && covers(&outline, eye, ray_of_lane(rays, &block, lane)))
@@ -189,140 +303,55 @@ __kernel void samples_group(__constant const SamplePattern* pattern, PixelBatch 
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
 }
 
-// ---- Footprints -----------------------------------------------------------------------------------------------------
-
-// Hits of a plane, with the largest error of a coordinate; `met` where they are in front of the eye for certain.
-typedef struct HitLanes {
-    PointBlock at;
-    LaneFloat error;
-    LaneInt met;
-} HitLanes;
-
-static LaneFloat largest_of(LaneFloat x, LaneFloat y, LaneFloat z) { return fmax(fabs(x), fmax(fabs(y), fabs(z))); }
-
-static HitLanes hits_of(const FloatPlane* plane, RayLanes rays, float3 eye) {
-    LaneFloat bound;
-    LaneFloat along = det3_lanes(plane->normal, rays, &bound);
-    LaneFloat t = plane->depth / along;
-    HitLanes hit;
-    hit.met = LANE_COMPARE(4.0f * bound, <, fabs(along)) & LANE_COMPARE(t, >, (LaneFloat)(0.0f));
-    if (!plane->is_good) hit.met = (LaneInt)(0);
-    LaneFloat relative = 1.4f * (bound / fabs(along) + plane->relative_error) + 1.0e-6f;
-    hit.at.x = fma(t, rays.x, (LaneFloat)(eye.x));
-    hit.at.y = fma(t, rays.y, (LaneFloat)(eye.y));
-    hit.at.z = fma(t, rays.z, (LaneFloat)(eye.z));
-    LaneFloat reach = t * largest_of(rays.x, rays.y, rays.z), size = largest_of(rays.size_x, rays.size_y, rays.size_z);
-    float eye_size = fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z)));
-    hit.error = reach * relative + GN_U * (t * size + 3.0f * (reach + eye_size));
-    return hit;
-}
-
-static PointBlock combined(HitLanes* h, float s0, float s1, float s2, float s3) {
-    PointBlock sum = {0.25f * (s0 * h[0].at.x + s1 * h[1].at.x + s2 * h[2].at.x + s3 * h[3].at.x),
-                      0.25f * (s0 * h[0].at.y + s1 * h[1].at.y + s2 * h[2].at.y + s3 * h[3].at.y),
-                      0.25f * (s0 * h[0].at.z + s1 * h[1].at.z + s2 * h[2].at.z + s3 * h[3].at.z)};
-    return sum;
-}
-
-static PointBlock selected(PointBlock no, PointBlock yes, LaneInt lanes) {
-    PointBlock chosen = {LANES_SELECT(no.x, yes.x, lanes), LANES_SELECT(no.y, yes.y, lanes),
-                         LANES_SELECT(no.z, yes.z, lanes)};
-    return chosen;
-}
-
-// The part of a receiver's plane that is seen through boxes of the picture. Unbounded ones keep their centre at the
-// eye.
-static void bound_lanes(const FloatPlane* plane, PictureRays picture, float3 eye, PointBlock low, PointBlock high,
-                        LaneInt lanes, PointBlock* centres, FootprintBlock* footprints) {
-    HitLanes h[4];
-    LaneInt met = lanes;
-    LaneFloat error = (LaneFloat)(0.0f), largest = (LaneFloat)(fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z))));
-    for (int corner = 0; corner < 4; ++corner) {
-        h[corner] = hits_of(plane, rays_at(picture, corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y), eye);
-        met &= h[corner].met;
-        error = fmax(error, h[corner].error);
-        largest = fmax(largest, largest_of(h[corner].at.x, h[corner].at.y, h[corner].at.z));
-    }
-    PointBlock rest = combined(h, 1.0f, -1.0f, -1.0f, 1.0f);
-    // 18u: the lift. 32u: the sums here, and those of footprint.h and facing.cl with places of this size.
-    LaneFloat spread = 1.01f * (largest_of(rest.x, rest.y, rest.z) + error + (50.0f * GN_U) * largest) + 1.0e-30f;
-    met &= LANE_COMPARE(spread, <, (LaneFloat)(1.0e30f)) & LANE_COMPARE(largest, <, (LaneFloat)(1.0e30f));
-    PointBlock at_eye = {(LaneFloat)(eye.x), (LaneFloat)(eye.y), (LaneFloat)(eye.z)};
-    *centres = selected(*centres, at_eye, lanes);
-    *centres = selected(*centres, combined(h, 1.0f, 1.0f, 1.0f, 1.0f), met);
-    footprints->u = selected(footprints->u, combined(h, -1.0f, 1.0f, -1.0f, 1.0f), met);
-    footprints->v = selected(footprints->v, combined(h, -1.0f, -1.0f, 1.0f, 1.0f), met);
-    footprints->spread = LANES_SELECT(footprints->spread, spread, met);
-}
-
-// From the box around all samples to that around those of a mask; z is not used.
-static void shrink_box(__constant const SamplePattern* pattern, uint mask, int lane, PointBlock* low,
-                       PointBlock* high) {
-    float2 least = (float2)(1.0f), greatest = (float2)(0.0f);
-    for (; mask != 0u; mask &= mask - 1u) {
-        uint sample = 31u - clz(mask & (0u - mask));
-        float2 place = (float2)(pattern->place_x[sample], pattern->place_y[sample]);
-        least = fmin(least, place);
-        greatest = fmax(greatest, place);
-    }
-    // Places are multiples of 1 / 64: all of this is exact.
-    LANE_OF_FLOAT(low->x, lane) += least.x - pattern->low[0];
-    LANE_OF_FLOAT(low->y, lane) += least.y - pattern->low[1];
-    LANE_OF_FLOAT(high->x, lane) += greatest.x - pattern->high[0];
-    LANE_OF_FLOAT(high->y, lane) += greatest.y - pattern->high[1];
-}
-
 static uint pixel_of_piece(PixelBatch batch, __global const uint* extra_pixels, uint piece) {
     return piece < batch.count ? piece : extra_pixels[piece - batch.count];
 }
 
+// The bounds of the edges' pieces: their own and `extra_count` others.
 __kernel void samples_bound(PictureRays picture, __constant const SamplePattern* pattern, PixelBatch batch,
-                            PointsLayout pieces, float4 eye_and_zero, ulong first_float, __global const float* vertices,
+                            uint edge_count, uint extra_count, float4 eye_and_zero, ulong first_float,
+                            __global const float* vertices, __global const uint* edges,
                             __global const uint* extra_pixels, __global const uint* receivers,
                             __global const uint* masks, __global float* centres, __global float* footprints) {
     float3 eye = eye_and_zero.xyz;
-    FloatPlane plane;
-    uint plane_id = GN_NO_ID;
-    GN_FOR_EACH(block, block_count(pieces)) {
-        LaneInt left = valid_lanes(pieces, block), ids = load_lane_ids(receivers, pieces, block);
-        LaneInt mask = load_lane_ids(masks, pieces, block);
-        left &= LANE_COMPARE(mask, !=, (LaneInt)(0));
-        LaneInt pixels = (LaneInt)((int)batch.first);
-        for (int lane = 0; lane < GN_LANES; ++lane)
-            if (LANE_OF_INT(left, lane))
-                LANE_OF_INT(pixels, lane) += (int)pixel_of_piece(batch, extra_pixels, (uint)block * GN_LANES + lane);
-        PointBlock low;
-        corners_of(batch, pixels, &low.x, &low.y);
-        low.z = (LaneFloat)(0.0f);
-        PointBlock high = {low.x + pattern->high[0], low.y + pattern->high[1], low.z};
-        low.x += pattern->low[0];
-        low.y += pattern->low[1];
-        LaneInt partial = left & LANE_COMPARE(mask, !=, (LaneInt)((int)pattern->all));
-        if (LANES_ANY(partial))
-            for (int lane = 0; lane < GN_LANES; ++lane)
-                if (LANE_OF_INT(partial, lane)) shrink_box(pattern, (uint)LANE_OF_INT(mask, lane), lane, &low, &high);
-        PointBlock none = {(LaneFloat)(0.0f), (LaneFloat)(0.0f), (LaneFloat)(0.0f)};
-        PointBlock at = {(LaneFloat)(NAN), (LaneFloat)(NAN), (LaneFloat)(NAN)};
-        FootprintBlock f = {none, none, (LaneFloat)(INFINITY)};
-        while (LANES_ANY(left)) {
-            int id = LANE_OF_INT(ids, first_lane(left));
-            LaneInt same = left & LANE_COMPARE(ids, ==, (LaneInt)(id));
-            left &= ~same;
-            if ((uint)id != plane_id) plane = float_plane_of(load_triangle(vertices + first_float, (uint)id), eye);
-            plane_id = (uint)id;
-            bound_lanes(&plane, picture, eye, low, high, same, &at, &f);
+    uint count = edge_count + extra_count;
+    GN_FOR_EACH(block, (count + GN_LANES - 1u) / GN_LANES) {
+        uint places[GN_LANES];
+        LaneInt written = (LaneInt)(0), mask = (LaneInt)(0), ids = (LaneInt)((int)GN_NO_ID);
+        LaneFloat x = (LaneFloat)(0.0f), y = x;
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            uint i = (uint)block * GN_LANES + lane;
+            if (i >= count) continue;
+            uint place = i < edge_count ? edges[i] : batch.count + (i - edge_count);
+            if (place == GN_NO_ID) continue;
+            places[lane] = place;
+            LANE_OF_INT(written, lane) = -1;
+            LANE_OF_INT(mask, lane) = (int)masks[place];
+            LANE_OF_INT(ids, lane) = (int)receivers[place];
+            uint pixel = batch.first + pixel_of_piece(batch, extra_pixels, place);
+            LANE_OF_FLOAT(x, lane) = (float)(pixel % batch.width);
+            LANE_OF_FLOAT(y, lane) = (float)(pixel / batch.width);
         }
-        size_t count = pieces.count;
-        store_lanes(at.x, centres, pieces, block);
-        store_lanes(at.y, centres + count, pieces, block);
-        store_lanes(at.z, centres + 2 * count, pieces, block);
-        store_lanes(f.u.x, footprints, pieces, block);
-        store_lanes(f.u.y, footprints + count, pieces, block);
-        store_lanes(f.u.z, footprints + 2 * count, pieces, block);
-        store_lanes(f.v.x, footprints + 3 * count, pieces, block);
-        store_lanes(f.v.y, footprints + 4 * count, pieces, block);
-        store_lanes(f.v.z, footprints + 5 * count, pieces, block);
-        store_lanes(f.spread, footprints + 6 * count, pieces, block);
+        LaneInt lanes = LANE_COMPARE(mask, !=, (LaneInt)(0));
+        PieceBounds bounds = no_pieces();
+        if (LANES_ANY(lanes)) {
+            // The box around the samples of the mask.
+            LaneFloat low_x = (LaneFloat)(1.0f), low_y = low_x, high_x = (LaneFloat)(0.0f), high_y = high_x;
+            for (uint sample = 0; sample < pattern->count; ++sample) {
+                LaneInt is_in = LANE_COMPARE(mask << (int)(31u - sample), <, (LaneInt)(0));
+                LaneFloat place_x = (LaneFloat)(pattern->place_x[sample]);
+                LaneFloat place_y = (LaneFloat)(pattern->place_y[sample]);
+                low_x = LANES_SELECT(low_x, LANES_MIN(place_x, low_x), is_in);
+                low_y = LANES_SELECT(low_y, LANES_MIN(place_y, low_y), is_in);
+                high_x = LANES_SELECT(high_x, LANES_MAX(place_x, high_x), is_in);
+                high_y = LANES_SELECT(high_y, LANES_MAX(place_y, high_y), is_in);
+            }
+            TriangleBlock t = load_triangles_of(vertices + first_float, ids, lanes);
+            RayLanes rays[4];
+            corner_rays(picture, x + low_x, y + low_y, x + high_x, y + high_y, rays);
+            bounds = bounds_of_pieces(&t, rays, eye, lanes);
+        }
+        store_bounds(&bounds, places, written, false, batch, centres, footprints);
     }
 }
 

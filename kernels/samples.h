@@ -28,7 +28,8 @@ GN_STRUCT_BEGIN(PixelBatch)
     uint width, height;  // of the picture
     uint tiles_x;        // camera tiles per band
     uint bands;
-GN_STRUCT_END(PixelBatch, 24)
+    uint places;  // that there are for pieces, the pixels' own among them
+GN_STRUCT_END(PixelBatch, 28)
 
 // Zeroed before each batch of pixels. Claimed lists may hold unused places, GN_NO_ID.
 GN_STRUCT_BEGIN(SampleCounters)

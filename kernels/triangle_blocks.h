@@ -12,6 +12,11 @@ typedef struct TriangleBlock {
     PointBlock a, b, c;
 } TriangleBlock;
 
+static PointBlock same_point(float x, float y, float z) {
+    PointBlock p = {(LaneFloat)(x), (LaneFloat)(y), (LaneFloat)(z)};
+    return p;
+}
+
 // Those whose nine floats begin at rows[lane].
 static TriangleBlock load_triangle_rows(__global const float* const* rows) {
     TriangleBlock t;
@@ -36,6 +41,23 @@ static TriangleBlock load_triangles(__global const float* vertices, size_t first
     return load_triangle_rows(rows);
 }
 
+// One triangle in all lanes.
+static TriangleBlock same_triangle(Triangle one) {
+    TriangleBlock t = {same_point(one.a.x, one.a.y, one.a.z), same_point(one.b.x, one.b.y, one.b.z),
+                       same_point(one.c.x, one.c.y, one.c.z)};
+    return t;
+}
+
+// Those of these numbers; lanes that are not `asked`, of which there is one at least, take that of one that is.
+static TriangleBlock load_triangles_of(__global const float* vertices, LaneInt ids, LaneInt asked) {
+    uint first = (uint)LANE_OF_INT(ids, first_lane(asked));
+    ids = LANES_SELECT((LaneInt)((int)first), ids, asked);
+    if (!LANES_ANY(LANE_COMPARE(ids, !=, (LaneInt)((int)first)))) return same_triangle(load_triangle(vertices, first));
+    __global const float* rows[GN_LANES];
+    for (int lane = 0; lane < GN_LANES; ++lane) rows[lane] = vertices + 9 * (size_t)(uint)LANE_OF_INT(ids, lane);
+    return load_triangle_rows(rows);
+}
+
 static Triangle lane_triangle(const TriangleBlock* t, int lane) {
     Triangle triangle = {lane_point(t->a, lane), lane_point(t->b, lane), lane_point(t->c, lane)};
     return triangle;
@@ -54,17 +76,6 @@ static PointBlock magnitudes(PointBlock a) {
     PointBlock size = {fabs(a.x), fabs(a.y), fabs(a.z)};
     return size;
 }
-static PointBlock same_point(float x, float y, float z) {
-    PointBlock p = {(LaneFloat)(x), (LaneFloat)(y), (LaneFloat)(z)};
-    return p;
-}
-
-static TriangleBlock same_triangle(Triangle one) {
-    TriangleBlock t = {same_point(one.a.x, one.a.y, one.a.z), same_point(one.b.x, one.b.y, one.b.z),
-                       same_point(one.c.x, one.c.y, one.c.z)};
-    return t;
-}
-
 // Projected positions before the division, and the bounds of the errors of their coordinates.
 typedef struct Projected {
     LaneFloat x, y, w, z;

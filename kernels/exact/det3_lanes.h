@@ -30,6 +30,13 @@ static LaneCross lanes_cross(PointBlock u, PointBlock v) {
     cross.usable = within_float_range(magnitudes(u)) & within_float_range(magnitudes(v));
     return cross;
 }
+// One in all lanes.
+static LaneCross same_cross(Det3FloatCross one) {
+    bool usable = one.largest.x <= 0x1p20f && one.largest.y <= 0x1p20f && one.largest.z <= 0x1p20f;
+    LaneCross cross = {same_point(one.value.x, one.value.y, one.value.z),
+                       same_point(one.size.x, one.size.y, one.size.z), (LaneInt)(usable ? -1 : 0)};
+    return cross;
+}
 static LaneCross triangle_normals(const TriangleBlock* t) {
     return lanes_cross(difference(t->b, t->a), difference(t->c, t->a));
 }
@@ -43,6 +50,15 @@ static LaneInt lanes_det3_positive(const LaneCross* cross, PointBlock w, LaneInt
     *certain = cross->usable & within_float_range(size) & LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f)) &
                LANE_COMPARE(fabs(value), >, permanent * DET3_FLOAT_BOUND);
     return LANE_COMPARE(value, >, (LaneFloat)(0.0f));
+}
+
+// det3_float().
+static LaneFloat lanes_det3(const LaneCross* cross, PointBlock w, PointBlock size_w, LaneFloat* bound) {
+    LaneFloat value = w.x * cross->value.x + w.y * cross->value.y + w.z * cross->value.z;
+    LaneFloat permanent = size_w.x * cross->size.x + size_w.y * cross->size.y + size_w.z * cross->size.z;
+    LaneInt in_range = cross->usable & within_float_range(size_w) & LANE_COMPARE(permanent, >=, (LaneFloat)(0x1p-40f));
+    *bound = LANES_SELECT((LaneFloat)(INFINITY), DET3_FLOAT_BOUND * permanent, in_range);
+    return value;
 }
 
 // The sides of these lanes, one by one. Adds to *exact how many needed the exact level.
