@@ -55,6 +55,7 @@ std::array<PlannedView, first_view> measures(const ViewPlan& plan) {
         for (int axis = 0; axis < 2; ++axis) view.limit_low[axis] = -HUGE_VALF, view.limit_high[axis] = HUGE_VALF;
         view.hold_near = -HUGE_VALF;
         view.hold_far = HUGE_VALF;
+        view.face = NO_FACE;
     }
     planned[0].row_u[0] = planned[0].row_v[1] = planned[0].row_depth[2] = 1;
     std::copy(plan.eye, plan.eye + 3, planned[1].origin);
@@ -77,6 +78,10 @@ std::size_t centre_floats(const ViewPlan& plan) {
     return std::size_t(plan.view_count) * 2 * MOST_SIDES * plan.map_size;
 }
 
+bool warps_faces(const ViewPlan& plan) {
+    return plan.partition == PARTITION_CUBE && plan.projection == PROJECTION_LISPSM && plan.fit == FIT_RECEIVERS;
+}
+
 MapSet map_set(const ViewPlan& plan) {
     MapSet set{};
     const cl_uint even = plan.map_size * plan.map_size;
@@ -92,6 +97,7 @@ MapSet map_set(const ViewPlan& plan) {
     set.has_camera = plan.eye[3] != 0;
     std::copy(plan.eye, plan.eye + 3, set.eye);
     std::copy(plan.forward, plan.forward + 3, set.camera_forward);
+    std::copy(plan.light, plan.light + 3, set.light);
     return set;
 }
 
@@ -191,8 +197,9 @@ std::string ViewFit::limits(const FitInputs& inputs) const {
     if (!inputs.camera &&
         (projection_ != PROJECTION_UNIFORM || cascades_ > 1 || fit_ != FIT_RECEIVERS || warp_.is_on()))
         return "the points have no camera: one uniform view is fitted to them";
-    if (!inputs.light.is_directional() && projection_ == PROJECTION_LISPSM)
-        return "lispsm is for directional lights: the faces around this one are uniform";
+    if (!inputs.light.is_directional() && projection_ == PROJECTION_LISPSM && partition_ != PARTITION_FACES &&
+        fit_ != FIT_RECEIVERS)
+        return "lispsm warps the faces around a lamp where they are fitted to the receivers: set fit=receivers";
     return {};
 }
 
@@ -243,6 +250,10 @@ void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t s
     session.launch("shadow_map/projection.cl", "projection_plan", cl::Range::items(plan.view_count), plan, bounds_,
                    planned_);
     run_bounds(session, plan, first_view, plan.view_count, true, inputs.points, inputs.visibility);
+    if (warps_faces(plan)) {
+        lamp_perspective_.run(session, plan, inputs, planned_, bounds_);
+        run_bounds(session, plan, first_view, plan.view_count, true, inputs.points, inputs.visibility);
+    }
     run_fit(session, plan, map_views);
     if (warp_.is_on() && inputs.camera) run_warp(session, plan, inputs, map_views);
     fill_centres(session, map_views);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "../../kernels/shadow_map/projection.h"
+#include "lamp_perspective.hpp"
 #include "rectilinear_warp.hpp"
 
 namespace gnomon {
@@ -33,6 +34,7 @@ private:
     void run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views);
     void run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);
 
+    LampPerspective lamp_perspective_;
     RectilinearWarp warp_;
     MapViews small_views_;  ///< for the warp's analysis from the light
     cl::Buffer planned_, bounds_;

@@ -221,8 +221,9 @@ static bool perspective_shadow_map(const ViewPlan* plan, float near_depth, float
 
 // ---- Face partitions ------------------------------------------------------------------------------------------------
 
-// Sides hold a little more than themselves: rays through an edge must not fall between two of them.
-#define SIDE_RIM 1.0e-3f
+// Sides hold a little more than themselves: rays through an edge must not fall between two of them. Twice what lookups
+// ask of a face.
+#define SIDE_RIM (2.0f * FACE_RIM)
 
 // Sides of the view frustum: right, left, up, down, far, near. Rays are told apart by where they leave it, so each side
 // has its own map, of the points where its rays leave: on the four long sides u goes across and v = 1/w along, w the

@@ -19,6 +19,9 @@
 //   tables[centres_first + x], x in [0, width), for u; tables[centres_first + width + y] for v
 // which kernel map_view_centres (map_view.cl) fills from the warp.
 //
+// A view with a face serves only points that are seen through that face of the cube around a positional light: face / 2
+// is the axis, odd faces lie on its negative side. Its map may reach farther.
+//
 // Storage: view's texel (x, y) is texel first_texel + y * row_stride + x of the map. Views one after the other are an
 // array, views that share a row_stride an atlas. A view of width 0 is off.
 #ifndef GN_MAP_VIEW_H
@@ -29,6 +32,10 @@
 #define WARP_NONE 0u
 #define WARP_LOGARITHMIC 1u
 #define WARP_RECTILINEAR 2u
+
+#define NO_FACE 0xFFFFFFFFu
+// How far views whose face alone decides overlap, as a share: rays through an edge must not fall between two of them.
+#define FACE_RIM 5.0e-4f
 
 GN_STRUCT_BEGIN(MapView)
     float row_u[4], row_v[4], row_w[4], row_depth[4];
@@ -43,7 +50,8 @@ GN_STRUCT_BEGIN(MapView)
     uint centres_first;  // index in tables
     uint width, height;  // texels
     uint first_texel, row_stride;
-GN_STRUCT_END(MapView, 128)
+    uint face;  // NO_FACE: serves what lies in its map
+GN_STRUCT_END(MapView, 132)
 
 // What the host knows of all views.
 GN_STRUCT_BEGIN(MapSet)
@@ -53,8 +61,8 @@ GN_STRUCT_BEGIN(MapSet)
     uint has_camera;       // 0: camera depth is 0, and selection is by containment alone
     float eye[3];
     float camera_forward[3];
-    uint padding[2];
-GN_STRUCT_END(MapSet, 48)
+    float light[3];  // a positional light, in world space
+GN_STRUCT_END(MapSet, 52)
 
 #ifndef __cplusplus
 
@@ -130,9 +138,20 @@ static float camera_depth_of(MapSet set, float3 p) {
            (p.z - set.eye[2]) * set.camera_forward[2];
 }
 
-// Is the point inside the map and in front of the light?
-static bool is_in_map(__global const MapView* view, float3 p) {
+// Does the light see what lies in this direction through its cube's face, or `rim` times the face's half width beside?
+static bool is_on_face(float3 from_light, uint face, float rim) {
+    float d[3] = {from_light.x, from_light.y, from_light.z};
+    uint axis = face / 2;
+    float reach = ((face & 1u) ? -d[axis] : d[axis]) * (1.0f + rim);
+    return fabs(d[(axis + 1) % 3]) <= reach && fabs(d[(axis + 2) % 3]) <= reach;
+}
+
+// Does the map serve the point: is it inside, in front of the light, and seen through the map's face, if it has one?
+static bool is_in_map(MapSet set, __global const MapView* view, float3 p) {
     if (view->width == 0) return false;
+    if (view->face != NO_FACE &&
+        !is_on_face(p - (float3)(set.light[0], set.light[1], set.light[2]), view->face, FACE_RIM))
+        return false;
     float3 at = map_uv(view, p);
     return at.x >= 0.0f && at.x <= 1.0f && at.y >= 0.0f && at.y <= 1.0f && at.z > view->front_depth;
 }
@@ -143,7 +162,7 @@ static uint select_view(MapSet set, __global const MapView* views, float3 p) {
     float camera_depth = camera_depth_of(set, p);
     for (uint i = 0; i < set.view_count; ++i) {
         __global const MapView* view = views + i;
-        if (camera_depth >= view->select_near && camera_depth < view->select_far && is_in_map(view, p)) return i;
+        if (camera_depth >= view->select_near && camera_depth < view->select_far && is_in_map(set, view, p)) return i;
     }
     return NO_VIEW;
 }
@@ -153,7 +172,7 @@ static float share_of_next(MapSet set, __global const MapView* views, uint index
     __global const MapView* view = views + index;
     if (!(view->blend_from < view->select_far) || index + 1 >= set.view_count) return 0.0f;
     float camera_depth = camera_depth_of(set, p);
-    if (!(camera_depth > view->blend_from) || !is_in_map(view + 1, p)) return 0.0f;
+    if (!(camera_depth > view->blend_from) || !is_in_map(set, view + 1, p)) return 0.0f;
     return (camera_depth - view->blend_from) / (view->select_far - view->blend_from);
 }
 

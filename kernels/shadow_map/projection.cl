@@ -4,35 +4,10 @@
 //   projection_plan    slices and homographies, one work-item per view
 //   projection_fit     the rectangle, the depth range and the texels of each view
 #include "../points.h"
-#include "homography.h"
 #include "partition.h"
-
-// planned[0] and [1] are not views: the scene's box in world space, and camera depths. The views follow.
-#define FIRST_VIEW 2
-
-static float4 planned_row(__global const float* row) { return (float4)(row[0], row[1], row[2], row[3]); }
-
-static void set_row(float* row, float4 value) {
-    row[0] = value.x;
-    row[1] = value.y;
-    row[2] = value.z;
-    row[3] = value.w;
-}
+#include "planned_view.h"
 
 // ---- Bounds ---------------------------------------------------------------------------------------------------------
-
-// (u, v, depth, w) of a point, and whether the view is to hold it.
-static bool place_in_view(const ViewPlan* plan, __global const PlannedView* view, float3 p, float4* place) {
-    float camera_depth = dot3(p - to_float3(plan->eye), to_float3(plan->forward));
-    if (camera_depth < view->hold_near || camera_depth > view->hold_far) return false;
-    float4 q = (float4)(p - (float3)(view->origin[0], view->origin[1], view->origin[2]), 1.0f);
-    float w = dot4(planned_row(view->row_w), q);
-    float u = dot4(planned_row(view->row_u), q) / w, v = dot4(planned_row(view->row_v), q) / w;
-    float depth = dot4(planned_row(view->row_depth), q);
-    *place = (float4)(u, v, depth, w);
-    if (view->is_front_only && !(depth > 0.0f)) return false;
-    return u >= view->limit_low[0] && u <= view->limit_high[0] && v >= view->limit_low[1] && v <= view->limit_high[1];
-}
 
 static void include_place(__local uint* least, float4 place) {
     float values[4] = {place.x, place.y, place.z, place.w};
@@ -182,6 +157,7 @@ static void plan_view(const ViewPlan* plan, Place place, uint i, PlannedView* vi
     for (int axis = 0; axis < 2; ++axis) view->limit_low[axis] = -INFINITY, view->limit_high[axis] = INFINITY;
     view->origin[0] = place.origin.x, view->origin[1] = place.origin.y, view->origin[2] = place.origin.z;
     view->takes_logarithm = view->is_front_only = view->is_off = 0;
+    view->face = NO_FACE;
     Homography h;
     if (plan->partition == PARTITION_FACES) {
         view->is_off = !frustum_side(plan, i, view->near_depth, view->far_depth, view, &h);
@@ -384,6 +360,7 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     map.log_strength = view->takes_logarithm ? r.high_v / r.low_v - 1.0f : 0.0f;
     map.warp = map.log_strength > 1.0e-3f ? WARP_LOGARITHMIC : WARP_NONE;
     map.blend_from = map.select_far;
+    map.face = view->face;
     map.warp_size = map.forward_first = 0;
     map.centres_first = i * 2 * MOST_SIDES * plan->map_size;
     map.width = map.height = plan->map_size;

@@ -16,12 +16,16 @@
 //            Kozlov's practical form of 2004)
 //   lispsm   w = y - y_c, y across the light along the view; the line y = y_c lies n = (z_n + sqrt(z_n z_f)) /
 //            sin(gamma) before the view volume (Wimmer, Scherzer, Purgathofer 2004; survey 42-51)
-//   logpsm   the same, with y_c of least storage, and v taken logarithmically (Lloyd et al. 2008; thesis, chapter 6);
+//            around a lamp, on each face of the cube, the same in the face's own coordinates: direction and line of
+//            least error are searched for (lamp_perspective.h)
+//   logpsm   for directions: as lispsm, with y_c of least storage, and v taken logarithmically (Lloyd et al. 2008;
+//   thesis, chapter 6);
 //            with face partitions w = z_e of the point where the ray leaves the view volume
 //   rtw      uniform, then a table per axis that moves texels to where they matter (Rosen 2012; survey 89-96)
 // Units: world units; u and v in [0, 1] over the map, depth in [0, 1] over the receivers.
 // Limits: psm, lispsm and logpsm need the camera of the points (else views are uniform); a positional light is served
-// by the six faces of a cube around it (uniform, lispsm) or by the sides of the view frustum (psm, logpsm).
+// by the six faces of a cube around it (uniform, lispsm) or by the sides of the view frustum (psm, logpsm). Faces are
+// warped where they are fitted to the receivers.
 #ifndef GN_SHADOW_PROJECTION_H
 #define GN_SHADOW_PROJECTION_H
 
@@ -97,6 +101,7 @@ GN_STRUCT_BEGIN(PlannedView)
     float error_u, error_v;             // largest ratio of a texel of unit resolution to a pixel (thesis, R_s and R_t)
     uint is_front_only;                 // 1: only points with depth > 0 (in front of a positional light)
     uint is_off;                        // 1: no light leaves the view volume through this side
-GN_STRUCT_END(PlannedView, 128)
+    uint face;                          // holds what is seen through this face of the cube; NO_FACE: by the limits
+GN_STRUCT_END(PlannedView, 132)
 
 #endif

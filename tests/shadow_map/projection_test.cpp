@@ -13,11 +13,22 @@ namespace {
 
 using namespace support;
 
+/// Is the direction from the lamp within the face?
+bool is_on_face(const Fitted& fitted, const MapView& view, const Double3& p) {
+    if (view.face == NO_FACE) return true;
+    const std::uint32_t axis = view.face / 2;
+    Double3 d;
+    for (int i = 0; i < 3; ++i) d[i] = p[i] - fitted.set.light[i];
+    const double reach = (view.face % 2 == 1 ? -d[axis] : d[axis]) * (1 + FACE_RIM);
+    return std::fabs(d[(axis + 1) % 3]) <= reach && std::fabs(d[(axis + 2) % 3]) <= reach;
+}
+
 /// As map_view.h selects, in double.
 const MapView* view_of(const Fitted& fitted, const Scene& scene, const Double3& p) {
     for (const MapView& view : fitted.views) {
         const double depth = fitted.set.has_camera != 0 ? scene.depth(p) : 0;
-        if (view.width == 0 || depth < view.select_near || depth >= view.select_far) continue;
+        if (view.width == 0 || !is_on_face(fitted, view, p) || depth < view.select_near || depth >= view.select_far)
+            continue;
         const Place at = place(view, p);
         if (is_inside(at) && at.depth > view.front_depth) return &view;
     }

@@ -32,6 +32,7 @@ struct ViewCase {
 inline gnomon::MapView bare_view(std::uint32_t width, std::uint32_t height) {
     gnomon::MapView view{};
     view.front_depth = -std::numeric_limits<float>::infinity();
+    view.face = NO_FACE;
     view.select_near = -std::numeric_limits<float>::infinity();
     view.select_far = view.blend_from = std::numeric_limits<float>::infinity();
     view.width = view.row_stride = width;
