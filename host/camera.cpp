@@ -207,6 +207,7 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
         .run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
     view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, visible.get());
     view.points.set_camera(camera, width, height);
+    view.points.set_lifted_off(triangles);
     session.finish();
     view.statistics.device_memory_bytes = session.run_peak_bytes() - before;
     view.statistics.total_wall_ms =

@@ -12,11 +12,6 @@ public:
     /// Writes every point's visibility, frame_bounds(), and the points' counts in `counters`.
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
-    /// The same for a prepared light, whose `domains` say which points stay open; the others are lit, or counted as
-    /// strays.
-    void run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                      const PointInputs& points, const cl::Buffer& domains, cl_mem visibility,
-                      const cl::Buffer& counters);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
 
 private:

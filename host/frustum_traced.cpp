@@ -148,18 +148,12 @@ bool FrustumTraced::run_prepared(Run& run) {
     cl::Session& session = run.session;
     const LightFrame& light_frame = prepared_->light_frame();
     const cl_uint frame_count = frame_count_of(light_frame);
-    const auto trace = [&](Trace::Look look) {
-        cl::StageTimer timer(session, run.statistics, "trace");
-        trace_.run(session, light_frame, 0, frame_count, run.triangles, run.points, prepared_->projections(),
-                   prepared_->map(), prepared_->lists(), run.visibility, counters_, look);
-    };
     clear(session, counters_);
     {
-        cl::StageTimer timer(session, run.statistics, "facing");
-        frames_.facing().run_prepared(session, light_frame, run.triangles, run.points, prepared_->domains(),
-                                      run.visibility, counters_);
+        cl::StageTimer timer(session, run.statistics, "trace");
+        trace_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->projections(), prepared_->map(),
+                            prepared_->lists(), prepared_->receivers(), run.visibility, counters_);
     }
-    trace(Trace::Look::first);
     {
         cl::StageTimer timer(session, run.statistics, "exact_trace");
         run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
@@ -168,7 +162,9 @@ bool FrustumTraced::run_prepared(Run& run) {
     run.strays = counted.strays;
     if (counted.strays != 0) return false;
     if (!trace_.fitted(session, run.points, counted)) {
-        trace(Trace::Look::second);
+        cl::StageTimer timer(session, run.statistics, "trace");
+        trace_.run(session, light_frame, 0, frame_count, run.triangles, run.points, prepared_->projections(),
+                   prepared_->map(), prepared_->lists(), run.visibility, counters_, Trace::Look::second);
         counted = session.read_value<FrameCounters>(counters_);
     }
     run.frames = frame_count;
@@ -176,6 +172,7 @@ bool FrustumTraced::run_prepared(Run& run) {
     add(run, counted);
     for (const char* stage : {"light_frame", "farthest_height", "triangle_setup", "conservative_map", "bins"})
         run.statistics.stages.push_back({stage, 0, 0, "prepared"});
+    run.statistics.stages.push_back({"facing", 0, 0, "decided by the trace, from what was prepared"});
     return true;
 }
 
@@ -197,7 +194,9 @@ void FrustumTraced::run_unprepared(Run& run) {
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
-    return run_on(triangles, point_inputs(points), light, visibility.buffer());
+    PointInputs inputs = point_inputs(points);
+    inputs.layout.is_lifted = points.is_lifted_off(triangles);
+    return run_on(triangles, inputs, light, visibility.buffer());
 }
 
 Statistics FrustumTraced::settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,

@@ -209,6 +209,8 @@ public:
     const Clusters* clusters() const { return clusters_.get(); }
 
 private:
+    friend class Points;  // watches the buffer
+
     std::shared_ptr<void> buffer_;
     std::shared_ptr<const Clusters> clusters_;
     std::size_t count_ = 0;
@@ -236,16 +238,24 @@ public:
 
     /// From here on, a point whose receiver's plane separates the light from this eye (or contains the light) faces
     /// away: visibility 0 by definition of shading, decided exactly, and no work. Views made by a Camera have it set.
-    void set_eye(const Float3& eye) { eye_ = eye; }
+    void set_eye(const Float3& eye) {
+        eye_ = eye;
+        lifted_off_.reset();
+    }
     const std::optional<Float3>& eye() const { return eye_; }
     /// The camera of a picture of width x height pixels that these points belong to: shadow maps that are split or
     /// warped along the view need it; without it they fit the points alone. Sets the eye too. Views made by look()
     /// have it set.
     void set_camera(const Camera& camera, std::uint32_t width, std::uint32_t height) {
         camera_ = PointsCamera{camera, width, height};
-        eye_ = camera.eye;
+        set_eye(camera.eye);
     }
     const std::optional<PointsCamera>& camera() const { return camera_; }
+    /// The caller promises that no point lies on the far side of its receiver as the eye sees it, `triangles` being
+    /// what receivers name: then a prepared light asks less of the receivers. Views made by look() have it set; it
+    /// lasts until an eye or a camera is set. After a change of the triangles, look again.
+    void set_lifted_off(const Triangles& triangles);
+    bool is_lifted_off(const Triangles& triangles) const;
 
     std::size_t count() const { return count_; }
     cl_mem positions() const;
@@ -259,6 +269,8 @@ private:
     std::size_t count_ = 0;
     std::optional<Float3> eye_;
     std::optional<PointsCamera> camera_;
+    std::weak_ptr<void> lifted_off_;  ///< the triangles' buffer
+    std::size_t lifted_off_first_float_ = 0;
 };
 
 /// Points on the host, for files and checks.

@@ -132,6 +132,17 @@ Points Points::upload(const Device& device, std::span<const float> positions,
     return points;
 }
 
+void Points::set_lifted_off(const Triangles& triangles) {
+    lifted_off_ = triangles.buffer_;
+    lifted_off_first_float_ = triangles.first_float();
+}
+
+bool Points::is_lifted_off(const Triangles& triangles) const {
+    const std::shared_ptr<void> buffer = lifted_off_.lock();
+    return eye_ && buffer != nullptr && buffer.get() == triangles.buffer() &&
+           lifted_off_first_float_ == triangles.first_float();
+}
+
 Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
                     cl_mem receivers) {
     require_count(count, "points");

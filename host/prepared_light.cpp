@@ -32,6 +32,7 @@ PreparedLight::PreparedLight(cl::Session& session, Statistics& statistics, const
     for (cl_uint frame = 0; frame < frame_count; ++frame)
         if (fitted[frame].active_points != 0 && fitted[frame].indistinct != 0) return;
 
+    keep_planes(session, statistics, inputs);
     const std::size_t bins = std::size_t(frame_count) * grid.bin_count();
     const std::size_t texels = std::size_t(frame_count) * grid.size * grid.size;
     ranges_.reserve(session, bins * 2 * sizeof(cl_uint));
@@ -74,6 +75,16 @@ bool PreparedLight::fit(cl::Session& session, Statistics& statistics, const Tria
     return triangles.count != 0;
 }
 
+void PreparedLight::keep_planes(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles) {
+    cl::StageTimer timer(session, statistics, "planes");
+    planes_.reserve(session, triangles.count * sizeof(cl_float4));
+    largest_coordinate_.reserve(session, sizeof(cl_uint));
+    session.fill(largest_coordinate_, 0, sizeof(cl_uint));
+    session.launch("prepared_light.cl", "prepared_planes", cl::Range::items(triangles.count / session.lanes() + 1),
+                   light_frame_, triangles.first_float, triangles.count, triangles.vertices, planes_,
+                   largest_coordinate_);
+}
+
 void PreparedLight::keep(cl::Session& session, Statistics& statistics, const TriangleLists& lists,
                          const FrameCounters& counted, cl_uint frame) {
     if (draws_map_) {
@@ -112,7 +123,8 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Tri
 
 std::uint64_t PreparedLight::bytes() const {
     std::uint64_t bytes = 0;
-    for (const cl::Buffer* buffer : {&projections(), &domains_, &ranges_, &map_, &entries_, &records_, &bounds_})
+    for (const cl::Buffer* buffer :
+         {&projections(), &domains_, &planes_, &largest_coordinate_, &ranges_, &map_, &entries_, &records_, &bounds_})
         bytes += buffer->bytes();
     return bytes;
 }

@@ -5,18 +5,35 @@
 
 namespace gnomon {
 
+template <typename... More>
+void Trace::launch(cl::Session& session, const char* file, const char* name, const LightFrame& light_frame,
+                   cl_uint first_frame, cl_uint frame_count, const TriangleInputs& triangles, const PointInputs& points,
+                   const cl::Buffer& projections, const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility,
+                   const cl::Buffer& counters, const More&... more) {
+    if (capacity_ == 0) reserve(session, first_capacity_);
+    const cl_uint has_map = map != nullptr;
+    session.launch(file, name, cl::Range::items(points.layout.count / session.lanes() + 1), light_frame, first_frame,
+                   frame_count, points.layout, projections, has_map, capacity_, triangles.first_float, points.positions,
+                   points.receivers, triangles.vertices, map != nullptr ? *map : queue_, lists.ranges, lists.entries,
+                   lists.records, lists.bounds, visibility, queue_, counters, more...);
+}
+
 void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
                 const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
                 const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters,
                 Look look) {
-    if (capacity_ == 0) reserve(session, first_capacity_);
-    const cl_uint has_map = map != nullptr;
     const bool first = look == Look::first;
-    session.launch(first ? "trace.cl" : "trace_again.cl", first ? "trace" : "trace_again",
-                   cl::Range::items(points.layout.count / session.lanes() + 1), light_frame, first_frame, frame_count,
-                   points.layout, projections, has_map, capacity_, triangles.first_float, points.positions,
-                   points.receivers, triangles.vertices, map != nullptr ? *map : queue_, lists.ranges, lists.entries,
-                   lists.records, lists.bounds, visibility, queue_, counters);
+    launch(session, first ? "trace.cl" : "trace_again.cl", first ? "trace" : "trace_again", light_frame, first_frame,
+           frame_count, triangles, points, projections, map, lists, visibility, counters);
+}
+
+void Trace::run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                         const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
+                         const ListBuffers& lists, const ReceiverBuffers& receivers, cl_mem visibility,
+                         const cl::Buffer& counters) {
+    launch(session, "prepared_trace.cl", "prepared_trace", light_frame, 0, frame_count_of(light_frame), triangles,
+           points, projections, map, lists, visibility, counters, triangles.count, receivers.domains, receivers.planes,
+           receivers.largest_coordinate);
 }
 
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

@@ -12,6 +12,10 @@ namespace gnomon {
 struct ListBuffers {
     const cl::Buffer &ranges, &entries, &records, &bounds;
 };
+/// What a prepared light keeps for facing (kernels/prepared_facing.h).
+struct ReceiverBuffers {
+    const cl::Buffer &domains, &planes, &largest_coordinate;
+};
 inline ListBuffers list_buffers(const Bins& bins, const TriangleSetup& setup) {
     return {bins.ranges(), bins.entries(), setup.records(), setup.bounds()};
 }
@@ -28,6 +32,12 @@ public:
              const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
              const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters,
              Look look = Look::first);
+    /// The first look under a prepared light, of all its frames: decides facing too. Counts strays; all points are
+    /// decided if there are none.
+    void run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                      const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
+                      const ListBuffers& lists, const ReceiverBuffers& receivers, cl_mem visibility,
+                      const cl::Buffer& counters);
     /// The other traversal, of one frame: triangles over the lists of points (kernels/trace_triangles.cl). Needs no
     /// second look.
     void run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
@@ -44,6 +54,11 @@ public:
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
+    template <typename... More>
+    void launch(cl::Session& session, const char* file, const char* name, const LightFrame& light_frame,
+                cl_uint first_frame, cl_uint frame_count, const TriangleInputs& triangles, const PointInputs& points,
+                const cl::Buffer& projections, const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility,
+                const cl::Buffer& counters, const More&... more);
     void reserve(cl::Session& session, std::uint32_t capacity);
 
     cl::Buffer queue_;

@@ -13,39 +13,9 @@
 // Of footprints (footprint.h) the same is asked: what holds for a receiver holds for all samples on it, which the
 // camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
 // others.
-#include "exact/det3_lanes.h"
 #include "footprint.h"
-#include "prepared_light.h"
+#include "receivers.h"
 #include "triangle_setup.h"
-
-// What is said of points that have a receiver with a plane.
-typedef struct ReceiverAnswer {
-    LaneInt faces_away, doubtful;
-} ReceiverAnswer;
-
-// `ids` of the lanes `asked` name triangles. Doubts are only cast on points that may have any.
-static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
-                                    float4 light, bool doubts, __global const float* vertices, uint* exact) {
-    ReceiverAnswer answer = {(LaneInt)(0), (LaneInt)(0)};
-    TriangleBlock t = load_triangles_of(vertices, ids, asked);
-    asked &= finite_triangles(&t);
-    if (!LANES_ANY(asked)) return answer;
-    LaneCross normals = triangle_normals(&t);
-    PointBlock towards = same_point(light.x, light.y, light.z), zero = same_point(0.0f, 0.0f, 0.0f);
-    LaneInt side = lanes_side(&t, &normals, &towards, light.w != 0.0f ? &t.a : &zero, asked, exact);
-    LaneInt facing = asked & LANE_COMPARE(side, !=, (LaneInt)(0));
-    if (layout.has_eye) {
-        PointBlock eye = same_point(layout.eye[0], layout.eye[1], layout.eye[2]);
-        facing &= LANE_COMPARE(lanes_side(&t, &normals, &eye, &t.a, facing, exact), ==, side);
-        answer.faces_away = asked & ~facing;
-    }
-    if (doubts && LANES_ANY(facing)) {
-        uint doubts_by_exact = 0;  // not counted: they are no matter of facing
-        LaneInt point_side = lanes_side(&t, &normals, &t.a, points, facing, &doubts_by_exact);
-        answer.doubtful = facing & LANE_COMPARE(point_side, ==, side);
-    }
-    return answer;
-}
 
 // ---- Bounds of the frames -------------------------------------------------------------------------------------------
 
@@ -144,22 +114,21 @@ static void include_points(RunningBounds* bounds, LightFrame light_frame, PointB
 }
 
 // `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `shared`: BOUNDS_WORDS for each
-// frame. The frames' bounds and the counters are zeroed before. `domains`: for FACING_PREPARED, one per frame.
+// frame. The frames' bounds and the counters are zeroed before.
 __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, ulong first_float,
                      uint triangle_count, __global const float* positions, __global const float* footprints,
-                     __global const uint* receivers, __global const float* vertices,
-                     __global const PreparedDomain* domains, __global float* visibility,
+                     __global const uint* receivers, __global const float* vertices, __global float* visibility,
                      volatile __global uint* frame_bounds, __global FrameCounters* counters, __local uint* shared) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
     // One atomic per work-group, not per item: many on one address take longer than the pass.
-    __local uint group_counts[3];
-    if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = group_counts[2] = 0u;
+    __local uint group_counts[2];
+    if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
 
     float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
     uint exact = 0;
-    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0), minus_strays = (LaneInt)(0);
+    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
     RunningBounds bounds;
     start_bounds(&bounds, 0u);
     GN_FOR_EACH(block, block_count(layout)) {
@@ -173,10 +142,7 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ui
         }
         LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0);
         if (layout.has_receivers) {
-            LaneInt ids = load_lane_ids(receivers, layout, block);
-            // Ids are unsigned: turn the top bit to compare them.
-            LaneInt top = (LaneInt)((int)0x80000000);
-            LaneInt asked = open & LANE_COMPARE(ids ^ top, <, (LaneInt)((int)triangle_count) ^ top);
+            LaneInt ids = load_lane_ids(receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
             if (LANES_ANY(asked)) {
                 ReceiverAnswer answer =
                     ask_receivers(ids, asked, &points, layout, light, !has_footprints, vertices + first_float, &exact);
@@ -187,11 +153,6 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ui
         minus_away += away;
         if (opens == FACING_DECIDES) open = (LaneInt)(0);
         open &= ~away & LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
-        if (opens == FACING_PREPARED) {
-            LaneInt strays;
-            open = prepared_lanes(light_frame, domains, points, open, &strays);
-            minus_strays += strays;
-        }
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
         FootprintBlock around;
         if (has_footprints) {
@@ -209,7 +170,6 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ui
     flush_bounds(&bounds, shared);
     atomic_add(&group_counts[0], (uint)-LANES_SUM(minus_absent));
     atomic_add(&group_counts[1], (uint)-LANES_SUM(minus_away));
-    atomic_add(&group_counts[2], (uint)-LANES_SUM(minus_strays));
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) {
         uint word = shared[i];
@@ -222,7 +182,6 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ui
     if (get_local_id(0) == 0) {
         if (group_counts[0] != 0) atomic_add(&counters->absent, group_counts[0]);
         if (group_counts[1] != 0) atomic_add(&counters->facing_away, group_counts[1]);
-        if (group_counts[2] != 0) atomic_add(&counters->strays, group_counts[2]);
     }
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
 }

@@ -14,6 +14,7 @@ typedef int LaneInt;
 #define LANES_SELECT(no, yes, mask) ((mask) ? (yes) : (no))
 #define LANE_INDEX 0
 #define LANES_AS_INT(x) as_int(x)
+#define LANES_AS_FLOAT(x) as_float(x)
 #define LANES_TO_INT(x) ((int)(x))
 #define LANES_TO_FLOAT(x) ((float)(x))
 #define LANES_MINIMUM(v) (v)
@@ -31,6 +32,7 @@ typedef int16 LaneInt;
 #define LANES_SELECT(no, yes, mask) select(no, yes, mask)
 #define LANE_INDEX (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #define LANES_AS_INT(x) as_int16(x)
+#define LANES_AS_FLOAT(x) as_float16(x)
 #define LANES_TO_INT(x) convert_int16(x)
 #define LANES_TO_FLOAT(x) convert_float16(x)
 #define LANES_MINIMUM(v) least_of_16(v)

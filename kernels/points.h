@@ -12,17 +12,16 @@ GN_STRUCT_BEGIN(PointsLayout)
     uint coordinate_stride;
     uint count;
     uint has_receivers;  // 0: the receivers buffer is a dummy
-    uint has_eye;        // 1: points facing away from the light are decided by the facing stage
+    uint has_eye;        // 1: points facing away from the light are decided by that
     float eye[2 + 1];
     uint picture_width;  // a multiple of 4: the points are whole rows of pictures, each a multiple of 4 rows; else 0
-    uint padding[2];
+    uint is_lifted;  // 1: the camera stage made them of these triangles: with an eye, and none is doubtful (facing.cl)
+    uint padding;
 GN_STRUCT_END(PointsLayout, 48)
 
-// What the facing stage does with points that do not face away: they are lit; or open, and their bounds are taken; or,
-// for a prepared light, open where its lists hold.
+// What the facing stage does with points that do not face away: they are lit, or open, and their bounds are taken.
 #define FACING_DECIDES 0u
 #define FACING_BOUNDS 1u
-#define FACING_PREPARED 2u
 
 #ifndef __cplusplus
 

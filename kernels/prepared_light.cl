@@ -10,7 +10,7 @@
 // else they may be any; a face has points up to 1 alone. A triangle with W < 0 at all vertices lies behind, and W of a
 // point is greater than 0 once it is above SMALLEST_W, far above what underflow could make of any other.
 #include "bin_lists.h"
-#include "prepared_light.h"
+#include "prepared_facing.h"
 #include "triangle_setup.h"
 
 // ---- Bounds of the triangles ----------------------------------------------------------------------------------------
@@ -231,4 +231,29 @@ __kernel void prepared_entries(uint entry_count, uint first_entry, __global cons
 __kernel void prepared_ranges(uint bin_count, uint first_bin, uint first_entry, __global const uint2* ranges,
                               __global uint2* kept_ranges) {
     GN_FOR_EACH(i, bin_count) kept_ranges[first_bin + i] = ranges[i] + first_entry;
+}
+
+// ---- Receivers ------------------------------------------------------------------------------------------------------
+
+// `largest_coordinate`: of all finite triangles, as bits; 0 before.
+__kernel void prepared_planes(LightFrame light_frame, ulong first_float, uint triangle_count,
+                              __global const float* vertices, __global float4* planes,
+                              volatile __global uint* largest_coordinate) {
+    PointBlock light = same_point(light_frame.light[0], light_frame.light[1], light_frame.light[2]);
+    PointBlock zero = same_point(0.0f, 0.0f, 0.0f);
+    LaneInt largest = (LaneInt)(0);
+    uint exact = 0;
+    GN_FOR_EACH(block, triangle_count / GN_LANES + (triangle_count % GN_LANES != 0u)) {
+        size_t first = block * GN_LANES;
+        TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
+        LaneInt size = largest_triangle_bits(&t), finite = finite_triangles(&t);
+        LaneCross normals = triangle_normals(&t);
+        LaneInt sides = lanes_side(&t, &normals, &light, light_frame.light[3] != 0.0f ? &t.a : &zero, finite, &exact);
+        PlaneBlock kept = planes_towards_light(&t, &normals, sides);
+        for (uint lane = 0; lane < min((uint)(triangle_count - first), (uint)GN_LANES); ++lane)
+            planes[first + lane] = (float4)(lane_point(kept.n, (int)lane), LANE_OF_FLOAT(kept.minus_offset, lane));
+        largest = max(largest, size & finite);
+    }
+    uint bits = (uint)LANES_MAXIMUM(largest);
+    if (bits > GN_LOOK(largest_coordinate)) atomic_max(largest_coordinate, bits);
 }

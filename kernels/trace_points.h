@@ -8,6 +8,9 @@
 // queue is full the point stays open, and a second look decides such pairs in place: so the memory of open pairs is
 // bounded. One writer per point: no atomics on visibility here.
 //
+// Under a prepared light (TRACE_FACES) all points are looked at, and facing is decided on the way: reading points and
+// writing visibility once is most of what such a run costs.
+//
 // Of a prepared light's lists, triangles below the map are missing that only a doubtful point below the map could need.
 // Such a point is a stray, unless a listed triangle blocks it.
 #ifndef GN_TRACE_POINTS_H
@@ -16,6 +19,9 @@
 #include "bin_lists.h"
 #include "coarse_test.h"
 #include "trace.h"
+#if TRACE_FACES
+#include "prepared_facing.h"
+#endif
 
 typedef struct TraceLists {
     __global const uint2* ranges;
@@ -33,8 +39,34 @@ enum {
     COUNT_STRAYS,
     COUNT_TESTS_LOW,
     COUNT_TESTS_HIGH,
+    COUNT_ABSENT,
+    COUNT_AWAY,
     TRACE_COUNTS
 };
+
+static void add_counts(const uint* found, __global FrameCounters* counters) {
+    __global uint* totals[] = {&counters->decided_by_map, &counters->decided_by_trace, &counters->decided_by_exact,
+                               &counters->listed,         &counters->strays,           &counters->absent,
+                               &counters->facing_away};
+    const uint counts[] = {COUNT_MAP, COUNT_TRACE, COUNT_EXACT, COUNT_LISTED, COUNT_STRAYS, COUNT_ABSENT, COUNT_AWAY};
+    for (uint i = 0; i < sizeof(counts) / sizeof(counts[0]); ++i)
+        if (found[counts[i]] != 0u) atomic_add(totals[i], found[counts[i]]);
+    count_tests((found[COUNT_TESTS_LOW] + ((ulong)found[COUNT_TESTS_HIGH] << 16)) * GN_LANES, counters);
+}
+
+#if TRACE_FACES
+#define TRACE_PREPARED_ARGUMENTS                                                                  \
+    , uint triangle_count, __global const PreparedDomain *domains, __global const float4 *planes, \
+        __global const uint *largest_coordinate
+
+static LaneFloat state_of_points(const PreparedFacing* facing) {
+    LaneFloat state = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), facing->away);
+    state = LANES_SELECT(state, (LaneFloat)(VISIBILITY_OPEN), facing->open);
+    return LANES_SELECT(state, (LaneFloat)(VISIBILITY_DOUBTFUL), facing->open & facing->doubtful);
+}
+#else
+#define TRACE_PREPARED_ARGUMENTS
+#endif
 
 // The square and the least height that some lanes of a block span.
 static QuantisedBlock quantised_block(__constant const Projection* projection, PointBlock places, LaneInt lanes) {
@@ -127,7 +159,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
                            __global const float* vertices, __global const uint* map, __global const uint2* ranges,
                            __global const BinEntries* entries, __global const TriangleRecord* records,
                            __global const TriangleBounds* bounds, __global float* visibility, __global uint2* queue,
-                           __global FrameCounters* counters) {
+                           __global FrameCounters* counters TRACE_PREPARED_ARGUMENTS) {
     // After an overflow upstream there is nothing to do: the host will grow the lists and run again. No return: every
     // item must come to the barriers, also as far as a compiler can tell (PoCL 3.1 makes code that crashes).
     uint blocks = counters->references == GN_NO_LISTS ? 0u : block_count(layout);
@@ -144,11 +176,32 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     ulong tests = 0;
     LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
             minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
+#if TRACE_FACES
+    PreparedReceivers prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes,
+                                                    largest_coordinate, vertices + first_float);
+    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
+    uint facing_exact = 0;
+#endif
     GN_FOR_EACH(block, blocks) {
+#if TRACE_FACES
+        BlockPoints points = {load_block(positions, layout, block), layout, block};
+        PreparedFacing facing =
+            face_points(&prepared, light_frame, layout, block, &points.at, receivers, &facing_exact);
+        minus_absent += facing.absent;
+        minus_away += facing.away;
+        minus_strays += facing.strays;
+        LaneFloat state = state_of_points(&facing);
+        LaneInt left = facing.open;
+        if (!LANES_ANY(left)) {
+            store_lanes(state, visibility, layout, block);
+            continue;
+        }
+#else
         LaneFloat state = load_lanes(visibility, layout, block);
         LaneInt left = open_lanes(state);
         if (!LANES_ANY(left)) continue;
         BlockPoints points = {load_block(positions, layout, block), layout, block};
+#endif
         LaneInt frames = frames_of(light_frame, points.at) - (int)first_frame;
         left &= LANE_COMPARE(frames, >=, (LaneInt)(0)) & LANE_COMPARE(frames, <, (LaneInt)((int)frame_count));
         LaneInt looked_at = left, undecided_below = (LaneInt)(0);
@@ -188,33 +241,31 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
         result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
         store_lanes(LANES_SELECT(state, result, looked_at), visibility, layout, block);
     }
-    uint by_map = count_lanes(minus_by_map), by_trace = count_lanes(minus_by_trace);
-    uint by_exact = count_lanes(minus_by_exact), listed = count_lanes(minus_listed);
-    uint strays = count_lanes(minus_strays);
+    uint found[TRACE_COUNTS];
+    found[COUNT_MAP] = count_lanes(minus_by_map);
+    found[COUNT_TRACE] = count_lanes(minus_by_trace);
+    found[COUNT_EXACT] = count_lanes(minus_by_exact);
+    found[COUNT_LISTED] = TRACE_IN_PLACE ? 0u : count_lanes(minus_listed);
+    found[COUNT_STRAYS] = count_lanes(minus_strays);
+    found[COUNT_TESTS_LOW] = (uint)tests & 0xFFFFu;
+    found[COUNT_TESTS_HIGH] = (uint)(tests >> 16);
+#if TRACE_FACES
+    found[COUNT_ABSENT] = count_lanes(minus_absent);
+    found[COUNT_AWAY] = count_lanes(minus_away);
+    if (facing_exact != 0) atomic_add(&counters->facing_exact, facing_exact);
+#else
+    found[COUNT_ABSENT] = found[COUNT_AWAY] = 0u;
+#endif
 #ifdef GN_CPU
     // Few work-items; and PoCL 3.1 keeps vectors misaligned across a barrier of work-groups of 3, 7 and so on.
-    if (by_map != 0) atomic_add(&counters->decided_by_map, by_map);
-    if (by_trace != 0) atomic_add(&counters->decided_by_trace, by_trace);
-    if (by_exact != 0) atomic_add(&counters->decided_by_exact, by_exact);
-    if (listed != 0 && !TRACE_IN_PLACE) atomic_add(&counters->listed, listed);
-    if (strays != 0) atomic_add(&counters->strays, strays);
-    count_tests(tests * GN_LANES, counters);
+    add_counts(found, counters);
 #else
-    atomic_add(&group_counts[COUNT_MAP], by_map);
-    atomic_add(&group_counts[COUNT_TRACE], by_trace);
-    atomic_add(&group_counts[COUNT_EXACT], by_exact);
-    atomic_add(&group_counts[COUNT_LISTED], TRACE_IN_PLACE ? 0u : listed);
-    atomic_add(&group_counts[COUNT_STRAYS], strays);
-    atomic_add(&group_counts[COUNT_TESTS_LOW], (uint)tests & 0xFFFFu);
-    atomic_add(&group_counts[COUNT_TESTS_HIGH], (uint)(tests >> 16));
+    for (uint i = 0; i < TRACE_COUNTS; ++i)
+        if (found[i] != 0u) atomic_add(&group_counts[i], found[i]);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) != 0) return;
-    if (group_counts[COUNT_MAP] != 0) atomic_add(&counters->decided_by_map, group_counts[COUNT_MAP]);
-    if (group_counts[COUNT_TRACE] != 0) atomic_add(&counters->decided_by_trace, group_counts[COUNT_TRACE]);
-    if (group_counts[COUNT_EXACT] != 0) atomic_add(&counters->decided_by_exact, group_counts[COUNT_EXACT]);
-    if (group_counts[COUNT_LISTED] != 0) atomic_add(&counters->listed, group_counts[COUNT_LISTED]);
-    if (group_counts[COUNT_STRAYS] != 0) atomic_add(&counters->strays, group_counts[COUNT_STRAYS]);
-    count_tests((group_counts[COUNT_TESTS_LOW] + ((ulong)group_counts[COUNT_TESTS_HIGH] << 16)) * GN_LANES, counters);
+    for (uint i = 0; i < TRACE_COUNTS; ++i) found[i] = group_counts[i];
+    add_counts(found, counters);
 #endif
 }
 

@@ -63,9 +63,11 @@ static Triangle lane_triangle(const TriangleBlock* t, int lane) {
     return triangle;
 }
 
+static LaneInt largest_triangle_bits(const TriangleBlock* t) {
+    return max(max(largest_size_bits(t->a), largest_size_bits(t->b)), largest_size_bits(t->c));
+}
 static LaneInt finite_triangles(const TriangleBlock* t) {
-    LaneInt largest = max(max(largest_size_bits(t->a), largest_size_bits(t->b)), largest_size_bits(t->c));
-    return LANE_COMPARE(largest, <, (LaneInt)(BITS_OF_INFINITY));
+    return LANE_COMPARE(largest_triangle_bits(t), <, (LaneInt)(BITS_OF_INFINITY));
 }
 
 static PointBlock difference(PointBlock a, PointBlock b) {

@@ -61,6 +61,27 @@ void trace(const gnomon::Device& device, const Case& c) {
                 static_cast<unsigned long long>(statistics.count("uncertain_pairs")));
 }
 
+/// The view once more, from what is kept of a light.
+void prepare(const gnomon::Device& device, const gnomon::Triangles& triangles, const Floats& scene,
+             const gnomon::View& view, const Light& light) {
+    const gnomon::Visibility visibility(device, view.points.count());
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("map-size", "32");
+    technique->prepare(triangles, gnomon::Light{light});
+    const gnomon::PointsOnHost host = gnomon::read(device, view.points);
+    const auto shadowed = reference::shadowed(scene, host.position, host.receiver, light, view.points.eye());
+    gnomon::Points unlifted = view.points;
+    unlifted.set_eye(*view.points.eye());
+    for (const gnomon::Points& points : {view.points, unlifted}) {
+        const gnomon::Statistics statistics = technique->run(triangles, points, gnomon::Light{light}, visibility);
+        const std::vector<float> got = visibility.read();
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < got.size(); ++i) wrong += got[i] != (shadowed[i] ? 0.0f : 1.0f);
+        require(wrong == 0, "prepared light: " + std::to_string(wrong) + " pixels");
+        require(statistics.count("prepared") == 1, "the prepared light must be used");
+    }
+}
+
 /// Four samples per pixel, lifted once more as a caller's own points would be.
 void sample(const gnomon::Device& device, const gnomon::Triangles& triangles, const Floats& scene,
             const gnomon::View& view, const Light& light) {
@@ -109,6 +130,8 @@ void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size)
     require(gnomon::shade(device, triangles, view, visibility, white, gnomon::Light{light}).size() == 4 * got.size(),
             "picture");
     sample(device, triangles, scene, view, light);
+    prepare(device, triangles, scene, view, light);
+    prepare(device, triangles, scene, view, at(1.5f, 6, 1.5f));
     std::printf("camera view: %zu pixels, %zu seen, %zu in shadow\n", got.size(), seen, dark);
 }
 

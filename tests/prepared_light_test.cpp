@@ -102,6 +102,78 @@ TEST(PreparedDomain, PointsThatItCallsLitAreLit) {
     EXPECT_GT(counts[stray], 500u);
 }
 
+// ---- Planes of receivers --------------------------------------------------------------------------------------------
+
+constexpr const char* compare_planes_source = R"(
+#include "prepared_facing.h"
+__kernel void compare_planes(float4 light, uint triangle_count, __global const float* vertices,
+                             __global const float4* planes, __global const uint* largest, __global const float* eyes,
+                             __global float* verdicts) {
+    GN_FOR_EACH(i, triangle_count) {
+        float3 eye = (float3)(eyes[3 * i], eyes[3 * i + 1], eyes[3 * i + 2]);
+        float4 p = planes[i];
+        float above = (p.x * eye.x + p.y * eye.y) + (p.z * eye.z + p.w);
+        bool certain = fabs(above) > plane_bound(as_float(*largest), eye);
+        int level = DET3_BY_FLOAT;
+        bool away = faces_away(load_triangle(vertices, i), light, eye, &level);
+        verdicts[i] = !certain ? 0.0f : (above < 0.0f) == away ? 1.0f : 2.0f;
+    }
+}
+)";
+
+/// Somewhere on the plane of triangle `i`, as near as rounding gets; or not far from it; or anywhere.
+Float3 eye_about(Random& random, const Floats& triangles, std::size_t i) {
+    const Float3 a = vertex(triangles, 3 * i), b = vertex(triangles, 3 * i + 1), c = vertex(triangles, 3 * i + 2);
+    const double s = random.between(-3, 3), t = random.between(-3, 3);
+    Float3 eye;
+    for (int k = 0; k < 3; ++k) eye[k] = float(a[k] + s * (double(b[k]) - a[k]) + t * (double(c[k]) - a[k]));
+    const std::uint32_t kind = random.below(4);
+    if (kind == 1) eye = nudged(random, eye);
+    if (kind == 2) eye[random.below(3)] *= 1 + std::ldexp(1.0f, -static_cast<int>(random.below(24)));
+    if (kind == 3) eye = vertex(triangles, random.below(static_cast<std::uint32_t>(triangles.size() / 3)));
+    for (float& e : eye)
+        if (!std::isfinite(e)) e = 1;
+    return eye;
+}
+
+TEST(PreparedPlanes, WhatTheyCallCertainIsRight) {
+    const Device device;
+    gnomon::cl::Session& session = device.session();
+    session.add_source("compare_planes.cl", compare_planes_source);
+    Random random(11);
+    std::vector<LightScene> scenes = all_scenes();
+    for (const float scale : {1e-30f, 1e-12f, 1e-4f, 1e5f, 1e9f, 1e20f}) {
+        Floats soup_of_size = soup(200, 0.4f, 3);
+        for (float& x : soup_of_size) x *= scale;
+        for (const auto& light : {std::array{0.3f, -1.0f, 0.2f, 0.0f}, std::array{scale, 2 * scale, 0.0f, 1.0f}})
+            scenes.push_back({"scaled soup", soup_of_size, {}, light});
+    }
+    std::size_t counts[3] = {};
+    for (const LightScene& scene : scenes) {
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        const auto count = static_cast<cl_uint>(triangles.count());
+        gnomon::Statistics statistics;
+        const gnomon::PreparedLight prepared(session, statistics, triangles, Light{scene.light}, {16, 0}, {}, 0);
+        if (!prepared.is_usable()) continue;
+        Floats eyes;
+        for (std::size_t i = 0; i < count; ++i) add(eyes, eye_about(random, scene.triangles, i));
+        const gnomon::cl::Buffer eye_buffer(session, eyes.size() * sizeof(float)),
+            verdicts(session, count * sizeof(float));
+        session.write(eye_buffer.get(), eyes.data(), eyes.size() * sizeof(float));
+        session.launch("compare_planes.cl", "compare_planes", gnomon::cl::Range::items(count),
+                       gnomon::float4_of(scene.light), count, triangles.buffer(), prepared.receivers().planes,
+                       prepared.receivers().largest_coordinate, eye_buffer, verdicts);
+        const auto found = downloaded<float>(session, verdicts.get(), count);
+        for (std::size_t i = 0; i < count; ++i) {
+            ++counts[static_cast<int>(found[i])];
+            ASSERT_NE(found[i], 2.0f) << scene.name << ": triangle " << i << " seen from (" << eyes[3 * i] << ", "
+                                      << eyes[3 * i + 1] << ", " << eyes[3 * i + 2] << ")";
+        }
+    }
+    EXPECT_GT(counts[0], 500u);
+    EXPECT_GT(counts[1], 4000u);
+}
+
 // ---- The same bits --------------------------------------------------------------------------------------------------
 
 struct Asked {
@@ -237,6 +309,45 @@ TEST(Prepared, ServesEveryCameraOfOneLight) {
         }
     }
     EXPECT_GT(dark, 5000u);
+}
+
+// Views' points are asked by the planes of their receivers, which eyes and lights in those planes leave undecided.
+TEST(Prepared, EyesAndLightsInThePlanesOfReceivers) {
+    const Device device;
+    Floats blocks = lattice_blocks(9, 3, 1);
+    add(blocks, {-9, -1, -9}, {-9, -1, 27}, {27, -1, -9});
+    const auto triangles = gnomon::Triangles::upload(device, blocks);
+    const auto plain = gnomon::make_technique("frustum-traced", device),
+               prepared = gnomon::make_technique("frustum-traced", device);
+    std::uint64_t dark = 0, away = 0, by_map = 0;
+    for (const Light& light :
+         {Light::directional({0, -1, 0}), Light::directional({-1, 0, -1}), Light::positional({3, 7, 1}),
+          Light::directional({-1, -3, -2}), Light::positional({-20, 1, 3})}) {
+        prepared->prepare(triangles, light);
+        for (const gnomon::Float3& eye : {gnomon::Float3{9, 3, 7}, gnomon::Float3{3, 12, 1}, gnomon::Float3{-8, 2, 2},
+                                          gnomon::Float3{7.5f, 6.25f, 11}}) {
+            const auto camera = gnomon::Camera::look_at(eye, {1.5f, 1.25f, 1.5f}, {0, 1, 0.01f}, 40);
+            gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
+            ASSERT_TRUE(view.points.is_lifted_off(triangles));
+            const Asked asked = ask(device, *prepared, triangles, view.points, light);
+            EXPECT_EQ(asked.statistics.count("prepared"), 1u);
+            const gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
+            const auto shadowed = reference::shadowed(blocks, gnomon::read(device, view.points).position, host.receiver,
+                                                      light.xyzw, camera.eye);
+            for (std::size_t i = 0; i < shadowed.size(); ++i)
+                ASSERT_EQ(asked.visibility[i], shadowed[i] ? 0.0f : 1.0f) << "pixel " << i;
+            EXPECT_EQ(asked.visibility, ask(device, *plain, triangles, view.points, light).visibility);
+            dark += asked.statistics.count("points_in_shadow");
+            away += asked.statistics.count("points_facing_away");
+            by_map += asked.statistics.count("points_decided_by_map");
+            view.points.set_eye(eye);
+            ASSERT_FALSE(view.points.is_lifted_off(triangles));
+            EXPECT_EQ(asked.visibility, ask(device, *prepared, triangles, view.points, light).visibility);
+        }
+    }
+    EXPECT_GT(dark, 10'000u);
+    EXPECT_GT(away, 5000u);
+    EXPECT_GT(by_map, 100u);
 }
 
 TEST(Prepared, NothingToPrepareIsNoTrouble) {

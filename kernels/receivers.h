@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// What the triangles that points lie on, their receivers, say of GN_LANES points at once: exactly. Which points face
+// away from the light, and which are doubtful, says facing.cl.
+#ifndef GN_RECEIVERS_H
+#define GN_RECEIVERS_H
+
+#include "exact/det3_lanes.h"
+
+// Which of these ids, which are unsigned, are less than a count: turn the top bit to compare them.
+static LaneInt lanes_below(LaneInt ids, uint count) {
+    LaneInt top = (LaneInt)((int)0x80000000);
+    return LANE_COMPARE(ids ^ top, <, (LaneInt)((int)count) ^ top);
+}
+
+// What is said of points that have a receiver with a plane.
+typedef struct ReceiverAnswer {
+    LaneInt faces_away, doubtful;
+} ReceiverAnswer;
+
+// `ids` of the lanes `asked` name triangles. Doubts are only cast on points that may have any.
+static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
+                                    float4 light, bool doubts, __global const float* vertices, uint* exact) {
+    ReceiverAnswer answer = {(LaneInt)(0), (LaneInt)(0)};
+    TriangleBlock t = load_triangles_of(vertices, ids, asked);
+    asked &= finite_triangles(&t);
+    if (!LANES_ANY(asked)) return answer;
+    LaneCross normals = triangle_normals(&t);
+    PointBlock towards = same_point(light.x, light.y, light.z), zero = same_point(0.0f, 0.0f, 0.0f);
+    LaneInt side = lanes_side(&t, &normals, &towards, light.w != 0.0f ? &t.a : &zero, asked, exact);
+    LaneInt facing = asked & LANE_COMPARE(side, !=, (LaneInt)(0));
+    if (layout.has_eye) {
+        PointBlock eye = same_point(layout.eye[0], layout.eye[1], layout.eye[2]);
+        facing &= LANE_COMPARE(lanes_side(&t, &normals, &eye, &t.a, facing, exact), ==, side);
+        answer.faces_away = asked & ~facing;
+    }
+    if (doubts && LANES_ANY(facing)) {
+        uint doubts_by_exact = 0;  // not counted: they are no matter of facing
+        LaneInt point_side = lanes_side(&t, &normals, &t.a, points, facing, &doubts_by_exact);
+        answer.doubtful = facing & LANE_COMPARE(point_side, ==, side);
+    }
+    return answer;
+}
+
+#endif
