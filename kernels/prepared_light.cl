@@ -201,7 +201,7 @@ __kernel void prepared_places(uint entry_count, uint first_record, __global cons
             if (!is_used(&entries[i], lane)) continue;
             uint slot = ENTRY_SLOT(&entries[i], lane);
             if (atomic_cmpxchg(&places[slot], GN_NO_ID, 0u) == GN_NO_ID)
-                places[slot] = first_record + atomic_inc(kept_count);
+                atomic_xchg(&places[slot], first_record + atomic_inc(kept_count));
         }
     }
 }
