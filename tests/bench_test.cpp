@@ -183,6 +183,30 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_EQ(text.find(loads), std::string::npos) << loads << ": the page must not load anything";
 }
 
+// Embree is asked about the very points whose mean gnomon gives, and pixel by pixel, or the means would not agree.
+TEST_F(BenchTest, EmbreeTracesTheSamplesOfEachPixel) {
+    ASSERT_EQ(run("sundial --samples 1 --samples 8 --peers --runs 1 --size 160x91 --json " + path("samples.json")), 0)
+        << errors();
+    const Json all = json("samples.json");
+    std::vector<Json> ours, rivals;
+    for (const Json& row : all["rows"]) (row["technique"] == "embree" ? rivals : ours).push_back(row);
+    ASSERT_EQ(ours.size(), 2u);
+    EXPECT_EQ(ours[0]["settings"], "");
+    EXPECT_EQ(ours[1]["settings"], "samples=8");
+    EXPECT_NE(ours[0]["mask_hash"], ours[1]["mask_hash"]);
+    EXPECT_EQ(ours[1]["counts"]["points"], 8 * 160 * 91);
+    if (embree_version() == "not built in") return;
+    ASSERT_EQ(rivals.size(), 8u);  // one tree, two kinds of rays
+    for (const Json& row : rivals) {
+        SCOPED_TRACE(row["settings"].get<std::string>());
+        EXPECT_TRUE(row["settings"].get<std::string>().ends_with("samples=8"));
+        // A picture of one sample differs from the mean by about 1e-2.
+        if (row["settings"].get<std::string>().find("offset=0 ") != std::string::npos) {
+            EXPECT_LT(row["errors"]["mean_absolute"].get<double>(), 1e-4);
+        }
+    }
+}
+
 // A technique that is wrong by a known amount: exact shadows, but of a light that is tilted so that the shadow of a
 // roof 2 above the ground moves by 2 points. The roof is 25 by 21 points large, and no point lies under its edges.
 TEST_F(BenchTest, AShiftedLightIsWrongInTwoColumnsOnEitherSide) {

@@ -49,15 +49,17 @@ RayPoints ray_points(const PeerTask& task) {
     for (std::uint32_t top = 0; top < task.height; top += block_side)
         for (std::uint32_t left = 0; left < task.width; left += block_side)
             for (std::uint32_t y = top; y < std::min(top + block_side, task.height); ++y)
-                for (std::uint32_t x = left; x < std::min(left + block_side, task.width); ++x) {
-                    const std::size_t i = std::size_t(y) * task.width + x;
-                    const std::uint32_t receiver = task.host.receiver[i];
-                    if (receiver == no_receiver || !faces_light(task, receiver)) continue;
-                    points.x.push_back(task.host.position[3 * i]);
-                    points.y.push_back(task.host.position[3 * i + 1]);
-                    points.z.push_back(task.host.position[3 * i + 2]);
-                    points.pixel.push_back(i);
-                }
+                for (std::uint32_t x = left; x < std::min(left + block_side, task.width); ++x)
+                    for (std::uint32_t sample = 0; sample < task.samples; ++sample) {
+                        const std::size_t pixel = std::size_t(y) * task.width + x;
+                        const std::size_t i = sample * (std::size_t(task.width) * task.height) + pixel;
+                        const std::uint32_t receiver = task.host.receiver[i];
+                        if (receiver == no_receiver || !faces_light(task, receiver)) continue;
+                        points.x.push_back(task.host.position[3 * i]);
+                        points.y.push_back(task.host.position[3 * i + 1]);
+                        points.z.push_back(task.host.position[3 * i + 2]);
+                        points.pixel.push_back(pixel);
+                    }
     // The last packet is filled up with its last point, over and over.
     for (std::vector<float>* coordinate : {&points.x, &points.y, &points.z})
         while (coordinate->size() % ray_width != 0) coordinate->push_back(coordinate->back());
@@ -147,11 +149,13 @@ public:
         work();
     }
 
-    // Points without a ray: sky is lit, what faces away is in shadow.
+    // Samples without a ray: sky is lit, what faces away is in shadow.
     std::vector<float> mask() const {
-        std::vector<float> mask(task_.host.receiver.size());
-        for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = task_.host.receiver[i] == no_receiver ? 1 : 0;
-        for (std::size_t i = 0; i < points_.pixel.size(); ++i) mask[points_.pixel[i]] = answer_[i];
+        std::vector<float> mask(std::size_t(task_.width) * task_.height);
+        for (std::size_t i = 0; i < task_.host.receiver.size(); ++i)
+            if (task_.host.receiver[i] == no_receiver) mask[i % mask.size()] += 1;
+        for (std::size_t i = 0; i < points_.pixel.size(); ++i) mask[points_.pixel[i]] += answer_[i];
+        for (float& lit : mask) lit /= float(task_.samples);
         return mask;
     }
 
@@ -230,6 +234,7 @@ std::string embree_version() { return RTC_VERSION_STRING; }
 void run_peers(const PeerTask& task, const std::function<void(PeerResult&&)>& take) {
     Tracer tracer(task);
     for (const Kind& kind : kinds) {
+        if (task.samples != 1 && kind.quality != RTC_BUILD_QUALITY_MEDIUM) continue;
         std::vector<double> build_ms, both_ms;
         for (const Clock clock; task.rule.goes_on(static_cast<int>(both_ms.size()), clock.elapsed_ms());) {
             const Clock both;

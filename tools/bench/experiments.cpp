@@ -218,6 +218,22 @@ std::vector<Block> clusters(const SceneShelf& shelf, const Limits& limits) {
     return blocks;
 }
 
+// ---- Samples --------------------------------------------------------------------------------------------------------
+
+std::vector<Block> samples(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<Block> blocks;
+    for (const SceneView& view : usual_views(shelf, limits)) {
+        Block block = block_of("samples", view, within(limits, {full_hd}), {});
+        for (const std::uint32_t count : {1u, 4u, 32u}) {
+            block.configurations.push_back(truth_configuration());
+            block.configurations.back().samples = count;
+        }
+        block.take_turns = block.peers = true;
+        blocks.push_back(std::move(block));
+    }
+    return blocks;
+}
+
 }  // namespace
 
 const std::vector<Experiment>& experiments() {
@@ -262,6 +278,10 @@ const std::vector<Experiment>& experiments() {
          "cannot "
          "matter is dropped before its vertices are read; the light or the camera may move. The two take turns.",
          clusters},
+        {"samples", "Several samples per pixel",
+         "Every sample is a point with its own exact answer, and a pixel gets their mean. The time of several holds "
+         "finding them, which is the camera's part of one. Embree traces the same points, found for it beforehand.",
+         samples},
     };
     return all;
 }

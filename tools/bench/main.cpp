@@ -27,6 +27,7 @@ struct Options {
     std::vector<float> light_position;
     std::vector<std::string> techniques{"frustum-traced"};
     std::vector<std::string> modes{"animated"};
+    std::vector<std::uint32_t> samples{1};
     std::string views_file, scenes_folder, only;
     std::string json_file, csv_file, html_file, markdown_file, charts_prefix;
     Limits limits;
@@ -60,8 +61,9 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
         else
             for (const std::string& technique : options.techniques)
                 for (const std::string& mode : options.modes)
-                    block.configurations.push_back({technique, parsed_settings(options.settings), mode});
-        block.take_turns = options.modes.size() > 1;
+                    for (const std::uint32_t samples : options.samples)
+                        block.configurations.push_back({technique, parsed_settings(options.settings), mode, samples});
+        block.take_turns = options.modes.size() > 1 || options.samples.size() > 1;
         if (const auto& p = options.light_position; !p.empty())
             block.light = gnomon::Light::positional({p[0], p[1], p[2]});
         block.stages = options.stages;
@@ -161,6 +163,9 @@ int main(int argc, char** argv) {
                    "the light is prepared; repeatable")
         ->capture_default_str()
         ->check(CLI::IsMember({"animated", "moving", "static"}));
+    app.add_option("--samples", options.samples,
+                   "points per pixel: 1, 4, 8, 16 or 32, repeatable; times of more than one hold finding them")
+        ->capture_default_str();
     app.add_flag("--sweep", options.sweep, "every technique, with the settings worth comparing, and its errors");
     app.add_flag("--errors", options.errors, "compare with the exact technique's mask");
     app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");

@@ -3,7 +3,9 @@
 //
 // Rays: one per point that exists and faces the light (facing is decided beforehand and costs the rival nothing), in
 // blocks of 4 x 4 pixels, 16 rays at once, coherent. From the shading point as it is, starting `offset` times the
-// scene's diagonal along the ray. Modes: `animated` is build and rays timed together, `static` the rays alone.
+// scene's diagonal along the ray. Several samples per pixel follow each other, pixel by pixel, so that a packet is one
+// or few pixels' rays; of these, the tree of medium quality alone, and a mask is their mean. Modes: `animated` is build
+// and rays timed together, `static` the rays alone.
 #pragma once
 
 #include <functional>
@@ -21,7 +23,8 @@ struct PeerTask {
     Float3 eye;
     Light light;
     std::uint32_t width = 0, height = 0;
-    unsigned threads = 0;  ///< 0: all
+    std::uint32_t samples = 1;  ///< per pixel: as many pictures in `host`, one behind the other
+    unsigned threads = 0;       ///< 0: all
     RunRule rule;
 };
 

@@ -13,7 +13,7 @@
 
 namespace gnomon::bench {
 
-/// Settings of a technique in the order they are given: --set key=value.
+/// Settings of a technique in the order they are given: --set key=value; at the end samples=N if there are several.
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 /// "a=1 b=2"

@@ -32,6 +32,10 @@ std::unique_ptr<Technique> make(const Configuration& configuration, const Device
     return technique;
 }
 
+std::pair<std::string, std::string> samples_setting(std::uint32_t samples) {
+    return {"samples", std::to_string(samples)};
+}
+
 bool is_exact(const std::string& technique) {
     for (const TechniqueDescription& description : techniques())
         if (description.name == technique) return description.exact;
@@ -141,6 +145,7 @@ public:
         Row row = seen_.row;
         row.technique = configuration_.technique;
         row.settings = configuration_.settings;
+        if (configuration_.samples != 1) row.settings.push_back(samples_setting(configuration_.samples));
         row.exact = is_exact(row.technique);
         row.mode = configuration_.mode;
         std::vector<float> mask;
@@ -167,6 +172,7 @@ public:
         return failed_.empty() ? stage_times(runs) : std::vector<std::pair<std::string, double>>{};
     }
     bool has_failed() const { return !failed_.empty(); }
+    std::uint32_t samples() const { return configuration_.samples; }
 
 private:
     bool keeps_clusters() const { return configuration_.mode == "moving"; }
@@ -182,7 +188,10 @@ private:
             }));
     }
     Statistics run_once() {
-        Statistics statistics = technique_->run(triangles_, seen_.view.points, seen_.c.light, seen_.visibility);
+        Statistics statistics = configuration_.samples == 1
+                                    ? technique_->run(triangles_, seen_.view.points, seen_.c.light, seen_.visibility)
+                                    : run_samples(*technique_, place_.device, triangles_, seen_.view, seen_.c.light,
+                                                  configuration_.samples, seen_.visibility);
         clFinish(place_.device.queue());
         return statistics;
     }
@@ -268,7 +277,7 @@ std::vector<Row> Runner::run_contestants(const Block& block, const Place& place,
     std::vector<Row> rows;
     const auto finish = [&](Contestant& contestant) {
         auto [row, mask] = contestant.finish();
-        if (truth) judge(block, seen, *truth, mask, row);
+        if (truth && contestant.samples() == 1) judge(block, seen, *truth, mask, row);
         if (!block.stages) report_(row);
         rows.push_back(std::move(row));
     };
@@ -294,10 +303,29 @@ void Runner::add_stages(const Block& block, const std::string& selector, const N
         if (rows[i].failed.empty()) rows[i].stages = Contestant(configurations[i], place, seen).profile();
 }
 
-void Runner::add_peers(const Block& block, const NamedScene& scene, const Seen& seen,
-                       const std::optional<Truth>& truth) {
-    const PeerTask task{scene.scene.triangles, seen.host,       seen.c.camera.eye, seen.c.light,
-                        seen.row.width,        seen.row.height, options_.threads,  options_.rule};
+void Runner::add_peers(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth) {
+    std::uint32_t samples = 1;
+    for (const Configuration& configuration : block.configurations) samples = std::max(samples, configuration.samples);
+    ViewOnHost host_of_samples;
+    std::vector<float> mean;
+    if (samples != 1) {
+        run_samples(*make(truth_configuration(), place.device), place.device, place.triangles, seen.view, seen.c.light,
+                    samples, seen.visibility, [&](const Points& points) {
+                        const PointsOnHost part = read(place.device, points);
+                        std::ranges::copy(part.position, std::back_inserter(host_of_samples.position));
+                        std::ranges::copy(part.receiver, std::back_inserter(host_of_samples.receiver));
+                    });
+        mean = seen.visibility.read();
+    }
+    const PeerTask task{place.scene.scene.triangles,
+                        samples == 1 ? seen.host : host_of_samples,
+                        seen.c.camera.eye,
+                        seen.c.light,
+                        seen.row.width,
+                        seen.row.height,
+                        samples,
+                        options_.threads,
+                        options_.rule};
     run_peers(task, [&](PeerResult&& result) {
         Row row = seen.row;
         row.technique = result.name;
@@ -310,7 +338,12 @@ void Runner::add_peers(const Block& block, const NamedScene& scene, const Seen& 
         row.build = result.build;
         row.device_memory_bytes = result.memory_bytes;
         row.mask_hash = hash_of(std::span<const float>(result.mask));
-        if (truth) judge(block, seen, *truth, result.mask, row);
+        if (samples != 1) {
+            row.settings.push_back(samples_setting(samples));
+            row.errors = measure::visibility_errors(result.mask, mean, row.width, row.height);
+        } else if (truth) {
+            judge(block, seen, *truth, result.mask, row);
+        }
         add(std::move(row), false);
     });
 }
@@ -325,7 +358,7 @@ void Runner::run_case(const Block& block, const NamedScene& scene, const Case& c
         std::vector<Row> rows = run_contestants(block, place, seen, truth);
         if (block.stages) add_stages(block, selector, scene, c, size, rows);
         for (Row& row : rows) add(std::move(row), !block.stages);
-        if (block.peers && is_first) add_peers(block, scene, seen, truth);
+        if (block.peers && is_first) add_peers(block, place, seen, truth);
     }
 }
 

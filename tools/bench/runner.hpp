@@ -32,7 +32,7 @@ struct Block {
     bool stages = false;    ///< also profiled runs, for the stage breakdown
     bool errors = false;    ///< against the exact technique's mask
     bool pictures = false;  ///< masks and differences, for the page; with errors
-    bool peers = false;     ///< the rivals too
+    bool peers = false;     ///< the rivals too, with as many samples per pixel as a configuration has at most
     /// At most that many points of the exact technique's mask, evenly spread, are asked of the oracle; with errors.
     std::uint64_t oracle_points = 0;
 };
@@ -64,7 +64,7 @@ private:
                                      const std::optional<Truth>& truth);
     void add_stages(const Block& block, const std::string& selector, const NamedScene& scene, const Case& c, Size size,
                     std::vector<Row>& rows) const;
-    void add_peers(const Block& block, const NamedScene& scene, const Seen& seen, const std::optional<Truth>& truth);
+    void add_peers(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth);
     void run_case(const Block& block, const NamedScene& scene, const Case& c, Size size);
     /// Rows that still wait for their stages are reported here, the others as soon as they are measured.
     void add(Row row, bool is_reported);

@@ -13,7 +13,8 @@ struct Configuration {
     std::string technique;
     Settings settings;
     std::string mode =
-        "animated";  ///< nothing is kept between runs; moving: clusters are; static: the light is prepared
+        "animated";             ///< nothing is kept between runs; moving: clusters are; static: the light is prepared
+    std::uint32_t samples = 1;  ///< per pixel; several are found, and decided, by run_samples()
 };
 
 /// Every registered technique with its defaults. The first is exact.

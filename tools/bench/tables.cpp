@@ -242,6 +242,43 @@ Table cluster_table(const std::vector<Comparison>& views) {
     return table;
 }
 
+Table samples_table(const std::vector<Comparison>& views) {
+    Table table{
+        "",
+        "Milliseconds, medians; the numbers of samples take turns. The camera's time is that of one sample; several "
+        "are "
+        "found within theirs. Embree: the rays alone, of the same 32 points per pixel, from a finished tree of medium "
+        "quality; its error is the mean absolute one against gnomon's.",
+        {"view", "camera", "1 sample", "4", "32", "32 over 1", "32 over 1, both with the camera", "Embree, 32",
+         "gnomon over Embree", "Embree's error, offset 0", "1e-6", "1e-4", "1e-4, robust"},
+        {}};
+    for (const Comparison& view : views) {
+        const Row *one = row_with(view, "frustum-traced", "", "animated"),
+                  *four = row_with(view, "frustum-traced", "samples=4", "animated"),
+                  *many = row_with(view, "frustum-traced", "samples=32", "animated");
+        if (!one || !four || !many || !one->camera) continue;
+        const double camera_ms = one->camera->median_ms, one_ms = one->total.median_ms, many_ms = many->total.median_ms;
+        const Row* rays = row_with(view, "embree", "build=medium rays=fast offset=0 ", "static");
+        std::vector<std::string> line{view.title,
+                                      three_digits(camera_ms),
+                                      times_text(one->total),
+                                      times_text(four->total),
+                                      times_text(many->total),
+                                      three_digits(many_ms / one_ms),
+                                      three_digits((camera_ms + many_ms) / (camera_ms + one_ms)),
+                                      rays ? three_digits(rays->total.median_ms) : "",
+                                      rays ? three_digits(many_ms / rays->total.median_ms) : ""};
+        for (const char* settings :
+             {"build=medium rays=fast offset=0 ", "build=medium rays=fast offset=1e-06",
+              "build=medium rays=fast offset=0.0001", "build=medium rays=robust offset=0.0001"}) {
+            const Row* other = row_with(view, "embree", settings, "static");
+            line.push_back(other && other->errors ? three_digits(other->errors->mean_absolute) : "");
+        }
+        table.lines.push_back(std::move(line));
+    }
+    return table;
+}
+
 // Which family's colour a row has.
 std::size_t series_of(const Row& row) {
     const auto found = std::ranges::find_if(families(), [&](const Family& family) {
@@ -353,6 +390,8 @@ std::vector<Table> tables_of(std::span<const Row> rows, const std::string& exper
         tables = {growth_table(ours, experiment == "growth_in_points")};
     } else if (experiment == "auto") {
         tables = {map_table(views)};
+    } else if (experiment == "samples") {
+        tables = {samples_table(views)};
     } else if (experiment == "clusters") {
         tables = {cluster_table(views)};
     } else {
