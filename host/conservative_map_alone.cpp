@@ -5,15 +5,6 @@
 
 namespace gnomon {
 
-struct ConservativeMapAlone::Run {
-    TriangleInputs triangles;
-    PointInputs points;
-    LightFrame light_frame;
-    cl_mem visibility;
-    Statistics statistics{};
-    std::uint64_t frames = 0, grown = 0, map_candidates = 0, map_texels = 0, decided_by_map = 0;
-};
-
 bool ConservativeMapAlone::list_triangles(Run& run) {
     cl::Session& session = device_.session();
     cl::StageTimer timer(session, run.statistics, "triangle_setup");
@@ -43,37 +34,15 @@ void ConservativeMapAlone::run_frame(Run& run, cl_uint frame) {
                        counters_);
     }
     const auto counted = session.read_value<FrameCounters>(counters_);
-    run.map_candidates += counted.map_candidates;
-    run.map_texels += counted.map_texels;
-    run.decided_by_map += counted.decided_by_map;
-    ++run.frames;
+    map_candidates_ += counted.map_candidates;
+    map_texels_ += counted.map_texels;
+    run.in_shadow += counted.decided_by_map;
 }
 
-Statistics ConservativeMapAlone::run(const Triangles& triangles, const Points& points, const Light& light,
-                                     const Visibility& visibility) {
-    require_run(triangles, points, light, visibility);
-    const auto start = std::chrono::steady_clock::now();
-    cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
-    Run run{triangle_inputs(triangles), point_inputs(points), make_light_frame(light, binned(session, map_size_)),
-            visibility.buffer()};
-    counters_.reserve(session, sizeof(FrameCounters));
-    const FrameCounters facing = frames_.run(session, run.statistics, run.light_frame, run.triangles, run.points,
-                                             run.visibility, counters_, [&](cl_uint frame) { run_frame(run, frame); });
-    Statistics& s = run.statistics;
-    s.counts = {{"points", points.count()},
-                {"points_absent", facing.absent},
-                {"points_facing_away", facing.facing_away},
-                {"points_decided_by_map", run.decided_by_map},
-                {"points_in_shadow", facing.facing_away + run.decided_by_map},
-                {"triangles", triangles.count()},
-                {"frames", run.frames},
-                {"map_candidates", run.map_candidates},
-                {"map_texels_written", run.map_texels},
-                {"lists_grown", run.grown}};
-    s.device_memory_bytes = memory.peak_bytes();
-    s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    return s;
+void ConservativeMapAlone::add_counts(Run& run) const {
+    run.statistics.counts.emplace_back("points_decided_by_map", run.in_shadow);
+    run.statistics.counts.emplace_back("map_candidates", map_candidates_);
+    run.statistics.counts.emplace_back("map_texels_written", map_texels_);
 }
 
 void ConservativeMapAlone::set(std::string_view name, std::string_view value) {

@@ -5,35 +5,30 @@
 
 #include "conservative_map.hpp"
 #include "farthest_height.hpp"
-#include "light_frames.hpp"
+#include "framed_technique.hpp"
 
 namespace gnomon {
 
-class ConservativeMapAlone final : public Technique {
+class ConservativeMapAlone final : public FramedTechnique {
 public:
-    explicit ConservativeMapAlone(const Device& device) : device_(device) {}
-    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
-                   const Visibility& visibility) override;
+    explicit ConservativeMapAlone(const Device& device) : FramedTechnique(device) {}
     void set(std::string_view name, std::string_view value) override;
 
     static TechniqueDescription describe();
 
 private:
-    struct Run;
-
-    void run_frame(Run& run, cl_uint frame);
+    FrameGrid grid() const override { return binned(device_.session(), map_size_); }
+    void run_frame(Run& run, cl_uint frame) override;
+    void begin_counts() override { map_candidates_ = map_texels_ = 0; }
+    void add_counts(Run& run) const override;
     /// False if the lists of triangles were too short, which are longer now.
     bool list_triangles(Run& run);
 
-    Device device_;
     CoverTest cover_test_ = CoverTest::tight;
     std::uint32_t map_size_ = 1024;
 
-    std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
-    cl::Buffer counters_;
-    LightFrames frames_;
+    std::uint64_t map_candidates_ = 0, map_texels_ = 0;  ///< in this run
     FarthestHeight farthest_height_;
-    TriangleSetup setup_;
     ConservativeMap map_;
 };
 

@@ -3,16 +3,6 @@
 
 namespace gnomon {
 
-FrameCounters LightFrames::run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                               const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
-                               const cl::Buffer& counters, const std::function<void(cl_uint frame)>& use) {
-    if (points.layout.count == 0) return {};
-    const FrameCounters facing =
-        decide_facing(session, statistics, light_frame, triangles, points, visibility, counters);
-    if (triangles.count != 0) for_each(session, statistics, light_frame, use);
-    return facing;
-}
-
 FrameCounters LightFrames::decide_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                                          const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
                                          const cl::Buffer& counters) {

@@ -10,16 +10,12 @@ namespace gnomon {
 
 class LightFrames {
 public:
-    /// Decides the points that face away, and calls use(frame) for each frame that has open points, with its projection
-    /// in projection(). Returns what facing counted; `counters` holds FrameCounters.
-    FrameCounters run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                      const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
-                      const cl::Buffer& counters, const std::function<void(cl_uint frame)>& use);
-    /// The first half of run(): points that face away are decided, those of the frames are open. There must be points.
+    /// Decides the points that face away; those of the frames are open. There must be points. Returns what facing
+    /// counted; `counters` holds FrameCounters.
     FrameCounters decide_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                                 const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
                                 const cl::Buffer& counters);
-    /// The second half, where there are triangles.
+    /// Calls use(frame) for each frame that has open points, with its projection in projection().
     void for_each(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                   const std::function<void(cl_uint frame)>& use);
     const cl::Buffer& projection() const { return projection_; }

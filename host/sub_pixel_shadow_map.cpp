@@ -5,16 +5,6 @@
 
 namespace gnomon {
 
-struct SubPixelShadowMap::Run {
-    TriangleInputs triangles;
-    PointInputs points;
-    LightFrame light_frame;
-    cl_mem visibility;
-    Statistics statistics{};
-    SubPixelCounters total{};  ///< over the frames
-    std::uint64_t frames = 0, grown = 0;
-};
-
 namespace {
 
 constexpr std::string_view off_on[] = {"off", "on"};
@@ -65,37 +55,19 @@ void SubPixelShadowMap::run_frame(Run& run, cl_uint frame) {
         decide_points(run, frame);
     }
     const auto map = session.read_value<SubPixelCounters>(map_counters_);
-    run.total.texels += map.texels;
-    run.total.in_shadow += map.in_shadow;
-    ++run.frames;
+    texels_ += std::uint64_t(run.light_frame.width) * run.light_frame.height;
+    texels_with_triangle_ += map.texels;
+    run.in_shadow += map.in_shadow;
 }
 
-Statistics SubPixelShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
-                                  const Visibility& visibility) {
-    require_run(triangles, points, light, visibility);
-    const auto start = std::chrono::steady_clock::now();
-    cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
-    Run run{triangle_inputs(triangles), point_inputs(points), make_light_frame(light, {map_size_, 0}),
-            visibility.buffer()};
-    counters_.reserve(session, sizeof(FrameCounters));
-    map_counters_.reserve(session, sizeof(SubPixelCounters));
-    const FrameCounters facing = frames_.run(session, run.statistics, run.light_frame, run.triangles, run.points,
-                                             run.visibility, counters_, [&](cl_uint frame) { run_frame(run, frame); });
+void SubPixelShadowMap::begin_counts() {
+    map_counters_.reserve(device_.session(), sizeof(SubPixelCounters));
+    texels_ = texels_with_triangle_ = 0;
+}
 
-    Statistics& s = run.statistics;
-    s.counts = {{"points", points.count()},
-                {"points_absent", facing.absent},
-                {"points_facing_away", facing.facing_away},
-                {"points_in_shadow", std::uint64_t(facing.facing_away) + run.total.in_shadow},
-                {"triangles", triangles.count()},
-                {"frames", run.frames},
-                {"texels", run.frames * map_size_ * map_size_},
-                {"texels_with_triangle", run.total.texels},
-                {"lists_grown", run.grown}};
-    s.device_memory_bytes = memory.peak_bytes();
-    s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    return s;
+void SubPixelShadowMap::add_counts(Run& run) const {
+    run.statistics.counts.emplace_back("texels", texels_);
+    run.statistics.counts.emplace_back("texels_with_triangle", texels_with_triangle_);
 }
 
 void SubPixelShadowMap::set(std::string_view name, std::string_view value) {
