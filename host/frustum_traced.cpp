@@ -69,13 +69,18 @@ FrameGrid FrustumTraced::grid(std::size_t point_count) const {
     return binned(session, size);
 }
 
-FrameGrid FrustumTraced::prepared_grid() const {
-    const bool is_cpu = device_.session().is_cpu();
+FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count) const {
     // Finer than a run's own, since making them no longer counts. Counted on Sponza: of 256, 512, 1024 and 2048 texels
     // and 128, 256 and 512 bins on a CPU this leaves a trace the fewest tests (a tenth to a quarter fewer than 512),
     // but for 2048, where making the map takes five times as long.
     FrameGrid grid{map_size_ != 0 ? map_size_ : 1024u, 0};
-    const std::uint32_t most_bins = is_cpu ? 256 : 1024;
+    std::uint32_t most_bins = 1024;
+    if (device_.session().is_cpu()) {
+        // A list's entries come 16 at a time, so that a bin of few is mostly empty; but to read long lists is what
+        // scenes of millions cost (docs/performance.md). The frame holds all triangles, not those of a view.
+        most_bins = 256;
+        while (most_bins < 1024 && triangle_count > std::size_t(most_bins) * most_bins * 8) most_bins *= 2;
+    }
     while (grid.bins() > most_bins) ++grid.bin_log2;
     return grid;
 }
@@ -291,7 +296,7 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    prepared_ = std::make_unique<PreparedLight>(session, s, triangles, light, prepared_grid(),
+    prepared_ = std::make_unique<PreparedLight>(session, s, triangles, light, prepared_grid(triangles.count()),
                                                 ListSettings{map_mode_ != MapMode::off, cover_test_}, first_capacity_);
     merge_stages(s);
     const FrameCounters& c = prepared_->counted();

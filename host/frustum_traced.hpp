@@ -35,7 +35,7 @@ private:
 
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
     FrameGrid grid(std::size_t point_count) const;
-    FrameGrid prepared_grid() const;
+    FrameGrid prepared_grid(std::size_t triangle_count) const;
     bool draws_map(const PointInputs& points) const;
     bool run_prepared(Run& run);
     void run_unprepared(Run& run);

@@ -350,6 +350,23 @@ TEST(Prepared, EyesAndLightsInThePlanesOfReceivers) {
     EXPECT_GT(by_map, 100u);
 }
 
+// More than 8 to a bin of the usual grid: a CPU's bins get finer.
+TEST(Prepared, BinsOfManyTriangles) {
+    const Device device;
+    const auto triangles = gnomon::Triangles::upload(device, soup(530'000, 0.004f, 8));
+    const gnomon::Points points = gnomon::Points::upload(device, random_points(20'000, -1, 1, 9));
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::positional({0.1f, 0.3f, 0.2f})}) {
+        const Asked wanted = ask(device, *technique, triangles, points, light);
+        technique->prepare(triangles, light);
+        const Asked asked = ask(device, *technique, triangles, points, light);
+        EXPECT_EQ(asked.statistics.count("prepared"), 1u);
+        EXPECT_EQ(asked.visibility, wanted.visibility);
+        EXPECT_GT(asked.statistics.count("points_in_shadow"), 1000u);
+        EXPECT_LT(asked.statistics.count("points_in_shadow"), 19'000u);
+    }
+}
+
 TEST(Prepared, NothingToPrepareIsNoTrouble) {
     Still still;
     const auto none = gnomon::Triangles::upload(still.device, {}),
