@@ -12,6 +12,8 @@
 //   trace             open points against the map, then against their bin's triangles by the filter
 //   exact_trace       what the filter left open
 //
+// Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
+//
 // Of footprints (settled_samples.cpp) the same is asked, with one stage, settle, in the place of the last two.
 //
 // With traversal=triangles, the baseline to compare with, izb lists the open points by bin and the trace takes each
