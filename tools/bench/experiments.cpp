@@ -35,6 +35,13 @@ std::vector<SceneView> large_views(const Limits& limits) {
                       pipes = made("pipes", 12'800'000, limits);
     return {{city, "v1.sun"}, {foliage, "v1.sun"}, {pipes, "v1.sun"}};
 }
+// The same scenes from afar and from within.
+std::vector<SceneView> both_large_views(const Limits& limits) {
+    std::vector<SceneView> views;
+    for (const SceneView& view : large_views(limits))
+        for (const char* only : {"v0.sun", "v1.sun"}) views.push_back({view.scene, only});
+    return views;
+}
 
 Block block_of(const char* experiment, const SceneView& view, std::vector<Size> sizes,
                std::vector<Configuration> configurations) {
@@ -193,8 +200,10 @@ std::vector<Block> figure5(const SceneShelf&, const Limits& limits) {
 }
 
 std::vector<Block> automatic_map(const SceneShelf& shelf, const Limits& limits) {
-    std::vector<SceneView> views = usual_views(shelf, limits);
-    std::ranges::copy(large_views(limits), std::back_inserter(views));
+    std::vector<SceneView> views;
+    for (const SceneView& view : usual_views(shelf, limits))
+        views.push_back({view.scene, view.only.substr(0, view.only.find('.') + 1)});  // in every light
+    std::ranges::copy(both_large_views(limits), std::back_inserter(views));
     std::vector<Block> blocks;
     for (const SceneView& view : views) {
         blocks.push_back(block_of("auto", view, within(limits, {full_hd}), map_modes()));
@@ -207,8 +216,7 @@ std::vector<Block> automatic_map(const SceneShelf& shelf, const Limits& limits) 
 
 std::vector<Block> clusters(const SceneShelf& shelf, const Limits& limits) {
     std::vector<SceneView> views = usual_views(shelf, limits);
-    for (const SceneView& view : large_views(limits))
-        for (const char* only : {"v0.sun", "v1.sun"}) views.push_back({view.scene, only});
+    std::ranges::copy(both_large_views(limits), std::back_inserter(views));
     std::vector<Block> blocks;
     for (const SceneView& view : views) {
         blocks.push_back(block_of("clusters", view, within(limits, {full_hd}),

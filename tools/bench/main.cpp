@@ -10,11 +10,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <iostream>
+#include <map>
 
 #include "experiments.hpp"
 #include "machine.hpp"
 #include "output.hpp"
 #include "page.hpp"
+#include "tables.hpp"
 
 namespace {
 
@@ -45,6 +47,12 @@ Settings parsed_settings(const std::vector<std::string>& texts) {
         settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
     }
     return settings;
+}
+
+std::string experiment_names() {
+    std::string names = "all";
+    for (const Experiment& experiment : experiments()) names += ", " + experiment.name;
+    return names;
 }
 
 // The scenes of the command line.
@@ -78,6 +86,9 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
 
 std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
     std::vector<Block> blocks = blocks_of_scenes(options);
+    for (const std::string& name : options.experiments)
+        if (name != "all" && std::ranges::find(experiments(), name, &Experiment::name) == experiments().end())
+            throw gnomon::InvalidArgument("there is no experiment \"" + name + "\": there are " + experiment_names());
     for (const Experiment& experiment : experiments()) {
         const auto asked = [&](const char* name) {
             return std::ranges::find(options.experiments, name) != options.experiments.end();
@@ -85,11 +96,16 @@ std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
         if (!asked("all") && !asked(experiment.name.c_str())) continue;
         std::ranges::move(experiment.blocks(shelf, options.limits), std::back_inserter(blocks));
     }
-    std::erase_if(blocks, [&](const Block& b) { return b.only.find(options.only) == std::string::npos; });
     const auto is_charted = [](const Block& block) { return block.experiment == "techniques"; };
     if (!options.charts_prefix.empty() && (options.devices.size() > 1 || std::ranges::none_of(blocks, is_charted)))
         throw gnomon::InvalidArgument("--charts draws --experiment techniques on one --device; leave it out");
     if (blocks.empty()) throw gnomon::InvalidArgument("name scenes or an --experiment to run; --help lists them");
+    // What an experiment shows of a scene is narrowed down, never widened.
+    std::erase_if(blocks, [&](const Block& b) {
+        return b.only.find(options.only) == std::string::npos && options.only.find(b.only) == std::string::npos;
+    });
+    for (Block& block : blocks)
+        if (options.only.size() > block.only.size()) block.only = options.only;
     return blocks;
 }
 
@@ -103,9 +119,10 @@ void write_outputs(const Options& options, const nlohmann::ordered_json& machine
             write_file(options.charts_prefix + "_" + scene + ".svg", svg);
 }
 
-// What must not be in a benchmark of exact shadows: a technique that failed, or an exact one that is wrong.
+// What must not be in a benchmark of exact shadows: a technique that failed, or exact ones that are wrong or differ.
 bool all_well(const std::vector<Row>& rows) {
     bool well = true;
+    std::map<std::string, const Row*> exact_of_view;
     const auto complain = [&](const Row& row, const std::string& what) {
         std::cerr << "bench: error: " << row.name() << " on " << row.scene << " " << row.view << "." << row.light
                   << ": " << what << '\n';
@@ -117,6 +134,10 @@ bool all_well(const std::vector<Row>& rows) {
             complain(row, std::to_string(row.errors->wrong()) + " points differ from the exact technique's defaults");
         if (row.exact && row.oracle && row.oracle->wrong != 0)
             complain(row, std::to_string(row.oracle->wrong) + " points differ from the oracle");
+        if (!row.exact || !row.failed.empty()) continue;
+        const Row* first = exact_of_view.try_emplace(view_of(row), &row).first->second;
+        if (first->mask_hash != row.mask_hash)
+            complain(row, "the mask is " + row.mask_hash + ", but " + first->mask_hash + " by " + first->name());
     }
     return well;
 }
@@ -131,13 +152,10 @@ int run(const Options& options) {
         runner.run(block);
         write_outputs(options, machine, runner.rows());  // a run that is cut short leaves what it has
     }
+    if (runner.rows().empty())
+        throw gnomon::InvalidArgument("nothing was measured: no VIEW.LIGHT contains \"" + options.only +
+                                      "\", or the views are larger than --largest-points");
     return all_well(runner.rows()) ? 0 : 1;
-}
-
-std::string experiment_names() {
-    std::string names = "all";
-    for (const Experiment& experiment : experiments()) names += ", " + experiment.name;
-    return names;
 }
 
 }  // namespace
@@ -186,9 +204,11 @@ int main(int argc, char** argv) {
     app.add_option("--charts", options.charts_prefix,
                    "of --experiment techniques, write each scene's chart as PREFIX_SCENE.svg; for one --device");
     app.add_flag("--stages", options.stages, "also run with profiling: each stage's time, and the counts");
-    CLI11_PARSE(app, argc, argv);
     try {
+        app.parse(argc, argv);
         return run(options);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
     } catch (const std::exception& error) {
         std::cerr << "bench: error: " << error.what() << '\n';
         return 1;

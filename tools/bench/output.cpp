@@ -113,6 +113,10 @@ Json to_json(const Row& row) {
     }
     json["mask_hash"] = row.mask_hash;
     json["ms"] = times_json(row.total);
+    for (const RunTimes& run : row.runs) {
+        json["runs"]["wall_ms"].push_back(run.wall_ms);
+        json["runs"]["processor_ms"].push_back(run.processor_ms);
+    }
     if (row.build) json["build_ms"] = times_json(*row.build);
     json["device_memory_bytes"] = row.device_memory_bytes;
     if (row.errors) json["errors"] = errors_json(*row.errors);
@@ -171,7 +175,12 @@ void write_file(const std::string& file, const std::string& text) {
         std::ofstream stream(unfinished, std::ios::binary);
         stream << text;
         stream.flush();
-        if (!stream) throw Error("cannot write " + unfinished);
+        if (!stream) {
+            std::error_code ignored;
+            std::filesystem::remove(unfinished, ignored);
+            throw Error("cannot write " + file +
+                        ": is there such a folder, may you write there, and is the disk full?");
+        }
     }
     std::filesystem::rename(unfinished, file);
 }

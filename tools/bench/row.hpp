@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "measure/visibility_errors.hpp"
+#include "timing.hpp"
 
 namespace gnomon::bench {
 
@@ -44,6 +45,7 @@ struct Row {
     std::string mode;    ///< animated, moving or static: see the page's notes
     std::string device, driver;
     Times total;
+    std::vector<RunTimes> runs;   ///< one after the other; the k-th of rows that took turns were made together
     std::optional<Times> camera;  ///< the camera stage, not part of the total
     /// Of a ray tracer's tree, part of the total in animated mode alone; of what is kept in the other modes.
     std::optional<Times> build;

@@ -138,7 +138,7 @@ public:
         });
     }
     void run_timed() {
-        guarded([&] { ms_.push_back(time_ms([&] { run_once(); })); });
+        guarded([&] { runs_.push_back(time_run([&] { run_once(); })); });
     }
     /// The row without its errors, and the mask; ends the technique.
     std::pair<Row, std::vector<float>> finish() {
@@ -152,7 +152,10 @@ public:
         guarded([&] {
             const Statistics statistics = run_once();
             mask = seen_.visibility.read();
-            row.total = times_of(ms_);
+            std::vector<double> wall_ms;
+            for (const RunTimes& run : runs_) wall_ms.push_back(run.wall_ms);
+            row.total = times_of(std::move(wall_ms));
+            row.runs = runs_;
             if (!prepare_ms_.empty()) row.build = times_of(prepare_ms_);
             row.device_memory_bytes = statistics.device_memory_bytes;
             row.counts = statistics.counts;
@@ -210,7 +213,8 @@ private:
     const Seen& seen_;
     Triangles triangles_;
     std::unique_ptr<Technique> technique_;
-    std::vector<double> ms_, prepare_ms_;
+    std::vector<RunTimes> runs_;
+    std::vector<double> prepare_ms_;
     std::string failed_;
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #include <vector>
 
 namespace gnomon::bench {
@@ -17,6 +18,20 @@ public:
 private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// What one run took: wall clock, and the processor time of all threads of this process, which says more than the wall
+/// clock where other programs want the cores too.
+struct RunTimes {
+    double wall_ms = 0, processor_ms = 0;
+};
+
+template <typename Work>
+RunTimes time_run(Work&& work) {
+    const std::clock_t before = std::clock();
+    const Clock clock;
+    work();
+    return {clock.elapsed_ms(), double(std::clock() - before) * 1e3 / CLOCKS_PER_SEC};
+}
 
 template <typename Work>
 double time_ms(Work&& work) {
