@@ -15,4 +15,8 @@ void ConservativeMap::run(cl::Session& session, const LightFrame& frame, const c
                    pyramid, map_, counters);
 }
 
+void ConservativeMap::judge(cl::Session& session, const cl::Buffer& projection, const cl::Buffer& counters) {
+    session.launch("conservative_map.cl", "conservative_map_judge", cl::Range::groups(1), projection, counters);
+}
+
 }  // namespace gnomon

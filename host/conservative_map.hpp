@@ -16,6 +16,9 @@ public:
     /// `pyramid` (farthest_height) tells which bins hold points, and how far they lie.
     void run(cl::Session& session, const LightFrame& frame, const cl::Buffer& projection, const TriangleSetup& setup,
              const cl::Buffer& pyramid, CoverTest cover_test, const cl::Buffer& counters);
+    /// After the triangles' bounds: leaves word in the projection if the map would decide too little. Then run() draws
+    /// nothing, and no stage looks at it.
+    void judge(cl::Session& session, const cl::Buffer& projection, const cl::Buffer& counters);
     const cl::Buffer& map() const { return map_; }
 
 private:

@@ -92,6 +92,12 @@ bool FrustumTraced::draws_map(const PointInputs& points) const {
     return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
 }
 
+ListSettings FrustumTraced::list_settings(const PointInputs& points) const {
+    // A look at the map is a gather for every point on a CPU; on a GPU it is one load among many.
+    const bool judges_map = map_mode_ == MapMode::automatic && device_.session().is_cpu();
+    return {draws_map(points), judges_map, cover_test_};
+}
+
 void FrustumTraced::add(Run& run, const FrameCounters& counted) {
     add_counters(run.total, counted);
     run.tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
@@ -103,7 +109,7 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     const LightFrame& light_frame = run.light_frame;
     clear(session, counters_);
     const cl::Buffer* map = lists_.run(session, statistics, light_frame, frames_.projection(), run.triangles,
-                                       {draws_map(run.points), cover_test_}, farthest_height_, counters_);
+                                       list_settings(run.points), farthest_height_, counters_);
     const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
     if (run.points.footprints != nullptr) {
         cl::StageTimer timer(session, statistics, "settle");
@@ -298,8 +304,9 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    prepared_ = std::make_unique<PreparedLight>(session, s, triangles, light, prepared_grid(triangles.count()),
-                                                ListSettings{map_mode_ != MapMode::off, cover_test_}, first_capacity_);
+    prepared_ =
+        std::make_unique<PreparedLight>(session, s, triangles, light, prepared_grid(triangles.count()),
+                                        ListSettings{map_mode_ != MapMode::off, false, cover_test_}, first_capacity_);
     merge_stages(s);
     const FrameCounters& c = prepared_->counted();
     s.counts = {{"triangles", triangles.count()},

@@ -37,6 +37,7 @@ private:
     FrameGrid grid(std::size_t point_count) const;
     FrameGrid prepared_grid(std::size_t triangle_count) const;
     bool draws_map(const PointInputs& points) const;
+    ListSettings list_settings(const PointInputs& points) const;
     bool run_prepared(Run& run);
     void run_unprepared(Run& run);
     void run_frame(Run& run, cl_uint frame);

@@ -19,6 +19,7 @@ const cl::Buffer* TriangleLists::run(cl::Session& session, Statistics& statistic
     const cl::Buffer* map = nullptr;
     if (settings.draws_map) {
         cl::StageTimer timer(session, statistics, "conservative_map");
+        if (settings.judges_map) map_.judge(session, projection, counters);
         setup_.run_map_tiles(session, projection, triangles, farthest_height.pyramid(), counters);
         map_.run(session, light_frame, projection, setup_, farthest_height.pyramid(), settings.cover_test, counters);
         map = &map_.map();

@@ -13,6 +13,7 @@ namespace gnomon {
 /// How lists are made.
 struct ListSettings {
     bool draws_map = true;
+    bool judges_map = false;  ///< a map that would cover little is left empty and not looked at
     CoverTest cover_test = CoverTest::tight;
 };
 

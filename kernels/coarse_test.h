@@ -10,7 +10,7 @@
 static LaneInt lanes_below_map(__constant const Projection* projection, PointBlock places, LaneFloat state,
                                LaneInt lanes, __global const uint* map) {
     lanes &= ~doubtful_lanes(state);
-    if (projection->indistinct) return (LaneInt)(0);
+    if (projection->indistinct || projection->map_unseen) return (LaneInt)(0);
     LaneInt texels = texel_indices(places.y, projection->height) * (int)projection->width +
                      texel_indices(places.x, projection->width);
     // Other lanes' places may be anything; texel_indices keeps them inside.

@@ -109,8 +109,9 @@ __kernel void open_heights(uint frame_count, __constant const Projection* projec
     uint width = projections->width, height = projections->height, size = 1u << projections->bin_log2;
     GN_FOR_EACH(i, frame_count * bins_x * bins_y) {
         uint bin = (uint)i % (bins_x * bins_y), frame = (uint)i / (bins_x * bins_y);
-        uint lowest_cover = has_map ? 0xFFFFFFFFu : 0u;
-        if (has_map) {
+        bool is_seen = has_map && !projections[frame].map_unseen;
+        uint lowest_cover = is_seen ? 0xFFFFFFFFu : 0u;
+        if (is_seen) {
             uint x0 = bin % bins_x * size, y0 = bin / bins_x * size;
             for (uint y = y0; y < min(y0 + size, height); ++y)
                 for (uint x = x0; x < min(x0 + size, width); ++x)

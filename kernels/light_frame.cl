@@ -122,7 +122,7 @@ __kernel void light_frame_fit(LightFrame light_frame, __global const PointBounds
         projection.active_points = bounds.count;
         projection.z_origin = 0.0f;
         projection.z_scale = 1.0f;
-        for (int i = 0; i < 3; ++i) projection.padding[i] = 0;
+        projection.map_unseen = projection.padding[0] = projection.padding[1] = 0;
         if (bounds.count == 0)
             projection.indistinct = 1;
         else if (frame.perspective)

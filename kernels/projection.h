@@ -54,7 +54,8 @@ GN_STRUCT_BEGIN(Projection)
     uint active_points;  // points this projection was fitted to
     float z_origin;      // heights are brought to 16 bits as (Z - z_origin) z_scale, see bin_lists.h; z_scale > 0
     float z_scale;
-    uint padding[3];
+    uint map_unseen;  // 1: the conservative map would decide too little to be worth it, see conservative_map.cl
+    uint padding[2];
 GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus

@@ -207,20 +207,43 @@ static void set_plane_perspective(RecordBlock* record, const Projected* v, Recta
     set_plane(record, lanes, plane_x, plane_y, plane_0, margin);
 }
 
-// Can the triangles cover a whole texel? Only if the texel's incircle, of radius 1/2, fits: 2 area / perimeter >= 1/2.
-// A matter of speed alone: an answer that is off by rounding costs a look or a texel, never a wrong shadow.
-static LaneInt can_cover_texel(const Projected* v, Rectangles rectangle, LaneInt lanes) {
-    LaneFloat breadth = rectangle.x1 - rectangle.x0, depth = rectangle.y1 - rectangle.y0;
-    lanes &= LANE_COMPARE(breadth, >=, (LaneFloat)(1.0f)) & LANE_COMPARE(depth, >=, (LaneFloat)(1.0f));
+// Is there a texel's centre between these?
+static LaneInt hold_a_centre(LaneFloat low, LaneFloat high, uint texels) {
+    LaneFloat last = LANES_MIN(high - 0.5f, (LaneFloat)((float)texels)), first = low - 0.5f;
+    LaneInt inside = LANE_COMPARE(last, >=, (LaneFloat)(0.0f));
+    LaneFloat centre = LANES_TO_FLOAT(LANES_TO_INT(LANES_MAX(last, (LaneFloat)(0.0f))));
+    return inside & LANE_COMPARE(centre, >=, first);
+}
+
+// Can the triangles cover a whole texel? A matter of speed alone: an answer that is off by rounding costs a look or a
+// texel, never a wrong shadow.
+//
+// A texel with its centre at p is covered if each barycentric coordinate is at p at least what it loses towards the
+// texel's worst corner: for the corner opposite the edge (x, y), s = (|x| + |y|) / 2 / (2 area). The three s sum up to
+// S = (breadth + depth) / (2 area). If S > 1 there is no such p; else these p make up a triangle, the original times
+// 1 - S, with its first corner at a + s_b ab + s_c ac + (1 - S) 0; and some texel's centre must be within its bounds.
+// Its area is how many texels the original covers on average over all places of the grid: `expected`.
+static LaneInt can_cover_texel(const Projected* v, Rectangles rectangle, __constant const Projection* projection,
+                               LaneInt lanes, LaneFloat* expected) {
+    lanes &= LANE_COMPARE(rectangle.x1 - rectangle.x0, >=, (LaneFloat)(1.0f)) &
+             LANE_COMPARE(rectangle.y1 - rectangle.y0, >=, (LaneFloat)(1.0f));
     if (!LANES_ANY(lanes)) return lanes;
     LaneFloat a_x = v[0].x / v[0].w, a_y = v[0].y / v[0].w;
     LaneFloat ab_x = v[1].x / v[1].w - a_x, ab_y = v[1].y / v[1].w - a_y;
     LaneFloat ac_x = v[2].x / v[2].w - a_x, ac_y = v[2].y / v[2].w - a_y;
-    LaneFloat bc_x = ac_x - ab_x, bc_y = ac_y - ab_y;
-    LaneFloat twice_area = fabs(ab_x * ac_y - ab_y * ac_x);
-    LaneFloat perimeter =
-        sqrt(ab_x * ab_x + ab_y * ab_y) + sqrt(ac_x * ac_x + ac_y * ac_y) + sqrt(bc_x * bc_x + bc_y * bc_y);
-    return lanes & LANE_COMPARE(twice_area, >=, perimeter * 0.5f);
+    LaneFloat twice_area = fabs(ab_x * ac_y - ab_y * ac_x), zero = (LaneFloat)(0.0f);
+    LaneFloat low_x = LANES_MIN(LANES_MIN(ab_x, ac_x), zero), high_x = LANES_MAX(LANES_MAX(ab_x, ac_x), zero);
+    LaneFloat low_y = LANES_MIN(LANES_MIN(ab_y, ac_y), zero), high_y = LANES_MAX(LANES_MAX(ab_y, ac_y), zero);
+    LaneFloat around = high_x - low_x + high_y - low_y;
+    lanes &= LANE_COMPARE(twice_area, >=, around);
+    if (!LANES_ANY(lanes)) return lanes;
+    LaneFloat s_b = (fabs(ac_x) + fabs(ac_y)) * 0.5f / twice_area, s_c = (fabs(ab_x) + fabs(ab_y)) * 0.5f / twice_area;
+    LaneFloat rest = (LaneFloat)(1.0f) - around / twice_area;
+    LaneFloat first_x = a_x + s_b * ab_x + s_c * ac_x, first_y = a_y + s_b * ab_y + s_c * ac_y;
+    LaneFloat area = twice_area * 0.5f * rest * rest;
+    *expected = LANES_SELECT(*expected, LANES_MIN(area, *expected), lanes);
+    return lanes & hold_a_centre(first_x + rest * low_x, first_x + rest * high_x, projection->width) &
+           hold_a_centre(first_y + rest * low_y, first_y + rest * high_y, projection->height);
 }
 
 // The projected vertices, and what they say at once. A wild triangle is in every bin, and every test of it exact.
@@ -243,6 +266,7 @@ static ProjectedTriangles project_triangles(const TriangleBlock* t, __constant c
 // TriangleBounds of GN_LANES triangles.
 typedef struct BoundsBlock {
     LaneInt x0, y0, x1, y1, z, flags;
+    LaneFloat expected;  // texels that those for the map will cover, roughly
 } BoundsBlock;
 
 // Bounds that say nothing: every bin, or (indistinct) the one that all points share.
@@ -252,6 +276,7 @@ static BoundsBlock open_bounds(__constant const Projection* projection) {
     bounds.x1 = (LaneInt)(projection->indistinct ? (int)(texel_units(projection->width) - 1.0f) : 65535);
     bounds.y1 = (LaneInt)(projection->indistinct ? (int)(texel_units(projection->height) - 1.0f) : 65535);
     bounds.z = (LaneInt)(65535);
+    bounds.expected = (LaneFloat)(0.0f);
     return bounds;
 }
 
@@ -284,7 +309,8 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
     LaneInt z = quantised((z_high - projection->z_origin) * projection->z_scale);
     bounds->z = LANES_SELECT(bounds->z, z, inside);
     LaneInt for_map = inside & p.sides.straddles;
-    for_map |= can_cover_texel(p.v, rectangle, inside & ~p.sides.straddles);
+    bounds->expected = (rectangle.x1 - rectangle.x0) * (rectangle.y1 - rectangle.y0);  // no more than the grid has
+    for_map |= can_cover_texel(p.v, rectangle, projection, inside & ~p.sides.straddles, &bounds->expected);
     bounds->flags = LANES_SELECT(bounds->flags, (LaneInt)(BOUNDS_FOR_MAP), for_map);
     return inside | wild;
 }
@@ -300,6 +326,7 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
     uint survivor_count = 0, candidate_count = 0, finite_count = 0, looked_at = 0;
     if (projection->active_points == 0u) return;
     Claim slots = no_claim(), candidates = no_claim();
+    LaneFloat expected = (LaneFloat)(0.0f);
     uint blocks = (triangle_count + GN_LANES - 1u) / GN_LANES;
     if (has_clusters) blocks = counters->clusters_listed * BLOCKS_OF_CLUSTER;
     GN_FOR_EACH(i, blocks) {
@@ -316,6 +343,8 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
         LaneInt survivors = bound_triangles(&t, finite, projection, pyramid, has_pyramid != 0u, &found);
         if (!LANES_ANY(survivors)) continue;
         survivor_count += count_lanes(survivors);
+        expected +=
+            LANES_SELECT((LaneFloat)(0.0f), found.expected, survivors & LANE_COMPARE(found.flags, !=, (LaneInt)(0)));
         for (int lane = 0; lane < GN_LANES; ++lane) {
             if (!LANE_OF_INT(survivors, lane)) continue;
             bool for_map = LANE_OF_INT(found.flags, lane) != 0;
@@ -342,6 +371,12 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
     uint not_finite = looked_at - finite_count, outside = finite_count - survivor_count;
     if (survivor_count != 0) atomic_add(&counters->survivors, survivor_count);
     if (candidate_count != 0) atomic_add(&counters->map_candidates, candidate_count);
+#ifdef GN_CPU
+    // Cut off at what is enough, so that no sum overflows.
+    float enough = (float)texels_worth_a_map(projection->width, projection->height);
+    uint texels = (uint)LANES_SUM(LANES_TO_INT(LANES_MIN(expected, (LaneFloat)(enough))));
+    if (texels != 0) atomic_add(&counters->map_expected, texels);
+#endif
     if (not_finite != 0) atomic_add(&counters->not_finite, not_finite);
     if (outside != 0) atomic_add(&counters->outside, outside);
 }
@@ -547,6 +582,7 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     work.hidden = work.edge_on = work.exact = 0;
     work.places = no_claim();
     uint count = min(for_map ? counters->map_slots : counters->slots, capacity);
+    if (for_map && projection->map_unseen) count = 0;
 #ifdef GN_CPU
     Chosen chosen;
     chosen.count = 0;

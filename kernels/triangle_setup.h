@@ -32,6 +32,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint map_slots;         // triangle_setup: places in the list of the map's candidates wanted
     uint survivors;         // triangle_setup: triangles with bounds
     uint map_candidates;    // triangle_setup: of those, able to cover a whole texel
+    uint map_expected;      // triangle_setup, on a CPU: texels they will cover, roughly; only up to what is worth a map
     uint not_finite;        // clusters, triangle_setup: left out for a NaN or infinite vertex
     uint edge_on;           // triangle_setup: left out, exactly edge-on to the light or of zero area
     uint outside;           // the same: left out, outside the fitted frustum or farther than every point there
@@ -58,7 +59,12 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint strays;            // facing, trace: points for which a prepared light's lists may not do
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
-GN_STRUCT_END(FrameCounters, 132)
+GN_STRUCT_END(FrameCounters, 136)
+
+#ifndef __cplusplus
+// Fewer texels covered than these, and the conservative map is not worth its while.
+static uint texels_worth_a_map(uint width, uint height) { return width * height / 16u; }
+#endif
 
 #define GN_NO_LISTS 0xFFFFFFFFu
 

@@ -580,6 +580,22 @@ TEST_P(WorkGroup, OfAnySizeGivesTheSameBits) {
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, WorkGroup, testing::Values(1, 3, 7, 33, 64));
 
+// A map is drawn on a CPU where it is expected to cover a sixteenth of the texels; the bits are the same.
+TEST(AutomaticMap, IsDrawnWhereItCoversEnough) {
+    if (device().session().lanes() == 1) GTEST_SKIP() << "a GPU draws every map";
+    const auto asked_under = [](float roof, const Settings& settings) {
+        Question question{{}, random_points(5000, -1, 1, 11), {}, along(0, -1, 0), {}};
+        add(question.triangles, {-roof, 2, -roof}, {roof, 2, -roof}, {-roof, 2, roof});
+        const Answer answer = ask(device(), question, settings);
+        expect_equal(answer.visibility, truth_of(question), question, text_of(settings));
+        EXPECT_GT(answer.statistics.count("map_candidates"), 0u);
+        return answer.statistics.count("map_texels_written");
+    };
+    EXPECT_GT(asked_under(1.5f, {}), 256u);
+    EXPECT_GT(asked_under(0.1f, map_on), 0u);
+    EXPECT_EQ(asked_under(0.1f, {}), 0u);
+}
+
 // ---- Laws between scenes --------------------------------------------------------------------------------------------
 
 TEST(Law, OrderAndWindingOfTrianglesMeanNothing) {
