@@ -135,7 +135,10 @@ bool all_well(const std::vector<Row>& rows) {
         if (row.exact && row.oracle && row.oracle->wrong != 0)
             complain(row, std::to_string(row.oracle->wrong) + " points differ from the oracle");
         if (!row.exact || !row.failed.empty()) continue;
-        const Row* first = exact_of_view.try_emplace(view_of(row), &row).first->second;
+        const std::string samples = !row.settings.empty() && row.settings.back().first == "samples"
+                                        ? ", samples " + row.settings.back().second
+                                        : "";
+        const Row* first = exact_of_view.try_emplace(view_of(row) + samples, &row).first->second;
         if (first->mask_hash != row.mask_hash)
             complain(row, "the mask is " + row.mask_hash + ", but " + first->mask_hash + " by " + first->name());
     }
