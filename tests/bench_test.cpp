@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The benchmark, run as a person runs it, on small scenes: its errors are right and its outputs agree. Never its times.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
@@ -34,8 +35,8 @@ std::string text_in(const fs::path& file) {
 class BenchTest : public testing::Test {
 protected:
     BenchTest()
-        : folder_(fs::temp_directory_path() /
-                  (std::string("gnomon_bench_test_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
+        : folder_(fs::temp_directory_path() / ("gnomon_bench_test_" + std::to_string(getpid()) + "_" +
+                                               testing::UnitTest::GetInstance()->current_test_info()->name())) {
         fs::remove_all(folder_);
         fs::create_directories(folder_);
     }

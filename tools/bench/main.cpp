@@ -169,7 +169,8 @@ int main(int argc, char** argv) {
     app.add_option("scenes", options.scenes, "glTF files, sundial, or RECIPE:TRIANGLES of make_scenes (city:1000000)");
     app.add_option("--experiment", options.experiments, "repeatable: " + experiment_names());
     app.add_option("--scenes-folder", options.scenes_folder,
-                   "where crytek_sponza.glb, lost_empire.glb and views.json are, for the experiments");
+                   "where crytek_sponza.glb, lost_empire.glb and views.json are, for the experiments")
+        ->check(CLI::ExistingDirectory);
     app.add_option("--largest-triangles", options.limits.largest_triangles, "made scenes are made no larger")
         ->capture_default_str();
     app.add_option("--largest-points", options.limits.largest_points, "the experiments' views have no more pixels")

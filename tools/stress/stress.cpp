@@ -67,7 +67,9 @@ int main(int argc, char** argv) {
     Options options;
     options.cases.shared_scenes = GNOMON_SHARED_SCENES;
     CLI::App app{"Asks gnomon what is known to break shadows, and an exact oracle whether it was right."};
-    app.add_option("--points", options.run.points, "points of an ordinary case")->capture_default_str();
+    app.add_option("--points", options.run.points, "points of an ordinary case")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1'000'000'000));
     app.add_option("--seed", options.run.seed, "another seed, other scenes and points")->capture_default_str();
     app.add_option("--device", options.device, "as in gnomon devices");
     app.add_option("--only", options.only, "only cases whose name contains this");
