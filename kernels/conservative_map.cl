@@ -14,55 +14,70 @@
 
 #define HALF_DIAGONAL 0.70710685f  // above sqrt(1/2)
 
-// Smallest value of an edge function over the square of side 1 at (x, y); evaluated as for points, so that the
-// record's margin covers its rounding.
-static float lowest_at_corners(float slope_x, float slope_y, float constant_term, float x, float y) {
-    float corner_x = slope_x > 0.0f ? x : x + 1.0f;
+// Smallest values of a linear function over squares of side 1 at (x, y), GN_LANES of them in a row; evaluated as for
+// points, so that the record's margin covers its rounding.
+static LaneFloat lowest_at_corners(float slope_x, float slope_y, float constant_term, LaneFloat x, float y) {
+    LaneFloat corner_x = x + (slope_x > 0.0f ? 0.0f : 1.0f);
     float corner_y = slope_y > 0.0f ? y : y + 1.0f;
-    return fma(slope_x, corner_x, fma(slope_y, corner_y, constant_term));
+    return lanes_linear(slope_x, slope_y, constant_term, corner_x, (LaneFloat)(corner_y));
 }
 
-static bool covers_tight(const TriangleRecord* record, float x, float y) {
+static LaneInt covers_tight(const TriangleRecord* record, LaneFloat x, float y) {
+    LaneInt covers = (LaneInt)(-1);
     for (int i = 0; i < 3; ++i)
-        if (!(lowest_at_corners(record->edge_x[i], record->edge_y[i], record->edge_0[i], x, y) > record->margin_edge))
-            return false;
-    return true;
+        covers &= LANE_COMPARE(lowest_at_corners(record->edge_x[i], record->edge_y[i], record->edge_0[i], x, y), >,
+                               (LaneFloat)(record->margin_edge));
+    return covers;
 }
 
-static bool covers_circle(const TriangleRecord* record, float x, float y) {
+static LaneInt covers_circle(const TriangleRecord* record, LaneFloat x, float y) {
+    LaneInt covers = (LaneInt)(-1);
     for (int i = 0; i < 3; ++i) {
-        float centre = fma(record->edge_x[i], x + 0.5f, fma(record->edge_y[i], y + 0.5f, record->edge_0[i]));
+        LaneFloat centre =
+            lanes_linear(record->edge_x[i], record->edge_y[i], record->edge_0[i], x + 0.5f, (LaneFloat)(y + 0.5f));
         // Scaled, since the squares of slopes near a positional light underflow. 2.5 ulp for the quotient, 3 for sqrt.
         float larger = fmax(fabs(record->edge_x[i]), fabs(record->edge_y[i]));
         float ratio = fmin(fabs(record->edge_x[i]), fabs(record->edge_y[i])) / larger;
         float gradient = larger > 0.0f ? larger * sqrt(1.0f + ratio * ratio) : 0.0f;
-        if (!(centre > HALF_DIAGONAL * gradient * (1.0f + 16.0f * GN_U) + record->margin_edge)) return false;
+        float least = HALF_DIAGONAL * gradient * (1.0f + 16.0f * GN_U) + record->margin_edge;
+        covers &= LANE_COMPARE(centre, >, (LaneFloat)(least));
     }
-    return true;
+    return covers;
 }
 
-// Draws one triangle into the texels of one bin; returns how many it covers.
-static uint draw_bin(const TriangleRecord* record, __constant const Projection* projection, uint bin_x, uint bin_y,
-                     uint circle_cover, __global uint* map) {
+// Draws one triangle into GN_LANES texels from (x, y) on, or those before last_x; returns how many it covers.
+static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint y, uint circle_cover,
+                        volatile __global uint* row) {
+    LaneFloat place = LANES_TO_FLOAT((LaneInt)((int)x) + LANE_INDEX);
+    LaneInt covers = LANE_COMPARE((LaneInt)((int)(last_x - x)), >, LANE_INDEX) &
+                     (circle_cover ? covers_circle(record, place, (float)y) : covers_tight(record, place, (float)y));
+    if (!LANES_ANY(covers)) return 0u;
+    LaneFloat lowest = lowest_at_corners(record->plane_x, record->plane_y, record->plane_0, place, (float)y) -
+                       record->margin_plane * (1.0f + 4.0f * GN_U);
+    lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), record->z_low);
+    LaneInt heights = lanes_in_order(lowest);
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        if (!LANE_OF_INT(covers, lane)) continue;
+        uint key = order_to_key(LANE_OF_INT(heights, lane));
+        if (key > GN_LOOK(&row[x + (uint)lane])) atomic_max(&row[x + (uint)lane], key);
+    }
+    return count_lanes(covers);
+}
+
+// Draws one triangle into the texels of a rectangle of bins; returns how many it covers.
+static uint draw_bins(const TriangleRecord* record, __constant const Projection* projection, uint4 bins,
+                      uint circle_cover, volatile __global uint* map) {
     uint size = 1u << projection->bin_log2, written = 0;
-    uint last_x = min((bin_x + 1) * size, projection->width), last_y = min((bin_y + 1) * size, projection->height);
-    for (uint y = bin_y * size; y < last_y; ++y)
-        for (uint x = bin_x * size; x < last_x; ++x) {
-            bool covers =
-                circle_cover ? covers_circle(record, (float)x, (float)y) : covers_tight(record, (float)x, (float)y);
-            if (!covers) continue;
-            float lowest = lowest_at_corners(record->plane_x, record->plane_y, record->plane_0, (float)x, (float)y) -
-                           record->margin_plane * (1.0f + 4.0f * GN_U);
-            lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), record->z_low);
-            atomic_max(&map[y * projection->width + x], float_to_key(lowest));
-            ++written;
-        }
+    uint last_x = min((bins.z + 1u) * size, projection->width), last_y = min((bins.w + 1u) * size, projection->height);
+    for (uint y = bins.y * size; y < last_y; ++y)
+        for (uint x = bins.x * size; x < last_x; x += GN_LANES)
+            written += draw_texels(record, x, last_x, y, circle_cover, map + y * projection->width);
     return written;
 }
 
 __kernel void conservative_map_draw(__constant const Projection* projection, uint tile_capacity, uint circle_cover,
                                     __global const TriangleRecord* records, __global const uint2* tiles,
-                                    __global const uint* heights, __global uint* map,
+                                    __global const uint* heights, volatile __global uint* map,
                                     __global FrameCounters* counters) {
     uint count = min(counters->map_tiles, tile_capacity), written = 0;
     GN_FOR_EACH(i, count * TILE_LANES) {
@@ -70,12 +85,17 @@ __kernel void conservative_map_draw(__constant const Projection* projection, uin
         if (tile.x == GN_NO_ID) continue;
         TriangleRecord record = records[tile.x];
         uint4 bins = bins_of_tile(tile.y);
+#if GN_LANES > 1
+        // Drawing takes no longer than asking bin by bin.
+        written += draw_bins(&record, projection, bins, circle_cover, map);
+#else
         uint bin_count = bins_of_rectangle(bins);
         for (uint b = (uint)i % TILE_LANES; b < bin_count; b += TILE_LANES) {
             uint4 bin = bin_of_rectangle(bins, b);
             if (may_matter(&record, projection, bin, 1u, heights))
-                written += draw_bin(&record, projection, bin.x, bin.y, circle_cover, map);
+                written += draw_bins(&record, projection, bin, circle_cover, map);
         }
+#endif
     }
     if (written != 0) atomic_add(&counters->map_texels, written);
 }
