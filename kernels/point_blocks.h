@@ -75,10 +75,30 @@ static LaneFloat load_strided(__global const float* values, size_t stride, Block
     for (uint lane = 0; lane < place.count; ++lane) LANE_OF_FLOAT(lanes, lane) = values[lane * stride];
     return lanes;
 }
+// Twice four points of three floats each, one after the other.
+static void load_eight_points(__global const float* low, __global const float* high, float8* x, float8* y, float8* z) {
+    float8 a = (float8)(vload4(0, low), vload4(0, high));  // x y z x
+    float8 b = (float8)(vload4(1, low), vload4(1, high));  // y z x y
+    float8 c = (float8)(vload4(2, low), vload4(2, high));  // z x y z
+    *x = (float8)(a.s0, a.s3, b.s2, c.s1, a.s4, a.s7, b.s6, c.s5);
+    *y = (float8)(a.s1, b.s0, b.s3, c.s2, a.s5, b.s4, b.s7, c.s6);
+    *z = (float8)(a.s2, b.s1, c.s0, c.s3, a.s6, b.s5, c.s4, c.s7);
+}
 static PointBlock load_block(__global const float* positions, PointsLayout layout, size_t block) {
     __global const float* first = positions + layout.first;
     BlockPlace place = place_of_block(layout, block);
     PointBlock points;
+    if (layout.point_stride == 3u && layout.coordinate_stride == 1u && place.count == GN_LANES) {
+        __global const float* at = first + place.first * 3u;
+        size_t row = place.row * 3u;
+        float8 x, y, z, more_x, more_y, more_z;
+        load_eight_points(at, at + row, &x, &y, &z);
+        load_eight_points(at + 2u * row, at + 3u * row, &more_x, &more_y, &more_z);
+        points.x = (float16)(x, more_x);
+        points.y = (float16)(y, more_y);
+        points.z = (float16)(z, more_z);
+        return points;
+    }
     points.x = load_strided(first, layout.point_stride, place);
     points.y = load_strided(first + layout.coordinate_stride, layout.point_stride, place);
     points.z = load_strided(first + 2 * (size_t)layout.coordinate_stride, layout.point_stride, place);
