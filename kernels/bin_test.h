@@ -22,16 +22,18 @@ static void drop_bounds(__global TriangleBounds* bounds) {
     bounds->x0 = 65535;
     bounds->x1 = 0;
 }
-static bool is_dropped(TriangleBounds bounds) { return bounds.x0 > bounds.x1; }
+
+// Rectangles of bins, one in each lane; as uint4 elsewhere.
+typedef struct BinRectangles {
+    LaneInt x0, y0, x1, y1;
+} BinRectangles;
 
 // With s = texel_units, a whole number, fl(X s) lies between floor(X) s and (floor(X) + 1) s, since both are floats and
-// rounding is monotone. So for q = quantised_texel(X):  (q - 1) / s <= floor(X) <= q / s  in whole numbers.
-static uint4 bins_of_bounds(TriangleBounds bounds, __constant const Projection* projection) {
-    uint x_units = 65536u / projection->width, y_units = 65536u / projection->height;
-    uint x0 = max((uint)bounds.x0, 1u) - 1u, y0 = max((uint)bounds.y0, 1u) - 1u;
-    uint4 texels = (uint4)(x0 / x_units, y0 / y_units, bounds.x1 / x_units, bounds.y1 / y_units);
-    uint2 last = (uint2)(projection->width, projection->height) - 1u;
-    return min(texels, last.xyxy) >> projection->bin_log2;
+// rounding is monotone. So for q = quantised_texel(X):  (q - 1) / s <= floor(X) <= q / s  in whole numbers. Divided in
+// floats: (q + 1/2) / s is at least 1/2 / s from every whole number, more than its rounding errors, 2^-21 q / s.
+static LaneInt bins_of_quantised(LaneInt q, uint texels, uint bin_log2) {
+    LaneInt texel = LANES_TO_INT((LANES_TO_FLOAT(q) + 0.5f) * (1.0f / texel_units(texels)));
+    return min(texel, (LaneInt)((int)texels - 1)) >> (int)bin_log2;
 }
 
 // In texels, as (x0, y0, x1, y1).
@@ -81,6 +83,32 @@ static float lowest_height_under(__global const uint* pyramid, __constant const 
     __global const uint* row_1 = pyramid + first + cells.w * width;
     uint lowest = min(min(row_0[cells.x], row_0[cells.z]), min(row_1[cells.x], row_1[cells.z]));
     return lowest == 0xFFFFFFFFu ? INFINITY : key_to_float(lowest);
+}
+
+// The same for rectangles in lanes; those of other lanes need not be in order, but inside the grid.
+static LaneFloat lanes_lowest_height_under(__global const uint* pyramid, __constant const Projection* projection,
+                                           BinRectangles bins) {
+    LaneInt span = max(bins.x1 - bins.x0, bins.y1 - bins.y0), level = (LaneInt)(0), first = (LaneInt)(0);
+    uint width = projection->bins_x, height = projection->bins_y, start = 0;
+    LaneInt row = (LaneInt)((int)width);
+    for (int reach = 1;; reach *= 2) {
+        LaneInt higher = LANE_COMPARE(span, >, (LaneInt)(reach));
+        if (!LANES_ANY(higher)) break;
+        start += width * height;
+        width = (width + 1u) / 2u;
+        height = (height + 1u) / 2u;
+        level -= higher;
+        first = LANES_SELECT(first, (LaneInt)((int)start), higher);
+        row = LANES_SELECT(row, (LaneInt)((int)width), higher);
+    }
+    LaneInt row_0 = first + (bins.y0 >> level) * row, row_1 = first + (bins.y1 >> level) * row;
+    LaneInt x0 = bins.x0 >> level, x1 = bins.x1 >> level, top = (LaneInt)((int)0x80000000);
+    LaneInt corner_0 = row_0 + x0, corner_1 = row_0 + x1, corner_2 = row_1 + x0, corner_3 = row_1 + x1;
+    __global const int* keys = (__global const int*)pyramid;
+    LaneInt lowest_0 = min(LANES_GATHER(keys, corner_0) ^ top, LANES_GATHER(keys, corner_1) ^ top);
+    LaneInt lowest_1 = min(LANES_GATHER(keys, corner_2) ^ top, LANES_GATHER(keys, corner_3) ^ top);
+    LaneInt lowest = min(lowest_0, lowest_1);
+    return LANES_SELECT(lanes_of_order(lowest), (LaneFloat)(INFINITY), LANE_COMPARE(lowest, ==, (LaneInt)(INT_MAX)));
 }
 
 static float highest_at_corners(float slope_x, float slope_y, float constant_term, float4 square) {

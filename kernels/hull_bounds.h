@@ -174,18 +174,11 @@ static void height_intervals(const Projected* v, int count, LaneInt straddles, _
 // Which of these hulls are farther from the light than every point under their rectangles?
 static LaneInt lanes_hidden(Rectangles rectangle, LaneFloat z_high, LaneInt lanes,
                             __constant const Projection* projection, __global const uint* pyramid) {
-    LaneInt x0 = texel_indices(rectangle.x0, projection->width) >> (int)projection->bin_log2;
-    LaneInt y0 = texel_indices(rectangle.y0, projection->height) >> (int)projection->bin_log2;
-    LaneInt x1 = texel_indices(rectangle.x1, projection->width) >> (int)projection->bin_log2;
-    LaneInt y1 = texel_indices(rectangle.y1, projection->height) >> (int)projection->bin_log2;
-    LaneFloat lowest = (LaneFloat)(-INFINITY);
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        if (!LANE_OF_INT(lanes, lane)) continue;
-        uint4 bins = (uint4)((uint)LANE_OF_INT(x0, lane), (uint)LANE_OF_INT(y0, lane), (uint)LANE_OF_INT(x1, lane),
-                             (uint)LANE_OF_INT(y1, lane));
-        LANE_OF_FLOAT(lowest, lane) = lowest_height_under(pyramid, projection, bins);
-    }
-    return lanes & LANE_COMPARE(z_high, <, lowest);
+    BinRectangles bins = {texel_indices(rectangle.x0, projection->width) >> (int)projection->bin_log2,
+                          texel_indices(rectangle.y0, projection->height) >> (int)projection->bin_log2,
+                          texel_indices(rectangle.x1, projection->width) >> (int)projection->bin_log2,
+                          texel_indices(rectangle.y1, projection->height) >> (int)projection->bin_log2};
+    return lanes & LANE_COMPARE(z_high, <, lanes_lowest_height_under(pyramid, projection, bins));
 }
 
 #endif

@@ -105,6 +105,7 @@ static LaneInt lanes_in_order(LaneFloat x) {
     LaneInt bits = LANES_AS_INT(x);
     return bits ^ ((bits >> 31) & 0x7FFFFFFF);
 }
+static LaneFloat lanes_of_order(LaneInt order) { return LANES_AS_FLOAT(order ^ ((order >> 31) & 0x7FFFFFFF)); }
 static uint order_to_key(int order) { return (uint)order ^ 0x80000000u; }
 static int key_to_order(uint key) { return (int)(key ^ 0x80000000u); }
 

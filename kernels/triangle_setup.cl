@@ -468,7 +468,7 @@ typedef struct TileWork {
     __global const uint* map_candidates;
     __global uint2* tiles;
     __global uint* tiles_wanted;
-    uint capacity, tile_capacity, has_heights, for_map;
+    uint tile_capacity, has_heights, for_map;
     uint hidden, edge_on, exact;
     Claim places;
 } TileWork;
@@ -480,25 +480,59 @@ typedef struct Chosen {
     uint4 bins[GN_LANES];
 } Chosen;
 
-// Adds the i-th triangle, unless it is dropped. What is dropped from the lists keeps empty bounds.
-static void choose(TileWork* work, uint i, Chosen* chosen) {
-    uint slot = work->for_map ? work->map_candidates[i] : i;
-    if (slot == GN_NO_ID) return;
-    TriangleBounds bounds = work->bounds[slot];
-    if (is_dropped(bounds)) return;
-    uint4 bins = bins_of_bounds(bounds, work->projection);
-    if (work->has_heights) {
-        float lowest = lowest_height_under(work->heights, work->projection, bins);
-        if (bounds.z < quantised_height(lowest, work->projection->z_origin, work->projection->z_scale) ||
-            lowest == INFINITY) {
-            if (!work->for_map) drop_bounds(&work->bounds[slot]);
-            ++work->hidden;
-            return;
-        }
+// What of GN_LANES triangles from the i-th on is worth a record, and their bins. What is dropped from the lists keeps
+// empty bounds.
+typedef struct Choice {
+    LaneInt slots, chosen;
+    BinRectangles bins;
+} Choice;
+
+static Choice choose(TileWork* work, uint i, uint count) {
+    Choice choice;
+    choice.chosen = LANE_COMPARE((LaneInt)((int)min(count - i, (uint)GN_LANES)), >, LANE_INDEX);
+    choice.slots = LANES_SELECT((LaneInt)(0), LANE_INDEX, choice.chosen) + (LaneInt)((int)i);
+    __global const float* rows[GN_LANES];
+    if (work->for_map) {
+        for (int lane = 0; lane < GN_LANES; ++lane)
+            rows[lane] = (__global const float*)&work->map_candidates[(uint)LANE_OF_INT(choice.slots, lane)];
+        choice.slots = LANES_AS_INT(LANES_OF_ROWS(rows, 0));
+        choice.chosen &= LANE_COMPARE(choice.slots, !=, (LaneInt)((int)GN_NO_ID));
+        choice.slots = LANES_SELECT((LaneInt)(0), choice.slots, choice.chosen);
     }
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        rows[lane] = (__global const float*)&work->bounds[(uint)LANE_OF_INT(choice.slots, lane)];
+    LaneInt low = LANES_AS_INT(LANES_OF_ROWS(rows, 0)), high = LANES_AS_INT(LANES_OF_ROWS(rows, 1));
+    LaneInt x0 = low & 0xFFFF, y0 = low >> 16 & 0xFFFF, x1 = high & 0xFFFF, y1 = high >> 16 & 0xFFFF;
+    choice.chosen &= LANE_COMPARE(x0, <=, x1);
+    if (!LANES_ANY(choice.chosen)) return choice;
+    __constant const Projection* projection = work->projection;
+    uint bin_log2 = projection->bin_log2;
+    choice.bins.x0 = bins_of_quantised(max(x0, 1) - 1, projection->width, bin_log2);
+    choice.bins.y0 = bins_of_quantised(max(y0, 1) - 1, projection->height, bin_log2);
+    choice.bins.x1 = bins_of_quantised(x1, projection->width, bin_log2);
+    choice.bins.y1 = bins_of_quantised(y1, projection->height, bin_log2);
+    if (!work->has_heights) return choice;
+    LaneFloat lowest = lanes_lowest_height_under(work->heights, projection, choice.bins);
+    LaneInt z = LANES_AS_INT(LANES_OF_ROWS(rows, 2)) & 0xFFFF;
+    LaneInt hidden = LANE_COMPARE(z, <, quantised((lowest - projection->z_origin) * projection->z_scale)) |
+                     LANE_COMPARE(lowest, ==, (LaneFloat)(INFINITY));
+    hidden &= choice.chosen;
+    if (!LANES_ANY(hidden)) return choice;
+    work->hidden += count_lanes(hidden);
+    choice.chosen &= ~hidden;
+    if (work->for_map) return choice;
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        if (LANE_OF_INT(hidden, lane)) drop_bounds(&work->bounds[(uint)LANE_OF_INT(choice.slots, lane)]);
+    return choice;
+}
+
+static void add_chosen(const TileWork* work, const Choice* choice, int lane, Chosen* chosen) {
+    uint slot = (uint)LANE_OF_INT(choice->slots, lane);
     chosen->slots[chosen->count] = slot;
-    chosen->ids[chosen->count] = bounds.id;
-    chosen->bins[chosen->count] = bins;
+    chosen->ids[chosen->count] = work->bounds[slot].id;
+    chosen->bins[chosen->count] =
+        (uint4)((uint)LANE_OF_INT(choice->bins.x0, lane), (uint)LANE_OF_INT(choice->bins.y0, lane),
+                (uint)LANE_OF_INT(choice->bins.x1, lane), (uint)LANE_OF_INT(choice->bins.y1, lane));
     ++chosen->count;
 }
 
@@ -575,7 +609,6 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     work.map_candidates = map_candidates;
     work.tiles = tiles;
     work.tiles_wanted = for_map ? &counters->map_tiles : &counters->tiles;
-    work.capacity = capacity;
     work.tile_capacity = tile_capacity;
     work.has_heights = has_heights;
     work.for_map = for_map;
@@ -586,9 +619,14 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
 #ifdef GN_CPU
     Chosen chosen;
     chosen.count = 0;
-    GN_FOR_EACH(i, count) {
-        choose(&work, (uint)i, &chosen);
-        if (chosen.count == GN_LANES) append_tiles_of(&work, &chosen);
+    GN_FOR_EACH(block, (count + GN_LANES - 1u) / GN_LANES) {
+        Choice choice = choose(&work, (uint)block * GN_LANES, count);
+        if (!LANES_ANY(choice.chosen)) continue;
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            if (!LANE_OF_INT(choice.chosen, lane)) continue;
+            add_chosen(&work, &choice, lane, &chosen);
+            if (chosen.count == GN_LANES) append_tiles_of(&work, &chosen);
+        }
     }
     if (chosen.count != 0u) append_tiles_of(&work, &chosen);
     for (; work.places.next < min(work.places.end, tile_capacity); ++work.places.next)
@@ -603,7 +641,10 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
         uint tile_count = 0;
         Chosen chosen;
         chosen.count = 0;
-        if (item < share && base + item < count) choose(&work, base + item, &chosen);
+        if (item < share && base + item < count) {
+            Choice choice = choose(&work, base + item, count);
+            if (choice.chosen) add_chosen(&work, &choice, 0, &chosen);
+        }
         if (chosen.count != 0u && prepare(&work, &chosen)) {
             slot = chosen.slots[0];
             bins = chosen.bins[0];
