@@ -3,6 +3,8 @@
 // texels, at most what the exact technique's own count of the map says.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/floor_view.hpp"
 
 namespace {

@@ -87,7 +87,11 @@ int main(int argc, char** argv) {
     app.add_flag("--without-embree", options.without_embree, "do not ask Embree");
     app.add_flag("--exact-path", options.exact_path, "also measure what the exact path costs");
     app.add_flag("--list", options.list, "list the cases");
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
     options.cases.seed = options.run.seed;
     std::string command = "build/tools/stress";
     for (int i = 1; i < argc; ++i) {
