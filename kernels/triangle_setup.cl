@@ -372,10 +372,11 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
     if (survivor_count != 0) atomic_add(&counters->survivors, survivor_count);
     if (candidate_count != 0) atomic_add(&counters->map_candidates, candidate_count);
 #ifdef GN_CPU
-    // Cut off at what is enough, so that no sum overflows.
-    float enough = (float)texels_worth_a_map(projection->width, projection->height);
-    uint texels = (uint)LANES_SUM(LANES_TO_INT(LANES_MIN(expected, (LaneFloat)(enough))));
-    if (texels != 0) atomic_add(&counters->map_expected, texels);
+    // Cut off at what is enough, here and where the others have counted as much, so that no sum overflows.
+    uint enough = texels_worth_a_map(projection->width, projection->height);
+    uint texels = (uint)LANES_SUM(LANES_TO_INT(LANES_MIN(expected, (LaneFloat)((float)enough))));
+    volatile __global uint* counted = &counters->map_expected;
+    if (texels != 0 && GN_LOOK(counted) < enough) atomic_add(counted, min(texels, enough));
 #endif
     if (not_finite != 0) atomic_add(&counters->not_finite, not_finite);
     if (outside != 0) atomic_add(&counters->outside, outside);
