@@ -15,10 +15,14 @@ include(GoogleTest)
 # Compiled kernels of the tests stay in the build folder, so that a test run neither uses nor fills the user's cache.
 set(GNOMON_TEST_CACHE_DIR "${PROJECT_BINARY_DIR}/test_kernel_cache")
 set(GNOMON_TESTS_DIR "${CMAKE_CURRENT_LIST_DIR}")
-# Under the sanitizers everything takes several times as long.
+# Under the sanitizers everything takes several times as long. And once in some thousand programs LeakSanitizer's own
+# tracer crashes at the end (google/sanitizers issue 1353; seen here with PoCL's threads): where a test had passed till
+# then, ctest lists it as skipped, since nothing is known of its leaks.
 set(GNOMON_TEST_TIMEOUT_S 300)
+set(GNOMON_TEST_SKIPPED "\\[  SKIPPED \\]")
 if(GNOMON_SANITIZE)
   set(GNOMON_TEST_TIMEOUT_S 900)
+  string(APPEND GNOMON_TEST_SKIPPED "|PASSED  . 1 test.*LeakSanitizer has encountered a fatal error")
 endif()
 
 function(gnomon_test name)
@@ -31,7 +35,8 @@ function(gnomon_test name)
   endif()
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE gnomon_build_flags ${arg_LIBRARIES} GTest::gtest_main)
-  set(properties TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
+  set(properties TIMEOUT ${arg_TIMEOUT} SKIP_REGULAR_EXPRESSION ${GNOMON_TEST_SKIPPED}
+                 ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
   if(arg_LABEL)
     list(APPEND properties LABELS ${arg_LABEL})
   endif()
