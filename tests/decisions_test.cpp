@@ -111,6 +111,7 @@ TEST(decisions, what_is_not_traced_says_why) {
 /// Each colour's points are what the statistics of the same run counted, and lit or dark as visibility says.
 void expect_counts(const Question& question, const std::string& what, std::map<std::string, std::size_t>& seen) {
     static const gnomon::Device device;
+    const char* const levels[] = {"decided_by_float", "decided_by_double", "decided_by_integers"};
     SCOPED_TRACE(what);
     const Answer answer = ask(device, question);
     const gnomon::Statistics& s = answer.statistics;
@@ -120,17 +121,25 @@ void expect_counts(const Question& question, const std::string& what, std::map<s
     EXPECT_EQ(answer.count(by_map), s.count("points_decided_by_map"));
     const std::size_t exact_first = answer.count(std::span(shadowed_exactly).first(3)),
                       second = answer.count(shadowed_exactly[3]);
-    EXPECT_GE(s.count("points_decided_by_trace"), answer.count(shadowed_by_filter));
-    EXPECT_GE(s.count("points_decided_by_exact"), exact_first);
     EXPECT_EQ(s.count("points_decided_by_trace") + s.count("points_decided_by_exact"),
               answer.count(shadowed_by_filter) + exact_first + second);
-    if (second == 0) {
-        EXPECT_EQ(s.count("points_decided_by_exact"), exact_first);
+    std::size_t by_levels = 0, asked_by_levels = 0;
+    for (int level = 0; level < 3; ++level) {
+        // A lit point has had all its pairs decided, in both runs; a dark one maybe not the same ones.
+        EXPECT_LE(answer.count(lit_exactly[level]), s.count(levels[level]));
+        by_levels += answer.count(lit_exactly[level]) + answer.count(shadowed_exactly[level]);
+        asked_by_levels += s.count(levels[level]);
     }
-    // No level without a pair that reached it.
-    const char* const levels[] = {"decided_by_float", "decided_by_double", "decided_by_integers"};
-    for (int level = 0; level < 3; ++level)
-        EXPECT_LE(answer.count(lit_exactly[level]) + answer.count(shadowed_exactly[level]), s.count(levels[level]));
+    // Which pairs find room in a queue that is too short depends on which work-items ran when, and these are two runs:
+    // a point that is postponed may then be decided by another of its triangles.
+    const bool has_room = std::none_of(question.settings.begin(), question.settings.end(),
+                                       [](const auto& setting) { return setting.first == "first-capacity"; });
+    if (has_room) {
+        EXPECT_EQ(second, 0u);
+        EXPECT_EQ(s.count("points_decided_by_trace"), answer.count(shadowed_by_filter));
+        EXPECT_EQ(s.count("points_decided_by_exact"), exact_first);
+        EXPECT_LE(by_levels, asked_by_levels);
+    }
     std::size_t dark = answer.count(shadowed_by_filter) + answer.count(by_map) + answer.count(faces_away) +
                        answer.count(shadowed_exactly);
     EXPECT_EQ(dark, s.count("points_in_shadow"));
