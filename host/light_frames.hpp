@@ -19,7 +19,6 @@ public:
     void for_each(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                   const std::function<void(cl_uint frame)>& use);
     const cl::Buffer& projection() const { return projection_; }
-    Facing& facing() { return facing_; }
 
 private:
     Facing facing_;

@@ -126,7 +126,7 @@ private:
         counted_ = {};
     }
 
-    void read_counters() { session_.read(counters_.get(), &counted_, sizeof(counted_)); }
+    void read_counters() { counted_ = session_.read_value<SampleCounters>(counters_); }
 
     /// False if there are more pieces than places.
     bool make_pieces() {

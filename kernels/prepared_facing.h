@@ -59,20 +59,17 @@ static PlaneBlock planes_towards_light(const TriangleBlock* t, const LaneCross* 
 
 // Those of the lanes `asked`, whose ids name triangles; the others repeat one of them.
 static PlaneBlock load_planes(__global const float4* planes, LaneInt ids, LaneInt asked) {
-    uint first = (uint)LANE_OF_INT(ids, first_lane(asked));
-    ids = LANES_SELECT((LaneInt)((int)first), ids, asked);
-    PlaneBlock p;
-    if (LANES_ANY(LANE_COMPARE(ids, !=, (LaneInt)((int)first)))) {
-        __global const float* rows[GN_LANES];
-        for (int lane = 0; lane < GN_LANES; ++lane)
-            rows[lane] = (__global const float*)(planes + (uint)LANE_OF_INT(ids, lane));
-        p.n.x = LANES_OF_ROWS(rows, 0), p.n.y = LANES_OF_ROWS(rows, 1), p.n.z = LANES_OF_ROWS(rows, 2);
-        p.minus_offset = LANES_OF_ROWS(rows, 3);
-    } else {
-        float4 one = planes[first];
-        p.n = same_point(one.x, one.y, one.z);
-        p.minus_offset = (LaneFloat)(one.w);
+    if (repeat_asked(&ids, asked)) {
+        float4 one = planes[(uint)LANE_OF_INT(ids, 0)];
+        PlaneBlock same = {same_point(one.x, one.y, one.z), (LaneFloat)(one.w)};
+        return same;
     }
+    __global const float* rows[GN_LANES];
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        rows[lane] = (__global const float*)(planes + (uint)LANE_OF_INT(ids, lane));
+    PlaneBlock p;
+    p.n.x = LANES_OF_ROWS(rows, 0), p.n.y = LANES_OF_ROWS(rows, 1), p.n.z = LANES_OF_ROWS(rows, 2);
+    p.minus_offset = LANES_OF_ROWS(rows, 3);
     return p;
 }
 

@@ -48,11 +48,16 @@ static TriangleBlock same_triangle(Triangle one) {
     return t;
 }
 
-// Those of these numbers; lanes that are not `asked`, of which there is one at least, take that of one that is.
+// Lanes that are not `asked`, of which there is one at least, take the number of one that is. True if all are the same.
+static bool repeat_asked(LaneInt* ids, LaneInt asked) {
+    LaneInt first = (LaneInt)(LANE_OF_INT(*ids, first_lane(asked)));
+    *ids = LANES_SELECT(first, *ids, asked);
+    return !LANES_ANY(LANE_COMPARE(*ids, !=, first));
+}
+
+// Those of these numbers; lanes that are not `asked` repeat one that is.
 static TriangleBlock load_triangles_of(__global const float* vertices, LaneInt ids, LaneInt asked) {
-    uint first = (uint)LANE_OF_INT(ids, first_lane(asked));
-    ids = LANES_SELECT((LaneInt)((int)first), ids, asked);
-    if (!LANES_ANY(LANE_COMPARE(ids, !=, (LaneInt)((int)first)))) return same_triangle(load_triangle(vertices, first));
+    if (repeat_asked(&ids, asked)) return same_triangle(load_triangle(vertices, (uint)LANE_OF_INT(ids, 0)));
     __global const float* rows[GN_LANES];
     for (int lane = 0; lane < GN_LANES; ++lane) rows[lane] = vertices + 9 * (size_t)(uint)LANE_OF_INT(ids, lane);
     return load_triangle_rows(rows);
