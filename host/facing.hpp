@@ -15,7 +15,7 @@ public:
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
 
 private:
-    cl::Buffer frame_bounds_;
+    cl::Buffer frame_bounds_, triangles_away_;
 };
 
 /// For techniques without frames: decides the points that face away, and leaves all others lit. Returns what it

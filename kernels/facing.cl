@@ -10,6 +10,10 @@
 // a - P) has the sign l: only then can the receiver block it (exact/blocks.h), which by contract it never does. What
 // the camera makes is lifted off its receiver and never doubtful; a caller's point may be.
 //
+// Which way a receiver faces is the same for all points on it. Where there are many more points than triangles, none of
+// them doubtful, triangles_away asks each triangle once, in order, and a point looks its receiver's answer up: a byte
+// in place of nine floats from anywhere.
+//
 // Of footprints (footprint.h) the same is asked: what holds for a receiver holds for all samples on it, which the
 // camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
 // others.
@@ -113,11 +117,38 @@ static void include_points(RunningBounds* bounds, LightFrame light_frame, PointB
     }
 }
 
-// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `shared`: BOUNDS_WORDS for each
-// frame. The frames' bounds and the counters are zeroed before.
-__kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, ulong first_float,
-                     uint triangle_count, __global const float* positions, __global const float* footprints,
-                     __global const uint* receivers, __global const float* vertices, __global float* visibility,
+static float4 light_of(LightFrame light_frame) {
+    return (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+}
+
+// Of each triangle 1 if points on it face away, else 0; in whole blocks.
+__kernel void triangles_away(PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count,
+                             __global const float* vertices, __global LaneUchar* away,
+                             __global FrameCounters* counters) {
+    uint exact = 0;
+    GN_FOR_EACH(block, (triangle_count + GN_LANES - 1u) / GN_LANES) {
+        uint first = (uint)block * GN_LANES;
+        TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
+        LaneInt asked = LANE_COMPARE((LaneInt)((int)min(triangle_count - first, (uint)GN_LANES)), >, LANE_INDEX);
+        ReceiverAnswer answer = answer_of_triangles(&t, asked, 0, layout, light_of(light_frame), &exact);
+        away[block] = LANES_TO_UCHAR(-answer.faces_away);
+    }
+    if (exact != 0) atomic_add(&counters->facing_exact, exact);
+}
+
+// Which of the lanes `asked`, whose ids name triangles, triangles_away has found to face away.
+static LaneInt look_up_away(__global const uchar* triangles_are_away, LaneInt ids, LaneInt asked) {
+    LaneInt at = LANES_SELECT((LaneInt)(0), ids, asked);
+    return asked & -LANES_GATHER(triangles_are_away, at);
+}
+
+// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `asked_before`: triangles_are_away
+// has been filled, and no point is doubtful. `shared`: BOUNDS_WORDS for each frame. The frames' bounds and the counters
+// are zeroed before.
+__kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint asked_before,
+                     ulong first_float, uint triangle_count, __global const float* positions,
+                     __global const float* footprints, __global const uint* receivers, __global const float* vertices,
+                     __global const uchar* triangles_are_away, __global float* visibility,
                      volatile __global uint* frame_bounds, __global FrameCounters* counters, __local uint* shared) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
     // One atomic per work-group, not per item: many on one address take longer than the pass.
@@ -126,7 +157,6 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ui
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
 
-    float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
     uint exact = 0;
     LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
     RunningBounds bounds;
@@ -143,9 +173,12 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ui
         LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0);
         if (layout.has_receivers) {
             LaneInt ids = load_lane_ids(receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
-            if (LANES_ANY(asked)) {
-                ReceiverAnswer answer =
-                    ask_receivers(ids, asked, &points, layout, light, !has_footprints, vertices + first_float, &exact);
+            if (asked_before) {
+                away = look_up_away(triangles_are_away, ids, asked);
+            } else if (LANES_ANY(asked)) {
+                bool doubts = !has_footprints && !layout.is_lifted;
+                ReceiverAnswer answer = ask_receivers(ids, asked, &points, layout, light_of(light_frame), doubts,
+                                                      vertices + first_float, &exact);
                 away = answer.faces_away;
                 doubtful = answer.doubtful;
             }

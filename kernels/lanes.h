@@ -9,6 +9,7 @@
 #if GN_LANES == 1
 typedef float LaneFloat;
 typedef int LaneInt;
+typedef uchar LaneUchar;
 #define LANE_COMPARE(a, op, b) (-((a)op(b)))
 #define LANES_ANY(mask) ((mask) != 0)
 #define LANES_SELECT(no, yes, mask) ((mask) ? (yes) : (no))
@@ -16,6 +17,7 @@ typedef int LaneInt;
 #define LANES_AS_INT(x) as_int(x)
 #define LANES_AS_FLOAT(x) as_float(x)
 #define LANES_TO_INT(x) ((int)(x))
+#define LANES_TO_UCHAR(x) ((uchar)(x))
 #define LANES_TO_FLOAT(x) ((float)(x))
 #define LANES_MINIMUM(v) (v)
 #define LANES_MAXIMUM(v) (v)
@@ -27,6 +29,7 @@ typedef int LaneInt;
 #elif GN_LANES == 16
 typedef float16 LaneFloat;
 typedef int16 LaneInt;
+typedef uchar16 LaneUchar;
 #define LANE_COMPARE(a, op, b) ((a)op(b))
 #define LANES_ANY(mask) any_of_16(mask)
 #define LANES_SELECT(no, yes, mask) select(no, yes, mask)
@@ -34,6 +37,7 @@ typedef int16 LaneInt;
 #define LANES_AS_INT(x) as_int16(x)
 #define LANES_AS_FLOAT(x) as_float16(x)
 #define LANES_TO_INT(x) convert_int16(x)
+#define LANES_TO_UCHAR(x) convert_uchar16(x)
 #define LANES_TO_FLOAT(x) convert_float16(x)
 #define LANES_MINIMUM(v) least_of_16(v)
 #define LANES_MAXIMUM(v) ~least_of_16(~(v))

@@ -17,28 +17,34 @@ typedef struct ReceiverAnswer {
     LaneInt faces_away, doubtful;
 } ReceiverAnswer;
 
-// `ids` of the lanes `asked` name triangles. Doubts are only cast on points that may have any.
-static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
-                                    float4 light, bool doubts, __global const float* vertices, uint* exact) {
+// Points on triangles, of these lanes. `points` is null where no point is doubtful.
+static ReceiverAnswer answer_of_triangles(const TriangleBlock* t, LaneInt asked, const PointBlock* points,
+                                          PointsLayout layout, float4 light, uint* exact) {
     ReceiverAnswer answer = {(LaneInt)(0), (LaneInt)(0)};
-    TriangleBlock t = load_triangles_of(vertices, ids, asked);
-    asked &= finite_triangles(&t);
+    asked &= finite_triangles(t);
     if (!LANES_ANY(asked)) return answer;
-    LaneCross normals = triangle_normals(&t);
+    LaneCross normals = triangle_normals(t);
     PointBlock towards = same_point(light.x, light.y, light.z), zero = same_point(0.0f, 0.0f, 0.0f);
-    LaneInt side = lanes_side(&t, &normals, &towards, light.w != 0.0f ? &t.a : &zero, asked, exact);
+    LaneInt side = lanes_side(t, &normals, &towards, light.w != 0.0f ? &t->a : &zero, asked, exact);
     LaneInt facing = asked & LANE_COMPARE(side, !=, (LaneInt)(0));
     if (layout.has_eye) {
         PointBlock eye = same_point(layout.eye[0], layout.eye[1], layout.eye[2]);
-        facing &= LANE_COMPARE(lanes_side(&t, &normals, &eye, &t.a, facing, exact), ==, side);
+        facing &= LANE_COMPARE(lanes_side(t, &normals, &eye, &t->a, facing, exact), ==, side);
         answer.faces_away = asked & ~facing;
     }
-    if (doubts && LANES_ANY(facing)) {
+    if (points && LANES_ANY(facing)) {
         uint doubts_by_exact = 0;  // not counted: they are no matter of facing
-        LaneInt point_side = lanes_side(&t, &normals, &t.a, points, facing, &doubts_by_exact);
+        LaneInt point_side = lanes_side(t, &normals, &t->a, points, facing, &doubts_by_exact);
         answer.doubtful = facing & LANE_COMPARE(point_side, ==, side);
     }
     return answer;
+}
+
+// `ids` of the lanes `asked` name triangles. Doubts are only cast on points that may have any.
+static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
+                                    float4 light, bool doubts, __global const float* vertices, uint* exact) {
+    TriangleBlock t = load_triangles_of(vertices, ids, asked);
+    return answer_of_triangles(&t, asked, doubts ? points : 0, layout, light, exact);
 }
 
 #endif

@@ -55,7 +55,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint decided_by_exact;  // exact_trace: points in shadow by the exact predicate
     uint facing_away;       // facing: points
     uint absent;            // facing: points
-    uint facing_exact;      // facing: points whose facing needed the exact level
+    uint facing_exact;      // facing: points, or receivers asked but once, whose facing needed the exact level
     uint strays;            // facing, trace: points for which a prepared light's lists may not do
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
