@@ -12,6 +12,7 @@
 
 #include "gnomon.hpp"
 #include "reference/view.hpp"
+#include "support/environment.hpp"
 #include "support/scene_makers.hpp"
 
 namespace {
@@ -140,17 +141,14 @@ public:
         const std::size_t place = source.find(text);
         if (place == std::string::npos) throw std::runtime_error(file + " no longer has the text to change");
         std::ofstream(folder_ / file) << source.replace(place, text.size(), replacement);
-        setenv("GNOMON_KERNELS_DIR", folder_.c_str(), 1);
     }
-    ~ChangedKernels() {
-        unsetenv("GNOMON_KERNELS_DIR");
-        std::filesystem::remove_all(folder_);
-    }
+    ~ChangedKernels() { std::filesystem::remove_all(folder_); }
     ChangedKernels(const ChangedKernels&) = delete;
     ChangedKernels& operator=(const ChangedKernels&) = delete;
 
 private:
     std::filesystem::path folder_;
+    support::Environment folder_in_use_{"GNOMON_KERNELS_DIR", folder_.string()};
 };
 
 // Where a device flushes denormals, which is allowed, a point whose difference to the lamp vanishes belonged to no

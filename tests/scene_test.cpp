@@ -188,9 +188,10 @@ protected:
     Scene load(Gltf& gltf) const { return gnomon::scene::load(write(gltf)); }
 
     /// The sentence that loading gives. It must be one line that begins with the file and holds all the words.
-    void expect_error(const std::filesystem::path& file, const std::vector<std::string>& words) const {
+    void expect_error(const std::filesystem::path& file, const std::vector<std::string>& words,
+                      std::uint64_t memory_bytes = 0) const {
         try {
-            gnomon::scene::load(file);
+            gnomon::scene::load(file, memory_bytes);
             ADD_FAILURE() << "no error; expected one about " << words.front();
         } catch (const SceneError& error) {
             const std::string what = error.what();
@@ -199,7 +200,9 @@ protected:
             for (const std::string& word : words) EXPECT_NE(what.find(word), std::string::npos) << word << "\n" << what;
         }
     }
-    void expect_error(Gltf& gltf, const std::vector<std::string>& words) const { expect_error(write(gltf), words); }
+    void expect_error(Gltf& gltf, const std::vector<std::string>& words, std::uint64_t memory_bytes = 0) const {
+        expect_error(write(gltf), words, memory_bytes);
+    }
 
     /// Exactly one warning has all the words.
     static void expect_warning(const Scene& scene, const std::vector<std::string>& words) {
@@ -980,10 +983,11 @@ INSTANTIATE_TEST_SUITE_P(Hierarchy, SceneDamageTest, testing::ValuesIn(hierarchy
 
 TEST_F(SceneTest, InstancesOfInstancesAreCountedBeforeTheyAreMade) {
     // 9 million vertices of zeros cost nothing; drawn by a thousand nodes they are 120 GB from a file of 20 KB.
+    constexpr std::uint64_t memory_bytes = std::uint64_t(64) << 30;
     Gltf gltf = triangle_file();
     gltf.set("/accessors/0/bufferView", "").set("/accessors/0/count", "9000000");
     for (int i = 0; i < 1000; ++i) gltf.node(R"({"mesh": 0})");
-    expect_error(gltf, {"3003000000 triangles", "MiB of this machine"});
+    expect_error(gltf, {"3003000000 triangles", "need 114658 MiB, more than the 65536 MiB"}, memory_bytes);
     for (int i = 0; i < 1000; ++i) gltf.node(R"({"mesh": 0})");
     expect_error(gltf, {"6003000000 triangles with its instances", "32-bit triangle ids"});
 }

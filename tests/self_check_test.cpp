@@ -7,19 +7,11 @@
 #include <string>
 
 #include "self_check.hpp"
+#include "support/environment.hpp"
 
 namespace {
 
 using gnomon::Device;
-
-/// GNOMON_BUILD_OPTIONS while it lives.
-class BuildOptions {
-public:
-    explicit BuildOptions(const std::string& options) { setenv("GNOMON_BUILD_OPTIONS", options.c_str(), 1); }
-    ~BuildOptions() { unsetenv("GNOMON_BUILD_OPTIONS"); }
-    BuildOptions(const BuildOptions&) = delete;
-    BuildOptions& operator=(const BuildOptions&) = delete;
-};
 
 struct Fault {
     const char* name;
@@ -67,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(
     name_of);
 
 TEST_P(Refused, WithASentenceThatNamesTheFault) {
-    const BuildOptions options(GetParam().option);
+    const support::Environment options("GNOMON_BUILD_OPTIONS", GetParam().option);
     try {
         Device device;
         FAIL() << "was not noticed";
@@ -96,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(WithoutDouble, TheDeviceIsUsedAndSaysSo) {
     if (!Device().session().has_fp64()) GTEST_SKIP() << "the device has no double precision";
-    const BuildOptions options(GetParam().option);
+    const support::Environment options("GNOMON_BUILD_OPTIONS", GetParam().option);
     Device device;
     EXPECT_FALSE(device.session().has_fp64());
     EXPECT_NE(device.description().note.find("double precision is not used"), std::string::npos);
@@ -107,7 +99,7 @@ TEST_P(WithoutDouble, TheDeviceIsUsedAndSaysSo) {
 }
 
 TEST(SelfCheck, ShadowsAreTheSameWithoutDouble) {
-    const BuildOptions options("-DTRIED_DOUBLE_RESIDUAL(a,b,s)=0.0");
+    const support::Environment options("GNOMON_BUILD_OPTIONS", "-DTRIED_DOUBLE_RESIDUAL(a,b,s)=0.0");
     Device device;
     const std::vector<float> triangle{0, 1, 0, 1, 1, 0, 0, 1, 1}, points{0.25f, 0, 0.25f, 0.5f, 0, 0.5f, 1, 0, 1};
     gnomon::Visibility visibility(device, 3);

@@ -10,6 +10,7 @@
 
 #include "embedded_kernels.hpp"
 #include "session.hpp"
+#include "true_places.hpp"
 
 namespace gnomon::cl {
 namespace {
@@ -177,10 +178,13 @@ cl_program Session::build(const std::string& file, const std::string& source) {
         attempt("compiling kernels/" + file,
                 [&] { return clBuildProgram(program, 1, &description_.device_id, options.c_str(), nullptr, nullptr); });
     } catch (const OpenClError& error) {
-        const std::string log = build_log(program, description_.device_id);
+        const std::string log = with_true_places(build_log(program, description_.device_id), source);
         clReleaseProgram(program);
-        if (error.code() != CL_BUILD_PROGRAM_FAILURE) throw;
-        throw OpenClError("compiling kernels/" + file, error.code(), log);
+        if (error.code() != CL_BUILD_PROGRAM_FAILURE && error.code() != CL_INVALID_BUILD_OPTIONS) throw;
+        const char* extra = std::getenv("GNOMON_BUILD_OPTIONS");
+        const bool is_extra = extra != nullptr && *extra != '\0';
+        throw OpenClError("compiling kernels/" + file, error.code(), log,
+                          is_extra ? "does it without GNOMON_BUILD_OPTIONS (" + std::string(extra) + ")?" : "");
     }
     return program;
 }

@@ -80,10 +80,17 @@ std::string name_or(const std::string& first, const std::string& second, std::st
     return std::string(kind) + " " + std::to_string(number);
 }
 
+std::uint64_t machine_memory_bytes() {
+    return std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
+}
+
 class Loader {
 public:
-    explicit Loader(const std::filesystem::path& file)
-        : file_(file), document_(read_document(file)), model_(document_.model) {}
+    Loader(const std::filesystem::path& file, std::uint64_t memory_bytes)
+        : file_(file),
+          memory_bytes_(memory_bytes != 0 ? memory_bytes : machine_memory_bytes()),
+          document_(read_document(file)),
+          model_(document_.model) {}
 
     Scene run() {
         walk();
@@ -353,11 +360,10 @@ private:
             fail(file_, "has " + std::to_string(triangles) +
                             " triangles with its instances, more than the 4294967294 "
                             "that 32-bit triangle ids can name");
-        const std::uint64_t memory = std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
-        if (bytes > memory)
+        if (bytes > memory_bytes_)
             fail(file_, "has " + std::to_string(triangles) + " triangles with its instances, which need " +
-                            std::to_string(bytes >> 20) + " MiB, more than the " + std::to_string(memory >> 20) +
-                            " MiB of this machine");
+                            std::to_string(bytes >> 20) + " MiB, more than the " + std::to_string(memory_bytes_ >> 20) +
+                            " MiB of memory that it may take");
     }
 
     // ---- reading ----
@@ -546,6 +552,7 @@ private:
     }
 
     const std::filesystem::path& file_;
+    const std::uint64_t memory_bytes_;
     GltfDocument document_;
     const tinygltf::Model& model_;
     std::vector<Instance> instances_;
@@ -561,9 +568,9 @@ private:
 
 }  // namespace
 
-Scene load(const std::filesystem::path& file) {
+Scene load(const std::filesystem::path& file, std::uint64_t memory_bytes) {
     try {
-        return Loader(file).run();
+        return Loader(file, memory_bytes).run();
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {

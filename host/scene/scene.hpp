@@ -39,8 +39,9 @@ struct Scene {
     std::size_t triangle_count() const { return triangles.size() / 9; }
 };
 
-/// Loads a .glb or .gltf file. Throws SceneError.
-Scene load(const std::filesystem::path& file);
+/// Loads a .glb or .gltf file. Throws SceneError, also where its triangles would need more memory than `memory_bytes`
+/// (0: than the machine has).
+Scene load(const std::filesystem::path& file, std::uint64_t memory_bytes = 0);
 
 /// The built-in sundial, with a camera and a light.
 Scene sundial();

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// An environment variable for as long as a test needs it.
+#pragma once
+
+#include <stdlib.h>  // setenv, unsetenv: POSIX, not in <cstdlib>
+
+#include <optional>
+#include <string>
+
+namespace support {
+
+/// Sets an environment variable for a while.
+class Environment {
+public:
+    Environment(const char* name, const std::string& value) : name_(name) {
+        if (const char* before = getenv(name)) before_ = before;
+        setenv(name, value.c_str(), 1);
+    }
+    ~Environment() {
+        if (before_) setenv(name_, before_->c_str(), 1);
+        if (!before_) unsetenv(name_);
+    }
+    Environment(const Environment&) = delete;
+    Environment& operator=(const Environment&) = delete;
+
+private:
+    const char* name_;
+    std::optional<std::string> before_;
+};
+
+}  // namespace support
