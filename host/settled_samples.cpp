@@ -100,6 +100,13 @@ private:
         session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
     }
 
+    /// Work-groups of samples_pieces, each of which may leave some of the places that it claims unused.
+    cl::Range pieces_range(std::size_t edges) const {
+        cl::Range range = session_.small_groups();
+        range.count = std::min(range.count, edges);
+        return range;
+    }
+
     /// What work-items may claim of a list and not use.
     std::size_t unused_places() const {
         return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
@@ -112,7 +119,8 @@ private:
     void set_batch(std::uint32_t first_band, std::uint32_t bands) {
         const std::size_t first = pixels_of_bands(first_band), count = pixels_of_bands(first_band + bands) - first;
         const std::size_t extra = std::min(std::max(extra_expected_, count / 2 + 64), points_at_once_);
-        extra_capacity_ = static_cast<cl_uint>(extra + unused_places());
+        const std::size_t unused = session_.is_cpu() ? unused_places() : pieces_range(count).count * PIECES_CLAIM;
+        extra_capacity_ = static_cast<cl_uint>(extra + unused);
         const std::size_t most_pieces = count + extra_capacity_;
         batch_ = {cl_uint(first),          cl_uint(count), view_.width,         view_.height,
                   camera_stage_.tiles_x(), bands,          cl_uint(most_pieces)};
@@ -139,12 +147,26 @@ private:
                             masks_, lit_, edges_, centres_, footprints_, counters_);
         }
         read_counters();
+        if (!session_.is_cpu()) {
+            cl::StageTimer timer(session_, total_, "samples_seek");
+            session_.launch("samples.cl", "samples_pieces", pieces_range(counted_.edges), camera_stage_.projection(),
+                            camera_stage_.picture(), pattern_buffer_, batch_, counted_.edges, extra_capacity_,
+                            inputs_.first_float, inputs_.vertices, rays_, camera_stage_.setup().records(),
+                            camera_stage_.setup().bounds(), camera_stage_.bins().ranges(),
+                            camera_stage_.bins().entries(), view_.points.receivers(), edges_, extra_pixels_, receivers_,
+                            masks_, lit_, counters_);
+        } else {
+            seek_in_parts();
+        }
+        read_counters();
+        return counted_.extra <= extra_capacity_;
+    }
+
+    void seek_in_parts() {
         const std::size_t part = points_at_once_ / pattern_.count;
         seen_.reserve(session_, std::min<std::size_t>(part, counted_.edges) * pattern_.count * sizeof(cl_uint));
         for (std::size_t first = 0; first < counted_.edges; first += part)
             seek(static_cast<cl_uint>(first), static_cast<cl_uint>(std::min(part, counted_.edges - first)));
-        read_counters();
-        return counted_.extra <= extra_capacity_;
     }
 
     void seek(cl_uint first, cl_uint count) {

@@ -371,10 +371,56 @@ static QuantisedBlock box_of_rays(__constant const Projection* projection, const
     return block_of_lanes(x, y, x, y, (LaneInt)(0), lanes);
 }
 
+// Which of the lanes' rays meet this triangle, exactly?
+static LaneInt lanes_met(TileLists lists, float3 eye, const RayBlock* block, uint id, LaneInt lanes) {
+    Outline outline = outline_of(load_triangle(lists.vertices, id), eye);
+    OutlineLanes same = same_outline(&outline);
+    RayLanes rays = rays_at(lists.picture, block->x, block->y);
+    Coverage coverage = coverage_of(&same, &rays);
+    LaneInt open = lanes & coverage.possible & ~coverage.certain;
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        if (LANE_OF_INT(open, lane) && covers(&outline, eye, ray_of_lane(lists.rays, block, lane)))
+            LANE_OF_INT(coverage.certain, lane) = -1;
+    return lanes & coverage.certain;
+}
+
+// Nothing found yet.
+static NearestLanes nothing_near(void) {
+    NearestLanes best = {(LaneFloat)(-INFINITY), (LaneFloat)(-INFINITY), (LaneInt)((int)GN_NO_ID)};
+    return best;
+}
+
+// One triangle of the list for the lanes `searching`; returns those that it is the nearest for so far.
+static LaneInt look_at_record(TileLists lists, float3 eye, const RayBlock* block, uint slot, LaneInt searching,
+                              NearestLanes* best) {
+    __global const TriangleRecord* r = &lists.records[slot];
+    LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], block->x, block->y);
+    LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], block->x, block->y);
+    LaneFloat e2 = lanes_linear(r->edge_x[2], r->edge_y[2], r->edge_0[2], block->x, block->y);
+    LaneFloat least = LANES_MIN(e0, LANES_MIN(e1, e2));
+    LaneFloat z = lanes_linear(r->plane_x, r->plane_y, r->plane_0, block->x, block->y);
+    NearestFilter found;
+    // Where a ray meets the triangle, 1 / t lies between the vertices' as well; where it does not, nothing depends
+    // on it. Small triangles' planes say less than that.
+    found.low = LANES_MAX(z - (LaneFloat)(r->margin_plane), (LaneFloat)(r->z_low));
+    found.high = LANES_MIN(z + (LaneFloat)(r->margin_plane), (LaneFloat)(r->z_high));
+    found.possible =
+        searching & ~LANE_COMPARE(least, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(found.high, <, best->low);
+    if (!LANES_ANY(found.possible)) return found.possible;
+    uint id = lists.bounds[slot].id;
+    found.inside = LANE_COMPARE(least, >, (LaneFloat)(r->margin_edge));
+    found.nearer = LANE_COMPARE(found.low, >, best->high);
+    if (LANES_ANY(found.possible & ~(found.inside & found.nearer))) look_closer(lists, eye, block, id, &found, best);
+    best->low = LANES_SELECT(best->low, found.low, found.possible);
+    best->high = LANES_SELECT(best->high, found.high, found.possible);
+    best->id = LANES_SELECT(best->id, (LaneInt)((int)id), found.possible);
+    return found.possible;
+}
+
 // Of the triangles listed for a tile, the nearest that each of the lanes `searching` meets, or GN_NO_ID.
 static LaneInt nearest_of_tile(TileLists lists, __constant const Projection* projection, uint tile, RayBlock block,
                                LaneInt searching) {
-    NearestLanes best = {(LaneFloat)(-INFINITY), (LaneFloat)(-INFINITY), (LaneInt)((int)GN_NO_ID)};
+    NearestLanes best = nothing_near();
     uint2 range = lists.ranges[tile];
     if (!LANES_ANY(searching)) return best.id;
     float3 eye = center_of(projection);
@@ -392,29 +438,8 @@ static LaneInt nearest_of_tile(TileLists lists, __constant const Projection* pro
         if (meeting == 0u) break;
 #endif
         uint slot = ENTRY_SLOT(&lists.entries[i - 1u], take_lowest_bit(&meeting));
-        __global const TriangleRecord* r = &lists.records[slot];
-        if (r->z_high < farthest) continue;
-        LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], block.x, block.y);
-        LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], block.x, block.y);
-        LaneFloat e2 = lanes_linear(r->edge_x[2], r->edge_y[2], r->edge_0[2], block.x, block.y);
-        LaneFloat least = LANES_MIN(e0, LANES_MIN(e1, e2));
-        LaneFloat z = lanes_linear(r->plane_x, r->plane_y, r->plane_0, block.x, block.y);
-        NearestFilter found;
-        // Where a ray meets the triangle, 1 / t lies between the vertices' as well; where it does not, nothing depends
-        // on it. Small triangles' planes say less than that.
-        found.low = LANES_MAX(z - (LaneFloat)(r->margin_plane), (LaneFloat)(r->z_low));
-        found.high = LANES_MIN(z + (LaneFloat)(r->margin_plane), (LaneFloat)(r->z_high));
-        found.possible =
-            searching & ~LANE_COMPARE(least, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(found.high, <, best.low);
-        if (!LANES_ANY(found.possible)) continue;
-        uint id = lists.bounds[slot].id;
-        found.inside = LANE_COMPARE(least, >, (LaneFloat)(r->margin_edge));
-        found.nearer = LANE_COMPARE(found.low, >, best.high);
-        if (LANES_ANY(found.possible & ~(found.inside & found.nearer)))
-            look_closer(lists, eye, &block, id, &found, &best);
-        best.low = LANES_SELECT(best.low, found.low, found.possible);
-        best.high = LANES_SELECT(best.high, found.high, found.possible);
-        best.id = LANES_SELECT(best.id, (LaneInt)((int)id), found.possible);
+        if (lists.records[slot].z_high < farthest) continue;
+        if (!LANES_ANY(look_at_record(lists, eye, &block, slot, searching, &best))) continue;
         farthest = LANES_LEAST(LANES_SELECT((LaneFloat)(INFINITY), best.low, searching));
     }
     return best.id;

@@ -28,11 +28,16 @@ static Claim no_claim(void) {
     return claim;
 }
 
-// The next place; the host sees from the counter whether all of them fitted, so it must never wrap around.
+// The first of `count` places; the host sees from the counter whether all of them fitted, so it must never wrap around.
+static uint claim_places(uint count, __global uint* counter) {
+    uint first = atomic_add(counter, count);
+    if (first >= CLAIM_OVERFLOW) atomic_sub(counter, count);
+    return first;
+}
+
 static uint claim(Claim* mine, __global uint* counter) {
     if (mine->next == mine->end) {
-        mine->next = atomic_add(counter, CLAIM_BLOCK);
-        if (mine->next >= CLAIM_OVERFLOW) atomic_sub(counter, CLAIM_BLOCK);
+        mine->next = claim_places(CLAIM_BLOCK, counter);
         mine->end = mine->next + CLAIM_BLOCK;
     }
     return mine->next++;

@@ -2,8 +2,9 @@
 // Samples: several per pixel. Contract in samples.h; for techniques that cannot settle footprints, samples_mean alone.
 //
 // samples_whole    which pixels' samples lie on one receiver, with their footprints; the others are edges
-// samples_seek     the receiver of each sample of the edges, exactly
-// samples_group    their pieces
+// samples_pieces   the receiver of each sample of the edges, exactly, and their pieces; on a CPU in two steps:
+// samples_seek         the receivers
+// samples_group        the pieces
 // samples_bound    the footprints of these pieces
 // samples_sort     what the technique settled is counted, the rest listed
 // samples_place    the samples of mixed pieces, and samples_points their shading points
@@ -220,6 +221,160 @@ __kernel void samples_whole(PictureRays picture, __constant const SamplePattern*
     if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
 }
 
+#if GN_LANES == 1
+
+// Items of a group of samples_pieces at most, and entries that each of them looks at in one go.
+#define PIECES_ITEMS 32u
+#define PIECES_ENTRIES 4u
+
+// The box around a pixel's samples, in pixels.
+typedef struct SampleBox {
+    float low_x, low_y, high_x, high_y;
+} SampleBox;
+
+// What the items of a group share.
+typedef struct PiecesGroup {
+    float place_x[MOST_SAMPLES], place_y[MOST_SAMPLES];
+    uint seen[MOST_SAMPLES];   // the receivers of the pixel's samples
+    uint masks[MOST_SAMPLES];  // of the pieces, each at its first sample; 0 elsewhere
+    uint ranks[MOST_SAMPLES];  // of the pieces on other receivers than the pixel's own
+    uint candidates[PIECES_ITEMS * PIECES_ENTRIES];
+    uint candidate_count;
+    uint searching;  // samples that do
+    uint others;     // pieces on other receivers
+    uint next, end;  // places claimed for them
+} PiecesGroup;
+
+// May a ray within the box meet the triangle? As lanes_linear computes an edge function, it is nowhere in the box more
+// than in the corner chosen by the signs of its slopes: each fma is monotone in the coordinate and in what it adds.
+static bool may_meet_box(__global const TriangleRecord* r, const SampleBox* box) {
+    bool may = true;
+    for (int i = 0; i < 3; ++i) {
+        float x = r->edge_x[i] > 0.0f ? box->high_x : box->low_x, y = r->edge_y[i] > 0.0f ? box->high_y : box->low_y;
+        may &= !(lanes_linear(r->edge_x[i], r->edge_y[i], r->edge_0[i], x, y) < -r->margin_edge);
+    }
+    return may;
+}
+
+// Those of the entries [first, end) that may meet the box. Every item must come here.
+static void find_candidates(TileLists lists, uint first, uint end, QuantisedBlock block, const SampleBox* box,
+                            __local PiecesGroup* group) {
+    if (get_local_id(0) == 0) group->candidate_count = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = first + (uint)get_local_id(0); i < end; i += (uint)get_local_size(0)) {
+        if (entries_that_meet(&lists.entries[i], block) == 0u) continue;
+        uint slot = ENTRY_SLOT(&lists.entries[i], 0);
+        if (may_meet_box(&lists.records[slot], box)) group->candidates[atomic_inc(&group->candidate_count)] = slot;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// Places that were claimed and are not needed.
+static void leave_unused(__local PiecesGroup* group, PixelBatch batch, uint capacity, __global uint* extra_pixels,
+                         __global uint* receivers, __global uint* masks) {
+    for (; group->next < min(group->end, capacity); ++group->next) {
+        extra_pixels[group->next] = 0u;
+        receivers[batch.count + group->next] = GN_NO_ID;
+        masks[batch.count + group->next] = 0u;
+    }
+}
+
+// samples_seek and samples_group in one, a group of a few dozen items per pixel. They share out the list of the pixel's
+// tile: what cannot meet the box around the samples is dismissed, mostly without a look at its record. Then each of
+// them takes a sample over the few triangles that are left, all of them over the same one.
+__kernel void samples_pieces(__constant const Projection* projection, PictureRays picture,
+                             __constant const SamplePattern* pattern, PixelBatch batch, uint edge_count,
+                             uint extra_capacity, ulong first_float, __global const float* vertices,
+                             __global const float* rays, __global const TriangleRecord* records,
+                             __global const TriangleBounds* bounds, __global const uint2* ranges,
+                             __global const BinEntries* entries, __global const uint* pixel_receivers,
+                             __global const uint* edges, __global uint* extra_pixels, __global uint* receivers,
+                             __global uint* masks, __global uint* lit, __global SampleCounters* counters) {
+    __local PiecesGroup group;
+    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays, picture};
+    float3 eye = center_of(projection);
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), samples = pattern->count;
+    uint per_round = items * PIECES_ENTRIES, sky_count = 0;
+    for (uint sample = item; sample < samples; sample += items) {
+        group.place_x[sample] = pattern->place_x[sample];
+        group.place_y[sample] = pattern->place_y[sample];
+    }
+    if (item == 0u) group.next = group.end = 0u;
+    for (uint edge = (uint)get_group_id(0); edge < edge_count; edge += (uint)get_num_groups(0)) {
+        uint i = edges[edge], pixel = batch.first + i, own = pixel_receivers[pixel];
+        uint x = pixel % batch.width, y = pixel / batch.width;
+        SampleBox box = {(float)x + pattern->low[0], (float)y + pattern->low[1], (float)x + pattern->high[0],
+                         (float)y + pattern->high[1]};
+        QuantisedBlock block = {
+            quantised_texel(box.low_x, projection->width), quantised_texel(box.low_y, projection->height),
+            quantised_texel(box.high_x, projection->width), quantised_texel(box.high_y, projection->height), 0};
+        for (uint first = 0; first < samples; first += items) {
+            uint sample = first + item;
+            int searching = sample < samples ? -1 : 0;
+            RayBlock ray = {0.0f, 0.0f, 0, 0};
+            if (item == 0u) group.searching = group.others = 0u;
+            barrier(CLK_LOCAL_MEM_FENCE);
+            if (searching) {
+                ray.x = (float)x + group.place_x[sample];
+                ray.y = (float)y + group.place_y[sample];
+                ray.column = (int)(sample * (batch.width + batch.height) + x);
+                ray.row = (int)(sample * (batch.width + batch.height) + batch.width + y);
+                group.seen[sample] = own;
+                if (own != GN_NO_ID) searching &= ~lanes_met(lists, eye, &ray, own, searching);
+                if (searching) atomic_inc(&group.searching);
+            }
+            barrier(CLK_LOCAL_MEM_FENCE);
+            uint2 range = group.searching != 0u ? ranges[tile_of_pixel(batch, pixel)] : (uint2)(0u);
+            NearestLanes best = nothing_near();
+            for (uint start = range.x; start < range.y; start += per_round) {
+                find_candidates(lists, start, min(start + per_round, range.y), block, &box, &group);
+                uint count = searching ? group.candidate_count : 0u;
+                for (uint c = 0; c < count; ++c)
+                    look_at_record(lists, eye, &ray, group.candidates[c], searching, &best);
+                barrier(CLK_LOCAL_MEM_FENCE);
+            }
+            if (searching) group.seen[sample] = (uint)best.id;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint sample = item; sample < samples; sample += items) {
+            uint id = group.seen[sample], mask = 0u;
+            for (uint other = 0; other < samples; ++other) mask |= (group.seen[other] == id ? 1u : 0u) << other;
+            bool is_first = (mask & ((1u << sample) - 1u)) == 0u;
+            group.masks[sample] = is_first ? mask : 0u;
+            if (is_first && id != own && id != GN_NO_ID) group.ranks[sample] = atomic_inc(&group.others);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        uint wanted = group.others;
+        if (item == 0u && group.end - group.next < wanted) {
+            leave_unused(&group, batch, extra_capacity, extra_pixels, receivers, masks);
+            group.next = claim_places(PIECES_CLAIM, &counters->extra);
+            group.end = group.next + PIECES_CLAIM;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint sample = item; sample < samples; sample += items) {
+            uint id = group.seen[sample], mask = group.masks[sample];
+            if (mask == 0u) continue;
+            if (id == GN_NO_ID) {
+                lit[i] = popcount(mask);
+                sky_count += popcount(mask);
+            } else if (id == own) {
+                masks[i] = mask;
+            } else if (group.next + group.ranks[sample] < extra_capacity) {
+                uint place = group.next + group.ranks[sample];
+                extra_pixels[place] = i;
+                receivers[batch.count + place] = id;
+                masks[batch.count + place] = mask;
+            }
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (item == 0u) group.next += wanted;
+    }
+    if (item == 0u) leave_unused(&group, batch, extra_capacity, extra_pixels, receivers, masks);
+    if (sky_count != 0) atomic_add(&counters->lit, sky_count);
+}
+
+#else
+
 // seen[edge of this part * samples + sample]. One work-item takes GN_LANES samples of a pixel. `rays`: the tables of
 // all samples, one behind the other.
 __kernel void samples_seek(__constant const Projection* projection, PictureRays picture,
@@ -245,17 +400,7 @@ __kernel void samples_seek(__constant const Projection* projection, PictureRays 
         block.x = (float)x + LANES_STRIDED(pattern->place_x + first, 1);
         block.y = (float)y + LANES_STRIDED(pattern->place_y + first, 1);
         uint own = pixel_receivers[pixel];
-        if (own != GN_NO_ID) {
-            Outline outline = outline_of(load_triangle(lists.vertices, own), eye);
-            OutlineLanes lanes = same_outline(&outline);
-            RayLanes block_rays = rays_at(picture, block.x, block.y);
-            Coverage coverage = coverage_of(&lanes, &block_rays);
-            LaneInt open = searching & coverage.possible & ~coverage.certain;
-            for (int lane = 0; lane < GN_LANES; ++lane)
-                if (LANE_OF_INT(open, lane) && covers(&outline, eye, ray_of_lane(rays, &block, lane)))
-                    LANE_OF_INT(coverage.certain, lane) = -1;
-            searching &= ~coverage.certain;
-        }
+        if (own != GN_NO_ID) searching &= ~lanes_met(lists, eye, &block, own, searching);
         LaneInt nearest = nearest_of_tile(lists, projection, tile_of_pixel(batch, pixel), block, searching);
         nearest = LANES_SELECT((LaneInt)((int)own), nearest, searching);
         for (int lane = 0; lane < GN_LANES; ++lane)
@@ -302,6 +447,8 @@ __kernel void samples_group(__constant const SamplePattern* pattern, PixelBatch 
     }
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
 }
+
+#endif
 
 static uint pixel_of_piece(PixelBatch batch, __global const uint* extra_pixels, uint piece) {
     return piece < batch.count ? piece : extra_pixels[piece - batch.count];

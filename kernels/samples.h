@@ -13,6 +13,9 @@
 
 #define MOST_SAMPLES 32
 
+// Places for pieces that a work-group of samples_pieces claims at a time: enough for any pixel.
+#define PIECES_CLAIM 64u
+
 GN_STRUCT_BEGIN(SamplePattern)
     uint count;
     uint all;                     // the mask of all samples

@@ -418,6 +418,26 @@ TEST(samples, shape_free) {
     EXPECT_TRUE(same(sampled(without, scene, light, 16).position, expected.position)) << "without double precision";
 }
 
+// A GPU's groups share out a pixel: of any size, with pieces that find room at once or only in a second attempt.
+TEST(samples, the_shape_for_gpus_gives_the_same_bits) {
+    const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    for (const CameraScene& scene : scenes()) {
+        if (scene.name != "large soup" && scene.name != "needles") continue;
+        for (const std::uint32_t samples : {4u, 32u}) {
+            const Samples expected = sampled(device_with(), scene, light, samples);
+            for (const std::uint32_t group : {3u, 33u}) {
+                gnomon::DeviceOptions options;
+                options.gpu_kernels = true;
+                options.work_group_size = group;
+                const Samples seen = sampled(gnomon::Device({}, options), scene, light, samples);
+                EXPECT_EQ(seen.mean, expected.mean) << scene.name << ", " << samples << " samples, groups of " << group;
+                for (const char* count : {"pixels_on_several", "pieces"})
+                    EXPECT_EQ(seen.statistics.count(count), expected.statistics.count(count)) << scene.name;
+            }
+        }
+    }
+}
+
 TEST(samples, one_sample_is_the_ordinary_view) {
     const gnomon::Device device = device_with();
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
