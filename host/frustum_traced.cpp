@@ -113,8 +113,8 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
     if (run.points.footprints != nullptr) {
         cl::StageTimer timer(session, statistics, "settle");
-        run_settle(session, light_frame, frame, 1, run.points, frames_.projection(), map, lists, run.visibility,
-                   counters_);
+        run_settle(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
+                   run.visibility, counters_);
     } else if (traversal_ == Traversal::triangles) {
         {
             cl::StageTimer timer(session, statistics, "izb");

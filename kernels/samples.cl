@@ -47,12 +47,6 @@ typedef struct HitLanes {
     LaneInt met;
 } HitLanes;
 
-static LaneFloat largest_of(PointBlock v) {
-    PointBlock size = magnitudes(v);
-    LaneFloat largest = LANES_MAX(size.x, size.y);
-    return LANES_MAX(size.z, largest);
-}
-
 static HitLanes hits_of(const PlaneLanes* planes, const RayLanes* rays, float3 eye) {
     LaneFloat bound;
     LaneFloat along = lanes_det3(&planes->normal, rays->direction, rays->size, &bound);

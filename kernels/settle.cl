@@ -15,8 +15,12 @@
 // knows the height of its lowest place (farthest_height). One that is below its texel is in the shadow of the triangle
 // that covers the texel; and that one is listed, since its height there is above the bin's open height, which is at
 // most the texel's. So it may be missed by nothing, and no footprint with such a sample is found to be lit.
-#include "bin_lists.h"
-#include "footprint.h"
+//
+// Most footprints that this leaves mixed are not: a mesh that shadows them has an edge above them, with a triangle on
+// either side, or the receiver's neighbours in the mesh touch them (clearance.h). So for those the lists are walked
+// once more, keeping what may shadow them: the doubts, which are then looked at together.
+#include "bin_test.h"
+#include "clearance.h"
 #include "triangle_setup.h"
 
 typedef struct SettleLists {
@@ -24,13 +28,41 @@ typedef struct SettleLists {
     __global const BinEntries* entries;
     __global const TriangleRecord* records;
     __global const TriangleBounds* bounds;  // of the records
+    __global const float* vertices;         // of the first triangle
 } SettleLists;
 
 // What is known of a block's footprints.
 typedef struct SettleAnswer {
     LaneInt shadowed;
-    LaneInt doubted;  // cannot be lit as a whole
+    LaneInt doubted;  // cannot be lit as a whole, as far as is known
 } SettleAnswer;
+
+// Triangles that may shadow some of the lanes of a block, and which edge of theirs is a lone one (FootprintFilter).
+#define MOST_DOUBTS 64
+typedef struct Doubts {
+    uint count;
+    LaneInt lost;  // lanes of which not all are here
+    uint slots[MOST_DOUBTS];
+    LaneInt lanes[MOST_DOUBTS], lone_edges[MOST_DOUBTS];
+} Doubts;
+
+// A triangle comes once for each bin that footprints share with it.
+static void keep_doubt(Doubts* doubts, uint slot, LaneInt lanes, LaneInt lone_edges) {
+    uint i = 0;
+    while (i < doubts->count && doubts->slots[i] != slot) ++i;
+    if (i == MOST_DOUBTS) {
+        doubts->lost |= lanes;
+        return;
+    }
+    if (i == doubts->count) {
+        ++doubts->count;
+        doubts->slots[i] = slot;
+        doubts->lanes[i] = (LaneInt)(0);
+        doubts->lone_edges[i] = (LaneInt)(-1);
+    }
+    doubts->lanes[i] |= lanes;
+    doubts->lone_edges[i] = LANES_SELECT(doubts->lone_edges[i], lone_edges, lanes);
+}
 
 static LaneFloat extent_over(float slope_x, float slope_y, const GridFootprint* grid) {
     return fabs(slope_x * grid->u.x + slope_y * grid->u.y) + fabs(slope_x * grid->v.x + slope_y * grid->v.y) +
@@ -50,25 +82,26 @@ static bool in_rectangle(TriangleBounds bounds, __constant const Projection* pro
 }
 
 // The filter of trace.h for footprints: those that the triangle may block in part, and those that it blocks as a whole,
-// where they lie in its rectangle.
+// where they lie in its rectangle. lone_edges: for those that lie below the triangle but for what may be beyond one of
+// its edges, that edge; else -1.
 typedef struct FootprintFilter {
-    LaneInt possible, certain;
+    LaneInt possible, certain, lone_edges;
 } FootprintFilter;
 
 static FootprintFilter filter_footprints(__global const TriangleRecord* r, const GridFootprint* grid, LaneInt lanes) {
-    LaneFloat x = grid->centre.x, y = grid->centre.y, z = grid->centre.z;
-    LaneFloat margin = (LaneFloat)(r->margin_edge);
     FootprintFilter found;
-    found.possible = found.certain = lanes;
+    found.possible = lanes;
+    LaneInt within[3];
     for (int i = 0; i < 3; ++i) {
-        LaneFloat e = lanes_linear(r->edge_x[i], r->edge_y[i], r->edge_0[i], x, y);
-        LaneFloat far = margin + FOOTPRINT_SLACK * extent_over(r->edge_x[i], r->edge_y[i], grid);
+        LaneFloat e = lanes_linear(r->edge_x[i], r->edge_y[i], r->edge_0[i], grid->centre.x, grid->centre.y);
+        LaneFloat far = (LaneFloat)(r->margin_edge) + FOOTPRINT_SLACK * extent_over(r->edge_x[i], r->edge_y[i], grid);
         found.possible &= ~LANE_COMPARE(e, <, -far);
-        found.certain &= LANE_COMPARE(e, >, far);
+        within[i] = LANE_COMPARE(e, >, far);
     }
     if (!LANES_ANY(found.possible)) return found;
     // height > 0: the plane is nearer to the light than the centre.
-    LaneFloat height = lanes_linear(r->plane_x, r->plane_y, r->plane_0, x, y) - z;
+    LaneFloat z = grid->centre.z;
+    LaneFloat height = lanes_linear(r->plane_x, r->plane_y, r->plane_0, grid->centre.x, grid->centre.y) - z;
     LaneFloat extent = fabs(r->plane_x * grid->u.x + r->plane_y * grid->u.y - grid->u.z) +
                        fabs(r->plane_x * grid->v.x + r->plane_y * grid->v.y - grid->v.z) +
                        (fabs(r->plane_x) * (grid->slack.x + (16.0f * GN_U) * grid->reach.x) +
@@ -76,8 +109,12 @@ static FootprintFilter filter_footprints(__global const TriangleRecord* r, const
                         (grid->slack.z + (16.0f * GN_U) * grid->reach.z));
     LaneFloat far = r->margin_plane + FOOTPRINT_SLACK * extent + (4.0f * GN_U) * fabs(height);
     found.possible &= ~LANE_COMPARE(height, <, -far) & ~LANE_COMPARE(z - grid->reach.z, >, (LaneFloat)(r->z_high));
-    found.certain &=
+    LaneInt below =
         found.possible & (LANE_COMPARE(height, >, far) | LANE_COMPARE(z + grid->reach.z, <, (LaneFloat)(r->z_low)));
+    found.certain = below & within[0] & within[1] & within[2];
+    // Of three that are 0 or -1, two are -1 if their sum is -2; and then it is the edge of the third.
+    LaneInt one_open = below & LANE_COMPARE(within[0] + within[1] + within[2], ==, (LaneInt)(-2));
+    found.lone_edges = LANES_SELECT((LaneInt)(-1), 3 + within[1] + 2 * within[2], one_open);
     return found;
 }
 
@@ -95,9 +132,9 @@ static QuantisedBlock quantised_footprints(__constant const Projection* projecti
     return block_of_lanes(x0, y0, x1, y1, lowest, lanes);
 }
 
-// One bin's list for some footprints that touch it.
-static void walk_footprints(SettleLists lists, __constant const Projection* projection, uint bin, LaneInt lanes,
-                            const GridFootprint* grid, LaneInt receivers, SettleAnswer* answer) {
+// One bin's list for some footprints that touch it. `doubts` may be null.
+static void walk_bin(SettleLists lists, __constant const Projection* projection, uint bin, LaneInt lanes,
+                     const GridFootprint* grid, LaneInt receivers, SettleAnswer* answer, Doubts* doubts) {
     QuantisedBlock block = quantised_footprints(projection, grid, lanes);
     uint2 range = lists.ranges[bin];
     for (uint i = range.x; i < range.y; ++i) {
@@ -116,11 +153,103 @@ static void walk_footprints(SettleLists lists, __constant const Projection* proj
                         in_rectangle(bounds, projection, grid, lane))
                         LANE_OF_INT(blocked, lane) = -1;
             answer->shadowed |= blocked;
+            possible &= ~blocked;
             answer->doubted |= possible;
+            if (doubts && LANES_ANY(possible)) keep_doubt(doubts, slot, possible, found.lone_edges);
             lanes &= ~blocked;
             if (!LANES_ANY(lanes)) return;
         }
     }
+}
+
+// All bins' lists for footprints of one frame; first_bin: of the frame.
+static void walk_footprints(SettleLists lists, __constant const Projection* projection, uint first_bin, LaneInt lanes,
+                            const GridFootprint* grid, const CellSpan* span, LaneInt receivers, SettleAnswer* answer,
+                            Doubts* doubts) {
+    while (LANES_ANY(lanes)) {
+        int lane = first_lane(lanes);
+        int x0 = LANE_OF_INT(span->x0, lane), x1 = LANE_OF_INT(span->x1, lane);
+        int y0 = LANE_OF_INT(span->y0, lane), y1 = LANE_OF_INT(span->y1, lane);
+        LaneInt same_bins = lanes & LANE_COMPARE(span->x0, ==, (LaneInt)(x0)) &
+                            LANE_COMPARE(span->x1, ==, (LaneInt)(x1)) & LANE_COMPARE(span->y0, ==, (LaneInt)(y0)) &
+                            LANE_COMPARE(span->y1, ==, (LaneInt)(y1));
+        lanes &= ~same_bins;
+        for (int y = y0; y <= y1; ++y)
+            for (int x = x0; x <= x1; ++x) {
+                LaneInt left = same_bins & ~answer->shadowed;
+                if (LANES_ANY(left))
+                    walk_bin(lists, projection, first_bin + (uint)y * projection->bins_x + (uint)x, left, grid,
+                             receivers, answer, doubts);
+            }
+    }
+}
+
+// Do all places lie in bins of the triangle, for which its record holds?
+static bool in_bins(TriangleBounds bounds, __constant const Projection* projection, const CellSpan* span, int lane) {
+    LaneInt x0 = bins_of_quantised((LaneInt)(bounds.x0), projection->width, projection->bin_log2);
+    LaneInt y0 = bins_of_quantised((LaneInt)(bounds.y0), projection->height, projection->bin_log2);
+    LaneInt x1 = bins_of_quantised((LaneInt)(bounds.x1), projection->width, projection->bin_log2);
+    LaneInt y1 = bins_of_quantised((LaneInt)(bounds.y1), projection->height, projection->bin_log2);
+    return LANE_OF_INT(span->x0, lane) >= LANE_OF_INT(x0, 0) && LANE_OF_INT(span->y0, lane) >= LANE_OF_INT(y0, 0) &&
+           LANE_OF_INT(span->x1, lane) <= LANE_OF_INT(x1, 0) && LANE_OF_INT(span->y1, lane) <= LANE_OF_INT(y1, 0);
+}
+
+static int orientation_from(float4 light, Triangle t) {
+    int level = DET3_BY_FLOAT;
+    return det3_sign(t.b, t.a, t.c, t.a, light.xyz, light.w != 0.0f ? t.a : (float3)(0.0f), &level);
+}
+
+static bool same_place(float3 a, float3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+// Are these edges one, with a triangle on either side as the light sees it?
+static bool meet_at_edge(float4 light, Triangle s, int edge_of_s, Triangle t, int edge_of_t) {
+    const float3 vertices_of_s[4] = {s.a, s.b, s.c, s.a}, vertices_of_t[4] = {t.a, t.b, t.c, t.a};
+    float3 s0 = vertices_of_s[edge_of_s], s1 = vertices_of_s[edge_of_s + 1];
+    float3 t0 = vertices_of_t[edge_of_t], t1 = vertices_of_t[edge_of_t + 1];
+    bool opposed = same_place(s0, t1) && same_place(s1, t0), alike = same_place(s0, t0) && same_place(s1, t1);
+    if (!opposed && !alike) return false;
+    int product = orientation_from(light, s) * orientation_from(light, t);
+    return opposed ? product > 0 : product < 0;
+}
+
+// Two triangles that meet at an edge, and of which each covers a footprint but for what lies beyond that edge, cover
+// all of it: their edge functions there are one, times a factor below 0, so that nowhere both are negative.
+static bool below_a_pair(SettleLists lists, __constant const Projection* projection, const CellSpan* span, float4 light,
+                         const Doubts* doubts, int lane) {
+    uint found[MOST_DOUBTS], count = 0;
+    for (uint i = 0; i < doubts->count; ++i) {
+        if (!LANE_OF_INT(doubts->lanes[i], lane) || LANE_OF_INT(doubts->lone_edges[i], lane) < 0) continue;
+        TriangleBounds bounds = lists.bounds[doubts->slots[i]];
+        if (!in_bins(bounds, projection, span, lane)) continue;
+        Triangle t = load_triangle(lists.vertices, bounds.id);
+        for (uint j = 0; j < count; ++j) {
+            Triangle other = load_triangle(lists.vertices, lists.bounds[doubts->slots[found[j]]].id);
+            if (meet_at_edge(light, t, LANE_OF_INT(doubts->lone_edges[i], lane), other,
+                             LANE_OF_INT(doubts->lone_edges[found[j]], lane)))
+                return true;
+        }
+        found[count++] = i;
+    }
+    return false;
+}
+
+// What becomes of these lanes, of which a walk left nothing but doubts.
+static void look_at_doubts(SettleLists lists, __constant const Projection* projection, LaneInt ids, LaneInt lanes,
+                           float3 eye, float4 light, PointBlock centres, const FootprintBlock* around,
+                           const CellSpan* span, const Doubts* doubts, SettleAnswer* answer) {
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        if (LANE_OF_INT(lanes, lane) && below_a_pair(lists, projection, span, light, doubts, lane))
+            LANE_OF_INT(answer->shadowed, lane) = -1;
+    lanes &= ~answer->shadowed & ~doubts->lost;
+    if (!LANES_ANY(lanes)) return;
+    ReceiverPlanes planes = find_receiver_planes(lists.vertices, ids, lanes, eye, light, centres, around);
+    for (uint i = 0; i < doubts->count; ++i) {
+        LaneInt left = doubts->lanes[i] & lanes;
+        if (!LANES_ANY(left)) continue;
+        Triangle t = load_triangle(lists.vertices, lists.bounds[doubts->slots[i]].id);
+        lanes &= ~left | lanes_clear_of(&planes, t, left);
+    }
+    answer->doubted &= ~lanes;
 }
 
 // Footprints below all texels of the map that they touch.
@@ -143,13 +272,16 @@ static LaneInt footprints_below_map(__constant const Projection* projection, con
 // Footprints of the frames from `first_frame` on, as trace() takes points. Those that are open become 0, 1 or
 // VISIBILITY_MIXED.
 __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
-                     __constant const Projection* projections, uint has_map, __global const float* positions,
-                     __global const float* footprints, __global const uint* receivers, __global const uint* map,
-                     __global const uint2* ranges, __global const BinEntries* entries,
-                     __global const TriangleRecord* records, __global const TriangleBounds* bounds,
-                     __global float* visibility, __global FrameCounters* counters) {
+                     __constant const Projection* projections, uint has_map, ulong first_float,
+                     __global const float* vertices, __global const float* positions, __global const float* footprints,
+                     __global const uint* receivers, __global const uint* map, __global const uint2* ranges,
+                     __global const BinEntries* entries, __global const TriangleRecord* records,
+                     __global const TriangleBounds* bounds, __global float* visibility,
+                     __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    SettleLists lists = {ranges, entries, records, bounds};
+    SettleLists lists = {ranges, entries, records, bounds, vertices + first_float};
+    float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+    float3 eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
     uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
@@ -175,22 +307,16 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
                 answer.shadowed |=
                     footprints_below_map(&projections[frame], &grid, same_frame, map + (size_t)frame * texel_count);
             same_frame &= ~answer.shadowed;
-            while (LANES_ANY(same_frame)) {
-                int lane = first_lane(same_frame);
-                int x0 = LANE_OF_INT(span.x0, lane), x1 = LANE_OF_INT(span.x1, lane);
-                int y0 = LANE_OF_INT(span.y0, lane), y1 = LANE_OF_INT(span.y1, lane);
-                LaneInt same_bins = same_frame & LANE_COMPARE(span.x0, ==, (LaneInt)(x0)) &
-                                    LANE_COMPARE(span.x1, ==, (LaneInt)(x1)) &
-                                    LANE_COMPARE(span.y0, ==, (LaneInt)(y0)) & LANE_COMPARE(span.y1, ==, (LaneInt)(y1));
-                same_frame &= ~same_bins;
-                for (int y = y0; y <= y1; ++y)
-                    for (int x = x0; x <= x1; ++x) {
-                        LaneInt lanes = same_bins & ~answer.shadowed;
-                        uint bin = (uint)frame * bin_count + (uint)y * light_frame.bins_x + (uint)x;
-                        if (LANES_ANY(lanes))
-                            walk_footprints(lists, &projections[frame], bin, lanes, &grid, ids, &answer);
-                    }
-            }
+            uint first_bin = (uint)frame * bin_count;
+            walk_footprints(lists, &projections[frame], first_bin, same_frame, &grid, &span, ids, &answer, 0);
+            LaneInt mixed = same_frame & answer.doubted & ~answer.shadowed;
+            if (!LANES_ANY(mixed)) continue;
+            Doubts doubts;
+            doubts.count = 0u;
+            doubts.lost = (LaneInt)(0);
+            walk_footprints(lists, &projections[frame], first_bin, mixed, &grid, &span, ids, &answer, &doubts);
+            look_at_doubts(lists, &projections[frame], ids, mixed, eye, light, centres, &world, &span, &doubts,
+                           &answer);
         }
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(VISIBILITY_MIXED), answer.doubted);
         result = LANES_SELECT(result, (LaneFloat)(0.0f), answer.shadowed);

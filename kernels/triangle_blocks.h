@@ -83,6 +83,12 @@ static PointBlock magnitudes(PointBlock a) {
     PointBlock size = {fabs(a.x), fabs(a.y), fabs(a.z)};
     return size;
 }
+static LaneFloat largest_of(PointBlock v) {
+    PointBlock size = magnitudes(v);
+    LaneFloat largest = LANES_MAX(size.x, size.y);
+    return LANES_MAX(size.z, largest);
+}
+
 // Projected positions before the division, and the bounds of the errors of their coordinates.
 typedef struct Projected {
     LaneFloat x, y, w, z;

@@ -386,6 +386,10 @@ TEST(samples, settled_means_survive_what_hides_in_a_pixel) {
         hard.back().triangles.resize(hard.back().triangles.size() - 18);  // no floor
         hard.push_back(floor_scene("dust", dust(150, 7), eye));
         hard.push_back(floor_scene("squares", squares_on_samples(40, 8), eye));
+        Floats twice = squares_on_samples(20, 10);
+        twice.resize(2 * twice.size());  // two triangles on the same side of each edge
+        std::copy_n(twice.begin(), twice.size() / 2, twice.begin() + std::ptrdiff_t(twice.size() / 2));
+        hard.push_back(floor_scene("squares twice", twice, eye));
         hard.push_back(floor_scene("needles", placed(needle_fan(97, 1), 10, {0, 0, 3}), eye));
         hard.push_back(floor_scene("slivers", placed(slivers(40, 1e-6f, 9), 10, {0, 0, 1}), eye));
     }
@@ -395,6 +399,57 @@ TEST(samples, settled_means_survive_what_hides_in_a_pixel) {
     for (const CameraScene& scene : hard)
         for (const gnomon::Light& light : lamps) expect_same_means(device, scene, light, 32, sum);
     expect_not_vacuous(sum);
+}
+
+/// Squares of two triangles each, `side` x `side` of them from `low` to `high` in x and y, moved and at heights by
+/// `place`.
+template <typename Place>
+Floats squares_in_a_row(int side, float low, float high, const Place& place) {
+    Floats triangles;
+    const auto at = [&](int x, int y) {
+        const float step = (high - low) / float(side);
+        return place(low + step * float(x), low + step * float(y));
+    };
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            add(triangles, at(x, y), at(x + 1, y), at(x + 1, y + 1));
+            add(triangles, at(x, y), at(x + 1, y + 1), at(x, y + 1));
+        }
+    return triangles;
+}
+
+std::uint64_t traced_samples(const CameraScene& scene, const gnomon::Light& light) {
+    Settled sum;
+    expect_same_means(device_with(), scene, light, 32, sum);
+    return sum.traced;
+}
+
+// Under a roof without holes, whose outline's shadow is not in the picture, only what is around one of its nine inner
+// vertices may be left to be traced: a pixel's footprint is not larger than the pixel, so each touches four at most.
+// Across an edge the two triangles settle it. Not vacuous: edges run through hundreds of pixels.
+TEST(samples, edges_inside_a_shadow_are_settled) {
+    const auto roof = squares_in_a_row(4, -44, 49, [](float x, float y) {
+        return Float3{x - y * 0.36f, y + x * 0.36f, 5};
+    });
+    const CameraScene scene = floor_scene("roof", roof, {0.5f, 0.5f, 4});
+    CameraScene from_above = scene;
+    from_above.fov_y_degrees = 2 * std::atan(4.0) * 180 / 3.14159265358979;  // as wide as from 32 units above
+    for (const gnomon::Light& light :
+         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::positional({1.3f, 2.1f, 90})})
+        EXPECT_LE(traced_samples(from_above, light), 4u * 9u * 32u);
+}
+
+// A flat floor in the light: its triangles' rounded vertices are at most 1.8 ulp of the largest coordinate apart from
+// one plane (camera.h), and the camera lifts points by 4, so no neighbour is a reason to trace anything.
+TEST(samples, neighbours_in_a_plane_are_settled) {
+    const auto tilted = squares_in_a_row(24, -40, 40, [](float x, float y) {
+        return Float3{x, y, x * 0.3f - y * 0.17f};
+    });
+    CameraScene scene = floor_scene("tilted", tilted, {-20, 5, 34});
+    scene.triangles.resize(tilted.size());  // no other floor
+    for (const gnomon::Light& light :
+         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::positional({3, -2, 39})})
+        EXPECT_EQ(traced_samples(scene, light), 0u);
 }
 
 // Not vacuous: a band of tiles per batch, and batches that do not divide the samples.
