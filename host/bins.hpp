@@ -29,6 +29,7 @@ public:
 
 private:
     cl::Buffer counts_, ranges_;
+    cl::Buffer heights_;  ///< of each entry, on a GPU
     GrowingList pairs_{sizeof(Pair)}, entries_{BIN_ENTRY_BYTES};
     std::uint32_t first_capacity_ = initial_capacity;
 };

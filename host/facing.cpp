@@ -9,9 +9,9 @@ namespace {
 void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, const TriangleInputs& triangles,
             const PointInputs& points, const cl::Buffer* away, cl_mem visibility, const cl::Buffer& frame_bounds,
             const cl::Buffer& counters) {
-    session.launch("facing.cl", "facing", cl::Range::items(points.layout.count / session.lanes() + 1), points.layout,
-                   light_frame, opens, cl_uint(points.footprints != nullptr), cl_uint(away != nullptr),
-                   triangles.first_float, triangles.count, points.positions,
+    session.launch("facing.cl", away != nullptr ? "facing_looked_up" : "facing",
+                   cl::Range::items(points.layout.count / session.lanes() + 1), points.layout, light_frame, opens,
+                   cl_uint(points.footprints != nullptr), triangles.first_float, triangles.count, points.positions,
                    points.footprints != nullptr ? points.footprints : points.positions, points.receivers,
                    triangles.vertices, away != nullptr ? away->get() : points.receivers, visibility, frame_bounds,
                    counters, cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
@@ -19,8 +19,8 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
 
 // All triangles are read in order, points' receivers from anywhere. Measured on a CPU: with as many points as triangles
 // both ways take the same time (docs/performance.md).
-bool asks_triangles(const cl::Session& session, const TriangleInputs& triangles, const PointInputs& points) {
-    return session.is_cpu() && points.layout.has_receivers != 0 && points.layout.is_lifted != 0 &&
+bool asks_triangles(const TriangleInputs& triangles, const PointInputs& points) {
+    return points.layout.has_receivers != 0 && points.layout.is_lifted != 0 && points.footprints == nullptr &&
            points.layout.count / 2 >= triangles.count;
 }
 
@@ -31,7 +31,7 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
     session.fill(frame_bounds_, 0, bytes);
-    const bool asks = asks_triangles(session, triangles, points);
+    const bool asks = asks_triangles(triangles, points);
     if (asks) {
         const std::size_t blocks = triangles.count / session.lanes() + 1;
         triangles_away_.reserve(session, blocks * session.lanes());

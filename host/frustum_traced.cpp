@@ -161,17 +161,23 @@ bool FrustumTraced::run_prepared(Run& run) {
     cl::Session& session = run.session;
     const LightFrame& light_frame = prepared_->light_frame();
     const cl_uint frame_count = frame_count_of(light_frame);
-    clear(session, counters_);
-    {
-        cl::StageTimer timer(session, run.statistics, "trace");
-        trace_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->projections(), prepared_->map(),
-                            prepared_->lists(), prepared_->receivers(), run.visibility, counters_);
-    }
-    {
-        cl::StageTimer timer(session, run.statistics, "exact_trace");
-        run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
-    }
-    FrameCounters counted = session.read_value<FrameCounters>(counters_);
+    const auto trace = [&](bool by_planes) {
+        clear(session, counters_);
+        {
+            cl::StageTimer timer(session, run.statistics, "trace");
+            trace_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->projections(),
+                                prepared_->map(), prepared_->lists(), prepared_->receivers(), run.visibility, counters_,
+                                by_planes);
+        }
+        {
+            cl::StageTimer timer(session, run.statistics, "exact_trace");
+            run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
+        }
+        return session.read_value<FrameCounters>(counters_);
+    };
+    const bool by_planes = !session.is_cpu() && run.points.layout.is_lifted != 0;
+    FrameCounters counted = trace(by_planes);
+    if (by_planes && counted.strays != 0) counted = trace(false);
     run.strays = counted.strays;
     if (counted.strays != 0) return false;
     if (!trace_.fitted(session, run.points, counted)) {

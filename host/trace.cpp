@@ -30,10 +30,11 @@ void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint fir
 void Trace::run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
                          const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
                          const ListBuffers& lists, const ReceiverBuffers& receivers, cl_mem visibility,
-                         const cl::Buffer& counters) {
-    launch(session, "prepared_trace.cl", "prepared_trace", light_frame, 0, frame_count_of(light_frame), triangles,
-           points, projections, map, lists, visibility, counters, triangles.count, receivers.domains, receivers.planes,
-           receivers.largest_coordinate);
+                         const cl::Buffer& counters, bool by_planes) {
+    launch(session, by_planes ? "prepared_trace_by_planes.cl" : "prepared_trace.cl",
+           by_planes ? "prepared_trace_by_planes" : "prepared_trace", light_frame, 0, frame_count_of(light_frame),
+           triangles, points, projections, map, lists, visibility, counters, triangles.count, receivers.domains,
+           receivers.planes, receivers.largest_coordinate);
 }
 
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

@@ -33,11 +33,12 @@ public:
              const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters,
              Look look = Look::first);
     /// The first look under a prepared light, of all its frames: decides facing too. Counts strays; all points are
-    /// decided if there are none.
+    /// decided if there are none. `by_planes`: of lifted points, and strays are also those whose facing the planes of
+    /// their receivers leave undecided.
     void run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
                       const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
                       const ListBuffers& lists, const ReceiverBuffers& receivers, cl_mem visibility,
-                      const cl::Buffer& counters);
+                      const cl::Buffer& counters, bool by_planes);
     /// The other traversal, of one frame: triangles over the lists of points (kernels/trace_triangles.cl). Needs no
     /// second look.
     void run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

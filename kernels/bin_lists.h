@@ -5,8 +5,9 @@
 // GN_LANES entries of one bin lie together, coordinate by coordinate, so that a CPU looks at 16 entries with one
 // comparison. ranges[bin] = (first, past the last), in units of BinEntries. Unused lanes have x0 > x1.
 //
-// The order within a list means nothing. A point (X, Y, Z) of the bin, or a block of points by its own bounds, can only
-// meet an entry with
+// On a GPU a list is in runs of LIST_RUN entries, each with its highest triangle first: a point above an entry is above
+// the rest of the run. Apart from that the order within a list means nothing. A point (X, Y, Z) of the bin, or a block
+// of points by its own bounds, can only meet an entry with
 //     x0 <= qx <= x1,   y0 <= qy <= y1,   qz <= z          qx = quantised_texel(X, width) and so on.
 // Why: x0..y1 are made from the rectangle that holds every computed (X, Y) of points whose ray the triangle can meet
 // (all errors in it), z from the record's z_high, and the same functions quantise both sides. Each is monotone, being
@@ -17,6 +18,7 @@
 #include "prelude.h"
 
 #define BIN_ENTRY_BYTES 16
+#define LIST_RUN 64u
 
 // A triangle that matters to a frame: its bounds, and which one it is. `id` is the triangle's number in the scene.
 GN_STRUCT_BEGIN(TriangleBounds)
@@ -80,13 +82,31 @@ static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt
     return block;
 }
 
+#if GN_LANES == 1
+typedef uint4 EntryWords;  // one load
+
+static bool entry_is_below(EntryWords entry, QuantisedBlock block) { return (entry.z & 0xFFFFu) < block.z; }
+static bool entry_meets(EntryWords entry, QuantisedBlock block) {
+    return (entry.x & 0xFFFFu) <= block.x1 && entry.x >> 16 <= block.y1 && block.x0 <= (entry.y & 0xFFFFu) &&
+           block.y0 <= entry.y >> 16 && !entry_is_below(entry, block);
+}
+
+// The next entry of a list that may meet the block, from entry i on; the end of the list if there is none.
+static uint next_that_meets(__global const BinEntries* entries, uint2 range, uint i, QuantisedBlock block) {
+    while (i < range.y) {
+        EntryWords entry = *(__global const EntryWords*)&entries[i];
+        if (entry_meets(entry, block)) return i;
+        uint in_run = (i - range.x) % LIST_RUN;
+        i += entry_is_below(entry, block) ? LIST_RUN - in_run : 1u;
+    }
+    return range.y;
+}
+#endif
+
 // Bit i: entry i of these may meet the block.
 static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock block) {
 #if GN_LANES == 1
-    uint4 words = *(__global const uint4*)entries;  // one load
-    bool meets = (words.x & 0xFFFFu) <= block.x1 && words.x >> 16 <= block.y1 && block.x0 <= (words.y & 0xFFFFu) &&
-                 block.y0 <= words.y >> 16 && block.z <= (words.z & 0xFFFFu);
-    return meets ? 1u : 0u;
+    return entry_meets(*(__global const EntryWords*)entries, block) ? 1u : 0u;
 #else
     short16 meets = (entries->x0 <= block.x1) & (entries->y0 <= block.y1) & (entries->x1 >= block.x0) &
                     (entries->y1 >= block.y0) & (entries->z >= block.z) & (entries->x0 <= entries->x1);

@@ -4,7 +4,8 @@
 //
 // A triangle enters a bin's list unless it certainly cannot matter there (bin_test.h). Each pair of triangle and bin is
 // found once: bins_pairs remembers it with its place in the bin's list, bins_ranges gives each bin its part of the
-// entries (in any order: what matters is that a list is contiguous), and bins_scatter writes it there.
+// entries (in any order: what matters is that a list is contiguous), and bins_scatter writes it there. On a GPU
+// bins_heights comes before, so that bins_scatter can put the highest triangles of each run of a list first.
 #include "bins.h"
 
 #include "bin_test.h"
@@ -72,15 +73,42 @@ __kernel void bins_ranges(uint bin_count, uint entry_capacity, __global const ui
     }
 }
 
+// What did not fit, here or in an earlier stage, is in no list: the host will grow them and run again.
+static bool all_fits(uint slot_capacity, uint map_tile_capacity, uint tile_capacity, uint pair_capacity,
+                     uint entry_capacity, __global const FrameCounters* counters) {
+    return max(counters->slots, counters->map_slots) <= slot_capacity && counters->map_tiles <= map_tile_capacity &&
+           counters->tiles <= tile_capacity && counters->pairs <= pair_capacity && counters->entries <= entry_capacity;
+}
+
+// The height of each place of each list.
+__kernel void bins_heights(uint slot_capacity, uint map_tile_capacity, uint tile_capacity, uint pair_capacity,
+                           uint entry_capacity, __global const Pair* pairs, __global const uint2* ranges,
+                           __global const TriangleBounds* bounds, __global ushort* heights,
+                           __global const FrameCounters* counters) {
+    if (!all_fits(slot_capacity, map_tile_capacity, tile_capacity, pair_capacity, entry_capacity, counters)) return;
+    GN_FOR_EACH(i, counters->pairs) {
+        Pair pair = pairs[i];
+        if (pair.bin != GN_NO_ID) heights[ranges[pair.bin].x + pair.place] = bounds[pair.slot].z;
+    }
+}
+
+#if GN_LANES == 1
+// The place in its run of a list, highest first; of equals in the order that they came in.
+static uint place_in_order(uint place, uint2 range, __global const ushort* heights) {
+    uint first = range.x + place / LIST_RUN * LIST_RUN, end = min(first + LIST_RUN, range.y), mine = range.x + place;
+    uint height = heights[mine], at = place / LIST_RUN * LIST_RUN;
+    for (uint i = first; i < end; ++i) at += heights[i] > height || (heights[i] == height && i < mine) ? 1u : 0u;
+    return at;
+}
+#else
+static uint place_in_order(uint place, uint2 range, __global const ushort* heights) { return place; }
+#endif
+
 __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile_capacity, uint pair_capacity,
                            uint entry_capacity, __global const Pair* pairs, __global const uint2* ranges,
-                           __global const TriangleBounds* bounds, __global BinEntries* entries,
-                           __global FrameCounters* counters) {
-    // What did not fit, here or in an earlier stage, is in no list: the host will grow them and run again.
-    bool fits = max(counters->slots, counters->map_slots) <= slot_capacity &&
-                counters->map_tiles <= map_tile_capacity && counters->tiles <= tile_capacity &&
-                counters->pairs <= pair_capacity && counters->entries <= entry_capacity;
-    if (!fits) {
+                           __global const TriangleBounds* bounds, __global const ushort* heights,
+                           __global BinEntries* entries, __global FrameCounters* counters) {
+    if (!all_fits(slot_capacity, map_tile_capacity, tile_capacity, pair_capacity, entry_capacity, counters)) {
         if (get_global_id(0) == 0) counters->references = GN_NO_LISTS;
         return;
     }
@@ -88,8 +116,10 @@ __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile
         Pair pair = pairs[i];
         if (pair.bin == GN_NO_ID) continue;
         TriangleBounds of = bounds[pair.slot];
-        __global BinEntries* at = &entries[ranges[pair.bin].x + pair.place / GN_LANES];
-        uint lane = pair.place % GN_LANES;
+        uint2 range = ranges[pair.bin];
+        uint place = place_in_order(pair.place, range, heights);
+        __global BinEntries* at = &entries[range.x + place / GN_LANES];
+        uint lane = place % GN_LANES;
         ENTRY_LANE(at, x0, lane) = of.x0;
         ENTRY_LANE(at, y0, lane) = of.y0;
         ENTRY_LANE(at, x1, lane) = of.x1;

@@ -145,14 +145,14 @@ static LaneInt look_up_away(__global const uchar* triangles_are_away, LaneInt id
 // `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `asked_before`: triangles_are_away
 // has been filled, and no point is doubtful. `shared`: BOUNDS_WORDS for each frame. The frames' bounds and the counters
 // are zeroed before.
-__kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint asked_before,
-                     ulong first_float, uint triangle_count, __global const float* positions,
-                     __global const float* footprints, __global const uint* receivers, __global const float* vertices,
-                     __global const uchar* triangles_are_away, __global float* visibility,
-                     volatile __global uint* frame_bounds, __global FrameCounters* counters, __local uint* shared) {
+__attribute__((always_inline)) static void decide_facing(
+    PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, bool asked_before, ulong first_float,
+    uint triangle_count, __global const float* positions, __global const float* footprints,
+    __global const uint* receivers, __global const float* vertices, __global const uchar* triangles_are_away,
+    __global float* visibility, volatile __global uint* frame_bounds, __global FrameCounters* counters,
+    __local uint* shared, __local uint* group_counts) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
     // One atomic per work-group, not per item: many on one address take longer than the pass.
-    __local uint group_counts[2];
     if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -218,3 +218,20 @@ __kernel void facing(PointsLayout layout, LightFrame light_frame, uint opens, ui
     }
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
 }
+
+#define FACING_KERNEL(name, has_footprints_here, asked_before)                                                    \
+    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints,              \
+                       ulong first_float, uint triangle_count, __global const float* positions,                   \
+                       __global const float* footprints, __global const uint* receivers,                          \
+                       __global const float* vertices, __global const uchar* triangles_are_away,                  \
+                       __global float* visibility, volatile __global uint* frame_bounds,                          \
+                       __global FrameCounters* counters, __local uint* shared) {                                  \
+        __local uint group_counts[2];                                                                             \
+        decide_facing(layout, light_frame, opens, has_footprints_here, asked_before, first_float, triangle_count, \
+                      positions, footprints, receivers, vertices, triangles_are_away, visibility, frame_bounds,   \
+                      counters, shared, group_counts);                                                            \
+    }
+
+// Two kernels: what the exact predicate and footprints need of a GPU's registers would slow down the look-up as well.
+FACING_KERNEL(facing, has_footprints, false)
+FACING_KERNEL(facing_looked_up, false, true)

@@ -4,7 +4,9 @@
 //
 // Of each triangle the plane is kept, as (n, -n . a), turned towards the light: a receiver faces away if the eye is not
 // above it. A float4 instead of nine floats and two exact signs, and the sign of n . eye - n . a is that of the exact
-// determinants where it is beyond plane_bound(); else the predicate is asked.
+// determinants where it is beyond plane_bound(); else the predicate is asked. TRACE_BY_PLANES: by another kernel, since
+// what the predicate needs of a GPU's registers slows a trace down that hardly ever asks it; here such points are
+// strays.
 //
 // Bound. Let u = 2^-24, N the exact cross product of the computed one n, and s the sums of magnitudes in it (det3's
 // float level), scaled by a power of two so that the largest is in [1/2, 1); E and A bound the coordinates of the eye
@@ -87,17 +89,6 @@ __attribute__((noinline)) static LaneInt settle_facing(LaneInt ids, LaneInt lane
     return away;
 }
 
-// Which of the lanes `asked` face away from the light. `bound`: plane_bound() of this eye.
-static LaneInt lanes_facing_away(__global const float4* planes, float bound, LaneInt ids, LaneInt asked, float4 light,
-                                 float3 eye, __global const float* vertices, uint* exact) {
-    PlaneBlock p = load_planes(planes, ids, asked);
-    LaneFloat above = (p.n.x * eye.x + p.n.y * eye.y) + (p.n.z * eye.z + p.minus_offset);
-    LaneInt away = asked & LANE_COMPARE(above, <, (LaneFloat)(0.0f));
-    LaneInt open = asked & ~LANE_COMPARE(fabs(above), >, (LaneFloat)(bound));
-    if (LANES_ANY(open)) away = (away & ~open) | settle_facing(ids, open, light, eye, vertices, exact);
-    return away;
-}
-
 // What was prepared of the triangles as receivers.
 typedef struct PreparedReceivers {
     __global const PreparedDomain* domains;
@@ -123,6 +114,14 @@ static PreparedReceivers prepared_receivers(LightFrame light_frame, PointsLayout
     return r;
 }
 
+// Which of the lanes `asked` face away from the light, as far as the planes tell; not so where `undecided`.
+static LaneInt lanes_facing_away(const PreparedReceivers* r, LaneInt ids, LaneInt asked, LaneInt* undecided) {
+    PlaneBlock p = load_planes(r->planes, ids, asked);
+    LaneFloat above = (p.n.x * r->eye.x + p.n.y * r->eye.y) + (p.n.z * r->eye.z + p.minus_offset);
+    *undecided = asked & ~LANE_COMPARE(fabs(above), >, (LaneFloat)(r->bound));
+    return asked & ~*undecided & LANE_COMPARE(above, <, (LaneFloat)(0.0f));
+}
+
 // Points by what becomes of them; the others are lit.
 typedef struct PreparedFacing {
     LaneInt absent, away, open, doubtful, strays;
@@ -132,22 +131,30 @@ static PreparedFacing face_points(const PreparedReceivers* r, LightFrame light_f
                                   const PointBlock* points, __global const uint* receivers, uint* exact) {
     PreparedFacing facing;
     facing.away = facing.doubtful = (LaneInt)(0);
-    LaneInt valid = valid_lanes(layout, block), open = valid & present_lanes(*points);
+    LaneInt valid = valid_lanes(layout, block), open = valid & present_lanes(*points), undecided = (LaneInt)(0);
     facing.absent = valid & ~open;
     if (layout.has_receivers) {
         LaneInt ids = load_lane_ids(receivers, layout, block), asked = open & lanes_below(ids, r->triangle_count);
-        if (!LANES_ANY(asked)) {
-            // no receiver to ask
-        } else if (layout.is_lifted) {
-            facing.away = lanes_facing_away(r->planes, r->bound, ids, asked, r->light, r->eye, r->vertices, exact);
-        } else {
-            ReceiverAnswer answer = ask_receivers(ids, asked, points, layout, r->light, true, r->vertices, exact);
-            facing.away = answer.faces_away;
-            facing.doubtful = answer.doubtful;
+        if (LANES_ANY(asked)) {
+#if TRACE_BY_PLANES
+            facing.away = lanes_facing_away(r, ids, asked, &undecided);
+#else
+            if (layout.is_lifted) {
+                facing.away = lanes_facing_away(r, ids, asked, &undecided);
+                if (LANES_ANY(undecided))
+                    facing.away |= settle_facing(ids, undecided, r->light, r->eye, r->vertices, exact);
+                undecided = (LaneInt)(0);
+            } else {
+                ReceiverAnswer answer = ask_receivers(ids, asked, points, layout, r->light, true, r->vertices, exact);
+                facing.away = answer.faces_away;
+                facing.doubtful = answer.doubtful;
+            }
+#endif
         }
     }
-    open &= ~facing.away & LANE_COMPARE(frames_of(light_frame, *points), !=, (LaneInt)((int)LAMP_FRAMES));
+    open &= ~facing.away & ~undecided & LANE_COMPARE(frames_of(light_frame, *points), !=, (LaneInt)((int)LAMP_FRAMES));
     facing.open = prepared_lanes(light_frame, r->domains, *points, open, &facing.strays);
+    facing.strays |= undecided;
     return facing;
 }
 

@@ -9,6 +9,7 @@
 // triangles are those with a vertex at W > 0. If all its vertices have W > 0 its ratios lie between theirs (off by 8u),
 // else they may be any; a face has points up to 1 alone. A triangle with W < 0 at all vertices lies behind, and W of a
 // point is greater than 0 once it is above SMALLEST_W, far above what underflow could make of any other.
+#define TRACE_BY_PLANES 0
 #include "bin_lists.h"
 #include "prepared_facing.h"
 #include "triangle_setup.h"

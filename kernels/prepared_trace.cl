@@ -3,4 +3,5 @@
 #define TRACE_KERNEL prepared_trace
 #define TRACE_IN_PLACE 0
 #define TRACE_FACES 1
+#define TRACE_BY_PLANES 0
 #include "trace_points.h"

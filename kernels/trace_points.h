@@ -139,6 +139,16 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
     QuantisedBlock block = quantised_block(projection, places, lit);
     uint2 range = lists.ranges[bin];
     uint looks = 0;
+#if GN_LANES == 1
+    // Each item of a warp finds its next entry first, then all look at their records together: were the look part of
+    // the search, each entry that meets one item's point would stop the others.
+    for (uint i = range.x; (i = next_that_meets(lists.entries, range, i, block)) < range.y; ++i) {
+        uint slot = ENTRY_SLOT(&lists.entries[i], 0);
+        ++looks;
+        FilterAnswer found = filter(&lists.records[slot], places, lit);
+        if (LANES_ANY(found.possible) && settle(pairs, found, points, lists.bounds[slot].id, answer)) break;
+    }
+#else
     for (uint i = range.x; i < range.y; ++i) {
         uint meeting = entries_that_meet(&lists.entries[i], block);
         while (meeting != 0u) {
@@ -150,6 +160,7 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
             if (!LANES_ANY(lit)) return looks;
         }
     }
+#endif
     return looks;
 }
 

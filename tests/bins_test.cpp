@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <iostream>
 #include <limits>
 
@@ -159,6 +160,43 @@ TEST(bins, writes_only_its_own) {
     expect_canaries(session, stages.bins.entries(), out.counters.entries * session.lanes() * BIN_ENTRY_BYTES,
                     "entries");
     expect_canaries(session, stages.bins.pairs(), out.counters.pairs * sizeof(gnomon::Pair), "pairs");
+}
+
+// A GPU's lists are in runs with the highest triangles first. Not vacuous: there are lists of several runs, and heights
+// that differ.
+TEST(bins, highest_first_on_a_gpu) {
+    gnomon::DeviceOptions options;
+    options.gpu_kernels = true;
+    const gnomon::Device device({}, options);
+    gnomon::cl::Session& session = device.session();
+    ASSERT_EQ(session.lanes(), 1u);
+    LightScene scene = comparison_scene();
+    append(scene.triangles, soup(300, 0.9f, 107));
+    const UploadedScene inputs(device, scene);
+    StageSettings settings;
+    settings.grid = {64, 4};
+    LightStages stages;
+    FrameOutput out{};
+    out.frame = light_frames(inputs.light, settings.grid)[0];
+    while (!run_stages_once(session, stages, inputs, settings, out)) {
+    }
+    std::vector<cl_uint2> ranges(4 * 4);
+    std::vector<std::array<cl_uint, 4>> entries(out.counters.entries);
+    session.read(stages.bins.ranges().get(), ranges.data(), ranges.size() * sizeof(cl_uint2));
+    session.read(stages.bins.entries().get(), entries.data(), entries.size() * BIN_ENTRY_BYTES);
+    int lower = 0, runs_after_the_first = 0;
+    for (const cl_uint2& range : ranges)
+        for (cl_uint i = range.s[0]; i < range.s[1]; ++i) {
+            if ((i - range.s[0]) % LIST_RUN == 0) {
+                runs_after_the_first += i != range.s[0];
+                continue;
+            }
+            const cl_uint height = entries[i][2] & 0xFFFFu, before = entries[i - 1][2] & 0xFFFFu;
+            EXPECT_LE(height, before) << "entry " << i - range.s[0] << " of a list";
+            lower += height < before;
+        }
+    EXPECT_GT(lower, 500);
+    EXPECT_GT(runs_after_the_first, 10);
 }
 
 // Not vacuous: from room for 1 reference to thousands.

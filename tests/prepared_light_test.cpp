@@ -311,9 +311,9 @@ TEST(Prepared, ServesEveryCameraOfOneLight) {
     EXPECT_GT(dark, 5000u);
 }
 
-// Views' points are asked by the planes of their receivers, which eyes and lights in those planes leave undecided.
-TEST(Prepared, EyesAndLightsInThePlanesOfReceivers) {
-    const Device device;
+// Views' points are asked by the planes of their receivers, which eyes and lights in those planes leave undecided: then
+// the predicate is asked, by the kernels made for GPUs in a second run.
+void check_eyes_and_lights_in_planes(const Device& device) {
     Floats blocks = lattice_blocks(9, 3, 1);
     add(blocks, {-9, -1, -9}, {-9, -1, 27}, {27, -1, -9});
     const auto triangles = gnomon::Triangles::upload(device, blocks);
@@ -348,6 +348,13 @@ TEST(Prepared, EyesAndLightsInThePlanesOfReceivers) {
     EXPECT_GT(dark, 10'000u);
     EXPECT_GT(away, 5000u);
     EXPECT_GT(by_map, 100u);
+}
+
+TEST(Prepared, EyesAndLightsInThePlanesOfReceivers) { check_eyes_and_lights_in_planes(Device()); }
+TEST(Prepared, EyesAndLightsInThePlanesOfReceiversWithTheKernelsMadeForGpus) {
+    gnomon::DeviceOptions options;
+    options.gpu_kernels = true;
+    check_eyes_and_lights_in_planes(Device({}, options));
 }
 
 // More than 8 to a bin of the usual grid: a CPU's bins get finer.
