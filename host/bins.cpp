@@ -15,7 +15,9 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t
     session.fill(counts_, 0, count_bytes);
     session.launch("bins.cl", "bins_pairs", cl::Range::items(setup.tiles().capacity()), projection,
                    setup.tiles().capacity(), has_heights, pairs_.capacity(), setup.records(), setup.tiles().buffer(),
-                   heights ? *heights : counts_, counts_, pairs_.buffer(), counters);
+                   heights ? *heights : counts_, counts_, pairs_.buffer(), counters,
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint2)});
     session.launch("bins.cl", "bins_ranges", cl::Range::items(session.is_cpu() ? bin_count / 128 + 1 : bin_count),
                    bin_count, entries_.capacity() / lanes, counts_, ranges_, entries_.buffer(), counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)}, cl::LocalBytes{sizeof(cl_uint)});

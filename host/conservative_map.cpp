@@ -12,7 +12,8 @@ void ConservativeMap::run(cl::Session& session, const LightFrame& frame, const c
     const cl_uint circle_cover = cover_test == CoverTest::circle;
     session.launch("conservative_map.cl", "conservative_map_draw", cl::Range::items(setup.map_tiles().capacity()),
                    projection, setup.map_tiles().capacity(), circle_cover, setup.records(), setup.map_tiles().buffer(),
-                   pyramid, map_, counters);
+                   pyramid, map_, counters, cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint2)});
 }
 
 void ConservativeMap::judge(cl::Session& session, const cl::Buffer& projection, const cl::Buffer& counters) {

@@ -26,7 +26,7 @@ GN_STRUCT_BEGIN(TriangleBounds)
     ushort z;
     ushort frame;  // and BOUNDS_FOR_MAP
     uint id;
-GN_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
+GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 
 #define BOUNDS_FOR_MAP 0x8000u  // may cover a whole texel
 #define BOUNDS_FRAME(frame) ((frame)&0xFFu)

@@ -8,34 +8,64 @@
 // bins_heights comes before, so that bins_scatter can put the highest triangles of each run of a list first.
 #include "bins.h"
 
-#include "bin_test.h"
-#include "group_scan.h"
+#include "tile_bins.h"
+
+static Pair listed_pair(__constant const Projection* projection, uint4 bin, uint slot, __global uint* counts) {
+    Pair pair;
+    pair.bin = bin.y * projection->bins_x + bin.x;
+    pair.slot = slot;
+    pair.place = atomic_inc(&counts[pair.bin]);
+    return pair;
+}
 
 __kernel void bins_pairs(__constant const Projection* projection, uint tile_capacity, uint has_heights,
                          uint pair_capacity, __global const TriangleRecord* records, __global const uint2* tiles,
                          __global const uint* heights, __global uint* counts, __global Pair* pairs,
-                         __global FrameCounters* counters) {
+                         __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
     uint tile_count = min(counters->tiles, tile_capacity), found = 0;
+#ifdef GN_CPU
     Claim places = no_claim();
-    GN_FOR_EACH(i, tile_count * TILE_LANES) {
-        uint2 tile = tiles[i / TILE_LANES];
+    GN_FOR_EACH(i, tile_count) {
+        uint2 tile = tiles[i];
         if (tile.x == GN_NO_ID) continue;
         TriangleRecord record = records[tile.x];
         uint4 bins = bins_of_tile(tile.y);
         uint bin_count = bins_of_rectangle(bins);
-        for (uint b = (uint)i % TILE_LANES; b < bin_count; b += TILE_LANES) {
+        for (uint b = 0; b < bin_count; ++b) {
             uint4 bin = bin_of_rectangle(bins, b);
             if (!may_matter(&record, projection, bin, has_heights, heights)) continue;
             ++found;
-            Pair pair;
-            pair.bin = bin.y * projection->bins_x + bin.x;
-            pair.slot = tile.x;
-            pair.place = atomic_inc(&counts[pair.bin]);
+            Pair pair = listed_pair(projection, bin, tile.x, counts);
             uint at = claim(&places, &counters->pairs);
             if (at < pair_capacity) pairs[at] = pair;
         }
     }
     for (; places.next < min(places.end, pair_capacity); ++places.next) pairs[places.next].bin = GN_NO_ID;
+#else
+    __local uint claimed[GROUP_CLAIM_WORDS];
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    if (item == 0u) claimed[0] = 0u;
+    TileGroup group = {group_tiles, ends};
+    GN_ROUNDS(round, tile_count) {
+        uint total = take_tile(group, tiles, tile_count, round, projection, has_heights, heights, records);
+        for (uint first = 0; first < total; first += items) {
+            bool matters = first + item < total;
+            uint slot = 0;
+            uint4 bin = (uint4)(0);
+            if (matters) {
+                bin = bin_to_walk(group, first + item, &slot);
+                TriangleRecord record = records[slot];
+                matters = may_matter(&record, projection, bin, has_heights, heights);
+            }
+            uint at = claim_in_group(matters, claimed, &counters->pairs);
+            if (!matters) continue;
+            ++found;
+            Pair pair = listed_pair(projection, bin, slot, counts);
+            if (at < pair_capacity) pairs[at] = pair;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+#endif
     if (found != 0) atomic_add(&counters->references, found);
 }
 
@@ -115,10 +145,13 @@ __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile
     GN_FOR_EACH(i, counters->pairs) {
         Pair pair = pairs[i];
         if (pair.bin == GN_NO_ID) continue;
-        TriangleBounds of = bounds[pair.slot];
         uint2 range = ranges[pair.bin];
         uint place = place_in_order(pair.place, range, heights);
         __global BinEntries* at = &entries[range.x + place / GN_LANES];
+#if GN_LANES == 1
+        *(__global uint4*)at = (uint4)(((__global const uint4*)bounds)[pair.slot].xyz, pair.slot);  // in one go
+#else
+        TriangleBounds of = bounds[pair.slot];
         uint lane = place % GN_LANES;
         ENTRY_LANE(at, x0, lane) = of.x0;
         ENTRY_LANE(at, y0, lane) = of.y0;
@@ -126,5 +159,6 @@ __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile
         ENTRY_LANE(at, y1, lane) = of.y1;
         ENTRY_LANE(at, z, lane) = of.z;
         ((__global uint*)&at->slot)[lane] = pair.slot;
+#endif
     }
 }

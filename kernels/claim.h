@@ -28,7 +28,8 @@ static Claim no_claim(void) {
     return claim;
 }
 
-// The first of `count` places; the host sees from the counter whether all of them fitted, so it must never wrap around.
+// The first of `count` places in a row; the host sees from the counter whether all fitted, so it must never wrap
+// around: what everybody adds before they see an overflow must be less than 2^30.
 static uint claim_places(uint count, __global uint* counter) {
     uint first = atomic_add(counter, count);
     if (first >= CLAIM_OVERFLOW) atomic_sub(counter, count);
@@ -42,6 +43,33 @@ static uint claim(Claim* mine, __global uint* counter) {
     }
     return mine->next++;
 }
+
+#ifndef GN_CPU
+// A GPU's work-group claims by one atomic for all of its items, which must all come here: on one address a GPU does
+// some 1.3 a nanosecond. Of the local words the first is 0 before, and again afterwards.
+#define GROUP_CLAIM_WORDS 2
+
+// A place for each item that wants one.
+static uint claim_in_group(bool wants, __local uint* words, __global uint* counter) {
+    uint before = wants ? atomic_inc(&words[0]) : 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) {
+        words[1] = words[0] == 0u ? 0u : claim_places(words[0], counter);
+        words[0] = 0;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return words[1] + before;
+}
+
+// `count` places in a row, the same to all items; up to LARGEST_GROUP_CLAIM for each item of the group.
+#define LARGEST_GROUP_CLAIM 256u
+static uint claim_for_group(uint count, __local uint* words, __global uint* counter) {
+    barrier(CLK_LOCAL_MEM_FENCE);  // everybody has read the last claim
+    if (get_local_id(0) == 0) words[1] = claim_places(count, counter);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return words[1];
+}
+#endif
 
 #endif
 #endif

@@ -10,7 +10,7 @@
 // parallel light's Z, so the same formula is the perspective form for a positional light.
 // All comparisons leave the record's margins, so rounding cannot shadow a lit point. A receiver never shadows its own
 // points: see izb.cl.
-#include "bin_test.h"
+#include "tile_bins.h"
 
 #define HALF_DIAGONAL 0.70710685f  // above sqrt(1/2)
 
@@ -75,28 +75,33 @@ static uint draw_bins(const TriangleRecord* record, __constant const Projection*
     return written;
 }
 
+// Drawing takes no longer than asking bin by bin whether it matters.
 __kernel void conservative_map_draw(__constant const Projection* projection, uint tile_capacity, uint circle_cover,
                                     __global const TriangleRecord* records, __global const uint2* tiles,
                                     __global const uint* heights, volatile __global uint* map,
-                                    __global FrameCounters* counters) {
+                                    __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
     uint count = min(counters->map_tiles, tile_capacity), written = 0;
-    GN_FOR_EACH(i, count * TILE_LANES) {
-        uint2 tile = tiles[i / TILE_LANES];
+#ifdef GN_CPU
+    GN_FOR_EACH(i, count) {
+        uint2 tile = tiles[i];
         if (tile.x == GN_NO_ID) continue;
         TriangleRecord record = records[tile.x];
-        uint4 bins = bins_of_tile(tile.y);
-#if GN_LANES > 1
-        // Drawing takes no longer than asking bin by bin.
-        written += draw_bins(&record, projection, bins, circle_cover, map);
-#else
-        uint bin_count = bins_of_rectangle(bins);
-        for (uint b = (uint)i % TILE_LANES; b < bin_count; b += TILE_LANES) {
-            uint4 bin = bin_of_rectangle(bins, b);
-            if (may_matter(&record, projection, bin, 1u, heights))
-                written += draw_bins(&record, projection, bin, circle_cover, map);
-        }
-#endif
+        written += draw_bins(&record, projection, bins_of_tile(tile.y), circle_cover, map);
     }
+#else
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    TileGroup group = {group_tiles, ends};
+    GN_ROUNDS(round, count) {
+        uint total = take_tile(group, tiles, count, round, projection, 1u, heights, records);
+        for (uint i = item; i < total; i += items) {
+            uint slot;
+            uint4 bin = bin_to_walk(group, i, &slot);
+            TriangleRecord record = records[slot];
+            written += draw_bins(&record, projection, bin, circle_cover, map);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+#endif
     if (written != 0) atomic_add(&counters->map_texels, written);
 }
 

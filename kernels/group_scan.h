@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sums over the items of a work-group, of any size.
+// Sums over the items of a work-group, of any size, and work shared out by them.
 #ifndef GN_GROUP_SCAN_H
 #define GN_GROUP_SCAN_H
 
@@ -17,6 +17,28 @@ static void scan_group(uint value, __local uint* sums) {
         sums[item] += before;
         barrier(CLK_LOCAL_MEM_FENCE);
     }
+}
+
+// Where each item brought some pieces of work, and sums[item] are those of items 0 to `item`: whose the i-th piece is,
+// the first item whose sum lies beyond i.
+static uint item_of_piece(__local const uint* sums, uint i) {
+    uint low = 0, high = (uint)get_local_size(0) - 1u;
+    while (low < high) {
+        uint middle = (low + high) / 2u;
+        if (sums[middle] > i)
+            high = middle;
+        else
+            low = middle + 1u;
+    }
+    return low;
+}
+
+// for (round) each item takes thing_of_round(round, count), if that is below `count`: as many rounds for all items.
+// Fewer things than items are dealt out one by one, since neighbours are alike: groups then have about the same to do.
+#define GN_ROUNDS(round, count) for (uint round = 0; round * (uint)get_global_size(0) < (count); ++round)
+static uint thing_of_round(uint round, uint count) {
+    if (count < get_global_size(0)) return (uint)get_local_id(0) * (uint)get_num_groups(0) + (uint)get_group_id(0);
+    return round * (uint)get_global_size(0) + (uint)get_global_id(0);
 }
 
 #endif

@@ -23,6 +23,11 @@
     }                              \
     name;                          \
     typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
+// Of 16 bytes or a multiple, read and written 16 at a time: else a GPU takes each member by itself.
+#define GN_ALIGNED_STRUCT_END(name, bytes) \
+    }                                      \
+    __attribute__((aligned(16))) name;     \
+    typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
 
 // for (i over [0, n)) shared out over all work-items: neighbours on a GPU (coalesced), pieces on a CPU (cached).
 #ifdef GN_CPU
@@ -69,6 +74,7 @@ using ushort = std::uint16_t;
     ;                                       \
     static_assert(sizeof(name) == (bytes)); \
     }
+#define GN_ALIGNED_STRUCT_END GN_STRUCT_END
 
 #endif
 

@@ -351,15 +351,12 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
             candidate_count += for_map;
             uint slot = claim(&slots, &counters->slots);
             if (slot >= capacity) continue;
-            TriangleBounds mine;
-            mine.x0 = (ushort)LANE_OF_INT(found.x0, lane);
-            mine.y0 = (ushort)LANE_OF_INT(found.y0, lane);
-            mine.x1 = (ushort)LANE_OF_INT(found.x1, lane);
-            mine.y1 = (ushort)LANE_OF_INT(found.y1, lane);
-            mine.z = (ushort)LANE_OF_INT(found.z, lane);
-            mine.frame = (ushort)LANE_OF_INT(found.flags, lane);
-            mine.id = first + (uint)lane;
-            bounds[slot] = mine;
+            // In the order of TriangleBounds.
+            *(__global uint4*)&bounds[slot] =
+                (uint4)((uint)LANE_OF_INT(found.x0, lane) | (uint)LANE_OF_INT(found.y0, lane) << 16,
+                        (uint)LANE_OF_INT(found.x1, lane) | (uint)LANE_OF_INT(found.y1, lane) << 16,
+                        (uint)LANE_OF_INT(found.z, lane) | (uint)LANE_OF_INT(found.flags, lane) << 16,
+                        first + (uint)lane);
             if (!for_map) continue;
             uint place = claim(&candidates, &counters->map_slots);
             if (place < capacity) map_candidates[place] = slot;
@@ -563,6 +560,7 @@ static LaneInt prepare(TileWork* work, Chosen* chosen) {
     return kept;
 }
 
+#ifdef GN_CPU
 static void append_tile(TileWork* work, uint slot, uint tile) {
     uint place = claim(&work->places, work->tiles_wanted);
     if (place < work->tile_capacity) work->tiles[place] = (uint2)(slot, tile);
@@ -575,7 +573,6 @@ static void append_tile_if_matters(TileWork* work, uint slot, uint4 bins, uint i
         append_tile(work, slot, tile);
 }
 
-#ifdef GN_CPU
 // Of all that are chosen; then none is.
 static void append_tiles_of(TileWork* work, Chosen* chosen) {
     LaneInt wanted = prepare(work, chosen);
@@ -593,8 +590,9 @@ static void append_tiles_of(TileWork* work, Chosen* chosen) {
 }
 #endif
 
-// A GPU's work-group shares out the tiles of its triangles evenly: a triangle may have one or thousands. A CPU's
-// work-item takes them as they come.
+// A CPU's work-item takes its triangles as they come, and asks of each tile whether it matters. A GPU's work-group
+// shares out the tiles of its triangles evenly, since one may have thousands; who takes them from the list
+// (tile_bins.h) asks.
 __kernel void triangle_tiles(__constant const Projection* projection, ulong first_float, uint capacity,
                              uint tile_capacity, uint has_heights, uint for_map, __global const float* vertices,
                              __global const uint* heights, __global TriangleBounds* bounds,
@@ -633,42 +631,32 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     for (; work.places.next < min(work.places.end, tile_capacity); ++work.places.next)
         tiles[work.places.next] = (uint2)(GN_NO_ID, 0);
 #else
-    // Where there are few triangles every group has some of them, so that all lanes help with the tiles.
-    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), groups = (uint)get_num_groups(0);
-    uint share = min(items, (count + groups - 1u) / groups);
-    for (uint base = (uint)get_group_id(0) * share; base < count; base += groups * share) {
-        uint slot = GN_NO_ID;
-        uint4 bins = (uint4)(0);
-        uint tile_count = 0;
+    __local uint claimed[GROUP_CLAIM_WORDS];
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    GN_ROUNDS(round, count) {
+        uint i = thing_of_round(round, count), tile_count = 0;
         Chosen chosen;
         chosen.count = 0;
-        if (item < share && base + item < count) {
-            Choice choice = choose(&work, base + item, count);
+        if (i < count) {
+            Choice choice = choose(&work, i, count);
             if (choice.chosen) add_chosen(&work, &choice, 0, &chosen);
         }
         if (chosen.count != 0u && prepare(&work, &chosen)) {
-            slot = chosen.slots[0];
-            bins = chosen.bins[0];
-            tile_count = tile_count_of(bins);
+            slots[item] = chosen.slots[0];
+            ranges[item] = chosen.bins[0];
+            tile_count = tile_count_of(chosen.bins[0]);
         }
-        if (tile_count == 1u) {
-            append_tile(&work, slot, tile_of_bins(bins, 0));
-            tile_count = 0;
-        }
-        slots[item] = slot;
-        ranges[item] = bins;
-        scan_group(tile_count, ends);  // and this group's records are visible to all of it
-        uint total = ends[items - 1];
-        for (uint i = item; i < total; i += items) {
-            uint low = 0, high = items - 1;  // the first whose end lies beyond i
-            while (low < high) {
-                uint middle = (low + high) / 2;
-                if (ends[middle] > i)
-                    high = middle;
-                else
-                    low = middle + 1;
+        scan_group(tile_count, ends);
+        uint total = ends[items - 1u], end;
+        for (uint first = 0; first < total; first = end) {
+            end = min(total, first + items * LARGEST_GROUP_CLAIM);
+            uint place = claim_for_group(end - first, claimed, work.tiles_wanted);
+            for (uint piece = first + item; piece < end; piece += items) {
+                uint at = place + (piece - first), owner = item_of_piece(ends, piece);
+                if (at >= tile_capacity) break;
+                uint tile = tile_of_bins(ranges[owner], owner == 0u ? piece : piece - ends[owner - 1u]);
+                tiles[at] = (uint2)(slots[owner], tile);
             }
-            append_tile_if_matters(&work, slots[low], ranges[low], low == 0u ? i : i - ends[low - 1]);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }

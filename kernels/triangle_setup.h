@@ -21,7 +21,7 @@ GN_STRUCT_BEGIN(TriangleRecord)
     float z_low;
     float plane_x, plane_y, plane_0;
     float z_high;
-GN_STRUCT_END(TriangleRecord, 64)
+GN_ALIGNED_STRUCT_END(TriangleRecord, 64)
 
 // Counters of one projection's run, zeroed at its start, written by the stages named.
 GN_STRUCT_BEGIN(FrameCounters)
