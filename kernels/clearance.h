@@ -63,13 +63,12 @@ static Wide height_limit(Triangle receiver, float3 vertex, float towards_eye) {
     return wide_add(towards_eye < 0.0f ? wide_negated(height) : height, bound);
 }
 
-// Lanes whose samples the triangle cannot shadow, being too low.
-static LaneInt lanes_clear_of(const ReceiverPlanes* planes, Triangle t, LaneInt lanes) {
-    const float3 vertices[3] = {t.a, t.b, t.c};
+// Lanes whose samples their triangle of `t` cannot shadow, being too low.
+static LaneInt lanes_clear_of(const ReceiverPlanes* planes, const TriangleBlock* t, LaneInt lanes) {
+    const PointBlock vertices[3] = {t->a, t->b, t->c};
     LaneInt below = lanes & planes->usable, open = (LaneInt)(0);
-    for (int i = 0; i < 3 && LANES_ANY(below); ++i) {
-        LaneFloat bound;
-        LaneFloat height = lanes_height(planes, same_point(vertices[i].x, vertices[i].y, vertices[i].z), &bound);
+    for (int i = 0; i < 3; ++i) {
+        LaneFloat bound, height = lanes_height(planes, vertices[i], &bound);
         below &= ~LANE_COMPARE(height - bound, >, planes->clearance);
         open |= ~LANE_COMPARE(height + bound, <, planes->clearance);
     }
@@ -80,7 +79,9 @@ static LaneInt lanes_clear_of(const ReceiverPlanes* planes, Triangle t, LaneInt 
         Triangle receiver = lane_triangle(&planes->t, lane);
         Wide clearance = wide_of_float(LANE_OF_FLOAT(planes->clearance, lane));
         for (int i = 0; i < 3 && LANE_OF_INT(below, lane); ++i)
-            if (!wide_less(height_limit(receiver, vertices[i], LANE_OF_FLOAT(planes->towards_eye, lane)), clearance))
+            if (!wide_less(
+                    height_limit(receiver, lane_point(vertices[i], lane), LANE_OF_FLOAT(planes->towards_eye, lane)),
+                    clearance))
                 LANE_OF_INT(below, lane) = 0;
     }
     return below;

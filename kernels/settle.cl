@@ -17,8 +17,8 @@
 // most the texel's. So it may be missed by nothing, and no footprint with such a sample is found to be lit.
 //
 // Most footprints that this leaves mixed are not: a mesh that shadows them has an edge above them, with a triangle on
-// either side, or the receiver's neighbours in the mesh touch them (clearance.h). So for those the lists are walked
-// once more, keeping what may shadow them: the doubts, which are then looked at together.
+// either side, or the receiver's neighbours in the mesh touch them (clearance.h). So the first few triangles that may
+// shadow a footprint in part are kept, its doubts, and looked at in the end.
 #include "bin_test.h"
 #include "clearance.h"
 #include "triangle_setup.h"
@@ -28,40 +28,38 @@ typedef struct SettleLists {
     __global const BinEntries* entries;
     __global const TriangleRecord* records;
     __global const TriangleBounds* bounds;  // of the records
-    __global const float* vertices;         // of the first triangle
 } SettleLists;
 
 // What is known of a block's footprints.
 typedef struct SettleAnswer {
     LaneInt shadowed;
-    LaneInt doubted;  // cannot be lit as a whole, as far as is known
+    LaneInt doubted;  // cannot be lit as a whole
 } SettleAnswer;
 
-// Triangles that may shadow some of the lanes of a block, and which edge of theirs is a lone one (FootprintFilter).
-#define MOST_DOUBTS 64
+// Triangles that may shadow each lane, and none of which was found to as a whole: 4 slot + edge, if the lane lies below
+// the triangle but for what may be beyond that one of its edges, else 4 slot + 3.
+#define MOST_DOUBTS 6
 typedef struct Doubts {
-    uint count;
-    LaneInt lost;  // lanes of which not all are here
-    uint slots[MOST_DOUBTS];
-    LaneInt lanes[MOST_DOUBTS], lone_edges[MOST_DOUBTS];
+    LaneInt counts;  // may be more than are kept
+    LaneInt kept[MOST_DOUBTS];
 } Doubts;
 
-// A triangle comes once for each bin that footprints share with it.
-static void keep_doubt(Doubts* doubts, uint slot, LaneInt lanes, LaneInt lone_edges) {
-    uint i = 0;
-    while (i < doubts->count && doubts->slots[i] != slot) ++i;
-    if (i == MOST_DOUBTS) {
-        doubts->lost |= lanes;
-        return;
+static uint doubted_slot(int doubt) { return (uint)doubt >> 2; }
+
+static void no_doubts(Doubts* doubts) {
+    doubts->counts = (LaneInt)(0);
+    for (int i = 0; i < MOST_DOUBTS; ++i) doubts->kept[i] = (LaneInt)(-1);
+}
+
+// A triangle comes once for each bin that a footprint shares with it.
+static void keep_doubts(Doubts* doubts, uint slot, LaneInt lanes, LaneInt lone_edges) {
+    LaneInt doubt = (LaneInt)((int)(slot << 2)) | (lone_edges & 3);
+    for (int i = 0; i < MOST_DOUBTS; ++i) lanes &= ~LANE_COMPARE(doubts->kept[i], ==, doubt);
+    for (int i = 0; i < MOST_DOUBTS; ++i) {
+        LaneInt here = lanes & LANE_COMPARE(doubts->counts, ==, (LaneInt)(i));
+        doubts->kept[i] = LANES_SELECT(doubts->kept[i], doubt, here);
     }
-    if (i == doubts->count) {
-        ++doubts->count;
-        doubts->slots[i] = slot;
-        doubts->lanes[i] = (LaneInt)(0);
-        doubts->lone_edges[i] = (LaneInt)(-1);
-    }
-    doubts->lanes[i] |= lanes;
-    doubts->lone_edges[i] = LANES_SELECT(doubts->lone_edges[i], lone_edges, lanes);
+    doubts->counts -= lanes;
 }
 
 static LaneFloat extent_over(float slope_x, float slope_y, const GridFootprint* grid) {
@@ -82,21 +80,19 @@ static bool in_rectangle(TriangleBounds bounds, __constant const Projection* pro
 }
 
 // The filter of trace.h for footprints: those that the triangle may block in part, and those that it blocks as a whole,
-// where they lie in its rectangle. lone_edges: for those that lie below the triangle but for what may be beyond one of
-// its edges, that edge; else -1.
+// where they lie in its rectangle. `within`: all of them is within each edge for certain; `below`: and below the plane.
 typedef struct FootprintFilter {
-    LaneInt possible, certain, lone_edges;
+    LaneInt possible, certain, below, within[3];
 } FootprintFilter;
 
 static FootprintFilter filter_footprints(__global const TriangleRecord* r, const GridFootprint* grid, LaneInt lanes) {
     FootprintFilter found;
     found.possible = lanes;
-    LaneInt within[3];
     for (int i = 0; i < 3; ++i) {
         LaneFloat e = lanes_linear(r->edge_x[i], r->edge_y[i], r->edge_0[i], grid->centre.x, grid->centre.y);
         LaneFloat far = (LaneFloat)(r->margin_edge) + FOOTPRINT_SLACK * extent_over(r->edge_x[i], r->edge_y[i], grid);
         found.possible &= ~LANE_COMPARE(e, <, -far);
-        within[i] = LANE_COMPARE(e, >, far);
+        found.within[i] = LANE_COMPARE(e, >, far);
     }
     if (!LANES_ANY(found.possible)) return found;
     // height > 0: the plane is nearer to the light than the centre.
@@ -109,13 +105,17 @@ static FootprintFilter filter_footprints(__global const TriangleRecord* r, const
                         (grid->slack.z + (16.0f * GN_U) * grid->reach.z));
     LaneFloat far = r->margin_plane + FOOTPRINT_SLACK * extent + (4.0f * GN_U) * fabs(height);
     found.possible &= ~LANE_COMPARE(height, <, -far) & ~LANE_COMPARE(z - grid->reach.z, >, (LaneFloat)(r->z_high));
-    LaneInt below =
+    found.below =
         found.possible & (LANE_COMPARE(height, >, far) | LANE_COMPARE(z + grid->reach.z, <, (LaneFloat)(r->z_low)));
-    found.certain = below & within[0] & within[1] & within[2];
-    // Of three that are 0 or -1, two are -1 if their sum is -2; and then it is the edge of the third.
-    LaneInt one_open = below & LANE_COMPARE(within[0] + within[1] + within[2], ==, (LaneInt)(-2));
-    found.lone_edges = LANES_SELECT((LaneInt)(-1), 3 + within[1] + 2 * within[2], one_open);
+    found.certain = found.below & found.within[0] & found.within[1] & found.within[2];
     return found;
+}
+
+// For footprints that lie below the triangle but for what may be beyond one of its edges, that edge; else -1. Of three
+// that are 0 or -1, two are -1 if their sum is -2; and then it is the edge of the third.
+static LaneInt lone_edges_of(const FootprintFilter* f) {
+    LaneInt one_open = f->below & LANE_COMPARE(f->within[0] + f->within[1] + f->within[2], ==, (LaneInt)(-2));
+    return LANES_SELECT((LaneInt)(-1), 3 + f->within[1] + 2 * f->within[2], one_open);
 }
 
 // The square and the least height that the footprints of some lanes span.
@@ -132,7 +132,7 @@ static QuantisedBlock quantised_footprints(__constant const Projection* projecti
     return block_of_lanes(x0, y0, x1, y1, lowest, lanes);
 }
 
-// One bin's list for some footprints that touch it. `doubts` may be null.
+// One bin's list for some footprints that touch it.
 static void walk_bin(SettleLists lists, __constant const Projection* projection, uint bin, LaneInt lanes,
                      const GridFootprint* grid, LaneInt receivers, SettleAnswer* answer, Doubts* doubts) {
     QuantisedBlock block = quantised_footprints(projection, grid, lanes);
@@ -154,18 +154,33 @@ static void walk_bin(SettleLists lists, __constant const Projection* projection,
                         LANE_OF_INT(blocked, lane) = -1;
             answer->shadowed |= blocked;
             possible &= ~blocked;
-            answer->doubted |= possible;
-            if (doubts && LANES_ANY(possible)) keep_doubt(doubts, slot, possible, found.lone_edges);
+            if (LANES_ANY(possible)) keep_doubts(doubts, slot, possible, lone_edges_of(&found));
             lanes &= ~blocked;
             if (!LANES_ANY(lanes)) return;
         }
     }
 }
 
+// Where footprints lie in the grid of one frame; those that are not `usable` may be anywhere.
+typedef struct PlacedFootprints {
+    GridFootprint grid;
+    CellSpan span;  // of bins
+    LaneInt usable;
+} PlacedFootprints;
+
+static PlacedFootprints place_footprints(__constant const Projection* projection, PointBlock centres,
+                                         const FootprintBlock* world) {
+    PlacedFootprints placed;
+    placed.grid = project_footprint(projection, centres, world);
+    placed.span = footprint_cells(projection, &placed.grid, projection->bin_log2);
+    placed.usable = placed.grid.usable & small_spans(&placed.span);
+    return placed;
+}
+
 // All bins' lists for footprints of one frame; first_bin: of the frame.
 static void walk_footprints(SettleLists lists, __constant const Projection* projection, uint first_bin, LaneInt lanes,
-                            const GridFootprint* grid, const CellSpan* span, LaneInt receivers, SettleAnswer* answer,
-                            Doubts* doubts) {
+                            const PlacedFootprints* placed, LaneInt receivers, SettleAnswer* answer, Doubts* doubts) {
+    const CellSpan* span = &placed->span;
     while (LANES_ANY(lanes)) {
         int lane = first_lane(lanes);
         int x0 = LANE_OF_INT(span->x0, lane), x1 = LANE_OF_INT(span->x1, lane);
@@ -178,7 +193,7 @@ static void walk_footprints(SettleLists lists, __constant const Projection* proj
             for (int x = x0; x <= x1; ++x) {
                 LaneInt left = same_bins & ~answer->shadowed;
                 if (LANES_ANY(left))
-                    walk_bin(lists, projection, first_bin + (uint)y * projection->bins_x + (uint)x, left, grid,
+                    walk_bin(lists, projection, first_bin + (uint)y * projection->bins_x + (uint)x, left, &placed->grid,
                              receivers, answer, doubts);
             }
     }
@@ -214,40 +229,44 @@ static bool meet_at_edge(float4 light, Triangle s, int edge_of_s, Triangle t, in
 
 // Two triangles that meet at an edge, and of which each covers a footprint but for what lies beyond that edge, cover
 // all of it: their edge functions there are one, times a factor below 0, so that nowhere both are negative.
-static bool below_a_pair(SettleLists lists, __constant const Projection* projection, const CellSpan* span, float4 light,
-                         const Doubts* doubts, int lane) {
-    uint found[MOST_DOUBTS], count = 0;
-    for (uint i = 0; i < doubts->count; ++i) {
-        if (!LANE_OF_INT(doubts->lanes[i], lane) || LANE_OF_INT(doubts->lone_edges[i], lane) < 0) continue;
-        TriangleBounds bounds = lists.bounds[doubts->slots[i]];
+static bool below_a_pair(SettleLists lists, __global const float* vertices, __constant const Projection* projection,
+                         const CellSpan* span, float4 light, const Doubts* doubts, int lane) {
+    Triangle others[MOST_DOUBTS];
+    int edges[MOST_DOUBTS], count = 0;
+    for (int i = 0; i < min(LANE_OF_INT(doubts->counts, lane), MOST_DOUBTS); ++i) {
+        int doubt = LANE_OF_INT(doubts->kept[i], lane), edge = doubt & 3;
+        if (edge == 3) continue;
+        TriangleBounds bounds = lists.bounds[doubted_slot(doubt)];
         if (!in_bins(bounds, projection, span, lane)) continue;
-        Triangle t = load_triangle(lists.vertices, bounds.id);
-        for (uint j = 0; j < count; ++j) {
-            Triangle other = load_triangle(lists.vertices, lists.bounds[doubts->slots[found[j]]].id);
-            if (meet_at_edge(light, t, LANE_OF_INT(doubts->lone_edges[i], lane), other,
-                             LANE_OF_INT(doubts->lone_edges[found[j]], lane)))
-                return true;
-        }
-        found[count++] = i;
+        Triangle t = load_triangle(vertices, bounds.id);
+        for (int j = 0; j < count; ++j)
+            if (meet_at_edge(light, t, edge, others[j], edges[j])) return true;
+        others[count] = t;
+        edges[count++] = edge;
     }
     return false;
 }
 
-// What becomes of these lanes, of which a walk left nothing but doubts.
-static void look_at_doubts(SettleLists lists, __constant const Projection* projection, LaneInt ids, LaneInt lanes,
-                           float3 eye, float4 light, PointBlock centres, const FootprintBlock* around,
-                           const CellSpan* span, const Doubts* doubts, SettleAnswer* answer) {
+// What becomes of these lanes, all in doubt.
+static void look_at_doubts(SettleLists lists, __global const float* vertices, __constant const Projection* projection,
+                           LaneInt ids, LaneInt lanes, float3 eye, float4 light, PointBlock centres,
+                           const FootprintBlock* around, const CellSpan* span, const Doubts* doubts,
+                           SettleAnswer* answer) {
+    answer->doubted |= lanes;
     for (int lane = 0; lane < GN_LANES; ++lane)
-        if (LANE_OF_INT(lanes, lane) && below_a_pair(lists, projection, span, light, doubts, lane))
+        if (LANE_OF_INT(lanes, lane) && below_a_pair(lists, vertices, projection, span, light, doubts, lane))
             LANE_OF_INT(answer->shadowed, lane) = -1;
-    lanes &= ~answer->shadowed & ~doubts->lost;
+    lanes &= ~answer->shadowed & LANE_COMPARE(doubts->counts, <=, (LaneInt)(MOST_DOUBTS));
     if (!LANES_ANY(lanes)) return;
-    ReceiverPlanes planes = find_receiver_planes(lists.vertices, ids, lanes, eye, light, centres, around);
-    for (uint i = 0; i < doubts->count; ++i) {
-        LaneInt left = doubts->lanes[i] & lanes;
-        if (!LANES_ANY(left)) continue;
-        Triangle t = load_triangle(lists.vertices, lists.bounds[doubts->slots[i]].id);
-        lanes &= ~left | lanes_clear_of(&planes, t, left);
+    ReceiverPlanes planes = find_receiver_planes(vertices, ids, lanes, eye, light, centres, around);
+    for (int i = 0; i < MOST_DOUBTS; ++i) {
+        LaneInt asked = lanes & LANE_COMPARE(doubts->counts, >, (LaneInt)(i)), occluders = (LaneInt)(0);
+        if (!LANES_ANY(asked)) break;
+        for (int lane = 0; lane < GN_LANES; ++lane)
+            if (LANE_OF_INT(asked, lane))
+                LANE_OF_INT(occluders, lane) = (int)lists.bounds[doubted_slot(LANE_OF_INT(doubts->kept[i], lane))].id;
+        TriangleBlock t = load_triangles_of(vertices, occluders, asked);
+        lanes &= ~asked | lanes_clear_of(&planes, &t, asked);
     }
     answer->doubted &= ~lanes;
 }
@@ -279,7 +298,7 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
                      __global const TriangleBounds* bounds, __global float* visibility,
                      __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    SettleLists lists = {ranges, entries, records, bounds, vertices + first_float};
+    SettleLists lists = {ranges, entries, records, bounds};
     float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
     float3 eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
     uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
@@ -298,25 +317,20 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
             int frame = LANE_OF_INT(frames, first_lane(left));
             LaneInt same_frame = left & LANE_COMPARE(frames, ==, (LaneInt)(frame));
             left &= ~same_frame;
-            GridFootprint grid = project_footprint(&projections[frame], centres, &world);
-            CellSpan span = footprint_cells(&projections[frame], &grid, light_frame.bin_log2);
-            LaneInt usable = grid.usable & small_spans(&span);
-            answer.doubted |= same_frame & ~usable;
-            same_frame &= usable;
+            PlacedFootprints placed = place_footprints(&projections[frame], centres, &world);
+            answer.doubted |= same_frame & ~placed.usable;
+            same_frame &= placed.usable;
             if (has_map && LANES_ANY(same_frame))
-                answer.shadowed |=
-                    footprints_below_map(&projections[frame], &grid, same_frame, map + (size_t)frame * texel_count);
-            same_frame &= ~answer.shadowed;
-            uint first_bin = (uint)frame * bin_count;
-            walk_footprints(lists, &projections[frame], first_bin, same_frame, &grid, &span, ids, &answer, 0);
-            LaneInt mixed = same_frame & answer.doubted & ~answer.shadowed;
-            if (!LANES_ANY(mixed)) continue;
+                answer.shadowed |= footprints_below_map(&projections[frame], &placed.grid, same_frame,
+                                                        map + (size_t)frame * texel_count);
             Doubts doubts;
-            doubts.count = 0u;
-            doubts.lost = (LaneInt)(0);
-            walk_footprints(lists, &projections[frame], first_bin, mixed, &grid, &span, ids, &answer, &doubts);
-            look_at_doubts(lists, &projections[frame], ids, mixed, eye, light, centres, &world, &span, &doubts,
-                           &answer);
+            no_doubts(&doubts);
+            walk_footprints(lists, &projections[frame], (uint)frame * bin_count, same_frame & ~answer.shadowed, &placed,
+                            ids, &answer, &doubts);
+            LaneInt in_doubt = same_frame & ~answer.shadowed & LANE_COMPARE(doubts.counts, !=, (LaneInt)(0));
+            if (LANES_ANY(in_doubt))
+                look_at_doubts(lists, vertices + first_float, &projections[frame], ids, in_doubt, eye, light, centres,
+                               &world, &placed.span, &doubts, &answer);
         }
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(VISIBILITY_MIXED), answer.doubted);
         result = LANES_SELECT(result, (LaneFloat)(0.0f), answer.shadowed);
