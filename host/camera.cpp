@@ -205,7 +205,8 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     view.height = height;
     CameraStage(device, triangles, camera, width, height)
         .run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
-    view.points = Points::wrap(device, positions.get(), {0, 1, pixels}, pixels, visible.get());
+    view.points = Points(shared_buffer(device, std::move(positions)), {0, 1, pixels}, pixels,
+                         shared_buffer(device, std::move(visible)));
     view.points.set_camera(camera, width, height);
     view.points.set_lifted_off(triangles);
     session.finish();
@@ -222,11 +223,11 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
     cl::Session& session = device.session();
     const TriangleInputs inputs = triangle_inputs(triangles);
     const PointInputs at = point_inputs(points);
-    const cl::Buffer positions(session, points.count() * 3 * sizeof(float));
+    cl::Buffer positions(session, points.count() * 3 * sizeof(float));
     if (points.count() != 0)
         session.launch("camera.cl", "lift_points", cl::Range::items(points.count()), at.layout, float4_of_point(eye),
                        inputs.first_float, inputs.count, inputs.vertices, at.positions, at.receivers, positions);
-    Points lifted = Points::wrap(device, positions.get(), {}, points.count(), points.receivers());
+    Points lifted(shared_buffer(device, std::move(positions)), {}, points.count(), points.shared_receivers());
     lifted.set_eye(eye);
     return lifted;
 }

@@ -229,12 +229,18 @@ struct PointLayout {
 /// never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work.
 class Points {
 public:
+    Points() = default;  ///< none
     /// Copies `positions` (3 floats per point) and `receivers` (one per point, or none at all) to the device.
     static Points upload(const Device& device, std::span<const float> positions,
                          std::span<const std::uint32_t> receivers = {});
     /// Uses the caller's buffers (retained). `receivers` may be null: no point has one.
     static Points wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
                        cl_mem receivers = nullptr);
+    /// For the library's own stages: cl_mem buffers that live as long as these points do (inputs.hpp).
+    Points(std::shared_ptr<void> positions, const PointLayout& layout, std::size_t count,
+           std::shared_ptr<void> receivers)
+        : positions_(std::move(positions)), receivers_(std::move(receivers)), layout_(layout), count_(count) {}
+    const std::shared_ptr<void>& shared_receivers() const { return receivers_; }
 
     /// From here on, a point whose receiver's plane separates the light from this eye (or contains the light) faces
     /// away: visibility 0 by definition of shading, decided exactly, and no work. Views made by a Camera have it set.

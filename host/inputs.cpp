@@ -37,15 +37,10 @@ void require_floats(cl_mem memory, std::size_t floats, const char* what, std::si
                           (first != 0 ? " after the first " + std::to_string(first) + " floats" : ""));
 }
 
-// A buffer of gnomon's own that lives as long as anyone holds it, and its device with it.
-struct OwnedBuffer {
-    Device device;
-    cl::Buffer buffer;
-};
 std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size_t bytes) {
-    auto owned = std::make_shared<OwnedBuffer>(OwnedBuffer{device, cl::Buffer(device.session(), bytes)});
-    device.session().write(owned->buffer.get(), data, bytes);
-    return {owned, owned->buffer.get()};
+    cl::Buffer buffer(device.session(), bytes);
+    device.session().write(buffer.get(), data, bytes);
+    return shared_buffer(device, std::move(buffer));
 }
 
 /// Bytes [first, end) of a buffer that has no parent (a sub-buffer counts as part of its parent).
@@ -182,11 +177,10 @@ PointsOnHost read(const Device& device, const Points& points) {
 
 // ---- Visibility -----------------------------------------------------------------------------------------------------
 
-Visibility::Visibility(const Device& device, std::size_t count) : device_(device), count_(count) {
-    auto owned =
-        std::make_shared<OwnedBuffer>(OwnedBuffer{device, cl::Buffer(device.session(), count * sizeof(float))});
-    buffer_ = {owned, owned->buffer.get()};
-}
+Visibility::Visibility(const Device& device, std::size_t count)
+    : device_(device),
+      buffer_(shared_buffer(device, cl::Buffer(device.session(), count * sizeof(float)))),
+      count_(count) {}
 
 Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
     : device_(device), buffer_(retained(device, buffer, "visibility")), count_(count) {
@@ -202,6 +196,15 @@ std::vector<float> Visibility::read() const {
 }
 
 // ---- For the stages -------------------------------------------------------------------------------------------------
+
+std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer) {
+    struct Owned {
+        Device device;
+        cl::Buffer buffer;
+    };
+    auto owned = std::make_shared<Owned>(Owned{device, std::move(buffer)});
+    return {owned, owned->buffer.get()};
+}
 
 void require_light(const Light& light) {
     const auto& [x, y, z, w] = light.xyzw;

@@ -13,6 +13,9 @@ struct Float4 {
 };
 inline Float4 float4_of(const std::array<float, 4>& v) { return {v[0], v[1], v[2], v[3]}; }
 
+/// A buffer of gnomon's own that lives as long as anyone holds it, and its device with it; points to the cl_mem.
+std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer);
+
 /// Throws InvalidArgument unless the light is one that Light's makers could have made (its xyzw is public).
 void require_light(const Light& light);
 

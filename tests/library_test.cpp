@@ -579,8 +579,15 @@ TEST(Memory, WhatWasTakenIsGivenBack) {
         const auto points = Points::upload(device, ground());
         EXPECT_EQ(trace(device, triangles, points), ground_truth());
         const auto camera = gnomon::Camera::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, 1}, 50);
-        const gnomon::View view = look(device, triangles, camera, 16, 16);
-        EXPECT_GT(device.memory_bytes(), 0u);
+        const std::uint64_t before = device.memory_bytes();
+        std::optional<gnomon::View> view = look(device, triangles, camera, 16, 16);
+        EXPECT_EQ(device.memory_bytes(), before + 16 * 16 * 16) << "12 bytes of position, 4 of receiver";
+        std::optional<Points> lifted = lift(device, triangles, view->points, camera.eye);
+        EXPECT_EQ(device.memory_bytes(), before + 16 * 16 * (16 + 12));
+        view.reset();
+        EXPECT_EQ(device.memory_bytes(), before + 16 * 16 * 16) << "the lifted points hold the receivers";
+        lifted.reset();
+        EXPECT_EQ(device.memory_bytes(), before);
         const std::uint64_t peak = device.peak_memory_bytes();
         const auto few = Points::upload(device, {});
         EXPECT_TRUE(trace(device, triangles, few).empty());

@@ -705,7 +705,11 @@ TEST_F(SceneTest, EveryTruncationOfAGltf) {
     Gltf gltf = triangle_file();
     const std::string text = gltf.text();
     for (std::size_t size = 2; size < text.size(); size += 5)
-        expect_error(write("cut.gltf", text.substr(0, size)), {"broken or cut off at byte"});
+        expect_error(write("cut.gltf", text.substr(0, size)), {"cut off after " + std::to_string(size) + " bytes"});
+}
+
+TEST_F(SceneTest, BrokenJsonIsPlaced) {
+    expect_error(write("broken.gltf", std::string("{\"asset\" {}}")), {"broken at byte 10 of 12 bytes"});
 }
 
 TEST_F(SceneTest, EveryTruncationOfAGlb) {

@@ -352,8 +352,12 @@ json parse_json(const std::filesystem::path& file, const std::string& text) {
         if (!root.is_object()) fail(file, "is not a glTF file: its JSON is no object");
         return root;
     } catch (const json::parse_error& error) {
-        fail(file, "the JSON is broken or cut off at byte " + std::to_string(error.byte) + " of " +
-                       std::to_string(text.size()) + "; export or copy the file again");
+        // The parser counts the end as a byte.
+        const std::string size = counted(text.size(), "byte");
+        fail(file,
+             (error.byte > text.size() ? "the JSON is cut off after " + size
+                                       : "the JSON is broken at byte " + std::to_string(error.byte) + " of " + size) +
+                 "; export or copy the file again");
     } catch (const json::out_of_range&) {
         fail(file, "the JSON holds a number beyond the range of double");
     }
