@@ -322,6 +322,10 @@ TEST(BenchParts, TechniquesAreComparedSceneByScene) {
     ASSERT_EQ(files.size(), 2u);
     EXPECT_EQ(files[0].first, "city");
     EXPECT_EQ(files[1].first, "yard");
+    Row in_other_light = rows[0];
+    in_other_light.light = "lamp";
+    rows.push_back(in_other_light);
+    EXPECT_EQ(chart_files(rows).at(2).first, "city_lamp");
     std::istringstream stream(files[1].second);
     boost::property_tree::ptree svg;
     boost::property_tree::read_xml(stream, svg);
@@ -371,14 +375,27 @@ TEST(BenchParts, EverySettingThatIsSweptCanBeSet) {
 
 TEST(BenchParts, ExperimentsStayWithinTheMachinesLimits) {
     const SceneShelf shelf("", "");
-    const Limits limits{.largest_triangles = 200'000, .largest_points = 1'000'000};
-    for (const Experiment& experiment : experiments())
-        for (const Block& block : experiment.blocks(shelf, limits)) {
-            const std::size_t colon = block.scene.find(':');
-            ASSERT_NE(colon, std::string::npos) << "without a folder all scenes are made ones";
-            EXPECT_LE(std::stoull(block.scene.substr(colon + 1)), limits.largest_triangles);
-            for (const Size size : block.sizes)
-                EXPECT_LE(std::uint64_t(size.width) * size.height, limits.largest_points);
+    for (const Limits& limits : {Limits{.largest_triangles = 200'000, .largest_points = 1'000'000}, small_limits})
+        for (const Experiment& experiment : experiments()) {
+            const std::vector<Block> blocks = experiment.blocks(shelf, limits);
+            EXPECT_FALSE(blocks.empty()) << experiment.name;
+            for (const Block& block : blocks) {
+                const bool is_sweep = block.configurations.size() >= techniques().size();
+                const std::size_t colon = block.scene.find(':');
+                ASSERT_NE(colon, std::string::npos) << "without a folder all scenes are made ones";
+                EXPECT_LE(std::stoull(block.scene.substr(colon + 1)),
+                          is_sweep ? limits.swept_triangles : limits.largest_triangles);
+                EXPECT_FALSE(block.sizes.empty()) << experiment.name;
+                for (const Size size : block.sizes)
+                    EXPECT_LE(std::uint64_t(size.width) * size.height,
+                              is_sweep ? limits.swept_points : limits.largest_points)
+                        << experiment.name;
+                for (const Configuration& configuration : block.configurations)
+                    for (const auto& [key, value] : configuration.settings)
+                        EXPECT_TRUE(!is_sweep || (key != "size" && key != "map-size") ||
+                                    std::stoul(value) <= limits.swept_map)
+                            << configuration.technique << " " << key << "=" << value;
+            }
         }
 }
 

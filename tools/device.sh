@@ -1,16 +1,23 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Builds, tests and measures gnomon on a machine that has a GPU with its driver, a compiler and CMake, but no network
-# and no packages. What is missing there travels with the source tree in the folder .device/, which git ignores.
+# Tests and measures gnomon on a machine that has a GPU with its driver and CMake, but no network and no packages. What
+# is missing there travels with the source tree in the folder .device/, which git ignores.
 #
 #   tools/device.sh fetch [SCENES]   here: fills .device/ with Debian packages and with the scenes (*.glb, views.json)
 #                                    of the folder SCENES (default ../shared/scenes)
-#   tools/device.sh run [CTEST ARGS] there, as root: unpacks, builds into /tmp/build, runs the tests and the benchmark;
-#                                    the log of the tests and the benchmark's rows go to $OUT, if that is set
+#   tools/device.sh build            here, if both run Debian 12 and the other machine's time is dear: builds in
+#                                    /tmp/gnomon_device and packs programs, tests and sources into .device/built.tar.xz
+#   tools/device.sh run [CTEST ARGS] there, as root: unpacks; builds with the compiler there if .device/ has nothing
+#                                    built; runs the tests and the benchmark. The log of the tests and the benchmark's
+#                                    rows go to $OUT, if that is set. `run --parallel 8` took 3 minutes for the tests
+#                                    on an H200; alone, one after the other, time limits mean more.
 #
 # The command gnomon needs OpenImageIO and stays behind; the library, scene loader, tests and tools come along.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+# Tests know their folders by absolute paths, so it is the same one on both machines.
+work=/tmp/gnomon_device
 
 # Everything of these packages lies under /usr; fetch refuses one where that is not so, because unpacking over / could
 # replace the links /lib and /bin of the machine by folders.
@@ -23,7 +30,7 @@ packages=(
 largest_tree_mib=60
 
 fetch() {
-    local scenes=${1:-../shared/scenes} deb tree_kib
+    local scenes=${1:-../shared/scenes} deb
     rm -rf .device
     mkdir -p .device/packages .device/scenes
     (cd .device/packages && apt-get -o APT::Sandbox::User=root download -qq "${packages[@]}")
@@ -34,6 +41,11 @@ fetch() {
         fi
     done
     cp "$scenes"/*.glb "$scenes"/views.json .device/scenes/
+    check_size
+}
+
+check_size() {
+    local tree_kib
     tree_kib=$({ git ls-files -z --cached --others --exclude-standard; find .device -type f -print0; } |
         du --files0-from=- --apparent-size --block-size=1K --total | tail -1 | cut -f1)
     echo "$((tree_kib / 1024)) MiB travel, $(du -sm .device | cut -f1) MiB of them in .device/"
@@ -41,6 +53,29 @@ fetch() {
         echo "that is more than $largest_tree_mib MiB: leave out a scene" >&2
         exit 1
     fi
+}
+
+# Of this source tree, into the folder of all that is made.
+compile() {
+    rm -rf "$work/src"
+    mkdir -p "$work/src"
+    find . -mindepth 1 -maxdepth 1 -not -name '.git' -not -name '.device' -not -name 'build*' \
+        -exec cp -r -t "$work/src" {} +
+    cmake -S "$work/src" -B "$work/build" -D CMAKE_BUILD_TYPE=Release -D GNOMON_COMMAND=OFF -D GNOMON_TESTS=ON \
+        -D GNOMON_TOOLS=ON -D GNOMON_INSTALL=OFF "$@"
+    cmake --build "$work/build" --parallel "$(nproc)"
+}
+
+build() {
+    mkdir -p .device
+    compile -D CMAKE_DISABLE_FIND_PACKAGE_embree=ON  # its library is not there
+    # What runs, and what tells ctest of it.
+    find "$work/build/tests" "$work/build/tools" -type f -executable -not -name '*.sh' -exec strip {} +
+    find "$work/src" "$work/build/tests" "$work/build/tools" -type f \
+        -not -path '*/CMakeFiles/*' -not -name '*.a' -not -path '*_cache/*' -print0 |
+        tar --null --files-from - --absolute-names -C / -cJf .device/built.tar.xz \
+            "$work/build/CTestTestfile.cmake" "$work"/build/host
+    check_size
 }
 
 unpack() {
@@ -66,23 +101,26 @@ run() {
     # Compiled kernels of an earlier run are kept there; the first start of this run must compile.
     export GNOMON_CACHE_DIR=/tmp/gnomon_cache
     export GNOMON_SHARED_SCENES="$PWD/.device/scenes"
-    cmake -S . -B /tmp/build -D CMAKE_BUILD_TYPE=Release -D GNOMON_COMMAND=OFF -D GNOMON_TESTS=ON -D GNOMON_TOOLS=ON \
-        -D GNOMON_INSTALL=OFF
-    cmake --build /tmp/build --parallel "$(nproc)"
-    # One GPU: tests one after the other, so that a time limit means something.
-    ctest --test-dir /tmp/build --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
+    if [ -e .device/built.tar.xz ]; then
+        tar --absolute-names -xJf .device/built.tar.xz
+        # Some tests are CMake scripts, by the path that CMake has on Debian.
+        [ -e /usr/bin/cmake ] || ln -s "$(command -v cmake)" /usr/bin/cmake
+    else
+        compile
+    fi
+    ctest --test-dir "$work/build" --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
     # Every view of the scenes with its hash and stages, then the benchmark's page and the paper's tables.
-    /tmp/build/tools/bench .device/scenes/*.glb --views .device/scenes/views.json --size 1920x1080 --size 3840x2160 \
+    "$work/build/tools/bench" .device/scenes/*.glb --views .device/scenes/views.json --size 1920x1080 --size 3840x2160 \
         --stages --json "$out/views.json" | tee "$out/bench.txt" || status=$?
-    /tmp/build/tools/bench --experiment all --scenes-folder .device/scenes --seconds 1 --json "$out/bench.json" \
+    "$work/build/tools/bench" --experiment all --full --scenes-folder .device/scenes --seconds 1 --json "$out/bench.json" \
         --csv "$out/bench.csv" --html "$out/bench.html" --markdown "$out/bench.md" | tee -a "$out/bench.txt" || status=$?
     return $status
 }
 
 case ${1:-} in
-    fetch | run) "$@" ;;
+    fetch | build | run) "$@" ;;
     *)
-        echo "usage: $0 fetch [SCENES] | run [CTEST ARGUMENTS]" >&2
+        echo "usage: $0 fetch [SCENES] | build | run [CTEST ARGUMENTS]" >&2
         exit 2
         ;;
 esac

@@ -13,7 +13,14 @@ namespace gnomon::bench {
 struct Limits {
     std::uint64_t largest_triangles = 20'000'000;  ///< made scenes are made no larger
     std::uint64_t largest_points = 33'177'600;     ///< views have no more pixels
+    // Where every technique runs, which takes many times as long as the exact one alone:
+    std::uint64_t swept_triangles = 1'000'000, swept_points = 2'073'600;
+    std::uint32_t swept_map = 8192;  ///< no settings with more texels per side
+    bool all_views = true;           ///< else of the usual ones the first alone
 };
+
+/// The page of all experiments in less than ten minutes on two cores.
+constexpr Limits small_limits{1'000'000, 921'600, 200'000, 230'400, 1024, false};
 
 struct Experiment {
     std::string name, title;

@@ -2,7 +2,8 @@
 // bench: run time against error, in one run for all techniques, settings, views, sizes, devices and rivals.
 //
 //   bench scene.glb ...                        times of the exact technique, each with the hash of its mask
-//   bench --experiment all --html page.html    everything, as one page; --experiment table1 and so on: one of them
+//   bench --experiment all --html page.html    everything, as one page; --experiment table1 and so on: one of them;
+//                                              --full: at its full size
 //
 // Times are from resident triangles and points to the resident mask: median, quartile distance and number of runs after
 // warm-up, wall clock on a queue that does not profile; the stage breakdown comes from a second device object that
@@ -32,12 +33,27 @@ struct Options {
     std::vector<std::uint32_t> samples{1};
     std::string views_file, scenes_folder, only;
     std::string json_file, csv_file, html_file, markdown_file, charts_prefix;
-    Limits limits;
-    RunRule rule;
+    std::optional<std::uint64_t> largest_triangles, largest_points;
+    std::optional<int> runs;
+    std::optional<double> seconds;
     unsigned threads = 0;
     std::uint64_t oracle_points = 0;
-    bool stages = false, sweep = false, errors = false, peers = false;
+    bool stages = false, sweep = false, errors = false, peers = false, full = false;
+
+    bool is_small() const { return !experiments.empty() && !full; }
 };
+
+Limits limits_of(const Options& options) {
+    Limits limits = options.full ? Limits{} : small_limits;
+    if (options.largest_triangles) limits.largest_triangles = limits.swept_triangles = *options.largest_triangles;
+    if (options.largest_points) limits.largest_points = limits.swept_points = *options.largest_points;
+    return limits;
+}
+
+RunRule rule_of(const Options& options) {
+    const RunRule rule = options.is_small() ? RunRule{5, 0.2} : RunRule{};
+    return {options.runs.value_or(rule.most), options.seconds.value_or(rule.seconds)};
+}
 
 Settings parsed_settings(const std::vector<std::string>& texts) {
     Settings settings;
@@ -94,7 +110,7 @@ std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
             return std::ranges::find(options.experiments, name) != options.experiments.end();
         };
         if (!asked("all") && !asked(experiment.name.c_str())) continue;
-        std::ranges::move(experiment.blocks(shelf, options.limits), std::back_inserter(blocks));
+        std::ranges::move(experiment.blocks(shelf, limits_of(options)), std::back_inserter(blocks));
     }
     const auto is_charted = [](const Block& block) { return block.experiment == "techniques"; };
     if (!options.charts_prefix.empty() && (options.devices.size() > 1 || std::ranges::none_of(blocks, is_charted)))
@@ -150,7 +166,7 @@ int run(const Options& options) {
     SceneShelf shelf(options.views_file, options.scenes_folder);
     const std::vector<Block> blocks = all_blocks(options, shelf);
     const nlohmann::ordered_json machine = machine_json(options.threads);
-    Runner runner(shelf, {options.devices, options.rule, options.threads}, print);
+    Runner runner(shelf, {options.devices, rule_of(options), options.threads}, print);
     for (const Block& block : blocks) {
         runner.run(block);
         write_outputs(options, machine, runner.rows());  // a run that is cut short leaves what it has
@@ -171,10 +187,14 @@ int main(int argc, char** argv) {
     app.add_option("--scenes-folder", options.scenes_folder,
                    "where crytek_sponza.glb, lost_empire.glb and views.json are, for the experiments")
         ->check(CLI::ExistingDirectory);
-    app.add_option("--largest-triangles", options.limits.largest_triangles, "made scenes are made no larger")
-        ->capture_default_str();
-    app.add_option("--largest-points", options.limits.largest_points, "the experiments' views have no more pixels")
-        ->capture_default_str();
+    app.add_flag("--full", options.full,
+                 "the experiments at their full size, which on a CPU take hours; else all of them take some minutes");
+    app.add_option("--largest-triangles", options.largest_triangles,
+                   "made scenes are made no larger; default 1000000, with --full 20000000");
+    app.add_option(
+        "--largest-points", options.largest_points,
+        "the experiments' views have no more pixels; default 921600 (230400 where every technique runs), with "
+        "--full 33177600 (2073600)");
     app.add_option("--views", options.views_file, "views and lights by scene, as in ../shared/scenes/views.json");
     app.add_option("--only", options.only, "only cases whose VIEW.LIGHT contains this");
     app.add_option("--size", options.sizes, "WIDTHxHEIGHT, repeatable")->capture_default_str();
@@ -193,10 +213,11 @@ int main(int argc, char** argv) {
     app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");
     app.add_flag("--peers", options.peers, "Embree too, if it was there when this was built");
     app.add_option("--light-position", options.light_position, "light every view from this point: X Y Z")->expected(3);
-    app.add_option("--runs", options.rule.most, "timed runs")->capture_default_str()->check(CLI::Range(1, 100000));
-    app.add_option("--seconds", options.rule.seconds,
-                   "no more runs of the same after this time (but at least 3 where they do not take thrice as long)")
-        ->capture_default_str();
+    app.add_option("--runs", options.runs, "timed runs; default 15, of small experiments 5")
+        ->check(CLI::Range(1, 100000));
+    app.add_option("--seconds", options.seconds,
+                   "no more runs of the same after this time (but at least 3 where they do not take thrice as long); "
+                   "default 4, of small experiments 0.2");
     app.add_option("--threads", options.threads, "CPU threads of PoCL and of the rivals; 0: all")
         ->capture_default_str();
     app.add_option("--device", options.devices, "as in gnomon devices, repeatable");

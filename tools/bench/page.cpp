@@ -171,8 +171,11 @@ std::vector<std::pair<std::string, std::string>> chart_files(std::span<const Row
     std::vector<std::pair<std::string, std::string>> files;
     for (const Comparison& view : comparisons_of(rows, "techniques")) {
         const std::vector<Mark> marks = marks_of(view);
-        if (!marks.empty())
-            files.emplace_back(view.rows.front()->scene, scatter_file(view.title, marks, legend_of(marks)));
+        if (marks.empty()) continue;
+        const Row& row = *view.rows.front();
+        const bool is_again = std::ranges::any_of(files, [&](const auto& file) { return file.first == row.scene; });
+        files.emplace_back(is_again ? row.scene + "_" + row.light : row.scene,
+                           scatter_file(view.title, marks, legend_of(marks)));
     }
     return files;
 }

@@ -6,9 +6,9 @@ namespace gnomon::bench {
 
 inline constexpr const char* page_style = R"(
 :root { color-scheme: light dark; --ink: #1c2430; --faint: #5d6a7a; --line: #d9dfe6; --paper: #ffffff; --panel: #f6f8fa;
-  --c0: #0b63b5; --c1: #c2410c; --c2: #1b7f4b; --c3: #8b3fb0; --c4: #a16207; --c5: #0e7490; --c6: #be185d; --c7: #64748b; }
+  --c0: #0b63b5; --c1: #c2410c; --c2: #1b7f4b; --c3: #8b3fb0; --c4: #a16207; --c5: #3f4650; --c6: #be185d; --c7: #64748b; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e6ebf1; --faint: #9aa7b6; --line: #313b47; --paper: #12171d;
-  --panel: #1a212a; --c0: #5aa9f5; --c1: #fb923c; --c2: #4ec98a; --c3: #c893e8; --c4: #e0b341; --c5: #4cc3dd;
+  --panel: #1a212a; --c0: #5aa9f5; --c1: #fb923c; --c2: #4ec98a; --c3: #c893e8; --c4: #e0b341; --c5: #d5dbe3;
   --c6: #f472b6; --c7: #94a3b8; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 1240px; padding: 24px 16px 64px; color: var(--ink); background: var(--paper);
@@ -16,10 +16,10 @@ body { margin: 0 auto; max-width: 1240px; padding: 24px 16px 64px; color: var(--
 h1 { font-size: 26px; margin: 0 0 4px; } h2 { font-size: 20px; margin: 44px 0 4px; padding-top: 16px;
   border-top: 1px solid var(--line); } h3 { font-size: 16px; margin: 24px 0 4px; } p { margin: 4px 0 10px; max-width: 75ch; }
 .note, figcaption, .source { color: var(--faint); font-size: 13px; }
-.scroll, .chart { overflow-x: auto; } .chart svg { width: 100%; min-width: 600px; max-width: 900px; display: block; }
+.scroll, .chart { overflow-x: auto; } .chart svg { width: 100%; min-width: 520px; max-width: 900px; display: block; }
 table { border-collapse: collapse; font-size: 13px; margin: 6px 0 12px; } th, td { padding: 3px 10px 3px 0;
   text-align: left; white-space: nowrap; border-bottom: 1px solid var(--line); } th { color: var(--faint);
-  font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
+  font-weight: 600; white-space: normal; vertical-align: bottom; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
 td.bad { color: var(--c1); font-weight: 600; }
 summary { cursor: pointer; color: var(--faint); margin: 6px 0; }
 .gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 480px), 1fr)); gap: 12px; }

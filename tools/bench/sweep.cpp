@@ -72,9 +72,13 @@ std::vector<Configuration> default_configurations() {
     return configurations;
 }
 
-std::vector<Configuration> swept_configurations() {
+std::vector<Configuration> swept_configurations(std::uint32_t largest_map) {
     std::vector<Configuration> configurations;
-    const std::vector<Sweep> table = sweeps();
+    std::vector<Sweep> table = sweeps();
+    for (Sweep& sweep : table)
+        for (auto& [key, values] : sweep.values)
+            if (key == "size" || key == "map-size")
+                std::erase_if(values, [&](const std::string& value) { return std::stoul(value) > largest_map; });
     for (const Configuration& technique : default_configurations()) {
         configurations.push_back(technique);
         for (const Sweep& sweep : table)

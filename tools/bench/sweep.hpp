@@ -20,8 +20,9 @@ struct Configuration {
 /// Every registered technique with its defaults. The first is exact.
 std::vector<Configuration> default_configurations();
 
-/// The same, and after each technique the settings that the table in sweep.cpp has for it.
-std::vector<Configuration> swept_configurations();
+/// The same, and after each technique the settings that the table in sweep.cpp has for it; of maps, those of at most so
+/// many texels per side.
+std::vector<Configuration> swept_configurations(std::uint32_t largest_map = 8192);
 
 /// Shadow maps with constant, slope-scaled, adaptive and dual-layer bias of several strengths.
 std::vector<Configuration> bias_configurations();
