@@ -134,6 +134,34 @@ static bool may_matter(const TriangleRecord* record, __constant const Projection
     return record->z_high >= lowest && !(highest < lowest);
 }
 
+#ifdef GN_CPU
+static LaneFloat lanes_highest_at_corners(float slope_x, float slope_y, float constant_term, LaneFloat x, LaneFloat y,
+                                          float size) {
+    return lanes_linear(slope_x, slope_y, constant_term, x + (slope_x > 0.0f ? size : 0.0f),
+                        y + (slope_y > 0.0f ? size : 0.0f));
+}
+
+// may_matter() of a triangle for bins in lanes, each by itself: the same values, so the same answers.
+static LaneInt lanes_may_matter(const TriangleRecord* record, __constant const Projection* projection, LaneInt bin_x,
+                                LaneInt bin_y, uint has_heights, __global const uint* heights) {
+    float size = (float)(1u << projection->bin_log2);
+    LaneFloat x = LANES_TO_FLOAT(bin_x) * size, y = LANES_TO_FLOAT(bin_y) * size;
+    LaneInt outside = (LaneInt)(0);
+    for (int i = 0; i < 3; ++i)
+        outside |=
+            LANE_COMPARE(lanes_highest_at_corners(record->edge_x[i], record->edge_y[i], record->edge_0[i], x, y, size),
+                         <, (LaneFloat)(-record->margin_edge));
+    if (!has_heights || !LANES_ANY(~outside)) return ~outside;
+    LaneInt cells = bin_y * (int)projection->bins_x + bin_x;
+    LaneInt keys = LANES_GATHER((__global const int*)heights, cells);
+    LaneFloat lowest = lanes_of_order(keys ^ (LaneInt)((int)0x80000000));
+    LaneFloat highest =
+        lanes_highest_at_corners(record->plane_x, record->plane_y, record->plane_0, x, y, size) + record->margin_plane;
+    LaneInt open = LANE_COMPARE(keys, !=, (LaneInt)(-1));
+    return ~outside & open & LANE_COMPARE((LaneFloat)(record->z_high), >=, lowest) & ~LANE_COMPARE(highest, <, lowest);
+}
+#endif
+
 // ---- The bins of a tile ---------------------------------------------------------------------------------------------
 
 // Lanes of a GPU that share a tile; a power of two.

@@ -10,38 +10,91 @@
 
 #include "tile_bins.h"
 
-static Pair listed_pair(__constant const Projection* projection, uint4 bin, uint slot, __global uint* counts) {
+static Pair listed_pair(uint bin, uint slot, __global uint* counts) {
     Pair pair;
-    pair.bin = bin.y * projection->bins_x + bin.x;
+    pair.bin = bin;
     pair.slot = slot;
-    pair.place = atomic_inc(&counts[pair.bin]);
+    pair.place = atomic_inc(&counts[bin]);
     return pair;
 }
+
+static uint bin_number(__constant const Projection* projection, uint x, uint y) { return y * projection->bins_x + x; }
+
+#ifdef GN_CPU
+// Tiles from here to the one whose record is fetched: to wait for records is most of what large scenes cost.
+#define TILES_AHEAD 12u
+// Fewer bins than these are looked at faster one by one.
+#define BINS_WORTH_LANES 5u
+
+typedef struct PairList {
+    __constant const Projection* projection;
+    __global const uint* heights;
+    __global uint* counts;
+    __global Pair* pairs;
+    __global uint* wanted;
+    uint has_heights, capacity, found;
+    Claim places;
+} PairList;
+
+static void append_pair(PairList* list, uint slot, uint bin) {
+    ++list->found;
+    Pair pair = listed_pair(bin, slot, list->counts);
+    uint at = claim(&list->places, list->wanted);
+    if (at < list->capacity) list->pairs[at] = pair;
+}
+
+// Of a rectangle of at most 8 x 8 bins, GN_LANES from `first` on.
+static void append_bins_in_lanes(PairList* list, uint slot, const TriangleRecord* record, uint4 bins, uint first) {
+    int width = (int)(bins.z - bins.x + 1u), reciprocal = 65536 / width + 1;  // exact for all 64
+    LaneInt wanted = LANE_INDEX + (int)first, i = min(wanted, (LaneInt)((int)bins_of_rectangle(bins) - 1));
+    LaneInt row = (i * reciprocal) >> 16;
+    LaneInt x = i - row * width + (int)bins.x, y = row + (int)bins.y;
+    LaneInt matters = lanes_may_matter(record, list->projection, x, y, list->has_heights, list->heights);
+    matters &= LANE_COMPARE(i, ==, wanted);
+    LaneInt numbers = y * (int)list->projection->bins_x + x;
+    uint bits = (uint)LANES_SUM(matters & ((LaneInt)(1) << LANE_INDEX));
+    while (bits != 0u) append_pair(list, slot, (uint)LANE_OF_INT(numbers, take_lowest_bit(&bits)));
+}
+
+static void append_bins(PairList* list, uint slot, const TriangleRecord* record, uint4 bins) {
+    uint bin_count = bins_of_rectangle(bins);
+    if (bin_count >= BINS_WORTH_LANES) {
+        for (uint b = 0; b < bin_count; b += GN_LANES) append_bins_in_lanes(list, slot, record, bins, b);
+        return;
+    }
+    for (uint b = 0; b < bin_count; ++b) {
+        uint4 bin = bin_of_rectangle(bins, b);
+        if (may_matter(record, list->projection, bin, list->has_heights, list->heights))
+            append_pair(list, slot, bin_number(list->projection, bin.x, bin.y));
+    }
+}
+#endif
 
 __kernel void bins_pairs(__constant const Projection* projection, uint tile_capacity, uint has_heights,
                          uint pair_capacity, __global const TriangleRecord* records, __global const uint2* tiles,
                          __global const uint* heights, __global uint* counts, __global Pair* pairs,
                          __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
-    uint tile_count = min(counters->tiles, tile_capacity), found = 0;
+    uint tile_count = min(counters->tiles, tile_capacity);
 #ifdef GN_CPU
-    Claim places = no_claim();
+    PairList list = {projection, heights, counts, pairs, &counters->pairs, has_heights, pair_capacity, 0u, no_claim()};
     GN_FOR_EACH(i, tile_count) {
-        uint2 tile = tiles[i];
+        uint2 tile = tiles[i], ahead = tiles[min((uint)i + TILES_AHEAD, tile_count - 1u)];
+        if (ahead.x != GN_NO_ID) GN_PREFETCH(&records[ahead.x]);
         if (tile.x == GN_NO_ID) continue;
-        TriangleRecord record = records[tile.x];
         uint4 bins = bins_of_tile(tile.y);
-        uint bin_count = bins_of_rectangle(bins);
-        for (uint b = 0; b < bin_count; ++b) {
-            uint4 bin = bin_of_rectangle(bins, b);
-            if (!may_matter(&record, projection, bin, has_heights, heights)) continue;
-            ++found;
-            Pair pair = listed_pair(projection, bin, tile.x, counts);
-            uint at = claim(&places, &counters->pairs);
-            if (at < pair_capacity) pairs[at] = pair;
+        // A tile of one bin was looked at as a tile, or it is all of the triangle's rectangle: no need for the record.
+        if (bins.x == bins.z && bins.y == bins.w) {
+            append_pair(&list, tile.x, bin_number(projection, bins.x, bins.y));
+            continue;
         }
+        TriangleRecord record = records[tile.x];
+        append_bins(&list, tile.x, &record, bins);
     }
-    for (; places.next < min(places.end, pair_capacity); ++places.next) pairs[places.next].bin = GN_NO_ID;
+    uint found = list.found;
+    for (; list.places.next < min(list.places.end, pair_capacity); ++list.places.next)
+        pairs[list.places.next].bin = GN_NO_ID;
 #else
+    uint found = 0;
     __local uint claimed[GROUP_CLAIM_WORDS];
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     if (item == 0u) claimed[0] = 0u;
@@ -60,7 +113,7 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
             uint at = claim_in_group(matters, claimed, &counters->pairs);
             if (!matters) continue;
             ++found;
-            Pair pair = listed_pair(projection, bin, slot, counts);
+            Pair pair = listed_pair(bin_number(projection, bin.x, bin.y), slot, counts);
             if (at < pair_capacity) pairs[at] = pair;
         }
         barrier(CLK_LOCAL_MEM_FENCE);
