@@ -80,9 +80,18 @@ static QuantisedBlock quantised_block(__constant const Projection* projection, P
 // What becomes of a block: points in shadow, and points that must be looked at again.
 typedef struct BlockAnswer {
     LaneInt shadowed, postponed;
-    LaneInt by_exact;  // of the shadowed ones
-    LaneInt waiting;   // a triangle that the filter left open, GN_NO_ID: none
+    LaneInt by_map, by_exact;  // of the shadowed ones
+    LaneInt listed;            // the map did not decide them
+    LaneInt below;             // of these, those below the map
+    LaneInt waiting;           // a triangle that the filter left open, GN_NO_ID: none
 } BlockAnswer;
+
+static BlockAnswer no_answer(void) {
+    BlockAnswer answer;
+    answer.shadowed = answer.postponed = answer.by_map = answer.by_exact = answer.listed = answer.below = (LaneInt)(0);
+    answer.waiting = (LaneInt)((int)GN_NO_ID);
+    return answer;
+}
 
 // The points of the block that is looked at.
 typedef struct BlockPoints {
@@ -133,11 +142,10 @@ static void hand_over_waiting(const ExactPairs* pairs, const BlockPoints* points
             LANE_OF_INT(answer->postponed, lane) = -1;
 }
 
-// The list of one bin for some lanes of a block; returns the number of records looked at.
-static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Projection* projection, uint bin,
+// A bin's list for some lanes of a block; returns the number of records looked at.
+static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Projection* projection, uint2 range,
                  LaneInt lit, const BlockPoints* points, PointBlock places, BlockAnswer* answer) {
     QuantisedBlock block = quantised_block(projection, places, lit);
-    uint2 range = lists.ranges[bin];
     uint looks = 0;
 #if GN_LANES == 1
     // Each item of a warp finds its next entry first, then all look at their records together: were the look part of
@@ -164,6 +172,81 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
     return looks;
 }
 
+// The frames that points are looked at in, and the maps.
+typedef struct TraceFrames {
+    __constant const Projection* projections;
+    __global const uint* map;
+    uint first, count;
+    uint has_map;
+    uint bin_count, texel_count;
+} TraceFrames;
+
+#if GN_LANES == 1
+// What is known of a point's place in its frame. Asked for as early as can be, also where it is not needed in the end:
+// so that a GPU waits once for all that it reads of the point.
+typedef struct PointLookUp {
+    uint frame;
+    PointBlock place;
+    uint2 range;  // of its bin's list
+    int cover;    // of its texel, in order; none is below INT_MIN
+} PointLookUp;
+
+static PointLookUp look_up(const TraceFrames* frames, TraceLists lists, int frame, PointBlock point) {
+    PointLookUp found;
+    found.frame = (uint)clamp(frame, 0, (int)frames->count - 1);
+    __constant const Projection* projection = &frames->projections[found.frame];
+    found.place = project_points(projection, point);
+    found.range = lists.ranges[found.frame * frames->bin_count + (uint)bins_of(projection, found.place)];
+    found.cover = INT_MIN;
+    if (frames->has_map && map_is_seen(projection))
+        found.cover = covers_of(projection, found.place, frames->map + (size_t)found.frame * frames->texel_count);
+    return found;
+}
+
+static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, TraceLists lists, const PointLookUp* found,
+                        LaneInt left, LaneFloat state, const BlockPoints* points, BlockAnswer* answer) {
+    LaneInt below = left & LANE_COMPARE(lanes_in_order(found->place.z), <, found->cover);
+    answer->shadowed = answer->by_map = below & ~doubtful_lanes(state);
+    answer->below = below & doubtful_lanes(state);
+    answer->listed = left & ~answer->by_map;
+    if (!answer->listed || found->range.x == found->range.y) return 0;
+    return walk(pairs, lists, &frames->projections[found->frame], found->range, answer->listed, points, found->place,
+                answer);
+}
+#else
+static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, TraceLists lists, LaneInt lane_frames,
+                        LaneInt left, LaneFloat state, const BlockPoints* points, BlockAnswer* answer) {
+    uint tests = 0;
+    while (LANES_ANY(left)) {
+        int frame = LANE_OF_INT(lane_frames, first_lane(left));
+        LaneInt same_frame = left & LANE_COMPARE(lane_frames, ==, (LaneInt)(frame));
+        left &= ~same_frame;
+        __constant const Projection* projection = &frames->projections[frame];
+        PointBlock places = project_points(projection, points->at);
+        if (frames->has_map) {
+            __global const uint* map = frames->map + (size_t)frame * frames->texel_count;
+            LaneInt below = lanes_below_map(projection, places, state, same_frame, map);
+            answer->shadowed |= below;
+            answer->by_map |= below;
+            same_frame &= ~below;
+            LaneInt doubtful = same_frame & doubtful_lanes(state);
+            if (LANES_ANY(doubtful))
+                answer->below |= lanes_below_map(projection, places, (LaneFloat)(VISIBILITY_OPEN), doubtful, map);
+        }
+        answer->listed |= same_frame;
+        LaneInt bins = bins_of(projection, places);
+        while (LANES_ANY(same_frame)) {
+            int bin = LANE_OF_INT(bins, first_lane(same_frame));
+            LaneInt same_bin = same_frame & LANE_COMPARE(bins, ==, (LaneInt)(bin));
+            same_frame &= ~same_bin;
+            tests += walk(pairs, lists, projection, lists.ranges[(uint)frame * frames->bin_count + (uint)bin], same_bin,
+                          points, places, answer);
+        }
+    }
+    return tests;
+}
+#endif
+
 __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
                            __constant const Projection* projections, uint has_map, uint queue_capacity,
                            ulong first_float, __global const float* positions, __global const uint* receivers,
@@ -183,7 +266,13 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     TraceLists lists = {ranges, entries, records, bounds};
     ExactPairs pairs =
         exact_pairs(light_frame, layout, receivers, vertices + first_float, queue, queue_capacity, counters);
-    uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
+    TraceFrames frames = {projections,
+                          map,
+                          first_frame,
+                          frame_count,
+                          has_map,
+                          light_frame.bins_x * light_frame.bins_y,
+                          light_frame.width * light_frame.height};
     ulong tests = 0;
     LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
             minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
@@ -196,6 +285,10 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     GN_FOR_EACH(block, blocks) {
 #if TRACE_FACES
         BlockPoints points = {load_block(positions, layout, block), layout, block};
+        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)first_frame;
+#if GN_LANES == 1
+        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
+#endif
         PreparedFacing facing =
             face_points(&prepared, light_frame, layout, block, &points.at, receivers, &facing_exact);
         minus_absent += facing.absent;
@@ -212,45 +305,27 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
         LaneInt left = open_lanes(state);
         if (!LANES_ANY(left)) continue;
         BlockPoints points = {load_block(positions, layout, block), layout, block};
+        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)first_frame;
+#if GN_LANES == 1
+        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
 #endif
-        LaneInt frames = frames_of(light_frame, points.at) - (int)first_frame;
-        left &= LANE_COMPARE(frames, >=, (LaneInt)(0)) & LANE_COMPARE(frames, <, (LaneInt)((int)frame_count));
-        LaneInt looked_at = left, undecided_below = (LaneInt)(0);
-        BlockAnswer answer = {(LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)((int)GN_NO_ID)};
-        while (LANES_ANY(left)) {
-            int frame = LANE_OF_INT(frames, first_lane(left));
-            LaneInt same_frame = left & LANE_COMPARE(frames, ==, (LaneInt)(frame));
-            left &= ~same_frame;
-            PointBlock places = project_points(&projections[frame], points.at);
-            if (has_map) {
-                LaneInt below =
-                    lanes_below_map(&projections[frame], places, state, same_frame, map + (size_t)frame * texel_count);
-                answer.shadowed |= below;
-                same_frame &= ~below;
-                minus_by_map += below;
-                LaneInt doubtful = same_frame & doubtful_lanes(state);
-                if (LANES_ANY(doubtful))
-                    undecided_below |= lanes_below_map(&projections[frame], places, (LaneFloat)(VISIBILITY_OPEN),
-                                                       doubtful, map + (size_t)frame * texel_count);
-            }
-            minus_listed += same_frame;
-            LaneInt bins = bins_of(&projections[frame], places);
-            while (LANES_ANY(same_frame)) {
-                int bin = LANE_OF_INT(bins, first_lane(same_frame));
-                LaneInt same_bin = same_frame & LANE_COMPARE(bins, ==, (LaneInt)(bin));
-                same_frame &= ~same_bin;
-                LaneInt before = answer.shadowed;
-                tests += walk(&pairs, lists, &projections[frame], (uint)frame * bin_count + (uint)bin, same_bin,
-                              &points, places, &answer);
-                minus_by_trace += answer.shadowed & ~before & ~answer.by_exact;
-            }
-        }
+#endif
+        left &= LANE_COMPARE(lane_frames, >=, (LaneInt)(0)) & LANE_COMPARE(lane_frames, <, (LaneInt)((int)frame_count));
+        BlockAnswer answer = no_answer();
+#if GN_LANES == 1
+        tests += trace_block(&pairs, &frames, lists, &place, left, state, &points, &answer);
+#else
+        tests += trace_block(&pairs, &frames, lists, lane_frames, left, state, &points, &answer);
+#endif
+        minus_by_map += answer.by_map;
+        minus_listed += answer.listed;
+        minus_by_trace += answer.shadowed & ~answer.by_map & ~answer.by_exact;
         hand_over_waiting(&pairs, &points, &answer);
         minus_by_exact += answer.by_exact;
-        minus_strays += undecided_below & ~answer.shadowed;
+        minus_strays += answer.below & ~answer.shadowed;
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer.shadowed);
         result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
-        store_lanes(LANES_SELECT(state, result, looked_at), visibility, layout, block);
+        store_lanes(LANES_SELECT(state, result, left), visibility, layout, block);
     }
     uint found[TRACE_COUNTS];
     found[COUNT_MAP] = count_lanes(minus_by_map);

@@ -133,6 +133,10 @@ std::size_t Session::many_groups() const {
     return is_cpu_ ? compute_units() * 64 : std::max<std::size_t>(1, compute_units() * 2048 / work_group_size_);
 }
 
+Range Session::uneven_items(std::size_t items, std::size_t each) const {
+    return is_cpu_ ? Range::items(items) : Range::groups(items / (each * work_group_size_) + 1);
+}
+
 Range Session::small_groups() const {
     const std::size_t local = std::min<std::size_t>(work_group_size_, 32);
     return Range::groups(many_groups() * work_group_size_ / local, local);

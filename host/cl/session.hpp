@@ -78,6 +78,9 @@ public:
     std::size_t work_group_size() const { return work_group_size_; }
     /// Work-groups that fill the device a few times over.
     std::size_t many_groups() const;
+    /// Over `items` of unlike length: on a GPU as many groups as leave each work-item about `each` of them, so that a
+    /// multiprocessor that is done takes another group.
+    Range uneven_items(std::size_t items, std::size_t each) const;
     /// Groups of at most 32 items (a GPU's warp) that fill the device: for groups that share out a few dozen things.
     Range small_groups() const;
     /// As few groups as keep every compute unit busy: for groups that each walk a whole list to find their share.
