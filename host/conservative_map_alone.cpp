@@ -18,7 +18,8 @@ void ConservativeMapAlone::run_frame(Run& run, cl_uint frame) {
     cl::Session& session = device_.session();
     {
         cl::StageTimer timer(session, run.statistics, "farthest_height");
-        farthest_height_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), run.visibility);
+        farthest_height_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), frames_.blocks(),
+                             run.visibility);
     }
     while (!list_triangles(run)) ++run.grown;
     {

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "facing.hpp"
 
+#include "../kernels/block_bounds.h"
+
 namespace gnomon {
 namespace {
 
 // What `opens` has no use for may be any buffer. `away`: what triangles_away has filled; null: receivers are asked
-// point by point.
+// point by point. `blocks`: to be written; null: they are not.
 void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, const TriangleInputs& triangles,
             const PointInputs& points, const cl::Buffer* away, cl_mem visibility, const cl::Buffer& frame_bounds,
-            const cl::Buffer& counters) {
+            const cl::Buffer* blocks, const cl::Buffer& counters) {
     session.launch("facing.cl", away != nullptr ? "facing_looked_up" : "facing",
                    cl::Range::items(points.layout.count / session.lanes() + 1), points.layout, light_frame, opens,
-                   cl_uint(points.footprints != nullptr), triangles.first_float, triangles.count, points.positions,
+                   cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), triangles.first_float,
+                   triangles.count, points.positions,
                    points.footprints != nullptr ? points.footprints : points.positions, points.receivers,
                    triangles.vertices, away != nullptr ? away->get() : points.receivers, visibility, frame_bounds,
-                   counters, cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
+                   blocks != nullptr ? *blocks : frame_bounds, counters,
+                   cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
 }
 
 // All triangles are read in order, points' receivers from anywhere. Measured on a CPU: with as many points as triangles
@@ -38,8 +42,10 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
         session.launch("facing.cl", "triangles_away", cl::Range::items(blocks), points.layout, light_frame,
                        triangles.first_float, triangles.count, triangles.vertices, triangles_away_, counters);
     }
+    has_blocks_ = session.lanes() > 1 && points.footprints == nullptr;
+    if (has_blocks_) blocks_.reserve(session, (points.layout.count / session.lanes() + 1) * sizeof(BlockBounds));
     launch(session, light_frame, triangles.count != 0 ? FACING_BOUNDS : FACING_DECIDES, triangles, points,
-           asks ? &triangles_away_ : nullptr, visibility, frame_bounds_, counters);
+           asks ? &triangles_away_ : nullptr, visibility, frame_bounds_, blocks(), counters);
 }
 
 FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
@@ -51,7 +57,7 @@ FrameCounters run_facing(cl::Session& session, Statistics& statistics, const Tri
         session.fill(counters, 0, sizeof(FrameCounters));
         // No bounds are taken of points that are not opened.
         launch(session, make_light_frame(light, {1, 0}), FACING_DECIDES, triangles, points, nullptr, visibility,
-               counters, counters);
+               counters, nullptr, counters);
     }
     return session.read_value<FrameCounters>(counters);
 }

@@ -13,9 +13,13 @@ public:
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
+    /// BlockBounds of each block of points (kernels/block_bounds.h); null where work-items take single points, or
+    /// footprints.
+    const cl::Buffer* blocks() const { return has_blocks_ ? &blocks_ : nullptr; }
 
 private:
-    cl::Buffer frame_bounds_, triangles_away_;
+    cl::Buffer frame_bounds_, triangles_away_, blocks_;
+    bool has_blocks_ = false;
 };
 
 /// For techniques without frames: decides the points that face away, and leaves all others lit. Returns what it

@@ -34,7 +34,8 @@ void reduce(cl::Session& session, const std::vector<Level>& levels, cl_uint fram
 }  // namespace
 
 void FarthestHeight::run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-                         const PointInputs& points, const cl::Buffer& projections, cl_mem visibility) {
+                         const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* blocks,
+                         cl_mem visibility) {
     const std::vector<Level> levels = pyramid_levels(light_frame, frame_count);
     const std::size_t bin_bytes = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y * sizeof(cl_uint);
     pyramid_.reserve(session, levels.back().first * sizeof(cl_uint));
@@ -43,9 +44,9 @@ void FarthestHeight::run(cl::Session& session, const LightFrame& light_frame, cl
     session.fill(doubtful_, 0xFFFFFFFFu, bin_bytes);
     session.launch("farthest_height.cl", "farthest_height", cl::Range::items(points.layout.count / session.lanes() + 1),
                    light_frame, first_frame, frame_count, points.layout, projections,
-                   cl_uint(points.footprints != nullptr), points.positions,
-                   points.footprints != nullptr ? points.footprints : points.positions, visibility, pyramid_,
-                   doubtful_);
+                   cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), points.positions,
+                   points.footprints != nullptr ? points.footprints : points.positions,
+                   blocks != nullptr ? *blocks : projections, visibility, pyramid_, doubtful_);
     reduce(session, levels, frame_count, pyramid_);
 }
 

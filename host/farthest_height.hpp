@@ -10,8 +10,9 @@ namespace gnomon {
 class FarthestHeight {
 public:
     /// Of the frames from `first_frame` on, `frame_count` of them, whose projections lie one behind the other.
+    /// `blocks`: Facing::blocks() of these points, for one frame; null: points are looked at one by one.
     void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-             const PointInputs& points, const cl::Buffer& projections, cl_mem visibility);
+             const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* blocks, cl_mem visibility);
     /// As if every bin had a point infinitely far from the light, and no doubtful one: for points that are not known
     /// yet.
     void fill_for_points_anywhere(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count);

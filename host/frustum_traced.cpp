@@ -204,7 +204,8 @@ void FrustumTraced::run_unprepared(Run& run) {
     frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) {
         {
             cl::StageTimer timer(session, run.statistics, "farthest_height");
-            farthest_height_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), run.visibility);
+            farthest_height_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), frames_.blocks(),
+                                 run.visibility);
         }
         run_frame(run, frame);
     });

@@ -19,6 +19,7 @@ public:
     void for_each(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                   const std::function<void(cl_uint frame)>& use);
     const cl::Buffer& projection() const { return projection_; }
+    const cl::Buffer* blocks() const { return facing_.blocks(); }  ///< of the points that decide_facing() was given
 
 private:
     Facing facing_;

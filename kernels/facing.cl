@@ -17,28 +17,29 @@
 // Of footprints (footprint.h) the same is asked: what holds for a receiver holds for all samples on it, which the
 // camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
 // others.
+#include "block_bounds.h"
 #include "footprint.h"
 #include "receivers.h"
 #include "triangle_setup.h"
 
 // ---- Bounds of the frames -------------------------------------------------------------------------------------------
 
-// From the values of footprints' centres to the least and greatest in the footprints; of these the frame takes in all.
-static void widen_values(LightFrame frame, PointBlock centres, const FootprintBlock* f, LaneFloat* lows,
-                         LaneFloat* highs) {
+// From the grid values of footprints' centres to the least and greatest in the footprints, of which the frame takes in
+// all.
+static void widen_values(LightFrame frame, PointBlock centres, const FootprintBlock* f, PointBlock* low,
+                         PointBlock* high) {
     PointBlock reach = footprint_reach(f);
-    LaneFloat reach_x = along(reach, frame.axis_x), reach_y = along(reach, frame.axis_y);
     LaneFloat reach_z = along(reach, frame.axis_z);
+    low->z -= reach_z;
+    high->z += reach_z;
     if (frame.perspective) {
         PointBlock d = {centres.x - frame.light[0], centres.y - frame.light[1], centres.z - frame.light[2]};
-        LaneFloat w = along(d, frame.axis_z) * frame.sign_z, near = w - reach_z, far = w + reach_z;
+        LaneFloat reach_x = along(reach, frame.axis_x), reach_y = along(reach, frame.axis_y);
         LaneFloat x = along(d, frame.axis_x), y = along(d, frame.axis_y);
-        lows[0] = fmin((x - reach_x) / near, (x - reach_x) / far);
-        highs[0] = fmax((x + reach_x) / near, (x + reach_x) / far);
-        lows[1] = fmin((y - reach_y) / near, (y - reach_y) / far);
-        highs[1] = fmax((y + reach_y) / near, (y + reach_y) / far);
-        lows[4] = near;
-        highs[4] = far;
+        low->x = fmin((x - reach_x) / low->z, (x - reach_x) / high->z);
+        high->x = fmax((x + reach_x) / low->z, (x + reach_x) / high->z);
+        low->y = fmin((y - reach_y) / low->z, (y - reach_y) / high->z);
+        high->y = fmax((y + reach_y) / low->z, (y + reach_y) / high->z);
     } else {
         LaneFloat across_x = fabs(along(f->u, frame.axis_x) - frame.shear_x * along(f->u, frame.axis_z)) +
                              fabs(along(f->v, frame.axis_x) - frame.shear_x * along(f->v, frame.axis_z)) +
@@ -46,75 +47,98 @@ static void widen_values(LightFrame frame, PointBlock centres, const FootprintBl
         LaneFloat across_y = fabs(along(f->u, frame.axis_y) - frame.shear_y * along(f->u, frame.axis_z)) +
                              fabs(along(f->v, frame.axis_y) - frame.shear_y * along(f->v, frame.axis_z)) +
                              f->spread * (1.0f + fabs(frame.shear_y));
-        lows[0] -= across_x;
-        highs[0] += across_x;
-        lows[1] -= across_y;
-        highs[1] += across_y;
-        lows[4] -= reach.z;
-        highs[4] += reach.z;
+        low->x -= across_x;
+        high->x += across_x;
+        low->y -= across_y;
+        high->y += across_y;
     }
-    lows[2] -= reach.x;
-    highs[2] += reach.x;
-    lows[3] -= reach.y;
-    highs[3] += reach.y;
 }
 
 // A work-item's bounds of the frame that its last points were in.
 typedef struct RunningBounds {
     uint frame;
-    LaneFloat lowest[BOUNDED_VALUES], highest[BOUNDED_VALUES];
+    float8 span;  // as span_of_lanes() has it
     LaneInt minus_count;
 } RunningBounds;
 
 static void start_bounds(RunningBounds* bounds, uint frame) {
     bounds->frame = frame;
     bounds->minus_count = (LaneInt)(0);
-    for (int i = 0; i < BOUNDED_VALUES; ++i) {
-        bounds->lowest[i] = (LaneFloat)(INFINITY);
-        bounds->highest[i] = (LaneFloat)(-INFINITY);
-    }
+    bounds->span = (float8)(INFINITY);
+}
+
+// World coordinates that belong to grid coordinates from low to high under these z: x = grid x + shear z. The grid
+// coordinates are off by 4u M, the products and sums here by less.
+static void world_bounds(float low, float high, float shear, float z_low, float z_high, float* world_low,
+                         float* world_high) {
+    float margin = 16.0f * GN_U * (fmax(fabs(low), fabs(high)) + fmax(fabs(z_low), fabs(z_high)));
+    *world_low = low + fmin(shear * z_low, shear * z_high) - margin;
+    *world_high = high + fmax(shear * z_low, shear * z_high) + margin;
 }
 
 // Into the work-group's bounds of all frames. Most values are inside already: a look saves the atomic.
-static void raise_to(volatile __local uint* highest, LaneFloat values) {
-    uint key = order_to_key(LANES_MAXIMUM(lanes_in_order(values)));
+static void raise_to(volatile __local uint* highest, float value) {
+    uint key = float_to_key(value);
     if (key > GN_LOOK(highest)) atomic_max(highest, key);
 }
-static void flush_bounds(const RunningBounds* bounds, __local uint* shared) {
+static void flush_bounds(LightFrame light_frame, const RunningBounds* bounds, __local uint* shared) {
     uint count = (uint)-LANES_SUM(bounds->minus_count);
     if (count == 0u) return;
+    LightFrame frame = face_of(light_frame, bounds->frame);
+    bool flips = frame.perspective || frame.sign_z < 0.0f;  // heights grow where z falls
+    float8 span = bounds->span;
+    float low[BOUNDED_VALUES] = {span.s0, span.s2, 0.0f, 0.0f, 0.0f};
+    float high[BOUNDED_VALUES] = {-span.s1, -span.s3, 0.0f, 0.0f, 0.0f};
+    float z_low = flips ? span.s5 : span.s4, z_high = flips ? -span.s4 : -span.s5;
+    uint axis_z = frame.perspective ? 2u : frame.axis_z;
+    low[2 + axis_z] = z_low;
+    high[2 + axis_z] = z_high;
+    if (!frame.perspective) {
+        uint axis_x = 2u + frame.axis_x, axis_y = 2u + frame.axis_y;
+        world_bounds(low[0], high[0], frame.shear_x, z_low, z_high, &low[axis_x], &high[axis_x]);
+        world_bounds(low[1], high[1], frame.shear_y, z_low, z_high, &low[axis_y], &high[axis_y]);
+    }
     __local uint* words = shared + bounds->frame * BOUNDS_WORDS;
     for (int i = 0; i < BOUNDED_VALUES; ++i) {
-        raise_to(&words[i], bounds->highest[i]);
-        raise_to(&words[BOUNDED_VALUES + i], -bounds->lowest[i]);
+        raise_to(&words[i], high[i]);
+        raise_to(&words[BOUNDED_VALUES + i], -low[i]);
     }
     atomic_add(&words[2 * BOUNDED_VALUES], count);
 }
 
-// `footprints` is null where points are points.
-static void include_points(RunningBounds* bounds, LightFrame light_frame, PointBlock points,
-                           const FootprintBlock* footprints, LaneInt lanes, __local uint* shared) {
+// `footprints` is null where points are points. Returns what the points span, and in *in_frame their one frame, or
+// BLOCK_*.
+static float8 include_points(RunningBounds* bounds, LightFrame light_frame, PointBlock points,
+                             const FootprintBlock* footprints, LaneInt lanes, __local uint* shared, uint* in_frame) {
     LaneInt frames = frames_of(light_frame, points);
+    float8 span = (float8)(INFINITY);
+    *in_frame = BLOCK_IN_NO_FRAME;
     while (LANES_ANY(lanes)) {
-        int frame = LANE_OF_INT(frames, first_lane(lanes));
-        LaneInt same = lanes & LANE_COMPARE(frames, ==, (LaneInt)(frame));
+        LaneInt same = lanes;
+        uint frame = 0;
+        if (light_frame.perspective) {
+            frame = (uint)LANE_OF_INT(frames, first_lane(lanes));
+            same &= LANE_COMPARE(frames, ==, (LaneInt)((int)frame));
+        }
         lanes &= ~same;
-        if (bounds->frame != (uint)frame) {
-            flush_bounds(bounds, shared);
-            start_bounds(bounds, (uint)frame);
+        if (bounds->frame != frame) {
+            flush_bounds(light_frame, bounds, shared);
+            start_bounds(bounds, frame);
         }
-        LaneFloat lows[BOUNDED_VALUES], highs[BOUNDED_VALUES];
-        bounded_values(face_of(light_frame, (uint)frame), points, lows);
-        for (int i = 0; i < BOUNDED_VALUES; ++i) highs[i] = lows[i];
-        if (footprints) widen_values(face_of(light_frame, (uint)frame), points, footprints, lows, highs);
-        for (int i = 0; i < BOUNDED_VALUES; ++i) {
-            LaneInt lower = same & LANE_COMPARE(lows[i], <, bounds->lowest[i]);
-            LaneInt higher = same & LANE_COMPARE(highs[i], >, bounds->highest[i]);
-            bounds->lowest[i] = LANES_SELECT(bounds->lowest[i], lows[i], lower);
-            bounds->highest[i] = LANES_SELECT(bounds->highest[i], highs[i], higher);
+        LightFrame face = face_of(light_frame, frame);
+        PointBlock low = grid_values(face, points), high = low;
+        if (footprints) widen_values(face, points, footprints, &low, &high);
+        if (face.perspective || face.sign_z < 0.0f) {
+            LaneFloat z = low.z;
+            low.z = -high.z;
+            high.z = -z;
         }
+        span = span_of_lanes(low, high, same);
+        bounds->span = least_of_two(span, bounds->span);
         bounds->minus_count += same;
+        *in_frame = *in_frame == BLOCK_IN_NO_FRAME ? frame : BLOCK_IN_FRAMES;
     }
+    return span;
 }
 
 static float4 light_of(LightFrame light_frame) {
@@ -142,67 +166,116 @@ static LaneInt look_up_away(__global const uchar* triangles_are_away, LaneInt id
     return asked & -LANES_GATHER(triangles_are_away, at);
 }
 
-// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `asked_before`: triangles_are_away
-// has been filled, and no point is doubtful. `shared`: BOUNDS_WORDS for each frame. The frames' bounds and the counters
-// are zeroed before.
-__attribute__((always_inline)) static void decide_facing(
-    PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, bool asked_before, ulong first_float,
-    uint triangle_count, __global const float* positions, __global const float* footprints,
-    __global const uint* receivers, __global const float* vertices, __global const uchar* triangles_are_away,
-    __global float* visibility, volatile __global uint* frame_bounds, __global FrameCounters* counters,
-    __local uint* shared, __local uint* group_counts) {
-    uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
-    // One atomic per work-group, not per item: many on one address take longer than the pass.
-    if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
-    for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
-    barrier(CLK_LOCAL_MEM_FENCE);
+// What the points are held against, and what is written of each.
+typedef struct FacingBuffers {
+    __global const float *positions, *footprints;
+    __global const uint* receivers;
+    __global const float* vertices;  // from the first triangle on
+    __global const uchar* triangles_are_away;
+    __global float* visibility;
+    __global BlockBounds* blocks;
+    __local uint* shared;
+} FacingBuffers;
 
-    uint exact = 0;
-    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
-    RunningBounds bounds;
-    start_bounds(&bounds, 0u);
+// What a work-item counts.
+typedef struct FacingCounts {
+    LaneInt minus_absent, minus_away;
+    uint exact;
+} FacingCounts;
+
+// Inlined for each kind of run: a CPU's compiler leaves out what an argument that is a constant rules out, and keeps in
+// registers what it would carry through memory around that.
+__attribute__((always_inline)) static void face_points(PointsLayout layout, LightFrame light_frame, uint opens,
+                                                       uint has_footprints, uint asked_before, uint has_blocks,
+                                                       uint triangle_count, FacingBuffers to, RunningBounds* bounds,
+                                                       FacingCounts* counts) {
     GN_FOR_EACH(block, block_count(layout)) {
         LaneInt valid = valid_lanes(layout, block);
-        PointBlock points = load_block(positions, layout, block);
+        PointBlock points = load_block(to.positions, layout, block);
         LaneInt open = valid & present_lanes(points);
-        minus_absent += valid & ~open;
+        counts->minus_absent += valid & ~open;
         if (!LANES_ANY(open)) {
-            store_lanes((LaneFloat)(1.0f), visibility, layout, block);
+            store_lanes((LaneFloat)(1.0f), to.visibility, layout, block);
+            if (has_blocks) to.blocks[block].frame = BLOCK_IN_NO_FRAME;
             continue;
         }
         LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0);
         if (layout.has_receivers) {
-            LaneInt ids = load_lane_ids(receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
+            LaneInt ids = load_lane_ids(to.receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
             if (asked_before) {
-                away = look_up_away(triangles_are_away, ids, asked);
+                away = look_up_away(to.triangles_are_away, ids, asked);
             } else if (LANES_ANY(asked)) {
                 bool doubts = !has_footprints && !layout.is_lifted;
                 ReceiverAnswer answer = ask_receivers(ids, asked, &points, layout, light_of(light_frame), doubts,
-                                                      vertices + first_float, &exact);
+                                                      to.vertices, &counts->exact);
                 away = answer.faces_away;
                 doubtful = answer.doubtful;
             }
         }
-        minus_away += away;
+        counts->minus_away += away;
         if (opens == FACING_DECIDES) open = (LaneInt)(0);
-        open &= ~away & LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
+        open &= ~away;
+        if (light_frame.perspective)
+            open &= LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
         FootprintBlock around;
         if (has_footprints) {
-            around = load_footprints(footprints, layout, block);
+            around = load_footprints(to.footprints, layout, block);
             LaneInt present = valid & present_lanes(points);
             open &= in_one_frame(light_frame, points, &around);
             result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_MIXED), present & ~away);
         }
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_DOUBTFUL), open & doubtful);
-        store_lanes(result, visibility, layout, block);
+        store_lanes(result, to.visibility, layout, block);
+        uint in_frame = BLOCK_IN_NO_FRAME;
+        float8 span = (float8)(INFINITY);
         if (opens == FACING_BOUNDS && LANES_ANY(open))
-            include_points(&bounds, light_frame, points, has_footprints ? &around : 0, open, shared);
+            span =
+                include_points(bounds, light_frame, points, has_footprints ? &around : 0, open, to.shared, &in_frame);
+        if (has_blocks) {
+            uint flags = LANES_ANY(~open) ? 0u : BLOCK_ALL_OPEN;
+            if (LANES_ANY(open & doubtful)) flags |= BLOCK_DOUBTFUL;
+            span.s6 = as_float(in_frame);
+            span.s7 = as_float(flags);
+            vstore8(span, 0, (__global float*)&to.blocks[block]);
+        }
     }
-    flush_bounds(&bounds, shared);
-    atomic_add(&group_counts[0], (uint)-LANES_SUM(minus_absent));
-    atomic_add(&group_counts[1], (uint)-LANES_SUM(minus_away));
+}
+
+// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `asked_before`: triangles_are_away
+// has been filled, and no point is doubtful. `has_blocks`: blocks is to be written. `shared`: BOUNDS_WORDS for each
+// frame. The frames' bounds and the counters are zeroed before.
+__attribute__((always_inline)) static void decide_facing(
+    PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, bool asked_before, uint has_blocks,
+    ulong first_float, uint triangle_count, __global const float* positions, __global const float* footprints,
+    __global const uint* receivers, __global const float* vertices, __global const uchar* triangles_are_away,
+    __global float* visibility, volatile __global uint* frame_bounds, __global BlockBounds* blocks,
+    __global FrameCounters* counters, __local uint* shared, __local uint* group_counts) {
+    uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
+    // One atomic per work-group, not per item: many on one address take longer than the pass.
+    if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
+    for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+
+    FacingBuffers to = {positions,          footprints, receivers, vertices + first_float,
+                        triangles_are_away, visibility, blocks,    shared};
+    FacingCounts counts = {(LaneInt)(0), (LaneInt)(0), 0u};
+    RunningBounds bounds;
+    start_bounds(&bounds, 0u);
+#if GN_LANES > 1
+    if (opens == FACING_BOUNDS && !has_footprints && asked_before && has_blocks && !light_frame.perspective &&
+        layout.point_stride == 1u && layout.has_receivers == 1u && layout.picture_width != 0u) {
+        light_frame.perspective = 0u;
+        layout.point_stride = layout.has_receivers = 1u;
+        face_points(layout, light_frame, FACING_BOUNDS, 0u, 1u, 1u, triangle_count, to, &bounds, &counts);
+    } else
+#endif
+        face_points(layout, light_frame, opens, has_footprints, asked_before, has_blocks, triangle_count, to, &bounds,
+                    &counts);
+    flush_bounds(light_frame, &bounds, shared);
+    atomic_add(&group_counts[0], (uint)-LANES_SUM(counts.minus_absent));
+    atomic_add(&group_counts[1], (uint)-LANES_SUM(counts.minus_away));
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) {
         uint word = shared[i];
@@ -216,20 +289,20 @@ __attribute__((always_inline)) static void decide_facing(
         if (group_counts[0] != 0) atomic_add(&counters->absent, group_counts[0]);
         if (group_counts[1] != 0) atomic_add(&counters->facing_away, group_counts[1]);
     }
-    if (exact != 0) atomic_add(&counters->facing_exact, exact);
+    if (counts.exact != 0) atomic_add(&counters->facing_exact, counts.exact);
 }
 
-#define FACING_KERNEL(name, has_footprints_here, asked_before)                                                    \
-    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints,              \
-                       ulong first_float, uint triangle_count, __global const float* positions,                   \
-                       __global const float* footprints, __global const uint* receivers,                          \
-                       __global const float* vertices, __global const uchar* triangles_are_away,                  \
-                       __global float* visibility, volatile __global uint* frame_bounds,                          \
-                       __global FrameCounters* counters, __local uint* shared) {                                  \
-        __local uint group_counts[2];                                                                             \
-        decide_facing(layout, light_frame, opens, has_footprints_here, asked_before, first_float, triangle_count, \
-                      positions, footprints, receivers, vertices, triangles_are_away, visibility, frame_bounds,   \
-                      counters, shared, group_counts);                                                            \
+#define FACING_KERNEL(name, has_footprints_here, asked_before)                                                         \
+    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks,  \
+                       ulong first_float, uint triangle_count, __global const float* positions,                        \
+                       __global const float* footprints, __global const uint* receivers,                               \
+                       __global const float* vertices, __global const uchar* triangles_are_away,                       \
+                       __global float* visibility, volatile __global uint* frame_bounds, __global BlockBounds* blocks, \
+                       __global FrameCounters* counters, __local uint* shared) {                                       \
+        __local uint group_counts[2];                                                                                  \
+        decide_facing(layout, light_frame, opens, has_footprints_here, asked_before, has_blocks, first_float,          \
+                      triangle_count, positions, footprints, receivers, vertices, triangles_are_away, visibility,      \
+                      frame_bounds, blocks, counters, shared, group_counts);                                           \
     }
 
 // Two kernels: what the exact predicate and footprints need of a GPU's registers would slow down the look-up as well.

@@ -75,6 +75,7 @@ static void fit_parallel(LightFrame frame, FittedBounds bounds, Projection* proj
     float size_x = scale_x * (reach[frame.axis_x] + fabs(frame.shear_x) * reach[frame.axis_z]) + fabs(offset_x);
     float size_y = scale_y * (reach[frame.axis_y] + fabs(frame.shear_y) * reach[frame.axis_z]) + fabs(offset_y);
     projection->point_error = 1.01f * PROJECTION_ERROR * fmax(size_x, size_y);
+    projection->block_error = 2.0f * projection->point_error + padding * fmax(scale_x, scale_y);
     projection->height_error = 1.01f * PROJECTION_ERROR * reach[frame.axis_z];
     projection->indistinct = !(largest < LARGEST_EXTENT);
     if (!projection->indistinct) fit_heights(-reach[frame.axis_z], reach[frame.axis_z], projection);
@@ -95,6 +96,7 @@ static void fit_perspective(LightFrame frame, FittedBounds bounds, Projection* p
     float texels = (float)max(frame.width, frame.height);
     float size = fmax(scale_x + fabs(offset_x), scale_y + fabs(offset_y));
     projection->point_error = 1.01f * (PROJECTION_ERROR * (size + texels) + 4.0f * GN_U * texels);
+    projection->block_error = 2.0f * projection->point_error;
     projection->height_error = PROJECTION_ERROR + 4.0f * GN_U;
     projection->indistinct = !(bounds.world_low[2] * unit > SMALLEST_W && bounds.world_high[2] < LARGEST_EXTENT);
     if (!projection->indistinct)
@@ -117,12 +119,12 @@ __kernel void light_frame_fit(LightFrame light_frame, __global const PointBounds
         projection.bins_x = frame.bins_x;
         projection.bins_y = frame.bins_y;
         projection.perspective = frame.perspective;
-        projection.point_error = projection.height_error = 0.0f;
+        projection.point_error = projection.block_error = projection.height_error = 0.0f;
         projection.handedness = frame.sign_z;
         projection.active_points = bounds.count;
         projection.z_origin = 0.0f;
         projection.z_scale = 1.0f;
-        projection.map_unseen = projection.padding[0] = projection.padding[1] = 0;
+        projection.map_unseen = projection.padding = 0;
         if (bounds.count == 0)
             projection.indistinct = 1;
         else if (frame.perspective)

@@ -29,8 +29,8 @@ GN_STRUCT_END(LightFrame, 64)
 // collect them and zero bytes mean "no point".
 #define BOUNDED_VALUES 5
 GN_STRUCT_BEGIN(PointBounds)
-    // Of each value: grid x, grid y (sheared coordinates or, in perspective, ratios; before scaling), world x, y, z (in
-    // perspective W instead of z).
+    // Of each value: grid x and y as grid_values() has them, and what holds world x, y, z (in perspective nothing,
+    // nothing and W).
     uint highest[BOUNDED_VALUES];
     uint minus_lowest[BOUNDED_VALUES];
     uint count;
@@ -118,22 +118,21 @@ static float unit_of_farthest(float farthest_w) {
 
 static LaneFloat along(PointBlock v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
 
-// The values that a frame's bounds are taken of.
-static void bounded_values(LightFrame frame, PointBlock points, LaneFloat* values) {
+// Where points are before scaling: grid x and y (sheared coordinates or, in perspective, ratios), and z along the
+// frame's axis (in perspective W).
+static PointBlock grid_values(LightFrame frame, PointBlock points) {
+    PointBlock values;
     if (frame.perspective) {
         PointBlock d = {points.x - frame.light[0], points.y - frame.light[1], points.z - frame.light[2]};
-        LaneFloat w = along(d, frame.axis_z) * frame.sign_z;
-        values[0] = along(d, frame.axis_x) / w;
-        values[1] = along(d, frame.axis_y) / w;
-        values[4] = w;
+        values.z = along(d, frame.axis_z) * frame.sign_z;
+        values.x = along(d, frame.axis_x) / values.z;
+        values.y = along(d, frame.axis_y) / values.z;
     } else {
-        LaneFloat z = along(points, frame.axis_z);
-        values[0] = along(points, frame.axis_x) - frame.shear_x * z;
-        values[1] = along(points, frame.axis_y) - frame.shear_y * z;
-        values[4] = points.z;
+        values.z = along(points, frame.axis_z);
+        values.x = along(points, frame.axis_x) - frame.shear_x * values.z;
+        values.y = along(points, frame.axis_y) - frame.shear_y * values.z;
     }
-    values[2] = points.x;
-    values[3] = points.y;
+    return values;
 }
 
 #endif

@@ -13,7 +13,7 @@
 // Where the points of one frame may be. A point strictly outside the lit bounds by its own error, or strictly nearer to
 // the light than `top`, is lit for certain: no triangle can lie between.
 GN_STRUCT_BEGIN(PreparedDomain)
-    float lit_low[2], lit_high[2];      // grid x and y, as bounded_values() says, moved out by the triangles' error
+    float lit_low[2], lit_high[2];      // grid x and y, as grid_values() says, moved out by the triangles' error
     float world_low[3], world_high[3];  // world x, y, z; in perspective [2]: W, low exclusive, the others unused
     float top;                          // parallel: the greatest height coordinate of a triangle, times sign_z
     uint has_triangles;                 // 0: no triangle can block a point of this frame
@@ -32,16 +32,15 @@ typedef struct PreparedAnswer {
 } PreparedAnswer;
 
 static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedDomain* domain, PointBlock points) {
-    LaneFloat values[BOUNDED_VALUES];
-    bounded_values(frame, points, values);
+    PointBlock values = grid_values(frame, points);
     PreparedAnswer answer;
     LaneFloat margin = 0.0f;
     LaneInt outside = (LaneInt)(domain->has_triangles ? 0 : -1), nearest = (LaneInt)(0);
     if (frame.perspective) {
         // The ratios of a face's points are at most 1 (and 8u), so that the lit bounds can hold their error. Nearer to
         // the lamp than `low` not even the face is certain.
-        answer.inside = LANE_COMPARE(values[4], >, (LaneFloat)(domain->world_low[2])) &
-                        LANE_COMPARE(values[4], <=, (LaneFloat)(domain->world_high[2]));
+        answer.inside = LANE_COMPARE(values.z, >, (LaneFloat)(domain->world_low[2])) &
+                        LANE_COMPARE(values.z, <=, (LaneFloat)(domain->world_high[2]));
     } else {
         LaneFloat world[3] = {points.x, points.y, points.z};
         answer.inside = (LaneInt)(-1);
@@ -51,9 +50,10 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
         margin = (fabs(points.x) + fabs(points.y) + fabs(points.z)) * PREPARED_PADDING + PREPARED_UNDERFLOW;
         nearest = LANE_COMPARE(along(points, frame.axis_z) * frame.sign_z, >, (LaneFloat)(domain->top));
     }
-    for (int i = 0; i < 2; ++i)
-        outside |= LANE_COMPARE(values[i] - margin, >, (LaneFloat)(domain->lit_high[i])) |
-                   LANE_COMPARE(values[i] + margin, <, (LaneFloat)(domain->lit_low[i]));
+    outside |= LANE_COMPARE(values.x - margin, >, (LaneFloat)(domain->lit_high[0])) |
+               LANE_COMPARE(values.x + margin, <, (LaneFloat)(domain->lit_low[0])) |
+               LANE_COMPARE(values.y - margin, >, (LaneFloat)(domain->lit_high[1])) |
+               LANE_COMPARE(values.y + margin, <, (LaneFloat)(domain->lit_low[1]));
     answer.lit = frame.perspective ? answer.inside & outside : outside | nearest;
     return answer;
 }

@@ -54,8 +54,9 @@ GN_STRUCT_BEGIN(Projection)
     uint active_points;  // points this projection was fitted to
     float z_origin;      // heights are brought to 16 bits as (Z - z_origin) z_scale, see bin_lists.h; z_scale > 0
     float z_scale;
-    uint map_unseen;  // 1: the conservative map would decide too little to be worth it, see conservative_map.cl
-    uint padding[2];
+    uint map_unseen;    // 1: the conservative map would decide too little to be worth it, see conservative_map.cl
+    float block_error;  // texels: how far a block's computed X or Y may be from its points' (block_bounds.h)
+    uint padding;
 GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus

@@ -308,7 +308,8 @@ void attack(const gnomon::Device& device, LightScene scene, Tally& tally) {
     for (std::uint32_t face = 0; face < frames; ++face) {
         if (projections[face].active_points == 0) continue;
         const gnomon::cl::Buffer projection = uploaded(session, std::vector{projections[face]});
-        stages.farthest_height.run(session, first, face, 1, inputs.point_inputs(), projection, inputs.visibility.get());
+        stages.farthest_height.run(session, first, face, 1, inputs.point_inputs(), projection, inputs.facing.blocks(),
+                                   inputs.visibility.get());
         session.fill(inputs.counters, 0, sizeof(gnomon::FrameCounters));
         const gnomon::cl::Buffer* listed = stages.clusters.run(session, projection, inputs.triangle_inputs(),
                                                                &stages.farthest_height.pyramid(), inputs.counters);

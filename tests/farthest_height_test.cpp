@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage farthest_height: per bin the lowest height of its points, and a pyramid of minima over the bins.
+// Stage farthest_height: per bin a height that none of its points is below, the lowest of its points or its
+// neighbours', and a pyramid of minima over the bins.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -20,10 +21,24 @@ Keys expected_bins(const FrameOutput& out, Include include) {
     return bins;
 }
 
-/// The definition: the minimum of the points of each bin, then of up to 2 x 2 cells, level by level.
-Keys expected(const FrameOutput& out) {
+/// The least of each bin and of those around it, where heights of a lamp's blocks may be lower by roundings.
+Keys expected_least(const FrameOutput& out, const Keys& bins) {
+    const std::uint32_t width = out.frame.bins_x, height = out.frame.bins_y;
+    Keys least(bins.size(), NO_KEY);
+    for (std::uint32_t y = 0; y < height; ++y)
+        for (std::uint32_t x = 0; x < width; ++x)
+            for (std::uint32_t j = y == 0 ? 0 : y - 1; j <= std::min(y + 1, height - 1); ++j)
+                for (std::uint32_t i = x == 0 ? 0 : x - 1; i <= std::min(x + 1, width - 1); ++i)
+                    least[y * width + x] = std::min(least[y * width + x], bins[j * width + i]);
+    if (out.frame.perspective != 0)
+        for (std::uint32_t& key : least)
+            if (key != NO_KEY) key = key_of_float(float_of_key(key) * (1 - 40 * 0x1p-24f));
+    return least;
+}
+
+/// The minimum of up to 2 x 2 cells, level by level, above these bins.
+Keys expected_pyramid(const FrameOutput& out, Keys level) {
     std::uint32_t width = out.frame.bins_x, height = out.frame.bins_y;
-    Keys level = expected_bins(out, [](const ListedPoint&) { return true; });
     Keys pyramid = level;
     while (width > 1 || height > 1) {
         const std::uint32_t half_width = (width + 1) / 2, half_height = (height + 1) / 2;
@@ -41,6 +56,23 @@ Keys expected(const FrameOutput& out) {
     return pyramid;
 }
 
+struct Tally {
+    std::uint64_t exact = 0, lower = 0;  ///< bins
+};
+
+/// No bin's height is above any of its points; and where a block of points touches several bins, its least may count
+/// for all of them, but for no bin farther away.
+void expect_heights(const FrameOutput& out, Tally& tally) {
+    const Keys bins = expected_bins(out, [](const ListedPoint&) { return true; });
+    const Keys least = expected_least(out, bins), found(out.pyramid.begin(), out.pyramid.begin() + long(bins.size()));
+    for (std::size_t bin = 0; bin < bins.size(); ++bin) {
+        EXPECT_LE(found[bin], bins[bin]) << "bin " << bin;
+        EXPECT_GE(found[bin], least[bin]) << "bin " << bin;
+        if (bins[bin] != NO_KEY) ++(found[bin] == bins[bin] ? tally.exact : tally.lower);
+    }
+    EXPECT_EQ(out.pyramid, expected_pyramid(out, found));
+}
+
 constexpr gnomon::FrameGrid GRIDS[] = {{64, 3}, {1, 0}, {16, 0}, {100, 3}, {17, 1}};
 
 std::vector<LightScene> scenes() {
@@ -51,17 +83,36 @@ std::vector<LightScene> scenes() {
     return all;
 }
 
-// Not vacuous: 700 points fill most bins with several each, and the odd grids have odd levels.
+/// Points in the order of a picture's, so that blocks of them span one bin, or a few, or many.
+LightScene neighbours(const std::string& name, const Light& light, float step) {
+    LightScene scene{name, soup(10, 0.1f, 71), {}, light};
+    for (int y = 0; y < 6; ++y)
+        for (int x = 0; x < 160; ++x)
+            add(scene.points, {step * float(x), step * float((x * 7 + y * 3) % 5), step * float(y)});
+    return scene;
+}
+
+// Not vacuous: 700 points fill most bins with several each, and the odd grids have odd levels; neighbours settle
+// thousands of bins exactly, and where blocks span several bins a CPU's are lower than they must be.
 TEST(farthest_height, equals_reference) {
     const gnomon::Device device = device_with();
-    for (const LightScene& scene : scenes())
+    std::vector<LightScene> all = scenes();
+    for (const auto& [name, light] : lights_of_every_kind())
+        for (const float step : {0.003f, 0.1f}) all.push_back(neighbours(name, light, step));
+    Tally tally;
+    for (const LightScene& scene : all)
         for (const gnomon::FrameGrid grid : GRIDS) {
             SCOPED_TRACE(scene.name + ", grid of " + std::to_string(grid.size));
             StageSettings settings;
             settings.grid = grid;
-            for (const FrameOutput& out : run_light_stages(device, scene, settings))
-                EXPECT_EQ(out.pyramid, expected(out));
+            for (const FrameOutput& out : run_light_stages(device, scene, settings)) expect_heights(out, tally);
         }
+    EXPECT_GT(tally.exact, 5000u);
+    if (device.session().is_cpu()) {
+        EXPECT_GT(tally.lower, 50u);
+    } else {
+        EXPECT_EQ(tally.lower, 0u);
+    }
 }
 
 LightScene comparison_scene() {
@@ -89,11 +140,12 @@ TEST(farthest_height, shape_free) {
 TEST(farthest_height, survives_degenerates) {
     const gnomon::Device device = device_with();
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    Tally tally;
     for (const auto& [name, light] : lights_of_every_kind()) {
         SCOPED_TRACE(name);
         LightScene scene{name, soup(3, 1, 75), {nan, 0, 0, 0, -inf, 0, light[0], light[1], light[2]}, light};
         for (int i = 0; i < 50; ++i) add(scene.points, {0.01f * float(i), -3, -0.02f * float(i)});
-        for (const FrameOutput& out : run_light_stages(device, scene)) EXPECT_EQ(out.pyramid, expected(out));
+        for (const FrameOutput& out : run_light_stages(device, scene)) expect_heights(out, tally);
     }
 }
 
@@ -148,7 +200,7 @@ TEST(farthest_height, writes_only_its_own) {
                 put_canaries(session, *keys);
         stages.light_frame.run(session, out.frame, inputs.facing.frame_bounds());
         stages.farthest_height.run(session, out.frame, 0, 1, inputs.point_inputs(), stages.light_frame.projections(),
-                                   inputs.visibility.get());
+                                   inputs.facing.blocks(), inputs.visibility.get());
         stages.farthest_height.run_open_heights(session, out.frame, 1, stages.light_frame.projections(), nullptr);
     }
     const std::size_t bins = 8 * 8, cells = bins + 16 + 4 + 1, key = sizeof(std::uint32_t);
@@ -169,7 +221,7 @@ TEST(farthest_height, takes_frames_together) {
         LightStages stages;
         stages.light_frame.run(session, frame, inputs.facing.frame_bounds());
         stages.farthest_height.run(session, frame, 0, LAMP_FRAMES, inputs.point_inputs(),
-                                   stages.light_frame.projections(), inputs.visibility.get());
+                                   stages.light_frame.projections(), nullptr, inputs.visibility.get());
         StageSettings settings;
         settings.grid = grid;
         const auto single = run_light_stages(device, scene, settings);

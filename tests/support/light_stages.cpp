@@ -161,7 +161,8 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     stages.projection.reserve(session, sizeof(gnomon::Projection));
     session.write(stages.projection.get(), &out.projection, sizeof(out.projection));
     out.visibility_before = downloaded<float>(session, visibility, scene.points.count());
-    stages.farthest_height.run(session, first_frame, face, 1, points, stages.projection, visibility);
+    stages.farthest_height.run(session, first_frame, face, 1, points, stages.projection, scene.facing.blocks(),
+                               visibility);
     const Buffer* pyramid = &stages.farthest_height.pyramid();
     const Buffer* clusters = stages.clusters.run(session, stages.projection, triangles, pyramid, scene.counters);
     stages.setup.run_bounds(session, stages.projection, triangles, clusters, pyramid, scene.counters);
