@@ -223,7 +223,7 @@ std::string scatter_file(const std::string& title, const std::vector<Mark>& mark
 }
 
 std::string bars(const std::vector<Bar>& bars) {
-    constexpr double label_width = 210, row = 26, total_width = 70;
+    constexpr double row = 42, total_width = 70;  // the label stands above its bar: it may be long
     const double height = top + row * double(bars.size()) + 10;
     double longest = 0;
     for (const Bar& bar : bars) {
@@ -231,22 +231,22 @@ std::string bars(const std::vector<Bar>& bars) {
         for (const auto& part : bar.parts) sum += part.second;
         longest = std::max(longest, sum);
     }
-    const double scale = longest > 0 ? (width - label_width - total_width) / longest : 0;
+    const double scale = longest > 0 ? (width - total_width) / longest : 0;
     std::string svg = opened(height, "time per stage");
     for (std::size_t i = 0; i < bars.size(); ++i) {
         const Bar& bar = bars[i];
         const double y = top + row * double(i);
-        svg += text_at(label_width - 8, y + 14, "end", bar.label, "label");
-        double x = label_width, sum = 0;
+        svg += text_at(0, y + 10, "start", bar.label, "label");
+        double x = 0, sum = 0;
         for (std::size_t k = 0; k < bar.parts.size(); ++k) {
             const auto& [series, ms] = bar.parts[k];
-            svg += "<rect class=\"" + class_of(series) + "\" x=\"" + number(x) + "\" y=\"" + number(y) + "\" width=\"" +
-                   number(ms * scale) + "\" height=\"18\"><title>" +
+            svg += "<rect class=\"" + class_of(series) + "\" x=\"" + number(x) + "\" y=\"" + number(y + 15) +
+                   "\" width=\"" + number(ms * scale) + "\" height=\"18\"><title>" +
                    escaped(bar.part_names[k] + ": " + three_digits(ms) + " ms") + "</title></rect>\n";
             x += ms * scale;
             sum += ms;
         }
-        svg += text_at(x + 6, y + 14, "start", three_digits(sum) + " ms");
+        svg += text_at(x + 6, y + 29, "start", three_digits(sum) + " ms");
     }
     return svg + closed;
 }

@@ -92,8 +92,9 @@ std::string stage_chart(const std::vector<Comparison>& views) {
     for (const Comparison& view : views)
         for (const Row* row : view.rows) {
             if (row->stages.empty()) continue;
-            Bar bar{row->scene + " " + row->view + " " + std::to_string(row->height), {}, {}};
+            Bar bar{view_of(*row) + ", " + name_of(*row), {}, {}};
             for (const auto& [name, ms] : row->stages) {
+                if (ms == 0) continue;  // skipped: no colour for it
                 bar.parts.emplace_back(names(name), ms);
                 bar.part_names.push_back(name);
             }
