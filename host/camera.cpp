@@ -2,6 +2,7 @@
 #include "camera.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "../kernels/camera.h"
@@ -45,16 +46,33 @@ void set_row(float* row, double a, const Double3& u, double b, const Double3& v)
     row[3] = 0.0f;
 }
 
+// A pixel's side at distance 1. Pixels are square: aspect tan(fov / 2) / half the width is the same.
+double pixel_size(const Camera& camera, std::uint32_t height) {
+    return std::tan(camera.fov_y_radians / 2) / (height / 2.0);
+}
+
 constexpr std::uint32_t largest_side = 16384;
 
 Float4 float4_of_point(const Float3& p) { return {p[0], p[1], p[2], 0.0f}; }
 
 }  // namespace
 
+RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    RayAxes axes{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        axes.right[i] = std::bit_cast<std::uint64_t>(camera.right[i]);
+        axes.up[i] = std::bit_cast<std::uint64_t>(camera.up[i]);
+        axes.forward[i] = std::bit_cast<std::uint64_t>(camera.forward[i]);
+    }
+    axes.pixel = std::bit_cast<std::uint64_t>(pixel_size(camera, height));
+    axes.half_width = std::bit_cast<std::uint64_t>(width / 2.0);
+    axes.half_height = std::bit_cast<std::uint64_t>(height / 2.0);
+    return axes;
+}
+
 CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
-    const double t = std::tan(camera.fov_y_radians / 2);
     const double half_width = width / 2.0, half_height = height / 2.0;
-    const double pixel = t / half_height;  // pixels are square: aspect t / half_width is the same
+    const double pixel = pixel_size(camera, height);
 
     CameraTables tables{};
     Projection& p = tables.projection;

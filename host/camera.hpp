@@ -17,6 +17,7 @@ struct CameraTables {
     std::vector<float> rays;  ///< RAY_FLOATS per column, then per row
     PictureRays picture;      ///< through any place of the picture, whatever the offset
 };
+RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height);
 CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset = {});
 
 /// Where the points of one sample of every pixel go: from `first` on in buffers for `count` points.

@@ -7,31 +7,10 @@
 #include "../kernels/camera.h"
 #include "../kernels/claim.h"
 #include "../kernels/footprint.h"
-#include "../kernels/samples.h"
 #include "statistics.hpp"
 
 namespace gnomon {
 namespace {
-
-SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
-    SamplePattern pattern{};
-    pattern.count = static_cast<cl_uint>(offsets.size());
-    pattern.all = pattern.count == MOST_SAMPLES ? 0xFFFFFFFFu : (1u << pattern.count) - 1;
-    for (int c = 0; c < 2; ++c) {
-        pattern.low[c] = 1.0f;
-        pattern.high[c] = 0.0f;
-    }
-    for (std::size_t i = 0; i < offsets.size(); ++i) {
-        const float place[2] = {0.5f + static_cast<float>(offsets[i].x) / SAMPLE_UNITS,
-                                0.5f + static_cast<float>(offsets[i].y) / SAMPLE_UNITS};
-        for (std::size_t c = 0; c < 2; ++c) {
-            (c == 0 ? pattern.place_x : pattern.place_y)[i] = place[c];
-            pattern.low[c] = std::min(pattern.low[c], place[c]);
-            pattern.high[c] = std::max(pattern.high[c], place[c]);
-        }
-    }
-    return pattern;
-}
 
 Float4 float4_of_eye(const Camera& camera) { return {camera.eye[0], camera.eye[1], camera.eye[2], 0.0f}; }
 
@@ -57,7 +36,7 @@ public:
           pattern_buffer_(session_, sizeof(SamplePattern)),
           counters_(session_, sizeof(SampleCounters)) {
         session_.write(pattern_buffer_.get(), &pattern_, sizeof(pattern_));
-        write_rays(offsets);
+        make_rays();
     }
 
     Statistics run() {
@@ -89,15 +68,13 @@ public:
     std::uint64_t technique_memory_bytes() const { return technique_memory_bytes_; }
 
 private:
-    // One table per sample, one behind the other.
-    void write_rays(std::span<const SampleOffset> offsets) {
-        std::vector<float> rays;
-        for (const SampleOffset& offset : offsets) {
-            const CameraTables tables = camera_tables(camera_, view_.width, view_.height, offset);
-            rays.insert(rays.end(), tables.rays.begin(), tables.rays.end());
-        }
-        rays_.reserve(session_, rays.size() * sizeof(float));
-        session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
+    void make_rays() {
+        const std::size_t entries = std::size_t(pattern_.count) * (view_.width + view_.height);
+        rays_.reserve(session_, entries * RAY_FLOATS * sizeof(float));
+        cl::StageTimer timer(session_, total_, "samples_rays");
+        session_.launch("samples.cl", "samples_rays", cl::Range::items(entries),
+                        ray_axes(camera_, view_.width, view_.height), pattern_buffer_, view_.width, view_.height,
+                        rays_);
     }
 
     /// Work-groups of samples_pieces, each of which may leave some of the places that it claims unused.
@@ -308,6 +285,26 @@ private:
 };
 
 }  // namespace
+
+SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
+    SamplePattern pattern{};
+    pattern.count = static_cast<cl_uint>(offsets.size());
+    pattern.all = pattern.count == MOST_SAMPLES ? 0xFFFFFFFFu : (1u << pattern.count) - 1;
+    for (int c = 0; c < 2; ++c) {
+        pattern.low[c] = 1.0f;
+        pattern.high[c] = 0.0f;
+    }
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+        const float place[2] = {0.5f + static_cast<float>(offsets[i].x) / SAMPLE_UNITS,
+                                0.5f + static_cast<float>(offsets[i].y) / SAMPLE_UNITS};
+        for (std::size_t c = 0; c < 2; ++c) {
+            (c == 0 ? pattern.place_x : pattern.place_y)[i] = place[c];
+            pattern.low[c] = std::min(pattern.low[c], place[c]);
+            pattern.high[c] = std::max(pattern.high[c], place[c]);
+        }
+    }
+    return pattern;
+}
 
 Statistics run_settled_samples(Technique& technique, SettlesFootprints& settling, const Device& device,
                                const Triangles& triangles, const View& view, const Light& light,

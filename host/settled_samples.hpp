@@ -3,10 +3,14 @@
 // and points for the samples of the others (kernels/samples.h, kernels/samples.cl).
 #pragma once
 
+#include "../kernels/samples.h"
 #include "camera.hpp"
 #include "settle.hpp"
 
 namespace gnomon {
+
+/// As the kernels take it.
+SamplePattern pattern_of(std::span<const SampleOffset> offsets);
 
 /// As run_samples(), with about `points_at_once` points or pieces on the device, but a row of pixels at least.
 /// `technique` is the same object as `settling`.

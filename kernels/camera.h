@@ -43,4 +43,13 @@ GN_STRUCT_BEGIN(PictureRays)
     float step_y[4];
 GN_STRUCT_END(PictureRays, 48)
 
+// What the ray table is made of, doubles as bits: column x of a sample at place_x in its pixel is
+//     forward + (x + place_x - half_width) pixel right,      row y   (half_height - (y + place_y)) pixel up,
+// every operation rounded, from left to right.
+GN_STRUCT_BEGIN(RayAxes)
+    ulong right[3], up[3], forward[3];
+    ulong pixel;
+    ulong half_width, half_height;
+GN_STRUCT_END(RayAxes, 96)
+
 #endif

@@ -73,6 +73,7 @@ static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key 
 
 namespace gnomon {
 using uint = std::uint32_t;
+using ulong = std::uint64_t;
 using ushort = std::uint16_t;
 }  // namespace gnomon
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Samples: several per pixel. Contract in samples.h; for techniques that cannot settle footprints, samples_mean alone.
 //
+// samples_rays     the tables of the samples' rays
 // samples_whole    which pixels' samples lie on one receiver, with their footprints; the others are edges
 // samples_pieces   the receiver of each sample of the edges, exactly, and their pieces; on a CPU in two steps:
 // samples_seek         the receivers
@@ -35,6 +36,29 @@ __kernel void samples_mean(uint pixels, uint samples, uint is_first, float scale
         float sum = is_first ? 0.0f : mean[pixel];
         for (uint sample = 0; sample < samples; ++sample) sum += visibility[(size_t)sample * pixels + pixel];
         mean[pixel] = sum * scale;
+    }
+}
+
+// The tables of exact rays (camera.h) of all samples, one behind the other: the bits of the host's camera_tables().
+__kernel void samples_rays(RayAxes axes, __constant const SamplePattern* pattern, uint width, uint height,
+                           __global float* rays) {
+    Wide pixel = wide_of_bits(axes.pixel);
+    GN_FOR_EACH(i, pattern->count * (width + height)) {
+        uint sample = (uint)i / (width + height), entry = (uint)i % (width + height);
+        bool is_column = entry < width;
+        // Sums of small multiples of 1 / SAMPLE_UNITS: exact.
+        float place =
+            is_column ? (float)entry + pattern->place_x[sample] : (float)(entry - width) + pattern->place_y[sample];
+        Wide across = is_column ? wide_sub(wide_of_float(place), wide_of_bits(axes.half_width))
+                                : wide_sub(wide_of_bits(axes.half_height), wide_of_float(place));
+        across = wide_mul(across, pixel);
+        for (int c = 0; c < 3; ++c) {
+            Wide v = wide_mul(across, wide_of_bits(is_column ? axes.right[c] : axes.up[c]));
+            if (is_column) v = wide_add(wide_of_bits(axes.forward[c]), v);
+            float high = float_of_wide(v);
+            rays[RAY_FLOATS * i + c] = high;
+            rays[RAY_FLOATS * i + 3 + c] = float_of_wide(wide_sub(v, wide_of_float(high)));
+        }
     }
 }
 
@@ -324,7 +348,8 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
                 find_candidates(lists, start, min(start + per_round, range.y), block, &box, &group);
                 uint count = searching ? group.candidate_count : 0u;
                 for (uint c = 0; c < count; ++c)
-                    look_at_record(lists, eye, &ray, group.candidates[c], searching, &best);
+                    if (!(records[group.candidates[c]].z_high < best.low))
+                        look_at_record(lists, eye, &ray, group.candidates[c], searching, &best);
                 barrier(CLK_LOCAL_MEM_FENCE);
             }
             if (searching) group.seen[sample] = (uint)best.id;

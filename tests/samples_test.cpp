@@ -10,6 +10,7 @@
 #include <iostream>
 #include <set>
 
+#include "../host/settled_samples.hpp"
 #include "reference/predicates.hpp"
 #include "reference/visibility.hpp"
 #include "support/camera_scenes.hpp"
@@ -143,6 +144,29 @@ TEST(samples, rays_pass_through_their_places) {
                         }
                     }
             }
+}
+
+// The device makes the tables that the host would make, to the bit.
+TEST(samples, rays_of_the_device_are_the_hosts) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    for (const CameraScene& scene : scenes())
+        for (const std::uint32_t count : {4u, 32u}) {
+            const gnomon::Camera camera = scene.camera();
+            const gnomon::SamplePattern pattern = gnomon::pattern_of(gnomon::sample_pattern(count));
+            std::vector<float> expected;
+            for (const SampleOffset& offset : gnomon::sample_pattern(count)) {
+                const auto rays = gnomon::camera_tables(camera, scene.width, scene.height, offset).rays;
+                expected.insert(expected.end(), rays.begin(), rays.end());
+            }
+            const auto patterns = uploaded(session, std::vector{pattern});
+            const gnomon::cl::Buffer rays(session, expected.size() * sizeof(float));
+            session.launch("samples.cl", "samples_rays", gnomon::cl::Range::items(100),
+                           gnomon::ray_axes(camera, scene.width, scene.height), patterns, scene.width, scene.height,
+                           rays);
+            const auto seen = downloaded<float>(session, rays.get(), expected.size());
+            EXPECT_EQ(std::memcmp(seen.data(), expected.data(), expected.size() * sizeof(float)), 0) << scene.name;
+        }
 }
 
 // The receiver of each sample, by its exact ray: the pixel's where that is met, else the nearest. The point: on the
