@@ -33,7 +33,11 @@
 
 #define FOOTPRINT_SLACK 1.01f
 // Bins (or texels) per side that a footprint may span; a larger one is mixed, whatever is above it.
+#if GN_LANES == 1
+#define FOOTPRINT_SPAN 3  // a few that touch more bins would keep a GPU waiting longer than it takes to trace them
+#else
 #define FOOTPRINT_SPAN 8
+#endif
 
 typedef struct FootprintBlock {
     PointBlock u, v;

@@ -328,9 +328,14 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
             walk_footprints(lists, &projections[frame], (uint)frame * bin_count, same_frame & ~answer.shadowed, &placed,
                             ids, &answer, &doubts);
             LaneInt in_doubt = same_frame & ~answer.shadowed & LANE_COMPARE(doubts.counts, !=, (LaneInt)(0));
+#if GN_LANES == 1
+            // Tracing them is less work than the predicates' registers and waiting for the few that ask for them.
+            answer.doubted |= in_doubt;
+#else
             if (LANES_ANY(in_doubt))
                 look_at_doubts(lists, vertices + first_float, &projections[frame], ids, in_doubt, eye, light, centres,
                                &world, &placed.span, &doubts, &answer);
+#endif
         }
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(VISIBILITY_MIXED), answer.doubted);
         result = LANES_SELECT(result, (LaneFloat)(0.0f), answer.shadowed);
