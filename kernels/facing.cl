@@ -141,10 +141,6 @@ static float8 include_points(RunningBounds* bounds, LightFrame light_frame, Poin
     return span;
 }
 
-static float4 light_of(LightFrame light_frame) {
-    return (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
-}
-
 // Of each triangle 1 if points on it face away, else 0; in whole blocks.
 __kernel void triangles_away(PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count,
                              __global const float* vertices, __global LaneUchar* away,

@@ -116,6 +116,10 @@ static float unit_of_farthest(float farthest_w) {
     return farthest >= 1.0f ? ldexp(1.0f, -ilogb(farthest)) : 1.0f;
 }
 
+static float4 light_of(LightFrame light_frame) {
+    return (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+}
+
 static LaneFloat along(PointBlock v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
 
 // Where points are before scaling: grid x and y (sheared coordinates or, in perspective, ratios), and z along the

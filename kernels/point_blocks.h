@@ -16,7 +16,7 @@ static uint block_count(PointsLayout layout) { return layout.count / GN_LANES + 
 
 // The lanes of a block that hold a point.
 static LaneInt valid_lanes(PointsLayout layout, size_t block) {
-    if (layout.picture_width != 0u) return (LaneInt)(-1);
+    if (layout.picture_width != 0u) return (LaneInt)(-1);  // a picture is whole blocks (points.h)
     return LANE_COMPARE((LaneInt)((int)min(layout.count - (uint)block * GN_LANES, (uint)GN_LANES)), >, LANE_INDEX);
 }
 

@@ -31,6 +31,8 @@ static float3 load_point(__global const float* positions, PointsLayout layout, s
                     positions[at + 2 * (size_t)layout.coordinate_stride]);
 }
 
+static float3 eye_of(PointsLayout layout) { return (float3)(layout.eye[0], layout.eye[1], layout.eye[2]); }
+
 // An absent point (NaN or infinite): the sky of a view, or a caller's hole.
 static bool is_present(float3 p) { return GN_FINITE(p.x) && GN_FINITE(p.y) && GN_FINITE(p.z); }
 

@@ -107,8 +107,8 @@ static PreparedReceivers prepared_receivers(LightFrame light_frame, PointsLayout
     r.domains = domains;
     r.planes = planes;
     r.vertices = vertices;
-    r.light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
-    r.eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
+    r.light = light_of(light_frame);
+    r.eye = eye_of(layout);
     r.bound = plane_bound(as_float(*largest), r.eye);
     r.triangle_count = triangle_count;
     return r;

@@ -28,7 +28,8 @@ static ReceiverAnswer answer_of_triangles(const TriangleBlock* t, LaneInt asked,
     LaneInt side = lanes_side(t, &normals, &towards, light.w != 0.0f ? &t->a : &zero, asked, exact);
     LaneInt facing = asked & LANE_COMPARE(side, !=, (LaneInt)(0));
     if (layout.has_eye) {
-        PointBlock eye = same_point(layout.eye[0], layout.eye[1], layout.eye[2]);
+        float3 at = eye_of(layout);
+        PointBlock eye = same_point(at.x, at.y, at.z);
         facing &= LANE_COMPARE(lanes_side(t, &normals, &eye, &t->a, facing, exact), ==, side);
         answer.faces_away = asked & ~facing;
     }

@@ -154,7 +154,12 @@ static void walk_bin(SettleLists lists, __constant const Projection* projection,
                         LANE_OF_INT(blocked, lane) = -1;
             answer->shadowed |= blocked;
             possible &= ~blocked;
+#if GN_LANES == 1
+            // Tracing them is less work for a GPU than the predicates' registers and waiting for the few that ask.
+            answer->doubted |= possible;
+#else
             if (LANES_ANY(possible)) keep_doubts(doubts, slot, possible, lone_edges_of(&found));
+#endif
             lanes &= ~blocked;
             if (!LANES_ANY(lanes)) return;
         }
@@ -299,8 +304,8 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
                      __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
     SettleLists lists = {ranges, entries, records, bounds};
-    float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
-    float3 eye = (float3)(layout.eye[0], layout.eye[1], layout.eye[2]);
+    float4 light = light_of(light_frame);
+    float3 eye = eye_of(layout);
     uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
@@ -327,11 +332,8 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
             no_doubts(&doubts);
             walk_footprints(lists, &projections[frame], (uint)frame * bin_count, same_frame & ~answer.shadowed, &placed,
                             ids, &answer, &doubts);
+#if GN_LANES > 1
             LaneInt in_doubt = same_frame & ~answer.shadowed & LANE_COMPARE(doubts.counts, !=, (LaneInt)(0));
-#if GN_LANES == 1
-            // Tracing them is less work than the predicates' registers and waiting for the few that ask for them.
-            answer.doubted |= in_doubt;
-#else
             if (LANES_ANY(in_doubt))
                 look_at_doubts(lists, vertices + first_float, &projections[frame], ids, in_doubt, eye, light, centres,
                                &world, &placed.span, &doubts, &answer);

@@ -67,7 +67,7 @@ __kernel void sub_pixel_lookup(LightFrame light_frame, uint frame, PointsLayout 
                                __global const float* positions, __global const uint* receivers,
                                __global const float* vertices, __global const uint* ids, __global float* visibility,
                                __global SubPixelCounters* counters) {
-    float4 light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+    float4 light = light_of(light_frame);
     uint in_shadow = 0;
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);

@@ -28,7 +28,7 @@ static ExactPairs exact_pairs(LightFrame light_frame, PointsLayout layout, __glo
     pairs.queue = queue;
     pairs.queue_capacity = queue_capacity;
     pairs.has_receivers = layout.has_receivers;
-    pairs.light = (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
+    pairs.light = light_of(light_frame);
     pairs.counters = counters;
     return pairs;
 }

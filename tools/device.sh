@@ -5,7 +5,7 @@
 #
 #   tools/device.sh fetch [SCENES]   here: fills .device/ with Debian packages and with the scenes (*.glb, views.json)
 #                                    of the folder SCENES (default ../shared/scenes)
-#   tools/device.sh build            here, if both run Debian 12 and the other machine's time is dear: builds in
+#   tools/device.sh build            here, if this system is no newer than there and the time there is dear: builds in
 #                                    /tmp/gnomon_device and packs programs, tests and sources into .device/built.tar.xz
 #   tools/device.sh run [CTEST ARGS] there, as root: unpacks; builds with the compiler there if .device/ has nothing
 #                                    built; runs the tests and the benchmark. The log of the tests and the benchmark's

@@ -15,9 +15,15 @@
 namespace gnomon::cl {
 namespace {
 
+// Empty where it is not set.
+std::string environment(const char* variable) {
+    const char* value = std::getenv(variable);
+    return value != nullptr ? value : "";
+}
+
 std::string text_of(const std::string& file) {
     const std::string path = "kernels/" + file;
-    if (const char* directory = std::getenv("GNOMON_KERNELS_DIR"); directory != nullptr && *directory != '\0') {
+    if (const std::string directory = environment("GNOMON_KERNELS_DIR"); !directory.empty()) {
         std::ifstream stream(std::filesystem::path(directory) / file, std::ios::binary);
         if (!stream) throw Error("cannot read " + file + " in GNOMON_KERNELS_DIR (" + directory + ")");
         std::ostringstream text;
@@ -69,13 +75,9 @@ std::string hash_of(const std::string& text) {
 }
 
 std::filesystem::path cache_directory() {
-    const auto from = [](const char* variable) -> std::filesystem::path {
-        const char* value = std::getenv(variable);
-        return value != nullptr ? value : "";
-    };
-    if (auto own = from("GNOMON_CACHE_DIR"); !own.empty()) return own;
-    if (auto xdg = from("XDG_CACHE_HOME"); !xdg.empty()) return xdg / "gnomon";
-    if (auto home = from("HOME"); !home.empty()) return home / ".cache" / "gnomon";
+    if (const std::string own = environment("GNOMON_CACHE_DIR"); !own.empty()) return own;
+    if (const std::filesystem::path xdg = environment("XDG_CACHE_HOME"); !xdg.empty()) return xdg / "gnomon";
+    if (const std::filesystem::path home = environment("HOME"); !home.empty()) return home / ".cache" / "gnomon";
     return {};
 }
 
@@ -105,13 +107,13 @@ std::string Session::build_options() const {
     cl_device_fp_config config = 0;
     clGetDeviceInfo(description_.device_id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof(config), &config, nullptr);
     if (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) options += " -cl-fp32-correctly-rounded-divide-sqrt";
-    if (const char* extra = std::getenv("GNOMON_BUILD_OPTIONS")) {
+    if (const std::string extra = environment("GNOMON_BUILD_OPTIONS"); !extra.empty()) {
         for (const char* relaxing : {"fast-relaxed-math", "unsafe-math", "finite-math-only", "no-signed-zeros",
                                      "mad-enable", "denorms-are-zero"})
-            if (std::string_view(extra).find(relaxing) != std::string_view::npos)
+            if (extra.find(relaxing) != std::string::npos)
                 throw InvalidArgument(std::string("GNOMON_BUILD_OPTIONS asks for -cl-") + relaxing +
                                       ", under which no answer could be exact: remove it");
-        options += std::string(" ") + extra;
+        options += " " + extra;
     }
     return options;
 }
@@ -181,10 +183,9 @@ cl_program Session::build(const std::string& file, const std::string& source) {
         const std::string log = with_true_places(build_log(program, description_.device_id), source);
         clReleaseProgram(program);
         if (error.code() != CL_BUILD_PROGRAM_FAILURE && error.code() != CL_INVALID_BUILD_OPTIONS) throw;
-        const char* extra = std::getenv("GNOMON_BUILD_OPTIONS");
-        const bool is_extra = extra != nullptr && *extra != '\0';
+        const std::string extra = environment("GNOMON_BUILD_OPTIONS");
         throw OpenClError("compiling kernels/" + file, error.code(), log,
-                          is_extra ? "does it without GNOMON_BUILD_OPTIONS (" + std::string(extra) + ")?" : "");
+                          extra.empty() ? "" : "does it without GNOMON_BUILD_OPTIONS (" + extra + ")?");
     }
     return program;
 }
