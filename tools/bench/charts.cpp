@@ -22,8 +22,6 @@ std::string number(double value) {
     return text;
 }
 
-std::string class_of(std::size_t series) { return {'s', static_cast<char>('0' + series % 8)}; }
-
 /// A logarithmic axis that starts and ends at a 1, 2 or 5.
 class LogAxis {
 public:
@@ -192,6 +190,8 @@ std::vector<std::size_t> pareto_front(const std::vector<Mark>& marks) {
     return front;
 }
 
+std::string class_of(std::size_t series) { return std::string("s").append(std::to_string(series % colours)); }
+
 std::string scatter(const std::vector<Mark>& marks) {
     return opened(scatter_height, "run time against error") + scatter_marks(marks, pareto_front(marks)) + closed;
 }
@@ -223,7 +223,7 @@ std::string scatter_file(const std::string& title, const std::vector<Mark>& mark
 }
 
 std::string bars(const std::vector<Bar>& bars) {
-    constexpr double row = 42, total_width = 70;  // the label stands above its bar: it may be long
+    constexpr double row = 58, bar_top = 31, total_width = 70;
     const double height = top + row * double(bars.size()) + 10;
     double longest = 0;
     for (const Bar& bar : bars) {
@@ -237,16 +237,17 @@ std::string bars(const std::vector<Bar>& bars) {
         const Bar& bar = bars[i];
         const double y = top + row * double(i);
         svg += text_at(0, y + 10, "start", bar.label, "label");
+        svg += text_at(0, y + 25, "start", bar.second_label);
         double x = 0, sum = 0;
         for (std::size_t k = 0; k < bar.parts.size(); ++k) {
             const auto& [series, ms] = bar.parts[k];
-            svg += "<rect class=\"" + class_of(series) + "\" x=\"" + number(x) + "\" y=\"" + number(y + 15) +
+            svg += "<rect class=\"" + class_of(series) + "\" x=\"" + number(x) + "\" y=\"" + number(y + bar_top) +
                    "\" width=\"" + number(ms * scale) + "\" height=\"18\"><title>" +
                    escaped(bar.part_names[k] + ": " + three_digits(ms) + " ms") + "</title></rect>\n";
             x += ms * scale;
             sum += ms;
         }
-        svg += text_at(x + 6, y + 29, "start", three_digits(sum) + " ms");
+        svg += text_at(x + 6, y + bar_top + 14, "start", three_digits(sum) + " ms");
     }
     return svg + closed;
 }

@@ -13,6 +13,10 @@ std::string escaped(const std::string& text);  ///< for HTML and XML text and at
 std::string three_digits(double value);        ///< "0.0123", "12.3", "1230": three significant digits
 std::string with_spaces(double count);         ///< "12 800 000"
 
+/// A series' colour as a CSS class of the page, which has this many.
+constexpr std::size_t colours = 12;
+std::string class_of(std::size_t series);
+
 /// One technique and setting: how long it takes and how wrong it is.
 struct Mark {
     double error_share = 0, ms = 0;
@@ -26,12 +30,12 @@ std::vector<std::size_t> pareto_front(const std::vector<Mark>& marks);
 /// numbered 1, 2, ... in the order of pareto_front and joined by a line.
 std::string scatter(const std::vector<Mark>& marks);
 /// The same as an SVG file of its own, which says without tooltips what colours and numbers mean. `legend`: names of up
-/// to eight series.
+/// to `colours` series.
 std::string scatter_file(const std::string& title, const std::vector<Mark>& marks,
                          const std::vector<std::pair<std::size_t, std::string>>& legend);
 
 struct Bar {
-    std::string label;
+    std::string label, second_label;                    ///< above the bar, one below the other: they may be long
     std::vector<std::pair<std::size_t, double>> parts;  ///< series, ms
     std::vector<std::string> part_names;
 };

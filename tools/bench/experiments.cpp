@@ -97,7 +97,7 @@ std::vector<Block> techniques_and_settings(const SceneShelf& shelf, const Limits
     if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty() && limits.all_views) {
         add({sponza, "atrium_floor.noon_slant"});
         add({sponza, "atrium_floor.position"});
-        blocks.back().light = Light::positional({-100, 700, -30});
+        blocks.back().light = {"position", Light::positional({-100, 700, -30})};
     }
     add({made("city", 1'000'000, limits), "v1.sun"});
     if (limits.all_views) add({made("foliage", 1'000'000, limits), "v1.sun"});
@@ -138,7 +138,7 @@ std::vector<Block> growth_in_triangles(const SceneShelf&, const Limits& limits) 
     std::vector<Block> blocks;
     for (const char* recipe : {"city", "foliage", "pipes"})
         for (std::uint64_t count = 100'000; count <= std::min<std::uint64_t>(limits.largest_triangles, 20'000'000);
-             count *= 2)
+             count = count < 10'000'000 ? 2 * count : count + 7'200'000)  // to 12.8 and 20 million
             blocks.push_back(block_of("growth_in_triangles", {made(recipe, count, limits), "v0.sun"},
                                       within(limits, {full_hd}), {truth_configuration()}));
     return blocks;
@@ -150,6 +150,51 @@ std::vector<Block> growth_in_points(const SceneShelf& shelf, const Limits& limit
         blocks.push_back(block_of("growth_in_points", view,
                                   within(limits, {quarter_hd, hd, {1280, 720}, full_hd, uhd, uhd_8k}),
                                   {truth_configuration()}));
+    return blocks;
+}
+
+// ---- Memory ---------------------------------------------------------------------------------------------------------
+
+std::vector<Block> memory(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<SceneView> views = usual_views(shelf, limits);
+    std::ranges::copy(large_views(limits), std::back_inserter(views));
+    std::vector<Block> blocks;
+    for (const SceneView& view : views)
+        blocks.push_back(block_of("memory", view, within(limits, {uhd}), {truth_configuration()}));
+    return blocks;
+}
+
+// ---- What a scene doesn't need --------------------------------------------------------------------------------------
+
+// Each view with all its work, then the same scene where there is nothing to do: the camera sees sky alone, or the sun
+// shines from below, on no side of what is seen.
+std::vector<Block> skips(const SceneShelf& shelf, const Limits& limits) {
+    const std::string city = made("city", 6'500'000, limits);
+    const std::vector<Size> sizes = within(limits, {full_hd});
+    const SceneView usual = usual_views(shelf, limits).front();
+    std::vector<Block> blocks;
+    const auto add = [&](const SceneView& view) -> Block& {
+        Configuration moving = truth_configuration();
+        moving.mode = "moving";
+        blocks.push_back(block_of("skips", view, sizes, {truth_configuration(), moving}));
+        blocks.back().take_turns = true;
+        return blocks.back();
+    };
+    const std::string light = usual.only.substr(usual.only.find('.') + 1);
+    const auto add_sky = [&](const std::string& scene, const std::string& of_light) {
+        add({scene, "sky." + of_light}).view = {"sky", Camera::look_at({0, 1e6f, 0}, {0, 2e6f, 0}, {0, 0, 1}, 60)};
+    };
+    add(usual);
+    add_sky(usual.scene, light);
+    if (const std::string empire = shelf.in_folder("lost_empire.glb"); !empire.empty() && limits.all_views)
+        add({empire, "hillside.grazing"});
+    add({city, "v0.sun"});
+    add({city, "v0.from_below"}).light = {"from_below", Light::directional({0, 1, 0})};
+    add_sky(city, "sun");
+    add({city, "v1.sun"});
+    if (limits.all_views)
+        for (const SceneView& view : both_large_views(limits))
+            if (view.scene != city) add(view);
     return blocks;
 }
 
@@ -291,6 +336,14 @@ const std::vector<Experiment>& experiments() {
          "The same kind of scene made larger and larger, at its own view over the whole, 1920x1080.",
          growth_in_triangles},
         {"growth_in_points", "Time against points", "The same view in more and more pixels.", growth_in_points},
+        {"memory", "Memory",
+         "What the exact technique allocates on the device beside the caller's triangles, points and visibility, for "
+         "one run of one sample with nothing kept.",
+         memory},
+        {"skips", "What a scene doesn't need",
+         "What is left out and why, by the statistics of each run; views of nothing but sky, and a sun from below that "
+         "no visible side faces, stand beside the same scene with all its work. Animated and moving take turns.",
+         skips},
         {"table1", "The paper's table 1",
          "Frustum tracing without and with the conservative map, at the paper's grid sizes, then gnomon with its "
          "defaults. Foliage stands in for San Miguel and pipes for the Power Plant.",

@@ -89,7 +89,7 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
                         block.configurations.push_back({technique, parsed_settings(options.settings), mode, samples});
         block.take_turns = options.modes.size() > 1 || options.samples.size() > 1;
         if (const auto& p = options.light_position; !p.empty())
-            block.light = gnomon::Light::positional({p[0], p[1], p[2]});
+            block.light = {"position", gnomon::Light::positional({p[0], p[1], p[2]})};
         block.stages = options.stages;
         block.peers = options.peers;
         block.errors = options.errors || options.sweep || options.oracle_points != 0;

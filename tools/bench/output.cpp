@@ -123,6 +123,7 @@ Json to_json(const Row& row) {
     if (row.oracle) json["oracle"] = {{"points", row.oracle->points}, {"wrong", row.oracle->wrong}};
     for (const auto& [name, ms] : row.stages) json["stages_ms"][name] = ms;
     for (const auto& [name, count] : row.counts) json["counts"][name] = count;
+    for (const auto& [stage, why] : row.skipped) json["skipped"][stage] = why;
     return json;
 }
 
@@ -154,6 +155,7 @@ void print(const Row& row) {
     std::printf("%9.3f ms (%.3f .. %.3f)", row.total.median_ms, row.total.least_ms, row.total.most_ms);
     if (row.camera) std::printf("  camera %8.3f ms", row.camera->median_ms);
     if (row.build) std::printf("  build %9.3f ms", row.build->median_ms);
+    std::printf("  memory %.1f MB", double(row.device_memory_bytes) / 1e6);
     std::printf("  mask %s points %s  %s (%s)", row.mask_hash.c_str(), row.points_hash.c_str(), name.c_str(),
                 row.mode.c_str());
     if (row.errors) std::printf("  wrong %llu", static_cast<unsigned long long>(row.errors->wrong()));

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 std::string legend_html(const std::vector<std::pair<std::size_t, std::string>>& legend) {
     std::string html = "<ul class=\"legend\">";
     for (const auto& [series, name] : legend)
-        html += "<li><span class=\"swatch s" + std::to_string(series % 8) + "\"></span>" + escaped(name) + "</li>";
+        html += "<li><span class=\"swatch " + class_of(series) + "\"></span>" + escaped(name) + "</li>";
     return html + "</ul>\n";
 }
 
@@ -92,7 +92,7 @@ std::string stage_chart(const std::vector<Comparison>& views) {
     for (const Comparison& view : views)
         for (const Row* row : view.rows) {
             if (row->stages.empty()) continue;
-            Bar bar{view_of(*row) + ", " + name_of(*row), {}, {}};
+            Bar bar{view_of(*row), name_of(*row), {}, {}};
             for (const auto& [name, ms] : row->stages) {
                 if (ms == 0) continue;  // skipped: no colour for it
                 bar.parts.emplace_back(names(name), ms);

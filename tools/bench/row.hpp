@@ -52,6 +52,7 @@ struct Row {
     std::uint64_t device_memory_bytes = 0;
     std::vector<std::pair<std::string, double>> stages;  ///< device time by events, of profiled runs
     std::vector<std::pair<std::string, std::uint64_t>> counts;
+    std::vector<std::pair<std::string, std::string>> skipped;  ///< stages that did not run, and why
     std::string mask_hash, points_hash;
     std::optional<measure::VisibilityErrors> errors;
     std::optional<OracleVerdict> oracle;

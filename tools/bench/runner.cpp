@@ -159,6 +159,8 @@ public:
             if (!prepare_ms_.empty()) row.build = times_of(prepare_ms_);
             row.device_memory_bytes = statistics.device_memory_bytes;
             row.counts = statistics.counts;
+            for (const StageStatistics& stage : statistics.stages)
+                if (!stage.skipped.empty()) row.skipped.emplace_back(stage.name, stage.skipped);
             row.mask_hash = hash_of(std::span<const float>(mask));
             if (keeps_clusters()) row.camera = place_.time_camera(triangles_, seen_.c, {row.width, row.height});
         });
@@ -368,14 +370,19 @@ void Runner::run_case(const Block& block, const NamedScene& scene, const Case& c
 
 void Runner::run(const Block& block) {
     const NamedScene& scene = shelf_.get(block.scene);
-    std::string last_view;
+    std::vector<std::string> seen;
     for (Case c : scene.cases) {
         if (block.light) {
-            if (c.view == std::exchange(last_view, c.view)) continue;
-            c.light_name = "position";
-            c.light = *block.light;
+            c.light_name = block.light->name;
+            c.light = block.light->light;
         }
-        if ((c.view + "." + c.light_name).find(block.only) == std::string::npos) continue;
+        if (block.view) {
+            c.view = block.view->name;
+            c.camera = block.view->camera;
+        }
+        const std::string name = c.view + "." + c.light_name;
+        if (name.find(block.only) == std::string::npos || std::ranges::find(seen, name) != seen.end()) continue;
+        seen.push_back(name);
         for (const Size size : block.sizes) run_case(block, scene, c, size);
     }
 }

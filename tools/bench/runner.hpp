@@ -17,6 +17,16 @@ struct Size {
 /// "WIDTHxHEIGHT"; throws InvalidArgument.
 Size parse_size(const std::string& text);
 
+/// A light or a view of the benchmark's own.
+struct OtherLight {
+    std::string name;
+    Light light;
+};
+struct OtherView {
+    std::string name;
+    Camera camera;
+};
+
 /// What is run on one scene.
 struct Block {
     std::string experiment;
@@ -24,7 +34,8 @@ struct Block {
     std::vector<Size> sizes;
     std::vector<Configuration> configurations;
     std::string only;                             ///< only cases whose VIEW.LIGHT contains this
-    std::optional<Light> light;                   ///< in place of the scene's lights, once per view
+    std::optional<OtherLight> light;              ///< in place of the scene's lights, once per view
+    std::optional<OtherView> view;                ///< in place of the scene's views, once per light
     std::function<Settings(Size)> more_settings;  ///< added to each configuration's, by size; may be empty
     /// Runs of the configurations take turns, so that whatever else the machine does hits all alike. All are in memory
     /// at once.

@@ -142,9 +142,9 @@ Table rival_table(const std::vector<Comparison>& views) {
         "gnomon beside Embree",
         "Milliseconds, medians. Animated: everything is rebuilt in each run. Static: gnomon's light is prepared, "
         "Embree's tree built. Ratio: gnomon's time divided by the rival's; below 1 gnomon is ahead.",
-        {"view", "gnomon, animated", "Embree low build + rays", "ratio", "gnomon, static", "prepare()",
-         "Embree rays, low build", "ratio", "Embree rays, medium build", "Embree's wrong points, offset 0", "1e-6",
-         "1e-4", "1e-4, robust"},
+        {"view", "gnomon, animated", "Embree low build + rays", "ratio", "the build alone", "gnomon, static",
+         "prepare()", "Embree rays, low build", "ratio", "Embree rays, medium build", "Embree's wrong points, offset 0",
+         "1e-6", "1e-4", "1e-4, robust"},
         {}};
     for (const Comparison& view : views) {
         const Row* ours = nullptr;
@@ -155,6 +155,7 @@ Table rival_table(const std::vector<Comparison>& views) {
         const Row* both = row_with(view, "embree", "build=low rays=fast", "animated");
         line.push_back(both ? three_digits(both->total.median_ms) : "");
         line.push_back(both ? three_digits(ours->total.median_ms / both->total.median_ms) : "");
+        line.push_back(both && both->build ? three_digits(both->build->median_ms) : "");
         const Row* still = row_with(view, ours->technique, "", "static");
         const Row* low = row_with(view, "embree", "build=low rays=fast offset=0", "static");
         const Row* medium = row_with(view, "embree", "build=medium rays=fast offset=0", "static");
@@ -193,6 +194,54 @@ Table growth_table(const Rows& rows, bool in_points) {
                                            1 / std::log2(x / x_of_growth(*before, in_points))));
         table.lines.push_back({row->scene + " " + row->view, with_spaces(x), times_text(row->total), growth});
         before = row;
+    }
+    return table;
+}
+
+Table memory_table(const Rows& rows) {
+    Table table{"",
+                "Share: of the aim, 64 bytes per point (pixel) and 48 bytes per triangle.",
+                {"view", "size", "triangles", "MB", "bytes per point", "share of 64 per point + 48 per triangle"},
+                {}};
+    for (const Row* row : rows) {
+        if (!row->failed.empty()) continue;
+        const double bytes = double(row->device_memory_bytes), points = double(row->width) * row->height;
+        table.lines.push_back({row->scene + " " + row->view + "." + row->light, size_of(*row),
+                               with_spaces(double(row->triangles)), three_digits(bytes / 1e6),
+                               three_digits(bytes / points),
+                               percent(bytes / (64 * points + 48 * double(row->triangles)))});
+    }
+    return table;
+}
+
+// The first row of a scene in a mode has all its work; others are compared with it.
+Table skip_table(const Rows& rows) {
+    Table table{"",
+                "Milliseconds, medians. Of the first: this time over that of the scene's first view in the same mode. "
+                "Points: shares of all. Triangles: outside the light's frame and, of the others, behind every point "
+                "below them, shares of all; with clusters those that are dropped unread count as outside. Looked at "
+                "exactly: pairs of a point and a triangle that the filter left open, of all its tests.",
+                {"view", "mode", "ms", "of the first", "sky", "facing away", "decided by the map", "triangles outside",
+                 "behind all points", "clusters dropped", "looked at exactly", "stages that did not run"},
+                {}};
+    for (const Row* row : rows) {
+        if (!row->failed.empty()) continue;
+        const Row* first = *std::ranges::find_if(
+            rows, [&](const Row* r) { return r->failed.empty() && r->scene == row->scene && r->mode == row->mode; });
+        const auto share = [&](std::uint64_t part, const char* of) {
+            return percent(double(part) / double(std::max<std::uint64_t>(row->count(of), 1)));
+        };
+        std::string reasons;
+        for (const auto& [stage, why] : row->skipped)
+            if (stage != "clusters")  // the mode says so
+                reasons.append(reasons.empty() ? "" : "; ").append(stage).append(": ").append(why);
+        table.lines.push_back(
+            {row->scene + " " + row->view + "." + row->light, row->mode, times_text(row->total),
+             percent(row->total.median_ms / first->total.median_ms), share(row->count("points_absent"), "points"),
+             share(row->count("points_facing_away"), "points"), share(row->count("points_decided_by_map"), "points"),
+             share(row->count("triangles_outside"), "triangles"), share(row->count("triangles_hidden"), "triangles"),
+             share(row->count("clusters_outside") + row->count("clusters_too_far"), "clusters"),
+             share(row->count("uncertain_pairs"), "tests"), reasons});
     }
     return table;
 }
@@ -408,6 +457,10 @@ std::vector<Table> tables_of(std::span<const Row> rows, const std::string& exper
         tables = {rival_table(views), stage_table(ours)};
     } else if (experiment.starts_with("growth")) {
         tables = {growth_table(ours, experiment == "growth_in_points")};
+    } else if (experiment == "memory") {
+        tables = {memory_table(ours)};
+    } else if (experiment == "skips") {
+        tables = {skip_table(ours)};
     } else if (experiment == "auto") {
         tables = {map_table(views)};
     } else if (experiment == "samples") {
