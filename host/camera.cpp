@@ -70,12 +70,11 @@ RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height
     return axes;
 }
 
-CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
+Projection camera_projection(const Camera& camera, std::uint32_t width, std::uint32_t height) {
     const double half_width = width / 2.0, half_height = height / 2.0;
     const double pixel = pixel_size(camera, height);
 
-    CameraTables tables{};
-    Projection& p = tables.projection;
+    Projection p{};
     std::copy(camera.eye.begin(), camera.eye.end(), p.center);
     std::copy(camera.eye.begin(), camera.eye.end(), p.light);
     p.light[3] = 1.0f;
@@ -98,44 +97,59 @@ CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint3
     p.perspective = 1;
     p.active_points = 1;
     p.z_scale = 1.0f;
+    return p;
+}
 
+PictureRays picture_rays(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    const double half_width = width / 2.0, half_height = height / 2.0;
+    const double pixel = pixel_size(camera, height);
+    PictureRays picture{};
     for (int i = 0; i < 3; ++i) {
-        tables.picture.corner[i] = static_cast<float>(camera.forward[i] - half_width * pixel * camera.right[i] +
-                                                      half_height * pixel * camera.up[i]);
-        tables.picture.step_x[i] = static_cast<float>(pixel * camera.right[i]);
-        tables.picture.step_y[i] = static_cast<float>(-pixel * camera.up[i]);
+        picture.corner[i] = static_cast<float>(camera.forward[i] - half_width * pixel * camera.right[i] +
+                                               half_height * pixel * camera.up[i]);
+        picture.step_x[i] = static_cast<float>(pixel * camera.right[i]);
+        picture.step_y[i] = static_cast<float>(-pixel * camera.up[i]);
     }
+    return picture;
+}
 
+std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
+    const double half_width = width / 2.0, half_height = height / 2.0;
+    const double pixel = pixel_size(camera, height);
     // Exact: sums of small multiples of 1 / SAMPLE_UNITS.
     const double sample_x = 0.5 + double(offset.x) / SAMPLE_UNITS, sample_y = 0.5 + double(offset.y) / SAMPLE_UNITS;
-    tables.rays.reserve((std::size_t(width) + height) * RAY_FLOATS);
+    std::vector<float> rays;
+    rays.reserve((std::size_t(width) + height) * RAY_FLOATS);
     for (std::uint32_t x = 0; x < width; ++x) {
         Double3 column;
         for (int i = 0; i < 3; ++i)
             column[i] = camera.forward[i] + (x + sample_x - half_width) * pixel * camera.right[i];
-        append_split(tables.rays, column);
+        append_split(rays, column);
     }
     for (std::uint32_t y = 0; y < height; ++y) {
         Double3 row;
         for (int i = 0; i < 3; ++i) row[i] = (half_height - (y + sample_y)) * pixel * camera.up[i];
-        append_split(tables.rays, row);
+        append_split(rays, row);
     }
-    return tables;
+    return rays;
 }
 
-CameraStage::CameraStage(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
-                         std::uint32_t height)
-    : session_(device.session()),
-      triangles_(triangle_inputs(triangles)),
-      camera_(camera),
-      width_(width),
-      height_(height),
-      projection_(session_, sizeof(Projection)),
-      rays_(session_, (std::size_t(width) + height) * RAY_FLOATS * sizeof(float)),
-      counters_(session_, sizeof(FrameCounters)) {
-    const CameraTables tables = camera_tables(camera, width, height);
-    session_.write(projection_.get(), &tables.projection, sizeof(tables.projection));
-    picture_ = tables.picture;
+CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
+    return {camera_projection(camera, width, height), camera_rays(camera, width, height, offset),
+            picture_rays(camera, width, height)};
+}
+
+void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    triangles_ = triangle_inputs(triangles);
+    camera_ = camera;
+    width_ = width;
+    height_ = height;
+    picture_ = picture_rays(camera, width, height);
+    fitted_ = false;
+    projection_.reserve(session_, sizeof(Projection));
+    counters_.reserve(session_, sizeof(FrameCounters));
+    const Projection projection = camera_projection(camera, width, height);
+    session_.write(projection_.get(), &projection, sizeof(projection));
 }
 
 void CameraStage::make_lists(Statistics& statistics) {
@@ -187,7 +201,8 @@ void CameraStage::find_receivers(SampleOffset offset, cl_mem pixel_receivers, co
 }
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
-    const std::vector<float> rays = camera_tables(camera_, width_, height_, offset).rays;
+    const std::vector<float> rays = camera_rays(camera_, width_, height_, offset);
+    rays_.reserve(session_, rays.size() * sizeof(float));
     session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
     if (triangles_.count == 0) {
         session_.fill(out.receivers, no_receiver, out.count * sizeof(cl_uint));
@@ -221,8 +236,9 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     View view;
     view.width = width;
     view.height = height;
-    CameraStage(device, triangles, camera, width, height)
-        .run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
+    CameraStage stage(device);
+    stage.aim(triangles, camera, width, height);
+    stage.run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
     view.points = Points(shared_buffer(device, std::move(positions)), {0, 1, pixels}, pixels,
                          shared_buffer(device, std::move(visible)));
     view.points.set_camera(camera, width, height);

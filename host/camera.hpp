@@ -18,6 +18,9 @@ struct CameraTables {
     PictureRays picture;      ///< through any place of the picture, whatever the offset
 };
 RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height);
+Projection camera_projection(const Camera& camera, std::uint32_t width, std::uint32_t height);
+PictureRays picture_rays(const Camera& camera, std::uint32_t width, std::uint32_t height);
+std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset);
 CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset = {});
 
 /// Where the points of one sample of every pixel go: from `first` on in buffers for `count` points.
@@ -30,8 +33,9 @@ struct PointSlice {
 /// A camera over a scene: its lists of triangles per tile are made once and serve every sample.
 class CameraStage {
 public:
-    CameraStage(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
-                std::uint32_t height);
+    explicit CameraStage(const Device& device) : session_(device.session()) {}
+    /// What it looks at from now on, as often as there is something new: the lists keep their room.
+    void aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
     /// Writes receivers and points of the sample at `offset` in every pixel. A sample whose ray meets the receiver of
     /// its pixel takes that one; with pixel_receivers null, and otherwise, the nearest. Adds to `statistics`.
     void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
@@ -51,9 +55,9 @@ private:
     void make_lists(Statistics& statistics);
 
     cl::Session& session_;
-    TriangleInputs triangles_;
+    TriangleInputs triangles_{};
     Camera camera_;
-    std::uint32_t width_, height_;
+    std::uint32_t width_ = 0, height_ = 0;
     PictureRays picture_{};
     cl::Buffer projection_, rays_, counters_;
     ClusterCull clusters_;

@@ -79,7 +79,8 @@ Statistics run_every_sample(Technique* technique, const Device& device, const Tr
     const std::size_t pixels = view.points.count();
     const Camera& camera = view.points.camera()->camera;
     const std::size_t batch = std::clamp<std::size_t>(points_at_once / pixels, 1, pattern.size());
-    CameraStage stage(device, triangles, camera, view.width, view.height);
+    CameraStage stage(device);
+    stage.aim(triangles, camera, view.width, view.height);
     const cl::Buffer positions(session, batch * pixels * 3 * sizeof(float)),
         receivers(session, batch * pixels * sizeof(cl_uint));
     const Visibility visibility(device, batch * pixels);

@@ -10,7 +10,28 @@
 #include "statistics.hpp"
 
 namespace gnomon {
+
+class SampleBuffers {
+public:
+    explicit SampleBuffers(const Device& theirs) : device(theirs), camera(theirs) {}
+
+    Device device;  ///< lives as long as the buffers
+    CameraStage camera;
+    cl::Buffer pattern, counters, rays;
+    cl::Buffer edges, seen, extra_pixels, receivers, masks, lit, mixed;  ///< of a batch of pixels
+    cl::Buffer centres, footprints, answers;                             ///< of its pieces
+    cl::Buffer places, sample_receivers, positions, visibility;          ///< of samples that are traced
+    std::size_t extra_expected = 0;
+    std::uint64_t bytes_of_runs = 0;       ///< what runs left on the device, here and in the technique
+    std::uint64_t bytes_of_technique = 0;  ///< of these, in the technique
+};
+
 namespace {
+
+SampleBuffers& buffers_of(SettlesFootprints& settling, const Device& device) {
+    if (settling.sample_buffers == nullptr) settling.sample_buffers = std::make_unique<SampleBuffers>(device);
+    return *settling.sample_buffers;
+}
 
 Float4 float4_of_eye(const Camera& camera) { return {camera.eye[0], camera.eye[1], camera.eye[2], 0.0f}; }
 
@@ -32,26 +53,28 @@ public:
           camera_(view.points.camera()->camera),
           eye_(float4_of_eye(camera_)),
           pattern_(pattern_of(offsets)),
-          camera_stage_(device, triangles, camera_, view.width, view.height),
-          pattern_buffer_(session_, sizeof(SamplePattern)),
-          counters_(session_, sizeof(SampleCounters)) {
-        session_.write(pattern_buffer_.get(), &pattern_, sizeof(pattern_));
+          kept_(buffers_of(settling, device)),
+          memory_(session_, kept_.bytes_of_runs) {
+        kept_.camera.aim(triangles, camera_, view.width, view.height);
+        kept_.pattern.reserve(session_, sizeof(SamplePattern));
+        kept_.counters.reserve(session_, sizeof(SampleCounters));
+        session_.write(kept_.pattern.get(), &pattern_, sizeof(pattern_));
         make_rays();
     }
 
     Statistics run() {
         Statistics camera;
-        camera_stage_.fit_lists(camera);
+        kept_.camera.fit_lists(camera);
         add_stages(total_, camera);
-        const std::uint32_t bands = camera_stage_.tiles_y();
+        const std::uint32_t bands = kept_.camera.tiles_y();
         std::uint32_t at_once =
             static_cast<std::uint32_t>(std::clamp<std::size_t>(points_at_once_ / 2 / pixels_of_bands(1), 1, bands));
         for (std::uint32_t first = 0; first < bands;) {
             set_batch(first, std::min(at_once, bands - first));
             if (!make_pieces()) {
                 // More receivers in a pixel than expected: room for them, or fewer pixels at a time.
-                extra_expected_ = counted_.extra + counted_.extra / 4;
-                if (batch_.count + extra_expected_ > points_at_once_) at_once = std::max(batch_.bands / 2, 1u);
+                kept_.extra_expected = counted_.extra + counted_.extra / 4;
+                if (batch_.count + kept_.extra_expected > points_at_once_) at_once = std::max(batch_.bands / 2, 1u);
                 continue;
             }
             bound();
@@ -65,16 +88,18 @@ public:
         return std::move(total_);
     }
 
-    std::uint64_t technique_memory_bytes() const { return technique_memory_bytes_; }
+    std::uint64_t device_memory_bytes() const {
+        return memory_.peak_bytes() - kept_.bytes_of_technique + technique_memory_bytes_;
+    }
 
 private:
     void make_rays() {
         const std::size_t entries = std::size_t(pattern_.count) * (view_.width + view_.height);
-        rays_.reserve(session_, entries * RAY_FLOATS * sizeof(float));
+        kept_.rays.reserve(session_, entries * RAY_FLOATS * sizeof(float));
         cl::StageTimer timer(session_, total_, "samples_rays");
         session_.launch("samples.cl", "samples_rays", cl::Range::items(entries),
-                        ray_axes(camera_, view_.width, view_.height), pattern_buffer_, view_.width, view_.height,
-                        rays_);
+                        ray_axes(camera_, view_.width, view_.height), kept_.pattern, view_.width, view_.height,
+                        kept_.rays);
     }
 
     /// Work-groups of samples_pieces, each of which may leave some of the places that it claims unused.
@@ -95,23 +120,24 @@ private:
 
     void set_batch(std::uint32_t first_band, std::uint32_t bands) {
         const std::size_t first = pixels_of_bands(first_band), count = pixels_of_bands(first_band + bands) - first;
-        const std::size_t extra = std::min(std::max(extra_expected_, count / 2 + 64), points_at_once_);
+        const std::size_t extra = std::min(std::max(kept_.extra_expected, count / 2 + 64), points_at_once_);
         const std::size_t unused = session_.is_cpu() ? unused_places() : pieces_range(count).count * PIECES_CLAIM;
         extra_capacity_ = static_cast<cl_uint>(extra + unused);
         const std::size_t most_pieces = count + extra_capacity_;
-        batch_ = {cl_uint(first),          cl_uint(count), view_.width,         view_.height,
-                  camera_stage_.tiles_x(), bands,          cl_uint(most_pieces)};
-        edges_.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
-        lit_.reserve(session_, count * sizeof(cl_uint));
-        extra_pixels_.reserve(session_, extra_capacity_ * sizeof(cl_uint));
-        for (cl::Buffer* buffer : {&receivers_, &masks_}) buffer->reserve(session_, most_pieces * sizeof(cl_uint));
-        centres_.reserve(session_, 3 * most_pieces * sizeof(float));
-        footprints_.reserve(session_, FOOTPRINT_FLOATS * most_pieces * sizeof(float));
-        session_.fill(counters_, 0, sizeof(SampleCounters));
+        batch_ = {cl_uint(first),         cl_uint(count), view_.width,         view_.height,
+                  kept_.camera.tiles_x(), bands,          cl_uint(most_pieces)};
+        kept_.edges.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
+        kept_.lit.reserve(session_, count * sizeof(cl_uint));
+        kept_.extra_pixels.reserve(session_, extra_capacity_ * sizeof(cl_uint));
+        for (cl::Buffer* buffer : {&kept_.receivers, &kept_.masks})
+            buffer->reserve(session_, most_pieces * sizeof(cl_uint));
+        kept_.centres.reserve(session_, 3 * most_pieces * sizeof(float));
+        kept_.footprints.reserve(session_, FOOTPRINT_FLOATS * most_pieces * sizeof(float));
+        session_.fill(kept_.counters, 0, sizeof(SampleCounters));
         counted_ = {};
     }
 
-    void read_counters() { counted_ = session_.read_value<SampleCounters>(counters_); }
+    void read_counters() { counted_ = session_.read_value<SampleCounters>(kept_.counters); }
 
     /// False if there are more pieces than places.
     bool make_pieces() {
@@ -119,19 +145,19 @@ private:
         {
             cl::StageTimer timer(session_, total_, "samples_whole");
             session_.launch("samples.cl", "samples_whole", cl::Range::items(count / session_.lanes() + 1),
-                            camera_stage_.picture(), pattern_buffer_, batch_, eye_, inputs_.first_float,
-                            inputs_.vertices, view_.points.receivers(), camera_stage_.bins().ranges(), receivers_,
-                            masks_, lit_, edges_, centres_, footprints_, counters_);
+                            kept_.camera.picture(), kept_.pattern, batch_, eye_, inputs_.first_float, inputs_.vertices,
+                            view_.points.receivers(), kept_.camera.bins().ranges(), kept_.receivers, kept_.masks,
+                            kept_.lit, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
         }
         read_counters();
         if (!session_.is_cpu()) {
             cl::StageTimer timer(session_, total_, "samples_seek");
-            session_.launch("samples.cl", "samples_pieces", pieces_range(counted_.edges), camera_stage_.projection(),
-                            camera_stage_.picture(), pattern_buffer_, batch_, counted_.edges, extra_capacity_,
-                            inputs_.first_float, inputs_.vertices, rays_, camera_stage_.setup().records(),
-                            camera_stage_.setup().bounds(), camera_stage_.bins().ranges(),
-                            camera_stage_.bins().entries(), view_.points.receivers(), edges_, extra_pixels_, receivers_,
-                            masks_, lit_, counters_);
+            session_.launch("samples.cl", "samples_pieces", pieces_range(counted_.edges), kept_.camera.projection(),
+                            kept_.camera.picture(), kept_.pattern, batch_, counted_.edges, extra_capacity_,
+                            inputs_.first_float, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
+                            kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
+                            view_.points.receivers(), kept_.edges, kept_.extra_pixels, kept_.receivers, kept_.masks,
+                            kept_.lit, kept_.counters);
         } else {
             seek_in_parts();
         }
@@ -141,7 +167,7 @@ private:
 
     void seek_in_parts() {
         const std::size_t part = points_at_once_ / pattern_.count;
-        seen_.reserve(session_, std::min<std::size_t>(part, counted_.edges) * pattern_.count * sizeof(cl_uint));
+        kept_.seen.reserve(session_, std::min<std::size_t>(part, counted_.edges) * pattern_.count * sizeof(cl_uint));
         for (std::size_t first = 0; first < counted_.edges; first += part)
             seek(static_cast<cl_uint>(first), static_cast<cl_uint>(std::min(part, counted_.edges - first)));
     }
@@ -149,41 +175,43 @@ private:
     void seek(cl_uint first, cl_uint count) {
         cl::StageTimer timer(session_, total_, "samples_seek");
         session_.launch("samples.cl", "samples_seek", cl::Range::items(std::size_t(count) * pattern_.count),
-                        camera_stage_.projection(), camera_stage_.picture(), pattern_buffer_, batch_, first, count,
-                        inputs_.first_float, inputs_.vertices, rays_, camera_stage_.setup().records(),
-                        camera_stage_.setup().bounds(), camera_stage_.bins().ranges(), camera_stage_.bins().entries(),
-                        view_.points.receivers(), edges_, seen_);
-        session_.launch("samples.cl", "samples_group", cl::Range::items(count), pattern_buffer_, batch_, first, count,
-                        extra_capacity_, view_.points.receivers(), edges_, seen_, extra_pixels_, receivers_, masks_,
-                        lit_, counters_);
+                        kept_.camera.projection(), kept_.camera.picture(), kept_.pattern, batch_, first, count,
+                        inputs_.first_float, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
+                        kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
+                        view_.points.receivers(), kept_.edges, kept_.seen);
+        session_.launch("samples.cl", "samples_group", cl::Range::items(count), kept_.pattern, batch_, first, count,
+                        extra_capacity_, view_.points.receivers(), kept_.edges, kept_.seen, kept_.extra_pixels,
+                        kept_.receivers, kept_.masks, kept_.lit, kept_.counters);
     }
 
     void bound() {
         const std::size_t count = std::size_t(counted_.edges) + counted_.extra;
         cl::StageTimer timer(session_, total_, "samples_bound");
         session_.launch("samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1),
-                        camera_stage_.picture(), pattern_buffer_, batch_, counted_.edges, counted_.extra, eye_,
-                        inputs_.first_float, inputs_.vertices, edges_, extra_pixels_, receivers_, masks_, centres_,
-                        footprints_);
+                        kept_.camera.picture(), kept_.pattern, batch_, counted_.edges, counted_.extra, eye_,
+                        inputs_.first_float, inputs_.vertices, kept_.edges, kept_.extra_pixels, kept_.receivers,
+                        kept_.masks, kept_.centres, kept_.footprints);
     }
 
     std::size_t piece_count() const { return std::size_t(batch_.count) + counted_.extra; }
 
     void settle() {
         const std::size_t count = piece_count();
-        answers_.reserve(session_, count * sizeof(float));
-        Points centres = Points::wrap(device_, centres_.get(), {0, 1, batch_.places}, count, receivers_.get());
+        kept_.answers.reserve(session_, count * sizeof(float));
+        Points centres =
+            Points::wrap(device_, kept_.centres.get(), {0, 1, batch_.places}, count, kept_.receivers.get());
         centres.set_eye(camera_.eye);
-        add_run(settling_.settle(triangles_, centres, footprints_, light_, Visibility(device_, answers_.get(), count)));
+        const Visibility answers(device_, kept_.answers.get(), count);
+        add_run([&] { return settling_.settle(triangles_, centres, kept_.footprints, light_, answers); });
     }
 
     void sort() {
         const std::size_t count = piece_count();
-        mixed_.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
+        kept_.mixed.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
         {
             cl::StageTimer timer(session_, total_, "samples_sort");
             session_.launch("samples.cl", "samples_sort", cl::Range::items(count), batch_, cl_uint(count),
-                            extra_pixels_, masks_, answers_, lit_, mixed_, counters_);
+                            kept_.extra_pixels, kept_.masks, kept_.answers, kept_.lit, kept_.mixed, kept_.counters);
         }
         read_counters();
         sum_.edges += batch_.count - counted_.whole;
@@ -205,40 +233,47 @@ private:
 
     void trace_part(cl_uint first, cl_uint count) {
         const std::size_t most = std::min<std::size_t>(counted_.mixed_samples, points_at_once_);
-        places_.reserve(session_, most * 2 * sizeof(cl_uint));
-        sample_receivers_.reserve(session_, most * sizeof(cl_uint));
-        session_.fill(counters_, 0, sizeof(SampleCounters));
+        kept_.places.reserve(session_, most * 2 * sizeof(cl_uint));
+        kept_.sample_receivers.reserve(session_, most * sizeof(cl_uint));
+        session_.fill(kept_.counters, 0, sizeof(SampleCounters));
         SampleCounters placed;
         {
             cl::StageTimer timer(session_, total_, "samples_points");
-            session_.launch("samples.cl", "samples_place", cl::Range::items(count), batch_, first, count, extra_pixels_,
-                            receivers_, masks_, mixed_, places_, sample_receivers_, counters_);
-            session_.read(counters_.get(), &placed, sizeof(placed));
+            session_.launch("samples.cl", "samples_place", cl::Range::items(count), batch_, first, count,
+                            kept_.extra_pixels, kept_.receivers, kept_.masks, kept_.mixed, kept_.places,
+                            kept_.sample_receivers, kept_.counters);
+            session_.read(kept_.counters.get(), &placed, sizeof(placed));
         }
         const std::size_t points = placed.placed;
         if (points == 0) return;
-        positions_.reserve(session_, 3 * points * sizeof(float));
-        visibility_.reserve(session_, points * sizeof(float));
+        kept_.positions.reserve(session_, 3 * points * sizeof(float));
+        kept_.visibility.reserve(session_, points * sizeof(float));
         {
             cl::StageTimer timer(session_, total_, "samples_points");
             session_.launch("samples.cl", "samples_points", cl::Range::items(points), batch_, cl_uint(points), eye_,
-                            inputs_.first_float, inputs_.vertices, rays_, places_, sample_receivers_, positions_);
+                            inputs_.first_float, inputs_.vertices, kept_.rays, kept_.places, kept_.sample_receivers,
+                            kept_.positions);
         }
-        Points samples = Points::wrap(device_, positions_.get(), {0, 1, points}, points, sample_receivers_.get());
+        Points samples =
+            Points::wrap(device_, kept_.positions.get(), {0, 1, points}, points, kept_.sample_receivers.get());
         samples.set_eye(camera_.eye);
-        add_run(technique_.run(triangles_, samples, light_, Visibility(device_, visibility_.get(), points)));
+        const Visibility visibility(device_, kept_.visibility.get(), points);
+        add_run([&] { return technique_.run(triangles_, samples, light_, visibility); });
         cl::StageTimer timer(session_, total_, "samples_mean");
-        session_.launch("samples.cl", "samples_count", cl::Range::items(points), cl_uint(points), places_, visibility_,
-                        lit_);
+        session_.launch("samples.cl", "samples_count", cl::Range::items(points), cl_uint(points), kept_.places,
+                        kept_.visibility, kept_.lit);
     }
 
     void write_mean() {
         cl::StageTimer timer(session_, total_, "samples_mean");
         session_.launch("samples.cl", "samples_mean_of_sums", cl::Range::items(batch_.count), batch_,
-                        1.0f / static_cast<float>(pattern_.count), lit_, mean_.buffer());
+                        1.0f / static_cast<float>(pattern_.count), kept_.lit, mean_.buffer());
     }
 
-    void add_run(const Statistics& run) {
+    template <typename Run>
+    void add_run(Run&& run_technique) {
+        const cl::RunMemory memory(session_, kept_.bytes_of_technique);
+        const Statistics run = run_technique();
         add_stages(total_, run);
         technique_memory_bytes_ = std::max(technique_memory_bytes_, run.device_memory_bytes);
     }
@@ -267,7 +302,8 @@ private:
     Camera camera_;
     Float4 eye_;
     SamplePattern pattern_;
-    CameraStage camera_stage_;
+    SampleBuffers& kept_;
+    const cl::RunMemory memory_;
     PixelBatch batch_{};
     SampleCounters counted_{};
     struct {
@@ -275,16 +311,13 @@ private:
     } sum_{};
     Statistics total_;
     std::uint64_t technique_memory_bytes_ = 0;
-    std::size_t extra_expected_ = 0;
     cl_uint extra_capacity_ = 0;
-
-    cl::Buffer pattern_buffer_, counters_, rays_;
-    cl::Buffer edges_, seen_, extra_pixels_, receivers_, masks_, lit_, mixed_;  ///< of a batch of pixels
-    cl::Buffer centres_, footprints_, answers_;                                 ///< of its pieces
-    cl::Buffer places_, sample_receivers_, positions_, visibility_;             ///< of samples that are traced
 };
 
 }  // namespace
+
+SettlesFootprints::SettlesFootprints() = default;
+SettlesFootprints::~SettlesFootprints() = default;
 
 SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     SamplePattern pattern{};
@@ -310,11 +343,9 @@ Statistics run_settled_samples(Technique& technique, SettlesFootprints& settling
                                const Triangles& triangles, const View& view, const Light& light,
                                std::span<const SampleOffset> offsets, const Visibility& mean,
                                std::size_t points_at_once) {
-    cl::Session& session = device.session();
-    const std::uint64_t before = session.memory_bytes();
     SettledSamples samples(technique, settling, device, triangles, view, light, offsets, mean, points_at_once);
     Statistics total = samples.run();
-    total.device_memory_bytes = session.memory_bytes() - before + samples.technique_memory_bytes();
+    total.device_memory_bytes = samples.device_memory_bytes();
     return total;
 }
 

@@ -57,19 +57,20 @@ std::unique_ptr<gnomon::Technique> made(const gnomon::TechniqueDescription& desc
 /// All that comes back to the host.
 struct Bits {
     Floats seen, scattered;  ///< visibility of the view, and of points that belong to no view
+    Floats mean;             ///< of several samples per pixel
     std::vector<std::uint8_t> picture;
     gnomon::ViewOnHost view;
-    std::uint64_t run_bytes = 0;  ///< the memory that the runs say they needed
+    std::uint64_t run_bytes = 0, samples_bytes = 0;  ///< the memory that the runs say they needed
 
-    /// run_bytes aside: the first run may need more, while its lists grow.
+    /// Bytes aside: the first run may need more, while its lists grow.
     bool operator==(const Bits& other) const {
-        return seen == other.seen && scattered == other.scattered && picture == other.picture &&
+        return seen == other.seen && scattered == other.scattered && mean == other.mean && picture == other.picture &&
                view.position == other.view.position && view.normal == other.view.normal &&
                view.receiver == other.view.receiver;
     }
 };
 
-Bits frame(const Device& device, gnomon::Technique& technique, const Light& light, bool takes_any_points) {
+Bits frame(const Device& device, gnomon::Technique& technique, const Light& light, bool is_for_anything) {
     auto triangles = gnomon::Triangles::upload(device, vertices());
     triangles.keep_clusters(device);
     const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 40);
@@ -78,12 +79,15 @@ Bits frame(const Device& device, gnomon::Technique& technique, const Light& ligh
     Bits bits;
     bits.run_bytes = technique.run(triangles, view.points, light, visibility).device_memory_bytes;
     bits.seen = visibility.read();
-    if (takes_any_points) {
+    if (is_for_anything) {
         const auto points = gnomon::Points::upload(device, support::random_points(scattered_count, -1, 1, 7),
                                                    std::vector<std::uint32_t>(scattered_count, gnomon::no_receiver));
         const gnomon::Visibility scattered(device, points.count());
         technique.run(triangles, points, light, scattered);
         bits.scattered = scattered.read();
+        const gnomon::Visibility mean(device, view.points.count());
+        bits.samples_bytes = run_samples(technique, device, triangles, view, light, 4, mean).device_memory_bytes;
+        bits.mean = mean.read();
     }
     gnomon::Materials materials{std::vector<std::uint32_t>(triangles.count(), 0), {{1, 0.5f, 0.25f}}};
     bits.picture = shade(device, triangles, view, visibility, materials, light);
@@ -127,16 +131,16 @@ class EveryCall : public testing::TestWithParam<Case> {};
 TEST_P(EveryCall, FailsOnceWithAClearErrorAndNothingIsLost) {
     const auto& [description, has_lamp] = GetParam();
     const Light light = has_lamp ? Light::positional({0.1f, 1.5f, 0.2f}) : Light::directional({0.2f, -1, 0.1f});
-    const bool takes_any_points = description.name == "frustum-traced";
+    const bool is_for_anything = description.name == "frustum-traced";
     const Device device;
     gnomon::cl::Session& session = device.session();
     auto technique = made(description, device, Lists::roomy);
-    const Bits wanted = frame(device, *technique, light, takes_any_points);
+    const Bits wanted = frame(device, *technique, light, is_for_anything);
     const std::uint64_t kept = device.memory_bytes();
 
     std::size_t calls = 0;
     session.inject_faults([&](std::string_view) { return ++calls, CL_SUCCESS; });
-    const Bits again = frame(device, *technique, light, takes_any_points);
+    const Bits again = frame(device, *technique, light, is_for_anything);
     ASSERT_EQ(again, wanted);
     ASSERT_GT(calls, 20u);
 
@@ -151,15 +155,16 @@ TEST_P(EveryCall, FailsOnceWithAClearErrorAndNothingIsLost) {
             return code;
         });
         try {
-            frame(device, *technique, light, takes_any_points);
+            frame(device, *technique, light, is_for_anything);
             ADD_FAILURE() << "nothing was thrown where this failed: " << failed;
         } catch (const gnomon::OpenClError& error) {
             expect_documented(error, code, failed);
         }
         session.inject_faults(nullptr);
-        const Bits after = frame(device, *technique, light, takes_any_points);
+        const Bits after = frame(device, *technique, light, is_for_anything);
         ASSERT_EQ(after, wanted) << "after a failure of: " << failed;
         ASSERT_EQ(after.run_bytes, again.run_bytes) << "after a failure of: " << failed;
+        ASSERT_EQ(after.samples_bytes, again.samples_bytes) << "after a failure of: " << failed;
         ASSERT_EQ(device.memory_bytes(), kept) << "after a failure of: " << failed;
     }
     technique.reset();
