@@ -101,7 +101,8 @@ std::string Session::source_of(const std::string& file) const {
 }
 
 std::string Session::build_options() const {
-    std::string options = "-cl-std=CL1.2 -D GN_LANES=" + std::to_string(lanes());
+    // No warnings: PoCL's compiler would print their number, of its own headers' too, to whatever terminal there is.
+    std::string options = "-cl-std=CL1.2 -w -D GN_LANES=" + std::to_string(lanes());
     if (is_cpu_) options += " -D GN_CPU";
     if (has_fp64_) options += " -D GN_FP64";
     cl_device_fp_config config = 0;
