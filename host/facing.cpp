@@ -34,7 +34,7 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
                  const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
-    session.fill(frame_bounds_, 0, bytes);
+    session.fill({{frame_bounds_, 0, bytes}, {counters, 0, sizeof(FrameCounters)}});
     const bool asks = asks_triangles(triangles, points);
     if (asks) {
         const std::size_t blocks = triangles.count / session.lanes() + 1;

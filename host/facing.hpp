@@ -9,7 +9,8 @@ namespace gnomon {
 
 class Facing {
 public:
-    /// Writes every point's visibility, frame_bounds(), and the points' counts in `counters`.
+    /// Writes every point's visibility, frame_bounds(), and the points' counts in `counters` (FrameCounters, zeroed
+    /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame

@@ -40,8 +40,7 @@ void FarthestHeight::run(cl::Session& session, const LightFrame& light_frame, cl
     const std::size_t bin_bytes = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y * sizeof(cl_uint);
     pyramid_.reserve(session, levels.back().first * sizeof(cl_uint));
     doubtful_.reserve(session, bin_bytes);
-    session.fill(pyramid_, 0xFFFFFFFFu, bin_bytes);
-    session.fill(doubtful_, 0xFFFFFFFFu, bin_bytes);
+    session.fill({{pyramid_, 0xFFFFFFFFu, bin_bytes}, {doubtful_, 0xFFFFFFFFu, bin_bytes}});
     session.launch("farthest_height.cl", "farthest_height", cl::Range::items(points.layout.count / session.lanes() + 1),
                    light_frame, first_frame, frame_count, points.layout, projections,
                    cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), points.positions,
@@ -57,18 +56,18 @@ void FarthestHeight::fill_for_points_anywhere(cl::Session& session, const LightF
     const std::size_t bin_bytes = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y * sizeof(cl_uint);
     pyramid_.reserve(session, bytes);
     doubtful_.reserve(session, bin_bytes);
-    session.fill(pyramid_, key_of_minus_infinity, bytes);
-    session.fill(doubtful_, 0xFFFFFFFFu, bin_bytes);
+    session.fill({{pyramid_, key_of_minus_infinity, bytes}, {doubtful_, 0xFFFFFFFFu, bin_bytes}});
 }
 
 void FarthestHeight::run_open_heights(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                                       const cl::Buffer& projections, const cl::Buffer* map) {
+    knows_map_ = map != nullptr;
+    if (!knows_map_) return;
     const std::size_t bins = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y;
     const std::vector<Level> levels = pyramid_levels(light_frame, frame_count);
     open_heights_.reserve(session, levels.back().first * sizeof(cl_uint));
-    const cl_uint has_map = map != nullptr;
-    session.launch("farthest_height.cl", "open_heights", cl::Range::items(bins), frame_count, projections, has_map,
-                   map != nullptr ? *map : pyramid_, pyramid_, doubtful_, open_heights_);
+    session.launch("farthest_height.cl", "open_heights", cl::Range::items(bins), frame_count, projections, *map,
+                   pyramid_, doubtful_, open_heights_);
     reduce(session, levels, frame_count, open_heights_);
 }
 

@@ -19,13 +19,15 @@ public:
     const cl::Buffer& pyramid() const { return pyramid_; }
     const cl::Buffer& doubtful() const { return doubtful_; }  ///< per bin, of doubtful points alone
 
-    /// After the map (null: none): per bin a height below which no point needs a list of triangles; a pyramid too.
+    /// After the map (null: none, and then it is pyramid()): per bin a height below which no point needs a list of
+    /// triangles; a pyramid too.
     void run_open_heights(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                           const cl::Buffer& projections, const cl::Buffer* map);
-    const cl::Buffer& open_heights() const { return open_heights_; }
+    const cl::Buffer& open_heights() const { return knows_map_ ? open_heights_ : pyramid_; }
 
 private:
     cl::Buffer pyramid_, doubtful_, open_heights_;
+    bool knows_map_ = false;  ///< open_heights_ has been made
 };
 
 }  // namespace gnomon

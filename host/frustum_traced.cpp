@@ -43,7 +43,8 @@ struct FrustumTraced::Run {
     std::uint64_t tests = 0;
     std::uint64_t frames = 0, grown = 0;
     FrameCounters facing{};
-    std::uint64_t strays = 0;  ///< points that a prepared light was of no use for
+    bool counts_facing = false;  ///< what facing counted is still to be read, with what the frame counts
+    std::uint64_t strays = 0;    ///< points that a prepared light was of no use for
 };
 
 namespace {
@@ -107,7 +108,6 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     cl::Session& session = run.session;
     Statistics& statistics = run.statistics;
     const LightFrame& light_frame = run.light_frame;
-    clear(session, counters_);
     const cl::Buffer* map = lists_.run(session, statistics, light_frame, frames_.projection(), run.triangles,
                                        list_settings(run.points), farthest_height_, counters_);
     const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
@@ -137,6 +137,8 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     if (decisions_)
         decisions_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     FrameCounters counted = session.read_value<FrameCounters>(counters_);
+    if (run.counts_facing) run.facing = counted;
+    run.counts_facing = false;
     if (!lists_.fitted(session, counted)) return {};
     if (run.points.footprints != nullptr) return counted;
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
@@ -151,8 +153,17 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
 
 void FrustumTraced::run_frame(Run& run, cl_uint frame) {
     ++run.frames;
+    if (!run.counts_facing) clear(run.session, counters_);
+    {
+        cl::StageTimer timer(run.session, run.statistics, "farthest_height");
+        farthest_height_.run(run.session, run.light_frame, frame, 1, run.points, frames_.projection(), frames_.blocks(),
+                             run.visibility);
+    }
     std::optional<FrameCounters> counted;
-    while (!(counted = run_frame_once(run, frame))) ++run.grown;
+    while (!(counted = run_frame_once(run, frame))) {
+        ++run.grown;
+        clear(run.session, counters_);
+    }
     add(run, *counted);
 }
 
@@ -195,20 +206,29 @@ bool FrustumTraced::run_prepared(Run& run) {
     return true;
 }
 
+// Of a direction's frame on a GPU: nothing is read back before its end, since a wait there takes as long as a stage.
+// (On a CPU it costs nothing, and where no point is open the rest need not run.)
+void FrustumTraced::run_one_frame(Run& run) {
+    frames_.fit_one(run.session, run.statistics, run.light_frame, run.triangles, run.points, run.visibility, counters_);
+    if (decisions_) decisions_->facing(run.session, run.points, run.visibility);
+    const std::size_t stages = run.statistics.stages.size();
+    run.counts_facing = true;
+    run_frame(run, 0);
+    const bool has_open_points = run.facing.absent + run.facing.facing_away < run.points.layout.count;
+    if (has_open_points) return;
+    run.frames = 0;
+    run.statistics.stages.resize(stages);
+}
+
 void FrustumTraced::run_unprepared(Run& run) {
     cl::Session& session = run.session;
+    if (frame_count_of(run.light_frame) == 1 && run.triangles.count != 0 && !session.is_cpu())
+        return run_one_frame(run);
     run.facing = frames_.decide_facing(session, run.statistics, run.light_frame, run.triangles, run.points,
                                        run.visibility, counters_);
     if (decisions_) decisions_->facing(session, run.points, run.visibility);
     if (run.triangles.count == 0) return;
-    frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) {
-        {
-            cl::StageTimer timer(session, run.statistics, "farthest_height");
-            farthest_height_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), frames_.blocks(),
-                                 run.visibility);
-        }
-        run_frame(run, frame);
-    });
+    frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) { run_frame(run, frame); });
 }
 
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,

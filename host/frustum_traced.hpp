@@ -40,6 +40,7 @@ private:
     ListSettings list_settings(const PointInputs& points) const;
     bool run_prepared(Run& run);
     void run_unprepared(Run& run);
+    void run_one_frame(Run& run);
     void run_frame(Run& run, cl_uint frame);
     static void add(Run& run, const FrameCounters& counted);
     /// Nothing if a list was too short, which is longer now.

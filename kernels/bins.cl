@@ -74,6 +74,7 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
                          uint pair_capacity, __global const TriangleRecord* records, __global const uint2* tiles,
                          __global const uint* heights, __global uint* counts, __global Pair* pairs,
                          __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
+    __local uint sum;
     uint tile_count = min(counters->tiles, tile_capacity);
 #ifdef GN_CPU
     PairList list = {projection, heights, counts, pairs, &counters->pairs, has_heights, pair_capacity, 0u, no_claim()};
@@ -119,7 +120,7 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 #endif
-    if (found != 0) atomic_add(&counters->references, found);
+    add_in_group(found, &sum, &counters->references);
 }
 
 // Bins that one work-item takes at a time.

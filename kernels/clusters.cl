@@ -4,6 +4,7 @@
 // unless it lies behind the light or outside the grid, or is farther from the light than every point it could cover. A
 // box is the hull of its eight corners, and what a hull does not cover its triangles do not cover (hull_bounds.h).
 #include "clusters.h"
+#include "group_scan.h"
 #include "hull_bounds.h"
 
 // ---- Boxes ----------------------------------------------------------------------------------------------------------
@@ -139,9 +140,10 @@ static LaneInt boxes_that_matter(__global const ClusterBoxes* boxes, LaneInt lan
 __kernel void cull_clusters(__constant const Projection* projection, uint triangle_count, uint cluster_count,
                             uint has_pyramid, __global const ClusterBoxes* boxes, __global const uint* pyramid,
                             __global uint* listed, __global FrameCounters* counters) {
+    __local uint sum;
     uint outside = 0, too_far = 0, triangles_outside = 0, triangles_not_finite = 0;
-    if (projection->active_points == 0u) return;
-    GN_FOR_EACH(block, (cluster_count + GN_LANES - 1u) / GN_LANES) {
+    uint blocks = projection->active_points == 0u ? 0u : (cluster_count + GN_LANES - 1u) / GN_LANES;
+    GN_FOR_EACH(block, blocks) {
         LaneInt clusters = (LaneInt)((int)block * GN_LANES) + LANE_INDEX;
         LaneInt present = LANE_COMPARE(boxes[block].low[0], <=, boxes[block].high[0]);
         LaneInt far, matter = boxes_that_matter(&boxes[block], present, projection, pyramid, has_pyramid != 0u, &far);
@@ -161,8 +163,8 @@ __kernel void cull_clusters(__constant const Projection* projection, uint triang
             }
         }
     }
-    if (outside != 0) atomic_add(&counters->clusters_outside, outside);
-    if (too_far != 0) atomic_add(&counters->clusters_too_far, too_far);
-    if (triangles_not_finite != 0) atomic_add(&counters->not_finite, triangles_not_finite);
-    if (triangles_outside != 0) atomic_add(&counters->outside, triangles_outside);
+    add_in_group(outside, &sum, &counters->clusters_outside);
+    add_in_group(too_far, &sum, &counters->clusters_too_far);
+    add_in_group(triangles_not_finite, &sum, &counters->not_finite);
+    add_in_group(triangles_outside, &sum, &counters->outside);
 }

@@ -80,6 +80,7 @@ __kernel void conservative_map_draw(__constant const Projection* projection, uin
                                     __global const TriangleRecord* records, __global const uint2* tiles,
                                     __global const uint* heights, volatile __global uint* map,
                                     __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
+    __local uint sum;
     uint count = min(counters->map_tiles, tile_capacity), written = 0;
 #ifdef GN_CPU
     GN_FOR_EACH(i, count) {
@@ -102,7 +103,7 @@ __kernel void conservative_map_draw(__constant const Projection* projection, uin
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 #endif
-    if (written != 0) atomic_add(&counters->map_texels, written);
+    add_in_group(written, &sum, &counters->map_texels);
 }
 
 // One work-item, before anything is drawn: is a map worth its while? It answers whole neighbourhoods of points at once,

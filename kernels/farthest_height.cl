@@ -126,14 +126,13 @@ __kernel void farthest_height_reduce(uint frame_count, uint width, uint height, 
 
 // Per bin a height below which no point needs a list of triangles: the map decides what is below its texel, so beside
 // the farthest point the lowest height of the bin's texels counts; but doubtful points need a list wherever they are.
-__kernel void open_heights(uint frame_count, __constant const Projection* projections, uint has_map,
-                           __global const uint* map, __global const uint* pyramid, __global const uint* doubtful,
-                           __global uint* heights) {
+__kernel void open_heights(uint frame_count, __constant const Projection* projections, __global const uint* map,
+                           __global const uint* pyramid, __global const uint* doubtful, __global uint* heights) {
     uint bins_x = projections->bins_x, bins_y = projections->bins_y;
     uint width = projections->width, height = projections->height, size = 1u << projections->bin_log2;
     GN_FOR_EACH(i, frame_count * bins_x * bins_y) {
         uint bin = (uint)i % (bins_x * bins_y), frame = (uint)i / (bins_x * bins_y);
-        bool is_seen = has_map && !projections[frame].map_unseen;
+        bool is_seen = !projections[frame].map_unseen;
         uint lowest_cover = is_seen ? 0xFFFFFFFFu : 0u;
         if (is_seen) {
             uint x0 = bin % bins_x * size, y0 = bin / bins_x * size;

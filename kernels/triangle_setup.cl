@@ -323,12 +323,13 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
                               __global const uint* clusters, __global const uint* pyramid,
                               __global TriangleBounds* bounds, __global uint* map_candidates,
                               __global FrameCounters* counters) {
+    __local uint sum;
     uint survivor_count = 0, candidate_count = 0, finite_count = 0, looked_at = 0;
-    if (projection->active_points == 0u) return;
     Claim slots = no_claim(), candidates = no_claim();
     LaneFloat expected = (LaneFloat)(0.0f);
     uint blocks = (triangle_count + GN_LANES - 1u) / GN_LANES;
     if (has_clusters) blocks = counters->clusters_listed * BLOCKS_OF_CLUSTER;
+    if (projection->active_points == 0u) blocks = 0u;
     GN_FOR_EACH(i, blocks) {
         uint block = (uint)i;
         if (has_clusters) block = clusters[block / BLOCKS_OF_CLUSTER] * BLOCKS_OF_CLUSTER + block % BLOCKS_OF_CLUSTER;
@@ -366,8 +367,8 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
     for (; candidates.next < min(candidates.end, capacity); ++candidates.next)
         map_candidates[candidates.next] = GN_NO_ID;
     uint not_finite = looked_at - finite_count, outside = finite_count - survivor_count;
-    if (survivor_count != 0) atomic_add(&counters->survivors, survivor_count);
-    if (candidate_count != 0) atomic_add(&counters->map_candidates, candidate_count);
+    add_in_group(survivor_count, &sum, &counters->survivors);
+    add_in_group(candidate_count, &sum, &counters->map_candidates);
 #ifdef GN_CPU
     // Cut off at what is enough, here and where the others have counted as much, so that no sum overflows.
     uint enough = texels_worth_a_map(projection->width, projection->height);
@@ -375,8 +376,8 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
     volatile __global uint* counted = &counters->map_expected;
     if (texels != 0 && GN_LOOK(counted) < enough) atomic_add(counted, min(texels, enough));
 #endif
-    if (not_finite != 0) atomic_add(&counters->not_finite, not_finite);
-    if (outside != 0) atomic_add(&counters->outside, outside);
+    add_in_group(not_finite, &sum, &counters->not_finite);
+    add_in_group(outside, &sum, &counters->outside);
 }
 
 // ---- Records --------------------------------------------------------------------------------------------------------
@@ -599,6 +600,7 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
                              __global TriangleRecord* records, __global const uint* map_candidates,
                              __global uint2* tiles, __global FrameCounters* counters, __local uint* ends,
                              __local uint4* ranges, __local uint* slots) {
+    __local uint sum;
     TileWork work;
     work.projection = projection;
     work.vertices = vertices + first_float;
@@ -661,7 +663,7 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 #endif
-    if (work.edge_on != 0) atomic_add(&counters->edge_on, work.edge_on);
-    if (work.exact != 0) atomic_add(&counters->setup_exact, work.exact);
-    if (work.hidden != 0) atomic_add(for_map ? &counters->map_hidden : &counters->hidden, work.hidden);
+    add_in_group(work.edge_on, &sum, &counters->edge_on);
+    add_in_group(work.exact, &sum, &counters->setup_exact);
+    add_in_group(work.hidden, &sum, for_map ? &counters->map_hidden : &counters->hidden);
 }

@@ -201,7 +201,9 @@ TEST(farthest_height, writes_only_its_own) {
         stages.light_frame.run(session, out.frame, inputs.facing.frame_bounds());
         stages.farthest_height.run(session, out.frame, 0, 1, inputs.point_inputs(), stages.light_frame.projections(),
                                    inputs.facing.blocks(), inputs.visibility.get());
-        stages.farthest_height.run_open_heights(session, out.frame, 1, stages.light_frame.projections(), nullptr);
+        const gnomon::cl::Buffer map(session, std::size_t(grid.size) * grid.size * sizeof(std::uint32_t));
+        session.fill(map, 0, map.bytes());
+        stages.farthest_height.run_open_heights(session, out.frame, 1, stages.light_frame.projections(), &map);
     }
     const std::size_t bins = 8 * 8, cells = bins + 16 + 4 + 1, key = sizeof(std::uint32_t);
     expect_canaries(session, stages.farthest_height.pyramid(), cells * key, "pyramid");

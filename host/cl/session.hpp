@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <initializer_list>
 #include <type_traits>
 #include <unordered_map>
 
@@ -45,6 +46,13 @@ private:
 
 /// A kernel argument: so many bytes of local memory.
 struct LocalBytes {
+    std::size_t bytes;
+};
+
+/// So many bytes of a buffer, word by word.
+struct Fill {
+    const Buffer& buffer;
+    std::uint32_t word;
     std::size_t bytes;
 };
 
@@ -103,6 +111,8 @@ public:
     }
 
     void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes);
+    /// Several buffers, from one to four, which a GPU fills by one launch.
+    void fill(std::initializer_list<Fill> fills);
     /// From byte `from_first` of one buffer to byte `to_first` of another.
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     void write(cl_mem buffer, const void* data, std::size_t bytes);
