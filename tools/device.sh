@@ -11,6 +11,8 @@
 #                                    built; runs the tests and the benchmark. The log of the tests and the benchmark's
 #                                    rows go to $OUT, if that is set. `run --parallel 8` took 3 minutes for the tests
 #                                    on an H200; alone, one after the other, time limits mean more.
+#   tools/device.sh bench [ARGS]     there: unpacks and runs the benchmark alone, with ARGS in place of everything
+#                                    (such as: --experiment table1 --full)
 #
 # The command gnomon needs OpenImageIO and stays behind; the library, scene loader, tests and tools come along.
 set -euo pipefail
@@ -69,12 +71,13 @@ compile() {
 build() {
     mkdir -p .device
     compile -D CMAKE_DISABLE_FIND_PACKAGE_embree=ON  # its library is not there
-    # What runs, and what tells ctest of it.
+    # What runs, and what tells ctest of it. Whole or not at all: half an archive would be taken for one.
     find "$work/build/tests" "$work/build/tools" -type f -executable -not -name '*.sh' -exec strip {} +
     find "$work/src" "$work/build/tests" "$work/build/tools" -type f \
         -not -path '*/CMakeFiles/*' -not -name '*.a' -not -path '*_cache/*' -print0 |
-        tar --null --files-from - --absolute-names -C / -cJf .device/built.tar.xz \
+        tar --null --files-from - --absolute-names -C / -cJf .device/built.part \
             "$work/build/CTestTestfile.cmake" "$work"/build/host
+    mv .device/built.part .device/built.tar.xz
     check_size
 }
 
@@ -93,8 +96,10 @@ unpack() {
     fi
 }
 
-run() {
-    local out=${OUT:-/tmp/out} status=0
+out=${OUT:-/tmp/out}
+
+# Everything in its place, and the environment of what runs.
+make_ready() {
     mkdir -p "$out"
     [ -d .device ] || { echo "There is no .device/ here: run tools/device.sh fetch where the network is" >&2; exit 1; }
     unpack
@@ -108,19 +113,35 @@ run() {
     else
         compile
     fi
+}
+
+# With the scenes that travelled, wherever an experiment wants them.
+bench() {
+    "$work/build/tools/bench" --scenes-folder .device/scenes "$@"
+}
+
+bench_alone() {
+    make_ready
+    bench "$@" --json "$out/bench.json" --csv "$out/bench.csv" --html "$out/bench.html" --markdown "$out/bench.md"
+}
+
+run() {
+    local status=0
+    make_ready
     ctest --test-dir "$work/build" --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
     # Every view of the scenes with its hash and stages, then the benchmark's page and the paper's tables.
-    "$work/build/tools/bench" .device/scenes/*.glb --views .device/scenes/views.json --size 1920x1080 --size 3840x2160 \
-        --stages --json "$out/views.json" | tee "$out/bench.txt" || status=$?
-    "$work/build/tools/bench" --experiment all --full --scenes-folder .device/scenes --seconds 1 --json "$out/bench.json" \
-        --csv "$out/bench.csv" --html "$out/bench.html" --markdown "$out/bench.md" | tee -a "$out/bench.txt" || status=$?
+    bench .device/scenes/*.glb --size 1920x1080 --size 3840x2160 --stages --json "$out/views.json" |
+        tee "$out/bench.txt" || status=$?
+    bench --experiment all --full --seconds 1 --json "$out/bench.json" --csv "$out/bench.csv" --html "$out/bench.html" \
+        --markdown "$out/bench.md" | tee -a "$out/bench.txt" || status=$?
     return $status
 }
 
 case ${1:-} in
     fetch | build | run) "$@" ;;
+    bench) bench_alone "${@:2}" ;;
     *)
-        echo "usage: $0 fetch [SCENES] | build | run [CTEST ARGUMENTS]" >&2
+        echo "usage: $0 fetch [SCENES] | build | run [CTEST ARGUMENTS] | bench [BENCH ARGUMENTS]" >&2
         exit 2
         ;;
 esac
