@@ -126,7 +126,7 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     } else {
         cl::StageTimer timer(session, statistics, "trace");
         trace_.run(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
-                   run.visibility, counters_);
+                   frames_.blocks(), run.visibility, counters_);
     }
     if (decisions_)
         decisions_->trace(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility);
@@ -144,8 +144,8 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
         if (decisions_) decisions_->second_look(session, light_frame, frame, run.points, run.visibility);
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
-                   run.visibility, counters_, Trace::Look::second);
+        trace_.run_again(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
+                         run.visibility, counters_);
         counted = session.read_value<FrameCounters>(counters_);
     }
     return counted;
@@ -193,8 +193,8 @@ bool FrustumTraced::run_prepared(Run& run) {
     if (counted.strays != 0) return false;
     if (!trace_.fitted(session, run.points, counted)) {
         cl::StageTimer timer(session, run.statistics, "trace");
-        trace_.run(session, light_frame, 0, frame_count, run.triangles, run.points, prepared_->projections(),
-                   prepared_->map(), prepared_->lists(), run.visibility, counters_, Trace::Look::second);
+        trace_.run_again(session, light_frame, 0, frame_count, run.triangles, run.points, prepared_->projections(),
+                         prepared_->map(), prepared_->lists(), run.visibility, counters_);
         counted = session.read_value<FrameCounters>(counters_);
     }
     run.frames = frame_count;

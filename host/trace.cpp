@@ -28,11 +28,17 @@ void Trace::launch(cl::Session& session, const char* file, const char* name, con
 
 void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
                 const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-                const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters,
-                Look look) {
-    const bool first = look == Look::first;
-    launch(session, first ? "trace.cl" : "trace_again.cl", first ? "trace" : "trace_again", light_frame, first_frame,
-           frame_count, triangles, points, projections, map, lists, visibility, counters);
+                const cl::Buffer* map, const ListBuffers& lists, const cl::Buffer* blocks, cl_mem visibility,
+                const cl::Buffer& counters) {
+    launch(session, "trace.cl", "trace", light_frame, first_frame, frame_count, triangles, points, projections, map,
+           lists, visibility, counters, cl_uint(blocks != nullptr), blocks != nullptr ? *blocks : projections);
+}
+
+void Trace::run_again(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
+                      const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
+                      const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters) {
+    launch(session, "trace_again.cl", "trace_again", light_frame, first_frame, frame_count, triangles, points,
+           projections, map, lists, visibility, counters);
 }
 
 void Trace::run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

@@ -22,16 +22,18 @@ inline ListBuffers list_buffers(const Bins& bins, const TriangleSetup& setup) {
 
 class Trace {
 public:
-    /// The first look queues undecided pairs and leaves points open whose pairs find no room; the second, only needed
-    /// then, decides theirs in place.
-    enum class Look { first, second };
-
-    /// Of the frames from `first_frame` on, whose projections (and bins, and maps) lie one behind the other. `map` may
-    /// be null: no coarse test.
+    /// The first look: queues undecided pairs and leaves points open whose pairs find no room; the second, only needed
+    /// then, decides theirs in place. Of the frames from `first_frame` on, whose projections (and bins, and maps) lie
+    /// one behind the other. `map` may be null: no coarse test. `blocks` are what facing says of the points, of one
+    /// frame alone; it may be null.
     void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
              const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-             const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters,
-             Look look = Look::first);
+             const cl::Buffer* map, const ListBuffers& lists, const cl::Buffer* blocks, cl_mem visibility,
+             const cl::Buffer& counters);
+    /// The second look.
+    void run_again(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
+                   const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
+                   const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters);
     /// The first look under a prepared light, of all its frames: decides facing too. Counts strays; all points are
     /// decided if there are none. `by_planes`: of lifted points, and strays are also those whose facing the planes of
     /// their receivers leave undecided.

@@ -4,7 +4,7 @@
 #ifndef GN_COARSE_TEST_H
 #define GN_COARSE_TEST_H
 
-#include "light_frame.h"
+#include "block_bounds.h"
 
 // The heights of the points' texels, in order (lanes_in_order). `map` is that of the frame.
 static LaneInt covers_of(__constant const Projection* projection, PointBlock places, __global const uint* map) {
@@ -24,6 +24,31 @@ static LaneInt lanes_below_map(__constant const Projection* projection, PointBlo
     lanes &= ~doubtful_lanes(state);
     if (!map_is_seen(projection)) return (LaneInt)(0);
     return lanes & LANE_COMPARE(lanes_in_order(places.z), <, covers_of(projection, places, map));
+}
+
+// What the map says of a block's points by its bounds alone. Each point's texel is one of the box's, and its height
+// between the box's: where the greatest is below all these covers every point is below its own, and where the least is
+// below none, no point is.
+#define MAP_MAY_HIDE 0u  // nothing
+#define MAP_HIDES_ALL 1u
+#define MAP_HIDES_NONE 2u
+#define BLOCK_TEXELS 16u  // a block that spans more is left to its points
+
+static uint map_hides(const BlockGrid* grid, __constant const Projection* projection, __global const BlockBounds* block,
+                      __global const uint* map) {
+    if (grid->indistinct || block->frame == BLOCK_IN_FRAMES) return MAP_MAY_HIDE;
+    BlockBox box = block_box(grid, projection, block);
+    if ((box.x1 - box.x0 + 1u) * (box.y1 - box.y0 + 1u) > BLOCK_TEXELS) return MAP_MAY_HIDE;
+    uint least = 0xFFFFFFFFu, greatest = 0u;
+    for (uint y = box.y0; y <= box.y1; ++y)
+        for (uint x = box.x0; x <= box.x1; ++x) {
+            uint cover = map[y * projection->width + x];
+            least = min(least, cover);
+            greatest = max(greatest, cover);
+        }
+    // As floats, since a box may say -0 of points at 0. A texel that nothing covers has 0: NaN, above nothing.
+    if (greatest == 0u || box.z0 >= key_to_float(greatest)) return MAP_HIDES_NONE;
+    return !(block->flags & BLOCK_DOUBTFUL) && box.z1 < key_to_float(least) ? MAP_HIDES_ALL : MAP_MAY_HIDE;
 }
 
 #endif

@@ -4,4 +4,5 @@
 #define TRACE_IN_PLACE 0
 #define TRACE_FACES 1
 #define TRACE_BY_PLANES 0
+#define TRACE_BLOCKS 0
 #include "trace_points.h"

@@ -3,4 +3,5 @@
 #define TRACE_KERNEL trace
 #define TRACE_IN_PLACE 0
 #define TRACE_FACES 0
+#define TRACE_BLOCKS 1
 #include "trace_points.h"

@@ -3,4 +3,5 @@
 #define TRACE_KERNEL trace_again
 #define TRACE_IN_PLACE 1
 #define TRACE_FACES 0
+#define TRACE_BLOCKS 0
 #include "trace_points.h"

@@ -11,6 +11,8 @@
 // Under a prepared light (TRACE_FACES) all points are looked at, and facing is decided on the way: reading points and
 // writing visibility once is most of what such a run costs.
 //
+// After facing on a CPU (TRACE_BLOCKS), blocks that the map hides are settled by their bounds, without their points.
+//
 // Of a prepared light's lists, triangles below the map are missing that only a doubtful point below the map could need.
 // Such a point is a stray, unless a listed triangle blocks it.
 #ifndef GN_TRACE_POINTS_H
@@ -19,6 +21,7 @@
 #include "bin_lists.h"
 #include "coarse_test.h"
 #include "trace.h"
+#define TRACE_BY_BLOCKS (TRACE_BLOCKS && GN_LANES > 1)
 #if TRACE_FACES
 #include "prepared_facing.h"
 #endif
@@ -55,7 +58,7 @@ static void add_counts(const uint* found, __global FrameCounters* counters) {
 }
 
 #if TRACE_FACES
-#define TRACE_PREPARED_ARGUMENTS                                                                  \
+#define TRACE_MORE_ARGUMENTS                                                                      \
     , uint triangle_count, __global const PreparedDomain *domains, __global const float4 *planes, \
         __global const uint *largest_coordinate
 
@@ -64,8 +67,10 @@ static LaneFloat state_of_points(const PreparedFacing* facing) {
     state = LANES_SELECT(state, (LaneFloat)(VISIBILITY_OPEN), facing->open);
     return LANES_SELECT(state, (LaneFloat)(VISIBILITY_DOUBTFUL), facing->open & facing->doubtful);
 }
+#elif TRACE_BLOCKS
+#define TRACE_MORE_ARGUMENTS , uint has_blocks, __global const BlockBounds *block_bounds
 #else
-#define TRACE_PREPARED_ARGUMENTS
+#define TRACE_MORE_ARGUMENTS
 #endif
 
 // The square and the least height that some lanes of a block span.
@@ -98,7 +103,31 @@ typedef struct BlockPoints {
     PointBlock at;
     PointsLayout layout;
     size_t block;
+#if GN_LANES > 1
+    LaneInt receivers;
+#endif
 } BlockPoints;
+
+static BlockPoints load_points(__global const float* positions, __global const uint* receivers, PointsLayout layout,
+                               size_t block) {
+    BlockPoints points;
+    points.at = load_block(positions, layout, block);
+    points.layout = layout;
+    points.block = block;
+#if GN_LANES > 1
+    if (layout.has_receivers) points.receivers = load_lane_ids(receivers, layout, block);
+#endif
+    return points;
+}
+
+// On a GPU only where they are asked for: most points never ask.
+static LaneInt receivers_of(const ExactPairs* pairs, const BlockPoints* points) {
+#if GN_LANES > 1
+    return points->receivers;
+#else
+    return load_lane_ids(pairs->receivers, points->layout, points->block);
+#endif
+}
 
 // What the filter left open, of points that the triangle may block. Returns those that need no more triangles.
 static LaneInt settle_open(const ExactPairs* pairs, LaneInt open, const BlockPoints* points, uint id,
@@ -122,8 +151,7 @@ static LaneInt settle_open(const ExactPairs* pairs, LaneInt open, const BlockPoi
 static LaneInt settle(const ExactPairs* pairs, FilterAnswer found, const BlockPoints* points, uint id,
                       BlockAnswer* answer) {
     LaneInt others = (LaneInt)(-1);
-    if (pairs->has_receivers)
-        others = LANE_COMPARE(load_lane_ids(pairs->receivers, points->layout, points->block), !=, (LaneInt)((int)id));
+    if (pairs->has_receivers) others = LANE_COMPARE(receivers_of(pairs, points), !=, (LaneInt)((int)id));
     LaneInt settled = found.certain & others, open = found.possible & others & ~settled;
     answer->shadowed |= settled;
     if (LANES_ANY(open)) settled |= settle_open(pairs, open, points, id, answer);
@@ -231,8 +259,10 @@ static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, Trac
                 answer);
 }
 #else
-static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, TraceLists lists, LaneInt lane_frames,
-                        LaneInt left, LaneFloat state, const BlockPoints* points, BlockAnswer* answer) {
+// `asks_map`: false if there is none, or it hides none of these points.
+static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, TraceLists lists, bool asks_map,
+                        LaneInt lane_frames, LaneInt left, LaneFloat state, const BlockPoints* points,
+                        BlockAnswer* answer) {
     uint tests = 0;
     while (LANES_ANY(left)) {
         int frame = LANE_OF_INT(lane_frames, first_lane(left));
@@ -240,7 +270,7 @@ static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, Trac
         left &= ~same_frame;
         __constant const Projection* projection = &frames->projections[frame];
         PointBlock places = project_points(projection, points->at);
-        if (frames->has_map) {
+        if (asks_map) {
             __global const uint* map = frames->map + (size_t)frame * frames->texel_count;
             LaneInt below = lanes_below_map(projection, places, state, same_frame, map);
             answer->shadowed |= below;
@@ -270,7 +300,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
                            __global const float* vertices, __global const uint* map, __global const uint2* ranges,
                            __global const BinEntries* entries, __global const TriangleRecord* records,
                            __global const TriangleBounds* bounds, __global float* visibility, __global uint2* queue,
-                           __global FrameCounters* counters TRACE_PREPARED_ARGUMENTS) {
+                           __global FrameCounters* counters TRACE_MORE_ARGUMENTS) {
     // After an overflow upstream there is nothing to do: the host will grow the lists and run again. No return: every
     // item must come to the barriers, also as far as a compiler can tell (PoCL 3.1 makes code that crashes).
     uint blocks = counters->references == GN_NO_LISTS ? 0u : block_count(layout);
@@ -290,6 +320,10 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
                           has_map,
                           light_frame.bins_x * light_frame.bins_y,
                           light_frame.width * light_frame.height};
+#if TRACE_BY_BLOCKS
+    BlockGrid grid = block_grid(light_frame, projections, first_frame);
+    bool sees_map = has_map && map_is_seen(projections);
+#endif
     ulong tests = 0;
     LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
             minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
@@ -301,7 +335,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
 #endif
     GN_FOR_EACH(block, blocks) {
 #if TRACE_FACES
-        BlockPoints points = {load_block(positions, layout, block), layout, block};
+        BlockPoints points = load_points(positions, receivers, layout, block);
         LaneInt lane_frames = frames_of(light_frame, points.at) - (int)first_frame;
 #if GN_LANES == 1
         PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
@@ -318,10 +352,25 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
             continue;
         }
 #else
+#if TRACE_BY_BLOCKS
+        uint map_says = MAP_MAY_HIDE;
+        if (has_blocks) {
+            uint frame = block_bounds[block].frame;
+            if (frame != first_frame && frame != BLOCK_IN_FRAMES) continue;
+            if (sees_map) map_says = map_hides(&grid, projections, &block_bounds[block], map);
+        }
+#endif
         LaneFloat state = load_lanes(visibility, layout, block);
         LaneInt left = open_lanes(state);
         if (!LANES_ANY(left)) continue;
-        BlockPoints points = {load_block(positions, layout, block), layout, block};
+#if TRACE_BY_BLOCKS
+        if (map_says == MAP_HIDES_ALL) {
+            minus_by_map += left;
+            store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), left), visibility, layout, block);
+            continue;
+        }
+#endif
+        BlockPoints points = load_points(positions, receivers, layout, block);
         LaneInt lane_frames = frames_of(light_frame, points.at) - (int)first_frame;
 #if GN_LANES == 1
         PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
@@ -332,7 +381,12 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
 #if GN_LANES == 1
         tests += trace_block(&pairs, &frames, lists, &place, left, state, &points, &answer);
 #else
-        tests += trace_block(&pairs, &frames, lists, lane_frames, left, state, &points, &answer);
+#if TRACE_BY_BLOCKS
+        bool asks_map = sees_map && map_says != MAP_HIDES_NONE;
+#else
+        bool asks_map = has_map != 0u;
+#endif
+        tests += trace_block(&pairs, &frames, lists, asks_map, lane_frames, left, state, &points, &answer);
 #endif
         minus_by_map += answer.by_map;
         minus_listed += answer.listed;

@@ -43,7 +43,7 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
         counted.uncertain = counted.tests_low = counted.tests_high = counted.decided_by_trace = 0;
         session.write(inputs.counters.get(), &counted, sizeof(counted));
         stages.trace.run(session, first_frame, face, 1, inputs.triangle_inputs(), inputs.point_inputs(),
-                         stages.projection, nullptr, gnomon::list_buffers(stages.bins, stages.setup),
+                         stages.projection, nullptr, gnomon::list_buffers(stages.bins, stages.setup), nullptr,
                          inputs.visibility.get(), inputs.counters);
         const auto traced = downloaded<float>(session, inputs.visibility.get(), count);
         session.read(inputs.counters.get(), &counted, sizeof(counted));
@@ -195,6 +195,51 @@ TEST(trace, survives_degenerates) {
     EXPECT_GT(tally.lit, 100u);
 }
 
+// Sixteen points at a time around places in and under two roofs, which fill texels of the map: a block may be below a
+// roof, above it, on both sides of it, or across its edge.
+LightScene blocks_scene(const Light& light, bool has_doubtful_points) {
+    LightScene scene;
+    scene.name = "blocks under roofs";
+    scene.light = light;
+    Random random(115);
+    add(scene.triangles, {-3, 0, -3}, {3, 0.5f, -3}, {-3, 0.2f, 3});
+    add(scene.triangles, {4, 1, 4}, {-1, 1.2f, 4}, {4, 0.8f, -1});
+    for (int block = 0; block < 1500; ++block) {
+        const float spread = block % 3 == 0 ? 0.3f : 0.02f;
+        const float x = random.between(-4, 4), y = random.between(-1, 1.5f), z = random.between(-4, 4);
+        for (int i = 0; i < 16; ++i) {
+            append(scene.points, {x + random.between(-spread, spread), y + random.between(-spread, spread),
+                                  z + random.between(-spread, spread)});
+            if (has_doubtful_points) scene.receivers.push_back(random.below(3));
+        }
+    }
+    return scene;
+}
+
+// By blocks as by points, bits and counts. Not vacuous: the map hides hundreds of whole blocks, and the lamp's points
+// are in several faces.
+TEST(trace, settles_blocks_below_the_map) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    for (const Light& light : {along(0.3f, -1, 0.2f), along(-0.2f, 0.1f, 1), at(0.5f, 6, 0.2f), at(0.1f, 0.9f, 0)})
+        for (const bool has_doubtful_points : {false, true}) {
+            const LightScene scene = blocks_scene(light, has_doubtful_points);
+            const UploadedScene inputs(device, scene);
+            std::uint64_t by_map = 0;
+            for (const gnomon::LightFrame& frame : light_frames(inputs.light, StageSettings{}.grid)) {
+                LightStages stages;
+                FrameOutput out{};
+                out.frame = frame;
+                while (!run_stages_once(session, stages, inputs, {.with_map = true}, out)) {
+                }
+                if (out.projection.active_points == 0) continue;
+                by_map += out.counters.decided_by_map;
+                EXPECT_EQ(out.counters.decided_by_map, out.izb_counters.decided_by_map);
+            }
+            EXPECT_GT(by_map, 500u);
+        }
+}
+
 // A queue with room for one pair: what finds none is decided in place, and later runs have more. Not vacuous: the scene
 // leaves hundreds of pairs open.
 TEST(trace, bounds_its_queue) {
@@ -233,7 +278,8 @@ TEST(trace, writes_only_its_own) {
     counted.uncertain = 0;
     session.write(inputs.counters.get(), &counted, sizeof(counted));
     stages.trace.run(session, out.frame, 0, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection,
-                     nullptr, gnomon::list_buffers(stages.bins, stages.setup), visibility.get(), inputs.counters);
+                     nullptr, gnomon::list_buffers(stages.bins, stages.setup), nullptr, visibility.get(),
+                     inputs.counters);
     gnomon::run_exact_trace(session, inputs.triangle_inputs(), inputs.point_inputs(), inputs.light, stages.trace,
                             visibility.get(), inputs.counters);
     session.read(inputs.counters.get(), &counted, sizeof(counted));

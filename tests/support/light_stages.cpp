@@ -180,18 +180,19 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
                     scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
-    const auto trace = [&](gnomon::Trace::Look look) {
-        stages.trace.run(session, first_frame, face, 1, triangles, points, stages.projection, map,
-                         gnomon::list_buffers(stages.bins, stages.setup), visibility, scene.counters, look);
-        if (look == gnomon::Trace::Look::first)
-            gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
-        session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
-    };
-    trace(gnomon::Trace::Look::first);
+    const gnomon::ListBuffers lists = gnomon::list_buffers(stages.bins, stages.setup);
+    stages.trace.run(session, first_frame, face, 1, triangles, points, stages.projection, map, lists,
+                     scene.facing.blocks(), visibility, scene.counters);
+    gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
+    session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     const bool setup = stages.setup.fitted(session, out.counters);
     const bool references = stages.bins.fitted(session, out.counters, setup);
     if (!setup || !references) return false;
-    if (!stages.trace.fitted(session, points, out.counters)) trace(gnomon::Trace::Look::second);
+    if (!stages.trace.fitted(session, points, out.counters)) {
+        stages.trace.run_again(session, first_frame, face, 1, triangles, points, stages.projection, map, lists,
+                               visibility, scene.counters);
+        session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
+    }
     out.visibility = downloaded<float>(session, visibility, scene.points.count());
     run_triangles_traversal(session, stages, scene, settings, face, listed, out, out.visibility);
     return true;
