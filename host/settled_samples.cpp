@@ -18,9 +18,9 @@ public:
     Device device;  ///< lives as long as the buffers
     CameraStage camera;
     cl::Buffer pattern, counters, rays;
-    cl::Buffer edges, seen, extra_pixels, receivers, masks, lit, mixed;  ///< of a batch of pixels
-    cl::Buffer centres, footprints, answers;                             ///< of its pieces
-    cl::Buffer places, sample_receivers, positions, visibility;          ///< of samples that are traced
+    cl::Buffer edges, sought, seen, extra_pixels, receivers, masks, lit, mixed;  ///< of a batch of pixels
+    cl::Buffer centres, footprints, answers;                                     ///< of its pieces
+    cl::Buffer places, sample_receivers, positions, visibility;                  ///< of samples that are traced
     std::size_t extra_expected = 0;
     std::uint64_t bytes_of_runs = 0;       ///< what runs left on the device, here and in the technique
     std::uint64_t bytes_of_technique = 0;  ///< of these, in the technique
@@ -121,12 +121,13 @@ private:
     void set_batch(std::uint32_t first_band, std::uint32_t bands) {
         const std::size_t first = pixels_of_bands(first_band), count = pixels_of_bands(first_band + bands) - first;
         const std::size_t extra = std::min(std::max(kept_.extra_expected, count / 2 + 64), points_at_once_);
-        const std::size_t unused = session_.is_cpu() ? unused_places() : pieces_range(count).count * PIECES_CLAIM;
+        const std::size_t unused = session_.is_cpu() ? 2 * unused_places() : pieces_range(count).count * PIECES_CLAIM;
         extra_capacity_ = static_cast<cl_uint>(extra + unused);
         const std::size_t most_pieces = count + extra_capacity_;
         batch_ = {cl_uint(first),         cl_uint(count), view_.width,         view_.height,
                   kept_.camera.tiles_x(), bands,          cl_uint(most_pieces)};
-        kept_.edges.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
+        for (cl::Buffer* buffer : {&kept_.edges, &kept_.sought})
+            buffer->reserve(session_, (count + unused_places()) * sizeof(cl_uint));
         kept_.lit.reserve(session_, count * sizeof(cl_uint));
         kept_.extra_pixels.reserve(session_, extra_capacity_ * sizeof(cl_uint));
         for (cl::Buffer* buffer : {&kept_.receivers, &kept_.masks})
@@ -159,17 +160,32 @@ private:
                             view_.points.receivers(), kept_.edges, kept_.extra_pixels, kept_.receivers, kept_.masks,
                             kept_.lit, kept_.counters);
         } else {
+            guess();
+            read_counters();
             seek_in_parts();
         }
         read_counters();
         return counted_.extra <= extra_capacity_;
     }
 
+    /// The receivers of edge pixels' samples. Where they cannot be guessed, they are sought.
+    void guess() {
+        cl::StageTimer timer(session_, total_, "samples_guess");
+        session_.launch("samples.cl", "samples_guess", cl::Range::items(counted_.edges / session_.lanes() + 1),
+                        kept_.camera.projection(), kept_.camera.picture(), kept_.pattern, batch_, counted_.edges,
+                        extra_capacity_, inputs_.first_float, inputs_.vertices, kept_.rays,
+                        kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
+                        kept_.camera.bins().entries(), view_.points.receivers(), kept_.edges, kept_.sought,
+                        kept_.extra_pixels, kept_.receivers, kept_.masks, kept_.lit, kept_.counters);
+    }
+
     void seek_in_parts() {
         const std::size_t part = points_at_once_ / pattern_.count;
-        kept_.seen.reserve(session_, std::min<std::size_t>(part, counted_.edges) * pattern_.count * sizeof(cl_uint));
-        for (std::size_t first = 0; first < counted_.edges; first += part)
-            seek(static_cast<cl_uint>(first), static_cast<cl_uint>(std::min(part, counted_.edges - first)));
+        // For all edges: in how many receivers are sought depends on threads, and the memory of a run must not.
+        kept_.seen.reserve(
+            session_, std::min<std::size_t>(part, counted_.edges + unused_places()) * pattern_.count * sizeof(cl_uint));
+        for (std::size_t first = 0; first < counted_.sought; first += part)
+            seek(static_cast<cl_uint>(first), static_cast<cl_uint>(std::min(part, counted_.sought - first)));
     }
 
     void seek(cl_uint first, cl_uint count) {
@@ -178,9 +194,9 @@ private:
                         kept_.camera.projection(), kept_.camera.picture(), kept_.pattern, batch_, first, count,
                         inputs_.first_float, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
                         kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
-                        view_.points.receivers(), kept_.edges, kept_.seen);
+                        view_.points.receivers(), kept_.sought, kept_.seen);
         session_.launch("samples.cl", "samples_group", cl::Range::items(count), kept_.pattern, batch_, first, count,
-                        extra_capacity_, view_.points.receivers(), kept_.edges, kept_.seen, kept_.extra_pixels,
+                        extra_capacity_, view_.points.receivers(), kept_.sought, kept_.seen, kept_.extra_pixels,
                         kept_.receivers, kept_.masks, kept_.lit, kept_.counters);
     }
 
@@ -215,6 +231,7 @@ private:
         }
         read_counters();
         sum_.edges += batch_.count - counted_.whole;
+        sum_.sought += session_.is_cpu() ? counted_.sought : counted_.edges;
         sum_.whole += counted_.whole;
         sum_.pieces += counted_.pieces;
         sum_.mixed_pieces += counted_.mixed_pieces;
@@ -282,6 +299,7 @@ private:
         total_.counts = {{"points", view_.points.count() * pattern_.count},
                          {"pixels_on_one_receiver", sum_.whole},
                          {"pixels_on_several", sum_.edges},
+                         {"pixels_sought_in", sum_.sought},
                          {"pieces", sum_.pieces},
                          {"pieces_mixed", sum_.mixed_pieces},
                          {"samples_settled_in_shadow", sum_.in_shadow},
@@ -307,7 +325,7 @@ private:
     PixelBatch batch_{};
     SampleCounters counted_{};
     struct {
-        std::uint64_t edges, whole, pieces, mixed_pieces, mixed_samples, in_shadow, lit;
+        std::uint64_t edges, sought, whole, pieces, mixed_pieces, mixed_samples, in_shadow, lit;
     } sum_{};
     Statistics total_;
     std::uint64_t technique_memory_bytes_ = 0;

@@ -244,18 +244,22 @@ typedef struct NearnessLanes {
     LaneFloat low, high;
 } NearnessLanes;
 
-static NearnessLanes nearness_lanes(Triangle t, float3 eye, const RayLanes* rays) {
-    TriangleBlock same = same_triangle(t);
-    PlaneLanes planes = planes_of(&same, eye);
+static NearnessLanes nearness_of_planes(const PlaneLanes* planes, const RayLanes* rays) {
     LaneFloat bound;
-    LaneFloat along = lanes_det3(&planes.normal, rays->direction, rays->size, &bound);
-    LaneInt good = planes.good & LANE_COMPARE(4.0f * bound, <, fabs(along));
-    LaneFloat value = along / planes.depth;
-    LaneFloat error = fabs(value) * (1.4f * (bound / fabs(along) + planes.relative_error) + 1.0e-6f);
+    LaneFloat along = lanes_det3(&planes->normal, rays->direction, rays->size, &bound);
+    LaneInt good = planes->good & LANE_COMPARE(4.0f * bound, <, fabs(along));
+    LaneFloat value = along / planes->depth;
+    LaneFloat error = fabs(value) * (1.4f * (bound / fabs(along) + planes->relative_error) + 1.0e-6f);
     NearnessLanes nearness;
     nearness.low = LANES_SELECT((LaneFloat)(-INFINITY), value - error, good);
     nearness.high = LANES_SELECT((LaneFloat)(INFINITY), value + error, good);
     return nearness;
+}
+
+static NearnessLanes nearness_lanes(Triangle t, float3 eye, const RayLanes* rays) {
+    TriangleBlock same = same_triangle(t);
+    PlaneLanes planes = planes_of(&same, eye);
+    return nearness_of_planes(&planes, rays);
 }
 
 // ---- The nearest of a tile ------------------------------------------------------------------------------------------

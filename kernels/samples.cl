@@ -3,9 +3,10 @@
 //
 // samples_rays     the tables of the samples' rays
 // samples_whole    which pixels' samples lie on one receiver, with their footprints; the others are edges
-// samples_pieces   the receiver of each sample of the edges, exactly, and their pieces; on a CPU in two steps:
-// samples_seek         the receivers
-// samples_group        the pieces
+// samples_pieces   the receiver of each sample of the edges, exactly, and their pieces; on a CPU in three steps:
+// samples_guess        where those of neighbours in the picture will do, receivers and pieces (neighbour_receivers.h)
+// samples_seek         the other receivers
+// samples_group        the other pieces
 // samples_bound    the footprints of these pieces
 // samples_sort     what the technique settled is counted, the rest listed
 // samples_place    the samples of mixed pieces, and samples_points their shading points
@@ -25,6 +26,7 @@
 
 #include "claim.h"
 #include "footprint.h"
+#include "neighbour_receivers.h"
 #include "shading_point.h"
 
 // visibility: sample by sample, `pixels` each. The first batch starts the sum, the last one's scale makes it the mean.
@@ -239,16 +241,21 @@ __kernel void samples_whole(PictureRays picture, __constant const SamplePattern*
     if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
 }
 
+// Marks places that were claimed and are not needed.
+static void leave_places(const Claim* places, PixelBatch batch, uint capacity, __global uint* extra_pixels,
+                         __global uint* receivers, __global uint* masks) {
+    for (uint place = places->next; place < min(places->end, capacity); ++place) {
+        extra_pixels[place] = 0u;
+        receivers[batch.count + place] = GN_NO_ID;
+        masks[batch.count + place] = 0u;
+    }
+}
+
 #if GN_LANES == 1
 
 // Items of a group of samples_pieces at most, and entries that each of them looks at in one go.
 #define PIECES_ITEMS 32u
 #define PIECES_ENTRIES 4u
-
-// The box around a pixel's samples, in pixels.
-typedef struct SampleBox {
-    float low_x, low_y, high_x, high_y;
-} SampleBox;
 
 // What the items of a group share.
 typedef struct PiecesGroup {
@@ -263,26 +270,16 @@ typedef struct PiecesGroup {
     uint next, end;  // places claimed for them
 } PiecesGroup;
 
-// May a ray within the box meet the triangle? As lanes_linear computes an edge function, it is nowhere in the box more
-// than in the corner chosen by the signs of its slopes: each fma is monotone in the coordinate and in what it adds.
-static bool may_meet_box(__global const TriangleRecord* r, const SampleBox* box) {
-    bool may = true;
-    for (int i = 0; i < 3; ++i) {
-        float x = r->edge_x[i] > 0.0f ? box->high_x : box->low_x, y = r->edge_y[i] > 0.0f ? box->high_y : box->low_y;
-        may &= !(lanes_linear(r->edge_x[i], r->edge_y[i], r->edge_0[i], x, y) < -r->margin_edge);
-    }
-    return may;
-}
-
 // Those of the entries [first, end) that may meet the box. Every item must come here.
-static void find_candidates(TileLists lists, uint first, uint end, QuantisedBlock block, const SampleBox* box,
+static void find_candidates(TileLists lists, uint first, uint end, QuantisedBlock block, const PictureBox* box,
                             __local PiecesGroup* group) {
     if (get_local_id(0) == 0) group->candidate_count = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = first + (uint)get_local_id(0); i < end; i += (uint)get_local_size(0)) {
         if (entries_that_meet(&lists.entries[i], block) == 0u) continue;
         uint slot = ENTRY_SLOT(&lists.entries[i], 0);
-        if (may_meet_box(&lists.records[slot], box)) group->candidates[atomic_inc(&group->candidate_count)] = slot;
+        if (may_meet_boxes(&lists.records[slot], box, -1))
+            group->candidates[atomic_inc(&group->candidate_count)] = slot;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 }
@@ -321,8 +318,8 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
     for (uint edge = (uint)get_group_id(0); edge < edge_count; edge += (uint)get_num_groups(0)) {
         uint i = edges[edge], pixel = batch.first + i, own = pixel_receivers[pixel];
         uint x = pixel % batch.width, y = pixel / batch.width;
-        SampleBox box = {(float)x + pattern->low[0], (float)y + pattern->low[1], (float)x + pattern->high[0],
-                         (float)y + pattern->high[1]};
+        PictureBox box = {(float)x + pattern->low[0], (float)y + pattern->low[1], (float)x + pattern->high[0],
+                          (float)y + pattern->high[1]};
         QuantisedBlock block = {
             quantised_texel(box.low_x, projection->width), quantised_texel(box.low_y, projection->height),
             quantised_texel(box.high_x, projection->width), quantised_texel(box.high_y, projection->height), 0};
@@ -394,6 +391,93 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
 
 #else
 
+// The pieces of edge pixels whose samples lie on the pixel's receiver and those of its neighbours, where that can be
+// proven; the others are listed, to be sought in.
+__kernel void samples_guess(__constant const Projection* projection, PictureRays picture,
+                            __constant const SamplePattern* pattern, PixelBatch batch, uint edge_count,
+                            uint extra_capacity, ulong first_float, __global const float* vertices,
+                            __global const float* rays, __global const TriangleRecord* records,
+                            __global const TriangleBounds* bounds, __global const uint2* ranges,
+                            __global const BinEntries* entries, __global const uint* pixel_receivers,
+                            __global const uint* edges, __global uint* sought, __global uint* extra_pixels,
+                            __global uint* receivers, __global uint* masks, __global uint* lit,
+                            __global SampleCounters* counters) {
+    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays, picture};
+    SampleRays sample_rays = {rays, batch.width, batch.height};
+    float3 eye = center_of(projection);
+    Claim places = no_claim(), sought_places = no_claim();
+    uint sky_count = 0;
+    GN_FOR_EACH(block, (edge_count + GN_LANES - 1u) / GN_LANES) {
+        GuessedPixels p;
+        LaneInt lanes = (LaneInt)(0), tiles = (LaneInt)(0);
+        p.column = p.row = p.pixel = (LaneInt)(0);
+        p.own = (LaneInt)((int)GN_NO_ID);
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            uint edge = (uint)block * GN_LANES + lane;
+            if (edge >= edge_count || edges[edge] == GN_NO_ID) continue;
+            uint pixel = batch.first + edges[edge];
+            LANE_OF_INT(lanes, lane) = -1;
+            LANE_OF_INT(p.pixel, lane) = (int)edges[edge];
+            LANE_OF_INT(p.column, lane) = (int)(pixel % batch.width);
+            LANE_OF_INT(p.row, lane) = (int)(pixel / batch.width);
+            LANE_OF_INT(p.own, lane) = (int)pixel_receivers[pixel];
+            LANE_OF_INT(tiles, lane) = (int)tile_of_pixel(batch, pixel);
+        }
+        if (!LANES_ANY(lanes)) continue;
+        p.own_mask = LANES_SELECT((LaneInt)(0), (LaneInt)((int)pattern->all),
+                                  lanes & LANE_COMPARE(p.own, !=, (LaneInt)((int)GN_NO_ID)));
+        if (LANES_ANY(p.own_mask)) {
+            TriangleBlock t = load_triangles_of(lists.vertices, p.own, LANE_COMPARE(p.own_mask, !=, (LaneInt)(0)));
+            p.own_mask = samples_on(&t, picture, pattern, sample_rays, p.column, p.row, eye, p.own_mask);
+        }
+        p.rest = LANES_SELECT((LaneInt)(0), (LaneInt)((int)pattern->all) & ~p.own_mask, lanes);
+        p.proven = lanes;
+        PictureBox box = box_of_samples(pattern, p.rest);
+        guess_receivers(batch, pixel_receivers, &box, &p);
+        LaneFloat x = LANES_TO_FLOAT(p.column), y = LANES_TO_FLOAT(p.row);
+        box.low_x += x, box.low_y += y, box.high_x += x, box.high_y += y;
+        RayLanes corners[4];
+        corner_rays(picture, box.low_x, box.low_y, box.high_x, box.high_y, corners);
+        share_samples(lists, pattern, eye, corners, sample_rays, 0, GUESSES, &p);
+        LaneFloat near = nearness_of_rest(&p, GUESSES);
+        LaneInt left = p.proven & LANE_COMPARE(p.rest, !=, (LaneInt)(0));
+        while (LANES_ANY(left)) {
+            int tile = LANE_OF_INT(tiles, first_lane(left));
+            LaneInt same_tile = left & LANE_COMPARE(tiles, ==, (LaneInt)(tile));
+            look_for_others(lists, projection, (uint)tile, same_tile, &box, near, &p);
+            left &= ~same_tile;
+        }
+        share_samples(lists, pattern, eye, corners, sample_rays, GUESSES, OTHER_RECEIVERS, &p);
+        near = nearness_of_rest(&p, OTHER_RECEIVERS);
+        p.proven &= LANE_COMPARE(p.left_out, <, near) | LANE_COMPARE(p.left_out, ==, (LaneFloat)(-INFINITY));
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            if (!LANE_OF_INT(lanes, lane)) continue;
+            uint i = (uint)LANE_OF_INT(p.pixel, lane);
+            if (!LANE_OF_INT(p.proven, lane)) {
+                sought[claim(&sought_places, &counters->sought)] = i;
+                continue;
+            }
+            masks[i] = (uint)LANE_OF_INT(p.own_mask, lane);
+            uint sky = (uint)LANE_OF_INT(p.rest, lane);
+            for (int g = 0; g < OTHER_RECEIVERS; ++g) {
+                uint mask = (uint)LANE_OF_INT(p.masks[g], lane);
+                if (mask == 0u) continue;
+                sky &= ~mask;
+                uint place = claim(&places, &counters->extra);
+                if (place >= extra_capacity) continue;
+                extra_pixels[place] = i;
+                receivers[batch.count + place] = (uint)LANE_OF_INT(p.ids[g], lane);
+                masks[batch.count + place] = mask;
+            }
+            lit[i] = popcount(sky);
+            sky_count += popcount(sky);
+        }
+    }
+    for (; sought_places.next < sought_places.end; ++sought_places.next) sought[sought_places.next] = GN_NO_ID;
+    leave_places(&places, batch, extra_capacity, extra_pixels, receivers, masks);
+    if (sky_count != 0) atomic_add(&counters->lit, sky_count);
+}
+
 // seen[edge of this part * samples + sample]. One work-item takes GN_LANES samples of a pixel. `rays`: the tables of
 // all samples, one behind the other.
 __kernel void samples_seek(__constant const Projection* projection, PictureRays picture,
@@ -459,11 +543,7 @@ __kernel void samples_group(__constant const SamplePattern* pattern, PixelBatch 
             }
         }
     }
-    for (; places.next < min(places.end, extra_capacity); ++places.next) {
-        extra_pixels[places.next] = 0u;
-        receivers[batch.count + places.next] = GN_NO_ID;
-        masks[batch.count + places.next] = 0u;
-    }
+    leave_places(&places, batch, extra_capacity, extra_pixels, receivers, masks);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
 }
 
@@ -501,20 +581,10 @@ __kernel void samples_bound(PictureRays picture, __constant const SamplePattern*
         LaneInt lanes = LANE_COMPARE(mask, !=, (LaneInt)(0));
         PieceBounds bounds = no_pieces();
         if (LANES_ANY(lanes)) {
-            // The box around the samples of the mask.
-            LaneFloat low_x = (LaneFloat)(1.0f), low_y = low_x, high_x = (LaneFloat)(0.0f), high_y = high_x;
-            for (uint sample = 0; sample < pattern->count; ++sample) {
-                LaneInt is_in = LANE_COMPARE(mask << (int)(31u - sample), <, (LaneInt)(0));
-                LaneFloat place_x = (LaneFloat)(pattern->place_x[sample]);
-                LaneFloat place_y = (LaneFloat)(pattern->place_y[sample]);
-                low_x = LANES_SELECT(low_x, LANES_MIN(place_x, low_x), is_in);
-                low_y = LANES_SELECT(low_y, LANES_MIN(place_y, low_y), is_in);
-                high_x = LANES_SELECT(high_x, LANES_MAX(place_x, high_x), is_in);
-                high_y = LANES_SELECT(high_y, LANES_MAX(place_y, high_y), is_in);
-            }
+            PictureBox box = box_of_samples(pattern, mask);
             TriangleBlock t = load_triangles_of(vertices + first_float, ids, lanes);
             RayLanes rays[4];
-            corner_rays(picture, x + low_x, y + low_y, x + high_x, y + high_y, rays);
+            corner_rays(picture, x + box.low_x, y + box.low_y, x + box.high_x, y + box.high_y, rays);
             bounds = bounds_of_pieces(&t, rays, eye, lanes);
         }
         store_bounds(&bounds, places, written, false, batch, centres, footprints);

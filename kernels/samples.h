@@ -37,6 +37,7 @@ GN_STRUCT_END(PixelBatch, 28)
 // Zeroed before each batch of pixels. Claimed lists may hold unused places, GN_NO_ID.
 GN_STRUCT_BEGIN(SampleCounters)
     uint edges;          // places in the list of edge pixels
+    uint sought;         // places in the list of edge pixels whose receivers are sought
     uint whole;          // pixels
     uint extra;          // places for pieces behind the pixels' own, wanted
     uint mixed;          // places in the list of mixed pieces
@@ -46,6 +47,6 @@ GN_STRUCT_BEGIN(SampleCounters)
     uint in_shadow;  // samples settled
     uint lit;        // samples settled, those of the sky among them
     uint placed;     // points made of the mixed pieces at hand; zeroed for each part of them
-GN_STRUCT_END(SampleCounters, 40)
+GN_STRUCT_END(SampleCounters, 44)
 
 #endif
