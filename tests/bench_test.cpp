@@ -277,6 +277,9 @@ TEST_F(BenchTest, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(errors().find("--experiment techniques"), std::string::npos) << errors();
     EXPECT_NE(run("nothing:1000"), 0);
     EXPECT_NE(errors().find("no recipe"), std::string::npos) << errors();
+    std::ofstream(path("views.json")) << "glTF";
+    EXPECT_NE(run("sundial --views " + path("views.json")), 0);
+    EXPECT_NE(errors().find("views.json are not JSON"), std::string::npos) << errors();
     EXPECT_NE(run("sundial --size 32x18 --set map-size=no"), 0) << "a technique that fails must fail the benchmark";
     EXPECT_NE(errors().find("map-size"), std::string::npos) << errors();
 }

@@ -16,7 +16,11 @@ Float3 float3_of(const Json& json) { return {json.at(0), json.at(1), json.at(2)}
 Json read_json(const std::filesystem::path& file) {
     std::ifstream stream(file);
     if (!stream) throw InvalidArgument("cannot read the views in " + file.string());
-    return Json::parse(stream);
+    try {
+        return Json::parse(stream);
+    } catch (const Json::exception& error) {
+        throw InvalidArgument("the views in " + file.string() + " are not JSON: " + error.what());
+    }
 }
 
 // RECIPE:TRIANGLES, through a file as a user would make it; the file is removed again.
