@@ -11,8 +11,11 @@ namespace {
 void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, const TriangleInputs& triangles,
             const PointInputs& points, const cl::Buffer* away, cl_mem visibility, const cl::Buffer& frame_bounds,
             const cl::Buffer* blocks, const cl::Buffer& counters) {
-    session.launch("facing.cl", away != nullptr ? "facing_looked_up" : "facing",
-                   cl::Range::items(points.layout.count / session.lanes() + 1), points.layout, light_frame, opens,
+    const char* looked_up = points.footprints != nullptr ? "facing_looked_up_around" : "facing_looked_up";
+    PointsLayout layout = points.layout;
+    if (points.face_light) layout.has_receivers = 0;
+    session.launch("facing.cl", away != nullptr ? looked_up : "facing",
+                   cl::Range::items(layout.count / session.lanes() + 1), layout, light_frame, opens,
                    cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), triangles.first_float,
                    triangles.count, points.positions,
                    points.footprints != nullptr ? points.footprints : points.positions, points.receivers,
@@ -24,7 +27,8 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
 // All triangles are read in order, points' receivers from anywhere. Measured on a CPU: with as many points as triangles
 // both ways take the same time (docs/performance.md).
 bool asks_triangles(const TriangleInputs& triangles, const PointInputs& points) {
-    return points.layout.has_receivers != 0 && points.layout.is_lifted != 0 && points.footprints == nullptr &&
+    const bool has_doubts = points.layout.is_lifted == 0 && points.footprints == nullptr;
+    return points.layout.has_receivers != 0 && !points.face_light && !has_doubts &&
            points.layout.count / 2 >= triangles.count;
 }
 

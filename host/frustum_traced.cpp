@@ -247,6 +247,15 @@ Statistics FrustumTraced::settle(const Triangles& triangles, const Points& centr
     return run_on(triangles, inputs, light, answers.buffer());
 }
 
+Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
+                                      const Visibility& visibility) {
+    require_run(triangles, samples, light, visibility);
+    PointInputs inputs = point_inputs(samples);
+    inputs.layout.is_lifted = 1;
+    inputs.face_light = true;
+    return run_on(triangles, inputs, light, visibility.buffer());
+}
+
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
                                  cl_mem visibility) {
     const auto start = std::chrono::steady_clock::now();

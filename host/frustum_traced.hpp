@@ -19,6 +19,8 @@ public:
                    const Visibility& visibility) override;
     Statistics settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
                       const Light& light, const Visibility& answers) override;
+    Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
+                           const Visibility& visibility) override;
     Statistics prepare(const Triangles& triangles, const Light& light) override;
     void forget() override;
     void set(std::string_view name, std::string_view value) override;

@@ -447,8 +447,8 @@ using SampleSink = std::function<void(const Points& points)>;
 /// on what its ray meets first (or creases would leak light); one that meets nothing counts as lit. Where an exact
 /// technique proves that all samples which a pixel has on one receiver are in shadow, or lit, they are not made one by
 /// one; the bits are the same. Samples are processed in batches of bounded memory, which an exact technique keeps until
-/// its end; times add up over them. `view` must come from look(). Throws InvalidArgument like sample_pattern(), or if `mean` has fewer entries than the view has
-/// pixels.
+/// its end; times add up over them. `view` must come from look(). Throws InvalidArgument like sample_pattern(), or if
+/// `mean` has fewer entries than the view has pixels.
 Statistics run_samples(Technique& technique, const Device& device, const Triangles& triangles, const View& view,
                        const Light& light, std::uint32_t samples, const Visibility& mean, const SampleSink& sink = {});
 

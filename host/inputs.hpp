@@ -42,6 +42,7 @@ struct PointInputs {
     cl_mem positions;
     cl_mem receivers;             ///< any buffer if there are none
     cl_mem footprints = nullptr;  ///< kernels/footprint.h, around the points; null: points are points
+    bool face_light = false;      ///< known of all points, and that their receivers do not shadow them
 };
 PointInputs point_inputs(const Points& points);
 

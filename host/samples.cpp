@@ -146,8 +146,7 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
     auto* settling = dynamic_cast<SettlesFootprints*>(&technique);
     if (settling != nullptr && samples > 1 && triangles.count() != 0) {
         if (sink) run_every_sample(nullptr, device, triangles, view, light, pattern, mean, sink, points_at_once);
-        total =
-            run_settled_samples(technique, *settling, device, triangles, view, light, pattern, mean, points_at_once);
+        total = run_settled_samples(*settling, device, triangles, view, light, pattern, mean, points_at_once);
     } else {
         total = run_every_sample(&technique, device, triangles, view, light, pattern, mean, sink, points_at_once);
     }

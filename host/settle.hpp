@@ -19,6 +19,9 @@ public:
     /// `centres` have receivers and the eye of a camera; centre and receiver are those of points that it made.
     virtual Statistics settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
                               const Light& light, const Visibility& answers) = 0;
+    /// As Technique::run(), for samples whose footprints were found to be mixed.
+    virtual Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
+                                   const Visibility& visibility) = 0;
 
     /// What run_settled_samples() keeps from run to run, until the technique's end; null before the first.
     std::unique_ptr<SampleBuffers> sample_buffers;

@@ -37,11 +37,10 @@ Float4 float4_of_eye(const Camera& camera) { return {camera.eye[0], camera.eye[1
 
 class SettledSamples {
 public:
-    SettledSamples(Technique& technique, SettlesFootprints& settling, const Device& device, const Triangles& triangles,
-                   const View& view, const Light& light, std::span<const SampleOffset> offsets, const Visibility& mean,
+    SettledSamples(SettlesFootprints& settling, const Device& device, const Triangles& triangles, const View& view,
+                   const Light& light, std::span<const SampleOffset> offsets, const Visibility& mean,
                    std::size_t points_at_once)
-        : technique_(technique),
-          settling_(settling),
+        : settling_(settling),
           device_(device),
           session_(device.session()),
           triangles_(triangles),
@@ -252,19 +251,10 @@ private:
         const std::size_t most = std::min<std::size_t>(counted_.mixed_samples, points_at_once_);
         kept_.places.reserve(session_, most * 2 * sizeof(cl_uint));
         kept_.sample_receivers.reserve(session_, most * sizeof(cl_uint));
-        session_.fill(kept_.counters, 0, sizeof(SampleCounters));
-        SampleCounters placed;
-        {
-            cl::StageTimer timer(session_, total_, "samples_points");
-            session_.launch("samples.cl", "samples_place", cl::Range::items(count), batch_, first, count,
-                            kept_.extra_pixels, kept_.receivers, kept_.masks, kept_.mixed, kept_.places,
-                            kept_.sample_receivers, kept_.counters);
-            session_.read(kept_.counters.get(), &placed, sizeof(placed));
-        }
-        const std::size_t points = placed.placed;
+        kept_.positions.reserve(session_, 3 * most * sizeof(float));
+        kept_.visibility.reserve(session_, most * sizeof(float));
+        const std::size_t points = place_samples(first, count);
         if (points == 0) return;
-        kept_.positions.reserve(session_, 3 * points * sizeof(float));
-        kept_.visibility.reserve(session_, points * sizeof(float));
         {
             cl::StageTimer timer(session_, total_, "samples_points");
             session_.launch("samples.cl", "samples_points", cl::Range::items(points), batch_, cl_uint(points), eye_,
@@ -275,10 +265,21 @@ private:
             Points::wrap(device_, kept_.positions.get(), {0, 1, points}, points, kept_.sample_receivers.get());
         samples.set_eye(camera_.eye);
         const Visibility visibility(device_, kept_.visibility.get(), points);
-        add_run([&] { return technique_.run(triangles_, samples, light_, visibility); });
+        add_run([&] { return settling_.trace_mixed(triangles_, samples, light_, visibility); });
         cl::StageTimer timer(session_, total_, "samples_mean");
         session_.launch("samples.cl", "samples_count", cl::Range::items(points), cl_uint(points), kept_.places,
                         kept_.visibility, kept_.lit);
+    }
+
+    /// How many there are.
+    std::size_t place_samples(cl_uint first, cl_uint count) {
+        cl::StageTimer timer(session_, total_, "samples_points");
+        session_.fill(kept_.counters, 0, sizeof(SampleCounters));
+        session_.launch("samples.cl", "samples_place", cl::Range::items(count), batch_, first, count,
+                        kept_.extra_pixels, kept_.receivers, kept_.masks, kept_.mixed, kept_.places,
+                        kept_.sample_receivers, kept_.counters);
+        if (count == counted_.mixed) return counted_.mixed_samples;
+        return session_.read_value<SampleCounters>(kept_.counters).placed;
     }
 
     void write_mean() {
@@ -307,7 +308,6 @@ private:
                          {"samples_traced", sum_.mixed_samples}};
     }
 
-    Technique& technique_;
     SettlesFootprints& settling_;
     const Device& device_;
     cl::Session& session_;
@@ -357,11 +357,10 @@ SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     return pattern;
 }
 
-Statistics run_settled_samples(Technique& technique, SettlesFootprints& settling, const Device& device,
-                               const Triangles& triangles, const View& view, const Light& light,
-                               std::span<const SampleOffset> offsets, const Visibility& mean,
-                               std::size_t points_at_once) {
-    SettledSamples samples(technique, settling, device, triangles, view, light, offsets, mean, points_at_once);
+Statistics run_settled_samples(SettlesFootprints& settling, const Device& device, const Triangles& triangles,
+                               const View& view, const Light& light, std::span<const SampleOffset> offsets,
+                               const Visibility& mean, std::size_t points_at_once) {
+    SettledSamples samples(settling, device, triangles, view, light, offsets, mean, points_at_once);
     Statistics total = samples.run();
     total.device_memory_bytes = samples.device_memory_bytes();
     return total;

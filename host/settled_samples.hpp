@@ -13,10 +13,8 @@ namespace gnomon {
 SamplePattern pattern_of(std::span<const SampleOffset> offsets);
 
 /// As run_samples(), with about `points_at_once` points or pieces on the device, but a row of pixels at least.
-/// `technique` is the same object as `settling`.
-Statistics run_settled_samples(Technique& technique, SettlesFootprints& settling, const Device& device,
-                               const Triangles& triangles, const View& view, const Light& light,
-                               std::span<const SampleOffset> offsets, const Visibility& mean,
-                               std::size_t points_at_once);
+Statistics run_settled_samples(SettlesFootprints& settling, const Device& device, const Triangles& triangles,
+                               const View& view, const Light& light, std::span<const SampleOffset> offsets,
+                               const Visibility& mean, std::size_t points_at_once);
 
 }  // namespace gnomon

@@ -16,7 +16,8 @@
 //
 // Of footprints (footprint.h) the same is asked: what holds for a receiver holds for all samples on it, which the
 // camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
-// others.
+// others. Samples of a mixed footprint face the light, as it did, and are not asked again: they come as points without
+// receivers.
 #include "block_bounds.h"
 #include "footprint.h"
 #include "receivers.h"
@@ -301,6 +302,7 @@ __attribute__((always_inline)) static void decide_facing(
                       frame_bounds, blocks, counters, shared, group_counts);                                           \
     }
 
-// Two kernels: what the exact predicate and footprints need of a GPU's registers would slow down the look-up as well.
+// Three kernels: what the exact predicate and footprints need of a GPU's registers would slow down the look-up as well.
 FACING_KERNEL(facing, has_footprints, false)
 FACING_KERNEL(facing_looked_up, false, true)
+FACING_KERNEL(facing_looked_up_around, true, true)
