@@ -59,28 +59,47 @@ void mark_skipped(Statistics& statistics, std::string_view stage, const std::str
         if (s.name == stage && s.skipped.empty()) s.skipped = why;
 }
 
+// Texels per side of a frame that a GPU keeps, which are bins as well: the finer, the shorter the lists of all the
+// scene's triangles. Measured on an H200 with 1024, 2048, 4096 and 8192: Sponza at 2K .22, .146 and .130 ms for 60, 163
+// and 544 MB; at 4K the city of 6.5 million triangles .83 -> .52 (4096) for 697 -> 1340 MB, pipes of 12.8 million 2.65
+// -> 1.05 (4096) -> .87 (8192) for 1.8, 3.3 and 5.4 GB. A lamp has six frames.
+std::uint32_t prepared_size(std::size_t triangle_count, std::uint64_t device_bytes, bool is_lamp) {
+    std::uint32_t size = 8192;
+    if (triangle_count < 1u << 23 || device_bytes < 64ull << 30) size = 4096;
+    if (triangle_count < 1u << 20 || device_bytes < 16ull << 30) size = 2048;
+    if (triangle_count < 1u << 17) size = 1024;
+    return is_lamp ? std::max(size / 2, 1024u) : size;
+}
+
 }  // namespace
 
-FrameGrid FrustumTraced::grid(std::size_t point_count) const {
+FrameGrid FrustumTraced::grid(std::size_t triangle_count, std::size_t point_count) const {
     const cl::Session& session = device_.session();
     if (map_size_ != 0) return binned(session, map_size_);
-    // Measured on Sponza and lost_empire at 2K and 4K: a CPU pays for every texel drawn, a GPU hardly.
-    const std::uint32_t largest = session.is_cpu() ? 256 : 512;
+    // Measured on Sponza and lost_empire at 2K and 4K: a CPU pays for every texel drawn, a GPU hardly. On an H200 the
+    // trace of millions of triangles gains more by 1024 than the lists lose (at 4K pipes v0 6.7 -> 4.6 ms, foliage
+    // v0 3.4 -> 2.9, the city between 3.0 -> 2.2 and 1.28 -> 1.36); with a million it is even, with Sponza a loss.
+    const std::uint32_t largest = session.is_cpu() ? 256 : triangle_count < 1u << 22 ? 512 : 1024;
     // Few points want few bins: a large triangle is asked about every bin it meets, also those that hold no point.
     std::uint32_t size = 4;
     while (size < largest && std::size_t(size) * size * 4 < point_count) size *= 2;
     return binned(session, size);
 }
 
-FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count) const {
-    // Finer than a run's own, since making them no longer counts. Counted on Sponza: of 256, 512, 1024 and 2048 texels
-    // and 128, 256 and 512 bins on a CPU this leaves a trace the fewest tests (a tenth to a quarter fewer than 512),
-    // but for 2048, where making the map takes five times as long.
+FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count, bool is_lamp) const {
+    // Finer than a run's own, since making them no longer counts, and since the frame holds all triangles and not those
+    // of a view.
+    const cl::Session& session = device_.session();
     FrameGrid grid{map_size_ != 0 ? map_size_ : 1024u, 0};
-    std::uint32_t most_bins = 1024;
-    if (device_.session().is_cpu()) {
-        // A list's entries come 16 at a time, so that a bin of few is mostly empty; but to read long lists is what
-        // scenes of millions cost (docs/performance.md). The frame holds all triangles, not those of a view.
+    std::uint32_t most_bins = largest_map;
+    if (!session.is_cpu()) {
+        if (map_size_ == 0)
+            grid.size = prepared_size(triangle_count, session.description().global_memory_bytes, is_lamp);
+    } else {
+        // Counted on Sponza: of 256, 512, 1024 and 2048 texels and 128, 256 and 512 bins this leaves a trace the fewest
+        // tests (a tenth to a quarter fewer than 512), but for 2048, where making the map takes five times as long. A
+        // list's entries come 16 at a time, so that a bin of few is mostly empty; but to read long lists is what
+        // scenes of millions cost (docs/performance.md).
         most_bins = 256;
         while (most_bins < 1024 && triangle_count > std::size_t(most_bins) * most_bins * 8) most_bins *= 2;
     }
@@ -261,7 +280,11 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    Run run{session,   triangle_inputs(triangles), points, light, make_light_frame(light, grid(points.layout.count)),
+    Run run{session,
+            triangle_inputs(triangles),
+            points,
+            light,
+            make_light_frame(light, grid(triangles.count(), points.layout.count)),
             visibility};
     counters_.reserve(session, sizeof(FrameCounters));
     const bool is_prepared = !decisions_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
@@ -340,9 +363,9 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    prepared_ =
-        std::make_unique<PreparedLight>(session, s, triangles, light, prepared_grid(triangles.count()),
-                                        ListSettings{map_mode_ != MapMode::off, false, cover_test_}, first_capacity_);
+    prepared_ = std::make_unique<PreparedLight>(
+        session, s, triangles, light, prepared_grid(triangles.count(), !light.is_directional()),
+        ListSettings{map_mode_ != MapMode::off, false, cover_test_}, first_capacity_);
     merge_stages(s);
     const FrameCounters& c = prepared_->counted();
     s.counts = {{"triangles", triangles.count()},

@@ -36,8 +36,8 @@ private:
     struct Run;
 
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
-    FrameGrid grid(std::size_t point_count) const;
-    FrameGrid prepared_grid(std::size_t triangle_count) const;
+    FrameGrid grid(std::size_t triangle_count, std::size_t point_count) const;
+    FrameGrid prepared_grid(std::size_t triangle_count, bool is_lamp) const;
     bool draws_map(const PointInputs& points) const;
     ListSettings list_settings(const PointInputs& points) const;
     bool run_prepared(Run& run);

@@ -36,7 +36,7 @@ LightFrame parallel_frame(const Light& light, const FrameGrid& grid) {
 
 FrameGrid binned(const cl::Session& session, std::uint32_t size) {
     FrameGrid grid{size, 0};
-    const std::uint32_t most_bins = session.is_cpu() ? 128 : 512;
+    const std::uint32_t most_bins = session.is_cpu() ? 128 : 1024;
     while (grid.bins() > most_bins) ++grid.bin_log2;
     return grid;
 }

@@ -91,15 +91,21 @@ static bool entry_meets(EntryWords entry, QuantisedBlock block) {
            block.y0 <= entry.y >> 16 && !entry_is_below(entry, block);
 }
 
-// The next entry of a list that may meet the block, from entry i on; the end of the list if there is none.
-static uint next_that_meets(__global const BinEntries* entries, uint2 range, uint i, QuantisedBlock block) {
-    while (i < range.y) {
-        EntryWords entry = *(__global const EntryWords*)&entries[i];
-        if (entry_meets(entry, block)) return i;
-        uint in_run = (i - range.x) % LIST_RUN;
-        i += entry_is_below(entry, block) ? LIST_RUN - in_run : 1u;
-    }
-    return range.y;
+// Entries that a work-item asks for at once, to wait once for all of them.
+#define ENTRIES_AT_ONCE 4u
+
+// Of as many entries of a list from entry *next on those that may meet the block: bit k for the k-th. Then *next is
+// where to go on.
+static uint next_that_meet(__global const BinEntries* entries, uint2 range, uint* next, QuantisedBlock block) {
+    uint first = *next, last = first + ENTRIES_AT_ONCE - 1u, meeting = 0;
+    EntryWords some[ENTRIES_AT_ONCE];
+    for (uint k = 0; k < ENTRIES_AT_ONCE; ++k)
+        some[k] = *(__global const EntryWords*)&entries[min(first + k, range.y - 1u)];
+    for (uint k = 0; k < ENTRIES_AT_ONCE; ++k)
+        if (first + k < range.y && entry_meets(some[k], block)) meeting |= 1u << k;
+    bool run_is_done = entry_is_below(some[ENTRIES_AT_ONCE - 1u], block);
+    *next = last + (run_is_done ? LIST_RUN - (last - range.x) % LIST_RUN : 1u);
+    return meeting;
 }
 #endif
 

@@ -193,8 +193,14 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
 #if GN_LANES == 1
     // Each item of a warp finds its next entry first, then all look at their records together: were the look part of
     // the search, each entry that meets one item's point would stop the others.
-    for (uint i = range.x; (i = next_that_meets(lists.entries, range, i, block)) < range.y; ++i) {
-        uint slot = ENTRY_SLOT(&lists.entries[i], 0);
+    uint next = range.x, first = 0, meeting = 0;
+    while (true) {
+        while (meeting == 0u && next < range.y) {
+            first = next;
+            meeting = next_that_meet(lists.entries, range, &next, block);
+        }
+        if (meeting == 0u) break;
+        uint slot = ENTRY_SLOT(&lists.entries[first + take_lowest_bit(&meeting)], 0);
         ++looks;
         FilterAnswer found = filter(&lists.records[slot], places, lit);
         if (LANES_ANY(found.possible) && settle(pairs, found, points, lists.bounds[slot].id, answer)) break;
