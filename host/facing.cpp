@@ -6,6 +6,10 @@
 namespace gnomon {
 namespace {
 
+// Measured on an H200 at 2K and 4K: of 4, 8, 12 and 16 points for each work-item, and of as many groups as the device
+// can hold, 12 are best: what they save is that no group waits for the last.
+constexpr std::size_t points_each = 12;
+
 // What `opens` has no use for may be any buffer. `away`: what triangles_away has filled; null: receivers are asked
 // point by point. `blocks`: to be written; null: they are not.
 void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, const TriangleInputs& triangles,
@@ -15,7 +19,7 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
     PointsLayout layout = points.layout;
     if (points.face_light) layout.has_receivers = 0;
     session.launch("facing.cl", away != nullptr ? looked_up : "facing",
-                   cl::Range::items(layout.count / session.lanes() + 1), layout, light_frame, opens,
+                   session.uneven_items(layout.count / session.lanes() + 1, points_each), layout, light_frame, opens,
                    cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), triangles.first_float,
                    triangles.count, points.positions,
                    points.footprints != nullptr ? points.footprints : points.positions, points.receivers,

@@ -3,6 +3,7 @@
 // The order of the stages is in frustum_traced.cpp, top to bottom.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "decisions.hpp"
@@ -39,7 +40,9 @@ private:
     FrameGrid grid(std::size_t triangle_count, std::size_t point_count) const;
     FrameGrid prepared_grid(std::size_t triangle_count, bool is_lamp) const;
     bool draws_map(const PointInputs& points) const;
-    ListSettings list_settings(const PointInputs& points) const;
+    ListSettings list_settings(const PointInputs& points, cl_uint frame) const;
+    bool goes_by_last_map(const PointInputs& points) const;
+    void judge_last_map(bool was_drawn, const FrameCounters& counted, cl_uint frame);
     bool run_prepared(Run& run);
     void run_unprepared(Run& run);
     void run_one_frame(Run& run);
@@ -56,6 +59,10 @@ private:
     std::uint32_t first_capacity_ = 0;  ///< 0: the lists' own
 
     std::uint64_t kept_bytes_ = 0;  ///< of the lists below, kept from run to run
+
+    /// On a GPU, by frame: runs that are to do without a map since the last one decided too little. Only a matter of
+    /// time.
+    std::array<std::uint32_t, LAMP_FRAMES> runs_without_map_{};
 
     cl::Buffer counters_;
     LightFrames frames_;
