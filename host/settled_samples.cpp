@@ -249,20 +249,10 @@ private:
 
     void trace_part(cl_uint first, cl_uint count) {
         const std::size_t most = std::min<std::size_t>(counted_.mixed_samples, points_at_once_);
-        kept_.places.reserve(session_, most * 2 * sizeof(cl_uint));
-        kept_.sample_receivers.reserve(session_, most * sizeof(cl_uint));
-        kept_.positions.reserve(session_, 3 * most * sizeof(float));
-        kept_.visibility.reserve(session_, most * sizeof(float));
-        const std::size_t points = place_samples(first, count);
+        const std::size_t points = make_points(first, count, most);
         if (points == 0) return;
-        {
-            cl::StageTimer timer(session_, total_, "samples_points");
-            session_.launch("samples.cl", "samples_points", cl::Range::items(points), batch_, cl_uint(points), eye_,
-                            inputs_.first_float, inputs_.vertices, kept_.rays, kept_.places, kept_.sample_receivers,
-                            kept_.positions);
-        }
         Points samples =
-            Points::wrap(device_, kept_.positions.get(), {0, 1, points}, points, kept_.sample_receivers.get());
+            Points::wrap(device_, kept_.positions.get(), {0, 1, most}, points, kept_.sample_receivers.get());
         samples.set_eye(camera_.eye);
         const Visibility visibility(device_, kept_.visibility.get(), points);
         add_run([&] { return settling_.trace_mixed(triangles_, samples, light_, visibility); });
@@ -271,13 +261,18 @@ private:
                         kept_.visibility, kept_.lit);
     }
 
-    /// How many there are.
-    std::size_t place_samples(cl_uint first, cl_uint count) {
+    /// Of the samples of mixed pieces, with room for `most`. Returns how many there are.
+    std::size_t make_points(cl_uint first, cl_uint count, std::size_t most) {
+        kept_.places.reserve(session_, most * 2 * sizeof(cl_uint));
+        kept_.sample_receivers.reserve(session_, most * sizeof(cl_uint));
+        kept_.positions.reserve(session_, 3 * most * sizeof(float));
+        kept_.visibility.reserve(session_, most * sizeof(float));
         cl::StageTimer timer(session_, total_, "samples_points");
         session_.fill(kept_.counters, 0, sizeof(SampleCounters));
-        session_.launch("samples.cl", "samples_place", cl::Range::items(count), batch_, first, count,
-                        kept_.extra_pixels, kept_.receivers, kept_.masks, kept_.mixed, kept_.places,
-                        kept_.sample_receivers, kept_.counters);
+        session_.launch("samples.cl", "samples_points", cl::Range::items(count), batch_, first, count, cl_uint(most),
+                        eye_, inputs_.first_float, inputs_.vertices, kept_.rays, kept_.extra_pixels, kept_.receivers,
+                        kept_.masks, kept_.mixed, kept_.places, kept_.sample_receivers, kept_.positions,
+                        kept_.counters);
         if (count == counted_.mixed) return counted_.mixed_samples;
         return session_.read_value<SampleCounters>(kept_.counters).placed;
     }

@@ -9,7 +9,7 @@
 // samples_group        the other pieces
 // samples_bound    the footprints of these pieces
 // samples_sort     what the technique settled is counted, the rest listed
-// samples_place    the samples of mixed pieces, and samples_points their shading points
+// samples_points   the samples of mixed pieces and their shading points
 // samples_count    what became of them
 //
 // Footprints. In real arithmetic the ray through a place of the picture is linear in it, so the samples' rays lie in
@@ -621,37 +621,30 @@ __kernel void samples_sort(PixelBatch batch, uint piece_count, __global const ui
     if (mixed_samples != 0) atomic_add(&counters->mixed_samples, mixed_samples);
 }
 
-// places[i] = (pixel of the batch, sample) of point i: the samples of a piece lie together.
-__kernel void samples_place(PixelBatch batch, uint first_mixed, uint mixed_count, __global const uint* extra_pixels,
-                            __global const uint* piece_receivers, __global const uint* masks,
-                            __global const uint* mixed, __global uint2* places, __global uint* receivers,
-                            __global SampleCounters* counters) {
+// places[i] = (pixel of the batch, sample) of point i, its receiver, and its shading point: x of `stride` points, then
+// y, then z. A work-item takes a whole piece, whose samples share a plane and lie together.
+__kernel void samples_points(PixelBatch batch, uint first_mixed, uint mixed_count, uint stride, float4 eye_and_zero,
+                             ulong first_float, __global const float* vertices, __global const float* rays,
+                             __global const uint* extra_pixels, __global const uint* piece_receivers,
+                             __global const uint* masks, __global const uint* mixed, __global uint2* places,
+                             __global uint* receivers, __global float* positions, __global SampleCounters* counters) {
+    float3 eye = eye_and_zero.xyz;
     GN_FOR_EACH(i, mixed_count) {
         uint piece = mixed[first_mixed + i];
         if (piece == GN_NO_ID) continue;
         uint mask = masks[piece], place = atomic_add(&counters->placed, popcount(mask));
-        for (; mask != 0u; mask &= mask - 1u, ++place) {
-            places[place] = (uint2)(pixel_of_piece(batch, extra_pixels, piece), 31u - clz(mask & (0u - mask)));
-            receivers[place] = piece_receivers[piece];
+        uint pixel = pixel_of_piece(batch, extra_pixels, piece), at = batch.first + pixel;
+        SeenTriangle seen = see_triangle(vertices + first_float, piece_receivers[piece], eye);
+        for (; mask != 0u; ++place) {
+            uint sample = take_lowest_bit(&mask), table = sample * (batch.width + batch.height);
+            places[place] = (uint2)(pixel, sample);
+            receivers[place] = seen.id;
+            float3 p = shading_point(&seen, eye,
+                                     load_ray(rays, table + at % batch.width, table + batch.width + at / batch.width));
+            positions[place] = p.x;
+            positions[place + stride] = p.y;
+            positions[place + 2 * (size_t)stride] = p.z;
         }
-    }
-}
-
-// The shading points of samples, x of all points, then y, then z.
-__kernel void samples_points(PixelBatch batch, uint count, float4 eye_and_zero, ulong first_float,
-                             __global const float* vertices, __global const float* rays, __global const uint2* places,
-                             __global const uint* receivers, __global float* positions) {
-    float3 eye = eye_and_zero.xyz;
-    SeenTriangle seen;
-    seen.id = GN_NO_ID;
-    GN_FOR_EACH(i, count) {
-        if (receivers[i] != seen.id) seen = see_triangle(vertices + first_float, receivers[i], eye);
-        uint pixel = batch.first + places[i].x, table = places[i].y * (batch.width + batch.height);
-        float3 p = shading_point(
-            &seen, eye, load_ray(rays, table + pixel % batch.width, table + batch.width + pixel / batch.width));
-        positions[i] = p.x;
-        positions[i + count] = p.y;
-        positions[i + 2 * (size_t)count] = p.z;
     }
 }
 
