@@ -230,7 +230,6 @@ private:
         }
         read_counters();
         sum_.edges += batch_.count - counted_.whole;
-        sum_.sought += session_.is_cpu() ? counted_.sought : counted_.edges;
         sum_.whole += counted_.whole;
         sum_.pieces += counted_.pieces;
         sum_.mixed_pieces += counted_.mixed_pieces;
@@ -295,7 +294,6 @@ private:
         total_.counts = {{"points", view_.points.count() * pattern_.count},
                          {"pixels_on_one_receiver", sum_.whole},
                          {"pixels_on_several", sum_.edges},
-                         {"pixels_sought_in", sum_.sought},
                          {"pieces", sum_.pieces},
                          {"pieces_mixed", sum_.mixed_pieces},
                          {"samples_settled_in_shadow", sum_.in_shadow},
@@ -320,7 +318,7 @@ private:
     PixelBatch batch_{};
     SampleCounters counted_{};
     struct {
-        std::uint64_t edges, sought, whole, pieces, mixed_pieces, mixed_samples, in_shadow, lit;
+        std::uint64_t edges, whole, pieces, mixed_pieces, mixed_samples, in_shadow, lit;
     } sum_{};
     Statistics total_;
     std::uint64_t technique_memory_bytes_ = 0;
