@@ -28,15 +28,15 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
                    cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
 }
 
+}  // namespace
+
 // All triangles are read in order, points' receivers from anywhere. Measured on a CPU: with as many points as triangles
 // both ways take the same time (docs/performance.md).
-bool asks_triangles(const TriangleInputs& triangles, const PointInputs& points) {
+bool Facing::asks_triangles(const TriangleInputs& triangles, const PointInputs& points) {
     const bool has_doubts = points.layout.is_lifted == 0 && points.footprints == nullptr;
     return points.layout.has_receivers != 0 && !points.face_light && !has_doubts &&
            points.layout.count / 2 >= triangles.count;
 }
-
-}  // namespace
 
 void Facing::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
                  const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {

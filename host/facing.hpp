@@ -13,6 +13,8 @@ public:
     /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
+    /// Whether run() asks each triangle once which way it faces, instead of each point.
+    static bool asks_triangles(const TriangleInputs& triangles, const PointInputs& points);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
     /// BlockBounds of each block of points (kernels/block_bounds.h); null where work-items take single points, or
     /// footprints.

@@ -56,6 +56,15 @@ static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
 }
 #endif
 
+// World coordinates that belong to grid coordinates from low to high under these z: x = grid x + shear z. The grid
+// coordinates are off by 4u M, the products and sums here by less.
+static void world_bounds(float low, float high, float shear, float z_low, float z_high, float* world_low,
+                         float* world_high) {
+    float margin = 16.0f * GN_U * (fmax(fabs(low), fabs(high)) + fmax(fabs(z_low), fabs(z_high)));
+    *world_low = low + fmin(shear * z_low, shear * z_high) - margin;
+    *world_high = high + fmax(shear * z_low, shear * z_high) + margin;
+}
+
 // How a frame's projection takes grid values to its grid.
 typedef struct BlockGrid {
     float origin_x, scale_x, offset_x, origin_y, scale_y, offset_y;

@@ -68,15 +68,6 @@ static void start_bounds(RunningBounds* bounds, uint frame) {
     bounds->span = (float8)(INFINITY);
 }
 
-// World coordinates that belong to grid coordinates from low to high under these z: x = grid x + shear z. The grid
-// coordinates are off by 4u M, the products and sums here by less.
-static void world_bounds(float low, float high, float shear, float z_low, float z_high, float* world_low,
-                         float* world_high) {
-    float margin = 16.0f * GN_U * (fmax(fabs(low), fabs(high)) + fmax(fabs(z_low), fabs(z_high)));
-    *world_low = low + fmin(shear * z_low, shear * z_high) - margin;
-    *world_high = high + fmax(shear * z_low, shear * z_high) + margin;
-}
-
 // Into the work-group's bounds of all frames. Most values are inside already: a look saves the atomic.
 static void raise_to(volatile __local uint* highest, float value) {
     uint key = float_to_key(value);

@@ -8,7 +8,7 @@
 #ifndef GN_PREPARED_LIGHT_H
 #define GN_PREPARED_LIGHT_H
 
-#include "light_frame.h"
+#include "block_bounds.h"
 
 // Where the points of one frame may be. A point strictly outside the lit bounds by its own error, or strictly nearer to
 // the light than `top`, is lit for certain: no triangle can lie between.
@@ -72,6 +72,29 @@ static LaneInt prepared_lanes(LightFrame light_frame, __global const PreparedDom
         *strays |= same & ~answer.inside & ~answer.lit;
     }
     return open;
+}
+
+// Whether that is so of all open points of a block, by its bounds, under a direction: all are within the world's bounds
+// and the lit ones, so that prepared_lanes() would leave them open (or say that they are lit, which a trace comes to as
+// well).
+static bool block_stays_open(LightFrame frame, __global const PreparedDomain* domain,
+                             __global const BlockBounds* block) {
+    float z_low = block->height, z_high = -block->minus_height;
+    if (frame.sign_z < 0.0f) {
+        z_low = block->minus_height;
+        z_high = -block->height;
+    }
+    float low[2] = {block->x, block->y}, high[2] = {-block->minus_x, -block->minus_y};
+    float shear[2] = {frame.shear_x, frame.shear_y};
+    uint axes[2] = {frame.axis_x, frame.axis_y};
+    bool inside = z_low >= domain->world_low[frame.axis_z] && z_high <= domain->world_high[frame.axis_z];
+    for (int i = 0; i < 2; ++i) {
+        float world_low, world_high;
+        world_bounds(low[i], high[i], shear[i], z_low, z_high, &world_low, &world_high);
+        inside = inside && low[i] >= domain->lit_low[i] && high[i] <= domain->lit_high[i] &&
+                 world_low >= domain->world_low[axes[i]] && world_high <= domain->world_high[axes[i]];
+    }
+    return inside;
 }
 
 #endif

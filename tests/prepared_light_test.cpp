@@ -357,6 +357,52 @@ TEST(Prepared, EyesAndLightsInThePlanesOfReceiversWithTheKernelsMadeForGpus) {
     check_eyes_and_lights_in_planes(Device({}, options));
 }
 
+// Points of a caller that says that they are lifted off: facing goes before the trace on a CPU, and finds them
+// anywhere: in blocks that are within the bounds prepared for, beside them and across their sides. Strays fall back.
+TEST(Prepared, LiftedPointsAnywhere) {
+    const Device device;
+    Floats vertices = soup(60, 0.5f, 21);
+    add(vertices, {-2, -1, -2}, {2, -1, -2}, {0, -1, 3});
+    const auto triangles = gnomon::Triangles::upload(device, vertices);
+    const auto plain = gnomon::make_technique("frustum-traced", device),
+               prepared = gnomon::make_technique("frustum-traced", device);
+    Random random(22);
+    std::uint64_t used = 0, fallen_back = 0, dark = 0, lit = 0;
+    for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::directional({1, -0.3f, 0.4f}),
+                               Light::directional({1, -0.01f, 0.1f}), Light::positional({0.1f, 3, 0.2f})}) {
+        prepared->prepare(triangles, light);
+        for (const float reach : {0.9f, 1.5f, 10.0f}) {
+            Floats positions;
+            for (int block = 0; block < 60; ++block) {
+                const float across = block % 3 == 0 ? 0.9f : reach, spread = block % 2 == 0 ? 0.01f : 0.2f;
+                const float x = random.between(-reach, reach), y = random.between(-0.99f, across),
+                            z = random.between(-across, across);
+                for (int i = 0; i < 16; ++i)
+                    append(positions, {x + random.between(0, spread), y + random.between(0, spread),
+                                       z + random.between(0, spread)});
+            }
+            const std::vector<std::uint32_t> receivers(positions.size() / 3, 60);
+            gnomon::Points points = gnomon::Points::upload(device, positions, receivers);
+            points.set_eye({0.5f, 9, 0.5f});
+            points.set_lifted_off(triangles);
+            const Asked asked = ask(device, *prepared, triangles, points, light);
+            EXPECT_EQ(asked.visibility, ask(device, *plain, triangles, points, light).visibility);
+            const auto shadowed =
+                reference::shadowed(vertices, positions, receivers, light.xyzw, gnomon::Float3{0.5f, 9, 0.5f});
+            for (std::size_t i = 0; i < shadowed.size(); ++i)
+                ASSERT_EQ(asked.visibility[i], shadowed[i] ? 0.0f : 1.0f) << "point " << i;
+            used += asked.statistics.count("prepared");
+            fallen_back += asked.statistics.count("prepared_strays") != 0;
+            dark += asked.statistics.count("points_in_shadow");
+            lit += positions.size() / 3 - asked.statistics.count("points_in_shadow");
+        }
+    }
+    EXPECT_GT(used, 6u);
+    EXPECT_GT(fallen_back, 0u);
+    EXPECT_GT(dark, 500u);
+    EXPECT_GT(lit, 500u);
+}
+
 // More than 8 to a bin of the usual grid: a CPU's bins get finer.
 TEST(Prepared, BinsOfManyTriangles) {
     const Device device;
