@@ -19,7 +19,8 @@ set(GNOMON_TESTS_DIR "${CMAKE_CURRENT_LIST_DIR}")
 # tracer crashes at the end (google/sanitizers issue 1353; seen here with PoCL's threads): where a test had passed till
 # then, ctest lists it as skipped, since nothing is known of its leaks.
 set(GNOMON_TEST_TIMEOUT_S 300)
-set(GNOMON_TEST_SKIPPED "\\[  SKIPPED \\]")
+# Not a bracket at its end: gtest_discover_tests of CMake 4.4 writes what it is given between two of them.
+set(GNOMON_TEST_SKIPPED "\\[  SKIPPED \\] ")
 if(GNOMON_SANITIZE)
   set(GNOMON_TEST_TIMEOUT_S 900)
   string(APPEND GNOMON_TEST_SKIPPED "|PASSED  . 1 test.*LeakSanitizer has encountered a fatal error")
