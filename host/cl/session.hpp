@@ -87,7 +87,7 @@ public:
     /// Work-groups that fill the device a few times over.
     std::size_t many_groups() const;
     /// Over `items` of unlike length: on a GPU as many groups as leave each work-item about `each` of them, so that a
-    /// multiprocessor that is done takes another group.
+    /// multiprocessor that is done takes another group; on a CPU more groups than usual, for the same reason.
     Range uneven_items(std::size_t items, std::size_t each) const;
     /// Groups of at most 32 items (a GPU's warp) that fill the device: for groups that share out a few dozen things.
     Range small_groups() const;
