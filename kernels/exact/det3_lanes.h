@@ -81,8 +81,15 @@ static LaneInt lanes_side(const TriangleBlock* t, const LaneCross* normals, cons
     LaneInt certain, positive = lanes_det3_positive(normals, difference(*end, *start), &certain);
     LaneInt side = LANES_SELECT((LaneInt)(-1), (LaneInt)(1), positive);
     LaneInt open = lanes & ~certain;
-    if (LANES_ANY(open)) settle_sides(t, end, start, open, &side, exact);
-    return side;
+    if (!LANES_ANY(open)) return side;
+    // Copies: what a function that is not inlined gets by pointer, a GPU keeps in memory from where it is made.
+    TriangleBlock same = *t;
+    PointBlock same_end = *end, same_start = *start;
+    LaneInt settled = side;
+    uint more = 0;
+    settle_sides(&same, &same_end, &same_start, open, &settled, &more);
+    *exact += more;
+    return settled;
 }
 
 #endif
