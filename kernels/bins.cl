@@ -68,6 +68,25 @@ static void append_bins(PairList* list, uint slot, const TriangleRecord* record,
             append_pair(list, slot, bin_number(list->projection, bin.x, bin.y));
     }
 }
+
+GN_APART void append_pairs(Share share, PairList* list, uint tile_count, __global const TriangleRecord* records,
+                           __global const uint2* tiles) {
+    GN_FOR_EACH_OF(i, share) {
+        uint2 tile = tiles[i], ahead = tiles[min((uint)i + TILES_AHEAD, tile_count - 1u)];
+        if (ahead.x != GN_NO_ID) GN_PREFETCH(&records[ahead.x]);
+        if (tile.x == GN_NO_ID) continue;
+        uint4 bins = bins_of_tile(tile.y);
+        // A tile of one bin was looked at as a tile, or it is all of the triangle's rectangle: no need for the record.
+        if (bins.x == bins.z && bins.y == bins.w) {
+            append_pair(list, tile.x, bin_number(list->projection, bins.x, bins.y));
+            continue;
+        }
+        TriangleRecord record = records[tile.x];
+        append_bins(list, tile.x, &record, bins);
+    }
+    for (; list->places.next < min(list->places.end, list->capacity); ++list->places.next)
+        list->pairs[list->places.next].bin = GN_NO_ID;
+}
 #endif
 
 __kernel void bins_pairs(__constant const Projection* projection, uint tile_capacity, uint has_heights,
@@ -78,22 +97,8 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
     uint tile_count = min(counters->tiles, tile_capacity);
 #ifdef GN_CPU
     PairList list = {projection, heights, counts, pairs, &counters->pairs, has_heights, pair_capacity, 0u, no_claim()};
-    GN_FOR_EACH(i, tile_count) {
-        uint2 tile = tiles[i], ahead = tiles[min((uint)i + TILES_AHEAD, tile_count - 1u)];
-        if (ahead.x != GN_NO_ID) GN_PREFETCH(&records[ahead.x]);
-        if (tile.x == GN_NO_ID) continue;
-        uint4 bins = bins_of_tile(tile.y);
-        // A tile of one bin was looked at as a tile, or it is all of the triangle's rectangle: no need for the record.
-        if (bins.x == bins.z && bins.y == bins.w) {
-            append_pair(&list, tile.x, bin_number(projection, bins.x, bins.y));
-            continue;
-        }
-        TriangleRecord record = records[tile.x];
-        append_bins(&list, tile.x, &record, bins);
-    }
+    append_pairs(share_of(tile_count), &list, tile_count, records, tiles);
     uint found = list.found;
-    for (; list.places.next < min(list.places.end, pair_capacity); ++list.places.next)
-        pairs[list.places.next].bin = GN_NO_ID;
 #else
     uint found = 0;
     __local uint claimed[GROUP_CLAIM_WORDS];

@@ -6,24 +6,27 @@
 // decided per pixel, exactly. Double precision is the device's own or made of integers (exact/wide.h).
 #include "shading_point.h"
 
+#define BLOCKS_PER_TILE ((1u << 2 * CAMERA_TILE_LOG2) / GN_LANES)
+
 // `rays` are those of one sample per pixel, which lies `offset` pixels off the centre. With pixel_receivers, a sample
 // whose ray meets the receiver of its pixel takes that one, seen or not. visible[first_point + pixel] is written.
-__kernel void camera_visibility(__constant const Projection* projection, PictureRays picture, ulong first_float,
-                                float2 offset, uint first_point, uint has_pixel_receivers,
-                                __global const float* vertices, __global const float* rays,
-                                __global const TriangleRecord* records, __global const TriangleBounds* bounds,
-                                __global const uint2* ranges, __global const BinEntries* entries,
-                                __global const FrameCounters* counters, __global const uint* pixel_receivers,
-                                __global uint* visible) {
+GN_KERNEL_OF_ITEMS(camera_visibility, projection->bins_x * projection->bins_y * BLOCKS_PER_TILE,
+                   (__constant const Projection* projection, PictureRays picture, ulong first_float, float2 offset,
+                    uint first_point, uint has_pixel_receivers, __global const float* vertices,
+                    __global const float* rays, __global const TriangleRecord* records,
+                    __global const TriangleBounds* bounds, __global const uint2* ranges,
+                    __global const BinEntries* entries, __global const FrameCounters* counters,
+                    __global const uint* pixel_receivers, __global uint* visible),
+                   (projection, picture, first_float, offset, first_point, has_pixel_receivers, vertices, rays, records,
+                    bounds, ranges, entries, counters, pixel_receivers, visible)) {
     if (counters->references == GN_NO_LISTS) return;
     const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
-    const uint blocks_per_tile = tile_pixels * tile_pixels / GN_LANES;
     const uint blocks_per_row = tile_pixels / GN_LANES;
     float3 eye = center_of(projection);
     uint width = projection->width, height = projection->height;
     TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays, picture};
-    GN_FOR_EACH(block, projection->bins_x * projection->bins_y * blocks_per_tile) {
-        uint tile = (uint)block / blocks_per_tile, within = (uint)block % blocks_per_tile;
+    GN_FOR_EACH_OF(block, share) {
+        uint tile = (uint)block / BLOCKS_PER_TILE, within = (uint)block % BLOCKS_PER_TILE;
         uint first_x = (tile % projection->bins_x) * tile_pixels + (within % blocks_per_row) * GN_LANES;
         uint pixel_y = (tile / projection->bins_x) * tile_pixels + within / blocks_per_row;
         if (pixel_y >= height || first_x >= width) continue;
@@ -62,14 +65,16 @@ __kernel void camera_visibility(__constant const Projection* projection, Picture
 
 // Positions as a structure of arrays: x of all points, then y, then z; pixel i is point first_point + i of point_count.
 // Sky: NaN.
-__kernel void camera_points(uint width, uint height, uint first_point, uint point_count, float4 eye_and_zero,
-                            ulong first_float, __global const float* vertices, __global const float* rays,
-                            __global const uint* visible, __global float* positions) {
-    size_t count = (size_t)width * height;
+GN_KERNEL_OF_ITEMS(camera_points, width* height,
+                   (uint width, uint height, uint first_point, uint point_count, float4 eye_and_zero, ulong first_float,
+                    __global const float* vertices, __global const float* rays, __global const uint* visible,
+                    __global float* positions),
+                   (width, height, first_point, point_count, eye_and_zero, first_float, vertices, rays, visible,
+                    positions)) {
     float3 eye = eye_and_zero.xyz;
     SeenTriangle seen;
     seen.id = GN_NO_ID;
-    GN_FOR_EACH(pixel, count) {
+    GN_FOR_EACH_OF(pixel, share) {
         float3 p = (float3)(NAN);
         size_t point = first_point + pixel;
         if (visible[point] != GN_NO_ID) {
@@ -94,11 +99,13 @@ static float3 unit_normal(Triangle t, float3 eye) {
 }
 
 // Unit geometric normals facing the camera, packed xyz, for the host and for shading. Sky: 0.
-__kernel void camera_normals(uint count, float4 eye_and_zero, ulong first_float, __global const float* vertices,
-                             __global const uint* visible, __global float* normals) {
+GN_KERNEL_OF_ITEMS(camera_normals, count,
+                   (uint count, float4 eye_and_zero, ulong first_float, __global const float* vertices,
+                    __global const uint* visible, __global float* normals),
+                   (count, eye_and_zero, first_float, vertices, visible, normals)) {
     uint id = GN_NO_ID;  // of the triangle that `normal` belongs to
     float3 normal = (float3)(0.0f);
-    GN_FOR_EACH(pixel, count) {
+    GN_FOR_EACH_OF(pixel, share) {
         if (visible[pixel] != id) {
             id = visible[pixel];
             normal = (float3)(0.0f);

@@ -76,6 +76,21 @@ static uint draw_bins(const TriangleRecord* record, __constant const Projection*
 }
 
 // Drawing takes no longer than asking bin by bin whether it matters.
+#ifdef GN_CPU
+GN_APART uint draw_tiles(Share share, __constant const Projection* projection, uint circle_cover,
+                         __global const TriangleRecord* records, __global const uint2* tiles,
+                         volatile __global uint* map) {
+    uint written = 0;
+    GN_FOR_EACH_OF(i, share) {
+        uint2 tile = tiles[i];
+        if (tile.x == GN_NO_ID) continue;
+        TriangleRecord record = records[tile.x];
+        written += draw_bins(&record, projection, bins_of_tile(tile.y), circle_cover, map);
+    }
+    return written;
+}
+#endif
+
 __kernel void conservative_map_draw(__constant const Projection* projection, uint tile_capacity, uint circle_cover,
                                     __global const TriangleRecord* records, __global const uint2* tiles,
                                     __global const uint* heights, volatile __global uint* map,
@@ -83,12 +98,7 @@ __kernel void conservative_map_draw(__constant const Projection* projection, uin
     __local uint sum;
     uint count = min(counters->map_tiles, tile_capacity), written = 0;
 #ifdef GN_CPU
-    GN_FOR_EACH(i, count) {
-        uint2 tile = tiles[i];
-        if (tile.x == GN_NO_ID) continue;
-        TriangleRecord record = records[tile.x];
-        written += draw_bins(&record, projection, bins_of_tile(tile.y), circle_cover, map);
-    }
+    written = draw_tiles(share_of(count), projection, circle_cover, records, tiles, map);
 #else
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     TileGroup group = {group_tiles, ends};

@@ -5,13 +5,16 @@
 #include "exact/blocks_lanes.h"
 #include "triangle_setup.h"
 
-__kernel void exact_trace(float4 light, PointsLayout layout, ulong first_float, uint queue_capacity,
-                          __global const float* positions, __global const float* vertices, __global const uint2* queue,
-                          volatile __global uint* visibility_bits, __global FrameCounters* counters) {
+GN_KERNEL_OF_ITEMS(exact_trace, (min(counters->uncertain, queue_capacity) + GN_LANES - 1u) / GN_LANES,
+                   (float4 light, PointsLayout layout, ulong first_float, uint queue_capacity,
+                    __global const float* positions, __global const float* vertices, __global const uint2* queue,
+                    volatile __global uint* visibility_bits, __global FrameCounters* counters),
+                   (light, layout, first_float, queue_capacity, positions, vertices, queue, visibility_bits,
+                    counters)) {
     uint by_level[3] = {0, 0, 0};
     uint decided = 0;
     uint count = min(counters->uncertain, queue_capacity);
-    GN_FOR_EACH(block, (count + GN_LANES - 1u) / GN_LANES) {
+    GN_FOR_EACH_OF(block, share) {
         uint first = (uint)block * GN_LANES;
         uint points[GN_LANES];
         __global const float* rows[GN_LANES];

@@ -134,11 +134,12 @@ static float8 include_points(RunningBounds* bounds, LightFrame light_frame, Poin
 }
 
 // Of each triangle 1 if points on it face away, else 0; in whole blocks.
-__kernel void triangles_away(PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count,
-                             __global const float* vertices, __global LaneUchar* away,
-                             __global FrameCounters* counters) {
+GN_KERNEL_OF_ITEMS(triangles_away, (triangle_count + GN_LANES - 1u) / GN_LANES,
+                   (PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count,
+                    __global const float* vertices, __global LaneUchar* away, __global FrameCounters* counters),
+                   (layout, light_frame, first_float, triangle_count, vertices, away, counters)) {
     uint exact = 0;
-    GN_FOR_EACH(block, (triangle_count + GN_LANES - 1u) / GN_LANES) {
+    GN_FOR_EACH_OF(block, share) {
         uint first = (uint)block * GN_LANES;
         TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
         LaneInt asked = LANE_COMPARE((LaneInt)((int)min(triangle_count - first, (uint)GN_LANES)), >, LANE_INDEX);
@@ -171,13 +172,13 @@ typedef struct FacingCounts {
     uint exact;
 } FacingCounts;
 
-// Inlined for each kind of run: a CPU's compiler leaves out what an argument that is a constant rules out, and keeps in
-// registers what it would carry through memory around that.
+// Inlined for each kind of run (below): a CPU's compiler leaves out what an argument that is a constant rules out, and
+// keeps in registers what it would carry through memory around that.
 __attribute__((always_inline)) static void face_points(PointsLayout layout, LightFrame light_frame, uint opens,
                                                        uint has_footprints, uint asked_before, uint has_blocks,
                                                        uint triangle_count, FacingBuffers to, RunningBounds* bounds,
-                                                       FacingCounts* counts) {
-    GN_FOR_EACH(block, block_count(layout)) {
+                                                       FacingCounts* counts, Share share) {
+    GN_FOR_EACH_OF(block, share) {
         LaneInt valid = valid_lanes(layout, block);
         PointBlock points = load_block(to.positions, layout, block);
         LaneInt open = valid & present_lanes(points);
@@ -231,6 +232,35 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
     }
 }
 
+GN_APART void face_asked(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks,
+                         uint triangle_count, const FacingBuffers* to, RunningBounds* bounds, FacingCounts* counts,
+                         Share share) {
+    face_points(layout, light_frame, opens, has_footprints, 0u, has_blocks, triangle_count, *to, bounds, counts, share);
+}
+GN_APART void face_looked_up(PointsLayout layout, LightFrame light_frame, uint opens, uint has_blocks,
+                             uint triangle_count, const FacingBuffers* to, RunningBounds* bounds, FacingCounts* counts,
+                             Share share) {
+    face_points(layout, light_frame, opens, 0u, 1u, has_blocks, triangle_count, *to, bounds, counts, share);
+}
+GN_APART void face_looked_up_around(PointsLayout layout, LightFrame light_frame, uint opens, uint has_blocks,
+                                    uint triangle_count, const FacingBuffers* to, RunningBounds* bounds,
+                                    FacingCounts* counts, Share share) {
+    face_points(layout, light_frame, opens, 1u, 1u, has_blocks, triangle_count, *to, bounds, counts, share);
+}
+#if GN_LANES > 1
+static bool is_usual(PointsLayout layout, LightFrame light_frame, uint opens, uint has_blocks) {
+    return opens == FACING_BOUNDS && has_blocks && !light_frame.perspective && layout.point_stride == 1u &&
+           layout.has_receivers == 1u && layout.picture_width != 0u;
+}
+// Of a picture, under a direction.
+GN_APART void face_usual(PointsLayout layout, LightFrame light_frame, uint triangle_count, const FacingBuffers* to,
+                         RunningBounds* bounds, FacingCounts* counts, Share share) {
+    light_frame.perspective = 0u;
+    layout.point_stride = layout.has_receivers = 1u;
+    face_points(layout, light_frame, FACING_BOUNDS, 0u, 1u, 1u, triangle_count, *to, bounds, counts, share);
+}
+#endif
+
 // `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `asked_before`: triangles_are_away
 // has been filled, and no point is doubtful. `has_blocks`: blocks is to be written. `shared`: BOUNDS_WORDS for each
 // frame. The frames' bounds and the counters are zeroed before.
@@ -251,16 +281,18 @@ __attribute__((always_inline)) static void decide_facing(
     FacingCounts counts = {(LaneInt)(0), (LaneInt)(0), 0u};
     RunningBounds bounds;
     start_bounds(&bounds, 0u);
+    Share share = share_of(block_count(layout));
+    if (!asked_before)
+        face_asked(layout, light_frame, opens, has_footprints, has_blocks, triangle_count, &to, &bounds, &counts,
+                   share);
+    else if (has_footprints)
+        face_looked_up_around(layout, light_frame, opens, has_blocks, triangle_count, &to, &bounds, &counts, share);
 #if GN_LANES > 1
-    if (opens == FACING_BOUNDS && !has_footprints && asked_before && has_blocks && !light_frame.perspective &&
-        layout.point_stride == 1u && layout.has_receivers == 1u && layout.picture_width != 0u) {
-        light_frame.perspective = 0u;
-        layout.point_stride = layout.has_receivers = 1u;
-        face_points(layout, light_frame, FACING_BOUNDS, 0u, 1u, 1u, triangle_count, to, &bounds, &counts);
-    } else
+    else if (is_usual(layout, light_frame, opens, has_blocks))
+        face_usual(layout, light_frame, triangle_count, &to, &bounds, &counts, share);
 #endif
-        face_points(layout, light_frame, opens, has_footprints, asked_before, has_blocks, triangle_count, to, &bounds,
-                    &counts);
+    else
+        face_looked_up(layout, light_frame, opens, has_blocks, triangle_count, &to, &bounds, &counts, share);
     flush_bounds(light_frame, &bounds, shared);
     atomic_add(&group_counts[0], (uint)-LANES_SUM(counts.minus_absent));
     atomic_add(&group_counts[1], (uint)-LANES_SUM(counts.minus_away));

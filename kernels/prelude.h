@@ -40,6 +40,40 @@
 #define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
 #endif
 
+// What a work-item takes of [0, n), as GN_FOR_EACH shares it out; and the loop over it.
+typedef struct Share {
+    size_t first, end, step;
+} Share;
+static Share share_of(size_t n) {
+#ifdef GN_CPU
+    Share share = {get_global_id(0) * GN_PIECE(n), min((size_t)(get_global_id(0) + 1) * GN_PIECE(n), n), 1};
+#else
+    Share share = {get_global_id(0), n, get_global_size(0)};
+#endif
+    return share;
+}
+#ifdef GN_CPU
+#define GN_FOR_EACH_OF(i, share) for (size_t i = (share).first; i < (share).end; ++i)
+#else
+#define GN_FOR_EACH_OF(i, share) for (size_t i = (share).first; i < (share).end; i += (share).step)
+#endif
+
+// A function for a kernel's work. PoCL compiles three times what it inlines into a kernel, once for each way to call
+// that; it inlines whatever asks for ids or meets a barrier, but this only once it has to.
+#ifdef GN_CPU
+#define GN_APART __attribute__((noinline)) static
+#else
+#define GN_APART static
+#endif
+
+// Begins a kernel over n items that needs no barrier; its body takes the items of `share`. In brackets: its parameters,
+// and their names alone.
+#define GN_UNPACKED(...) __VA_ARGS__
+#define GN_KERNEL_OF_ITEMS(name, n, parameters, names)                                 \
+    GN_APART void name##_of_items(Share share, GN_UNPACKED parameters);                \
+    __kernel void name parameters { name##_of_items(share_of(n), GN_UNPACKED names); } \
+    GN_APART void name##_of_items(Share share, GN_UNPACKED parameters)
+
 // Order-preserving map of floats to unsigned integers (no NaN), so that integer atomics find float minima.
 static uint float_to_key(float x) {
     uint bits = as_uint(x);

@@ -307,6 +307,132 @@ static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, Trac
 }
 #endif
 
+// What a work-item reads and writes of the points.
+typedef struct TracePoints {
+    PointsLayout layout;
+    __global const float* positions;
+    __global const uint* receivers;
+    __global float* visibility;
+#if TRACE_BLOCKS
+    __global const BlockBounds* blocks;  // null: there are none
+#endif
+#if TRACE_DOMAINS
+    __global const PreparedDomain* domains;
+#endif
+#if TRACE_FACES
+    PreparedReceivers prepared;
+#endif
+} TracePoints;
+
+// Sets found[], of TRACE_COUNTS. All by value: in memory of its own, which no store to the points can change.
+GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
+                           TracePoints to, uint* found) {
+    PointsLayout layout = to.layout;
+#if TRACE_BY_BLOCKS
+    BlockGrid grid = block_grid(light_frame, frames.projections, frames.first);
+    bool sees_map = frames.has_map && map_is_seen(frames.projections);
+#endif
+    ulong tests = 0;
+    LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
+            minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
+#if TRACE_FACES
+    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
+    uint facing_exact = 0;
+#endif
+    GN_FOR_EACH_OF(block, share) {
+#if TRACE_FACES
+        BlockPoints points = load_points(to.positions, to.receivers, layout, block);
+        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)frames.first;
+#if GN_LANES == 1
+        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
+#endif
+        PreparedFacing facing =
+            face_points(&to.prepared, light_frame, layout, block, &points.at, to.receivers, &facing_exact);
+        minus_absent += facing.absent;
+        minus_away += facing.away;
+        minus_strays += facing.strays;
+        LaneFloat state = state_of_points(&facing);
+        LaneInt left = facing.open;
+        if (!LANES_ANY(left)) {
+            store_lanes(state, to.visibility, layout, block);
+            continue;
+        }
+#else
+#if TRACE_BY_BLOCKS
+        uint map_says = MAP_MAY_HIDE;
+        bool is_inside = true;  // the bounds that the grid and the map have been made for
+        if (to.blocks != 0) {
+            uint frame = to.blocks[block].frame;
+            if (frame != frames.first && frame != BLOCK_IN_FRAMES) continue;
+#if TRACE_DOMAINS
+            is_inside = frame == frames.first && block_stays_open(light_frame, to.domains, &to.blocks[block]);
+#endif
+            if (sees_map && is_inside) map_says = map_hides(&grid, frames.projections, &to.blocks[block], frames.map);
+        }
+#endif
+        LaneFloat state = load_lanes(to.visibility, layout, block);
+        LaneInt left = open_lanes(state);
+        if (!LANES_ANY(left)) continue;
+#if TRACE_BY_BLOCKS
+        if (map_says == MAP_HIDES_ALL) {
+            minus_by_map += left;
+            store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), left), to.visibility, layout, block);
+            continue;
+        }
+#endif
+        BlockPoints points = load_points(to.positions, to.receivers, layout, block);
+#if TRACE_BY_BLOCKS && TRACE_DOMAINS
+        if (!is_inside) {
+            LaneInt strays, inside = prepared_lanes(light_frame, to.domains, points.at, left, &strays);
+            minus_strays += strays;
+            state = LANES_SELECT(state, (LaneFloat)(1.0f), left & ~inside & ~strays);
+            left = inside;
+        }
+#endif
+        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)frames.first;
+#if GN_LANES == 1
+        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
+#endif
+#endif
+        left &=
+            LANE_COMPARE(lane_frames, >=, (LaneInt)(0)) & LANE_COMPARE(lane_frames, <, (LaneInt)((int)frames.count));
+        BlockAnswer answer = no_answer();
+#if GN_LANES == 1
+        tests += trace_block(&pairs, &frames, lists, &place, left, state, &points, &answer);
+#else
+#if TRACE_BY_BLOCKS
+        bool asks_map = sees_map && map_says != MAP_HIDES_NONE;
+#else
+        bool asks_map = frames.has_map != 0u;
+#endif
+        tests += trace_block(&pairs, &frames, lists, asks_map, lane_frames, left, state, &points, &answer);
+#endif
+        minus_by_map += answer.by_map;
+        minus_listed += answer.listed;
+        minus_by_trace += answer.shadowed & ~answer.by_map & ~answer.by_exact;
+        hand_over_waiting(&pairs, &points, &answer);
+        minus_by_exact += answer.by_exact;
+        minus_strays += answer.below & ~answer.shadowed;
+        LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer.shadowed);
+        result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
+        store_lanes(LANES_SELECT(state, result, left), to.visibility, layout, block);
+    }
+    found[COUNT_MAP] = count_lanes(minus_by_map);
+    found[COUNT_TRACE] = count_lanes(minus_by_trace);
+    found[COUNT_EXACT] = count_lanes(minus_by_exact);
+    found[COUNT_LISTED] = TRACE_IN_PLACE ? 0u : count_lanes(minus_listed);
+    found[COUNT_STRAYS] = count_lanes(minus_strays);
+    found[COUNT_TESTS_LOW] = (uint)tests & 0xFFFFu;
+    found[COUNT_TESTS_HIGH] = (uint)(tests >> 16);
+#if TRACE_FACES
+    found[COUNT_ABSENT] = count_lanes(minus_absent);
+    found[COUNT_AWAY] = count_lanes(minus_away);
+    if (facing_exact != 0) atomic_add(&pairs.counters->facing_exact, facing_exact);
+#else
+    found[COUNT_ABSENT] = found[COUNT_AWAY] = 0u;
+#endif
+}
+
 __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
                            __constant const Projection* projections, uint has_map, uint queue_capacity,
                            ulong first_float, __global const float* positions, __global const uint* receivers,
@@ -333,111 +459,23 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
                           has_map,
                           light_frame.bins_x * light_frame.bins_y,
                           light_frame.width * light_frame.height};
-#if TRACE_BY_BLOCKS
-    BlockGrid grid = block_grid(light_frame, projections, first_frame);
-    bool sees_map = has_map && map_is_seen(projections);
+    TracePoints to;
+    to.layout = layout;
+    to.positions = positions;
+    to.receivers = receivers;
+    to.visibility = visibility;
+#if TRACE_BLOCKS
+    to.blocks = has_blocks ? block_bounds : 0;
 #endif
-    ulong tests = 0;
-    LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
-            minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
-#if TRACE_FACES
-    PreparedReceivers prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes,
-                                                    largest_coordinate, vertices + first_float);
-    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
-    uint facing_exact = 0;
-#endif
-    GN_FOR_EACH(block, blocks) {
-#if TRACE_FACES
-        BlockPoints points = load_points(positions, receivers, layout, block);
-        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)first_frame;
-#if GN_LANES == 1
-        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
-#endif
-        PreparedFacing facing =
-            face_points(&prepared, light_frame, layout, block, &points.at, receivers, &facing_exact);
-        minus_absent += facing.absent;
-        minus_away += facing.away;
-        minus_strays += facing.strays;
-        LaneFloat state = state_of_points(&facing);
-        LaneInt left = facing.open;
-        if (!LANES_ANY(left)) {
-            store_lanes(state, visibility, layout, block);
-            continue;
-        }
-#else
-#if TRACE_BY_BLOCKS
-        uint map_says = MAP_MAY_HIDE;
-        bool is_inside = true;  // the bounds that the grid and the map have been made for
-        if (has_blocks) {
-            uint frame = block_bounds[block].frame;
-            if (frame != first_frame && frame != BLOCK_IN_FRAMES) continue;
 #if TRACE_DOMAINS
-            is_inside = frame == first_frame && block_stays_open(light_frame, domains, &block_bounds[block]);
+    to.domains = domains;
 #endif
-            if (sees_map && is_inside) map_says = map_hides(&grid, projections, &block_bounds[block], map);
-        }
-#endif
-        LaneFloat state = load_lanes(visibility, layout, block);
-        LaneInt left = open_lanes(state);
-        if (!LANES_ANY(left)) continue;
-#if TRACE_BY_BLOCKS
-        if (map_says == MAP_HIDES_ALL) {
-            minus_by_map += left;
-            store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), left), visibility, layout, block);
-            continue;
-        }
-#endif
-        BlockPoints points = load_points(positions, receivers, layout, block);
-#if TRACE_BY_BLOCKS && TRACE_DOMAINS
-        if (!is_inside) {
-            LaneInt strays, inside = prepared_lanes(light_frame, domains, points.at, left, &strays);
-            minus_strays += strays;
-            state = LANES_SELECT(state, (LaneFloat)(1.0f), left & ~inside & ~strays);
-            left = inside;
-        }
-#endif
-        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)first_frame;
-#if GN_LANES == 1
-        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
-#endif
-#endif
-        left &= LANE_COMPARE(lane_frames, >=, (LaneInt)(0)) & LANE_COMPARE(lane_frames, <, (LaneInt)((int)frame_count));
-        BlockAnswer answer = no_answer();
-#if GN_LANES == 1
-        tests += trace_block(&pairs, &frames, lists, &place, left, state, &points, &answer);
-#else
-#if TRACE_BY_BLOCKS
-        bool asks_map = sees_map && map_says != MAP_HIDES_NONE;
-#else
-        bool asks_map = has_map != 0u;
-#endif
-        tests += trace_block(&pairs, &frames, lists, asks_map, lane_frames, left, state, &points, &answer);
-#endif
-        minus_by_map += answer.by_map;
-        minus_listed += answer.listed;
-        minus_by_trace += answer.shadowed & ~answer.by_map & ~answer.by_exact;
-        hand_over_waiting(&pairs, &points, &answer);
-        minus_by_exact += answer.by_exact;
-        minus_strays += answer.below & ~answer.shadowed;
-        LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer.shadowed);
-        result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
-        store_lanes(LANES_SELECT(state, result, left), visibility, layout, block);
-    }
-    uint found[TRACE_COUNTS];
-    found[COUNT_MAP] = count_lanes(minus_by_map);
-    found[COUNT_TRACE] = count_lanes(minus_by_trace);
-    found[COUNT_EXACT] = count_lanes(minus_by_exact);
-    found[COUNT_LISTED] = TRACE_IN_PLACE ? 0u : count_lanes(minus_listed);
-    found[COUNT_STRAYS] = count_lanes(minus_strays);
-    found[COUNT_TESTS_LOW] = (uint)tests & 0xFFFFu;
-    found[COUNT_TESTS_HIGH] = (uint)(tests >> 16);
 #if TRACE_FACES
-    found[COUNT_ABSENT] = count_lanes(minus_absent);
-    found[COUNT_AWAY] = count_lanes(minus_away);
-    if (facing_exact != 0) atomic_add(&counters->facing_exact, facing_exact);
-#else
-    found[COUNT_ABSENT] = found[COUNT_AWAY] = 0u;
+    to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate,
+                                     vertices + first_float);
 #endif
+    uint found[TRACE_COUNTS];
+    trace_blocks(share_of(blocks), light_frame, frames, lists, pairs, to, found);
 #ifdef GN_CPU
     // Few work-items; and PoCL 3.1 keeps vectors misaligned across a barrier of work-groups of 3, 7 and so on.
     add_counts(found, counters);

@@ -318,25 +318,26 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
 #define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
 
 // A work-item takes GN_LANES triangles at a time, over the whole scene or the clusters that are listed.
-__kernel void triangle_bounds(__constant const Projection* projection, uint triangle_count, ulong first_float,
-                              uint capacity, uint has_clusters, uint has_pyramid, __global const float* vertices,
-                              __global const uint* clusters, __global const uint* pyramid,
-                              __global TriangleBounds* bounds, __global uint* map_candidates,
-                              __global FrameCounters* counters) {
-    __local uint sum;
+// What a work-item counts.
+typedef struct BoundsCounts {
+    uint survivors, candidates, finite, looked_at;
+    LaneFloat expected;
+} BoundsCounts;
+
+GN_APART void bound_blocks(Share share, __constant const Projection* projection, uint triangle_count, uint capacity,
+                           uint has_clusters, uint has_pyramid, __global const float* vertices,
+                           __global const uint* clusters, __global const uint* pyramid, __global TriangleBounds* bounds,
+                           __global uint* map_candidates, __global FrameCounters* counters, BoundsCounts* counts) {
     uint survivor_count = 0, candidate_count = 0, finite_count = 0, looked_at = 0;
     Claim slots = no_claim(), candidates = no_claim();
     LaneFloat expected = (LaneFloat)(0.0f);
-    uint blocks = (triangle_count + GN_LANES - 1u) / GN_LANES;
-    if (has_clusters) blocks = counters->clusters_listed * BLOCKS_OF_CLUSTER;
-    if (projection->active_points == 0u) blocks = 0u;
-    GN_FOR_EACH(i, blocks) {
+    GN_FOR_EACH_OF(i, share) {
         uint block = (uint)i;
         if (has_clusters) block = clusters[block / BLOCKS_OF_CLUSTER] * BLOCKS_OF_CLUSTER + block % BLOCKS_OF_CLUSTER;
         uint first = block * GN_LANES;
         if (first >= triangle_count) continue;  // past the end of the last cluster
         uint count = min(triangle_count - first, (uint)GN_LANES);
-        TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
+        TriangleBlock t = load_triangles(vertices, first, triangle_count);
         LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & finite_triangles(&t);
         looked_at += count;
         finite_count += count_lanes(finite);
@@ -366,13 +367,32 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
     for (; slots.next < min(slots.end, capacity); ++slots.next) drop_bounds(&bounds[slots.next]);
     for (; candidates.next < min(candidates.end, capacity); ++candidates.next)
         map_candidates[candidates.next] = GN_NO_ID;
-    uint not_finite = looked_at - finite_count, outside = finite_count - survivor_count;
-    add_in_group(survivor_count, &sum, &counters->survivors);
-    add_in_group(candidate_count, &sum, &counters->map_candidates);
+    counts->survivors = survivor_count;
+    counts->candidates = candidate_count;
+    counts->finite = finite_count;
+    counts->looked_at = looked_at;
+    counts->expected = expected;
+}
+
+__kernel void triangle_bounds(__constant const Projection* projection, uint triangle_count, ulong first_float,
+                              uint capacity, uint has_clusters, uint has_pyramid, __global const float* vertices,
+                              __global const uint* clusters, __global const uint* pyramid,
+                              __global TriangleBounds* bounds, __global uint* map_candidates,
+                              __global FrameCounters* counters) {
+    __local uint sum;
+    uint blocks = (triangle_count + GN_LANES - 1u) / GN_LANES;
+    if (has_clusters) blocks = counters->clusters_listed * BLOCKS_OF_CLUSTER;
+    if (projection->active_points == 0u) blocks = 0u;
+    BoundsCounts counts;
+    bound_blocks(share_of(blocks), projection, triangle_count, capacity, has_clusters, has_pyramid,
+                 vertices + first_float, clusters, pyramid, bounds, map_candidates, counters, &counts);
+    uint not_finite = counts.looked_at - counts.finite, outside = counts.finite - counts.survivors;
+    add_in_group(counts.survivors, &sum, &counters->survivors);
+    add_in_group(counts.candidates, &sum, &counters->map_candidates);
 #ifdef GN_CPU
     // Cut off at what is enough, here and where the others have counted as much, so that no sum overflows.
     uint enough = texels_worth_a_map(projection->width, projection->height);
-    uint texels = (uint)LANES_SUM(LANES_TO_INT(LANES_MIN(expected, (LaneFloat)((float)enough))));
+    uint texels = (uint)LANES_SUM(LANES_TO_INT(LANES_MIN(counts.expected, (LaneFloat)((float)enough))));
     volatile __global uint* counted = &counters->map_expected;
     if (texels != 0 && GN_LOOK(counted) < enough) atomic_add(counted, min(texels, enough));
 #endif
@@ -575,7 +595,7 @@ static void append_tile_if_matters(TileWork* work, uint slot, uint4 bins, uint i
 }
 
 // Of all that are chosen; then none is.
-static void append_tiles_of(TileWork* work, Chosen* chosen) {
+GN_APART void append_tiles_of(TileWork* work, Chosen* chosen) {
     LaneInt wanted = prepare(work, chosen);
     for (uint lane = 0; lane < chosen->count; ++lane) {
         if (!LANE_OF_INT(wanted, lane)) continue;
@@ -588,6 +608,23 @@ static void append_tiles_of(TileWork* work, Chosen* chosen) {
             for (uint tile = 0; tile < tile_count; ++tile) append_tile_if_matters(work, slot, bins, tile);
     }
     chosen->count = 0;
+}
+
+GN_APART void append_tiles(Share share, TileWork* work, uint count) {
+    Chosen chosen;
+    chosen.count = 0;
+    GN_FOR_EACH_OF(block, share) {
+        Choice choice = choose(work, (uint)block * GN_LANES, count);
+        if (!LANES_ANY(choice.chosen)) continue;
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            if (!LANE_OF_INT(choice.chosen, lane)) continue;
+            add_chosen(work, &choice, lane, &chosen);
+            if (chosen.count == GN_LANES) append_tiles_of(work, &chosen);
+        }
+    }
+    if (chosen.count != 0u) append_tiles_of(work, &chosen);
+    for (; work->places.next < min(work->places.end, work->tile_capacity); ++work->places.next)
+        work->tiles[work->places.next] = (uint2)(GN_NO_ID, 0);
 }
 #endif
 
@@ -618,20 +655,7 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     uint count = min(for_map ? counters->map_slots : counters->slots, capacity);
     if (for_map && projection->map_unseen) count = 0;
 #ifdef GN_CPU
-    Chosen chosen;
-    chosen.count = 0;
-    GN_FOR_EACH(block, (count + GN_LANES - 1u) / GN_LANES) {
-        Choice choice = choose(&work, (uint)block * GN_LANES, count);
-        if (!LANES_ANY(choice.chosen)) continue;
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(choice.chosen, lane)) continue;
-            add_chosen(&work, &choice, lane, &chosen);
-            if (chosen.count == GN_LANES) append_tiles_of(&work, &chosen);
-        }
-    }
-    if (chosen.count != 0u) append_tiles_of(&work, &chosen);
-    for (; work.places.next < min(work.places.end, tile_capacity); ++work.places.next)
-        tiles[work.places.next] = (uint2)(GN_NO_ID, 0);
+    append_tiles(share_of((count + GN_LANES - 1u) / GN_LANES), &work, count);
 #else
     __local uint claimed[GROUP_CLAIM_WORDS];
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
