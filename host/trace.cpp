@@ -17,7 +17,7 @@ void Trace::launch(cl::Session& session, const char* file, const char* name, con
                    cl_uint first_frame, cl_uint frame_count, const TriangleInputs& triangles, const PointInputs& points,
                    const cl::Buffer& projections, const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility,
                    const cl::Buffer& counters, const More&... more) {
-    if (capacity_ == 0) reserve(session, first_capacity_);
+    if (capacity_ == 0) reserve(session, first_capacity(points));
     const cl_uint has_map = map != nullptr;
     session.launch(file, name, session.uneven_items(points.layout.count / session.lanes() + 1, points_each),
                    light_frame, first_frame, frame_count, points.layout, projections, has_map, capacity_,
@@ -62,11 +62,17 @@ void Trace::run_prepared_blocks(cl::Session& session, const LightFrame& light_fr
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
                           const PointInputs& points, const Izb& izb, const Bins& bins, const TriangleSetup& setup,
                           cl_mem visibility, const cl::Buffer& counters) {
-    if (capacity_ == 0) reserve(session, first_capacity_);
+    if (capacity_ == 0) reserve(session, first_capacity(points));
     session.launch("trace_triangles.cl", "trace_triangles", cl::Range::items(bins.pair_capacity()), light_frame,
                    points.layout, capacity_, triangles.first_float, points.positions, points.receivers,
                    triangles.vertices, izb.x(), izb.y(), izb.z(), izb.order(), izb.offsets(), bins.pairs(),
                    setup.records(), setup.bounds(), visibility, queue_, counters);
+}
+
+// Room for the pairs of most pictures (the built-in one has 65,400 of 2 million points): a second look is a kernel of
+// its own, which takes a second or two to compile.
+std::uint32_t Trace::first_capacity(const PointInputs& points) const {
+    return first_capacity_ != 0 ? first_capacity_ : std::max(initial_capacity, points.layout.count / 8);
 }
 
 void Trace::reserve(cl::Session& session, std::uint32_t capacity) {

@@ -70,7 +70,9 @@ private:
     void reserve(cl::Session& session, std::uint32_t capacity);
 
     cl::Buffer queue_;
-    std::uint32_t capacity_ = 0, first_capacity_ = initial_capacity;
+    std::uint32_t first_capacity(const PointInputs& points) const;
+
+    std::uint32_t capacity_ = 0, first_capacity_ = 0;
 };
 
 }  // namespace gnomon

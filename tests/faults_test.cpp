@@ -205,8 +205,8 @@ TEST(FirstRun, EachKindOfCallFailsTheFirstTime) {
         // A run that need not grow anything uses what the technique keeps, and says so.
         const std::uint64_t run_bytes = frame(device, *technique, light, false).run_bytes;
         EXPECT_EQ(run_bytes, device.memory_bytes()) << description.name;
-        for (const char* call : {"reading kernels/camera.cl", "compiling kernels/camera.cl"})
-            EXPECT_TRUE(met.contains(call)) << call;
+        for (const std::string call : {"reading kernels/", "compiling kernels/"})  // a CPU's are one program
+            EXPECT_TRUE(met.contains(call + "camera.cl") || met.contains(call + "*.cl")) << call;
         technique.reset();
         EXPECT_EQ(device.memory_bytes(), 0u) << description.name;
     }

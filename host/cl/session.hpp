@@ -148,9 +148,9 @@ private:
     }
     cl_mem allocate(std::size_t bytes);
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
-    std::string source_of(const std::string& file) const;
+    std::string source_of(const std::string& program) const;
     cl_kernel kernel_of(const char* file, const char* name, std::size_t argument_count);
-    cl_program program_of(const std::string& file);
+    cl_program program_of(const std::string& kernel_file);
     cl_program build(const std::string& file, const std::string& source);
     cl_program load_cached(const std::string& key);
     void store_cached(const std::string& key, cl_program program);
