@@ -96,7 +96,7 @@ Projection camera_projection(const Camera& camera, std::uint32_t width, std::uin
     p.bins_y = (height + (1u << p.bin_log2) - 1) >> p.bin_log2;
     p.perspective = 1;
     p.active_points = 1;
-    p.z_scale = 1.0f;
+    p.z_scale = 0.0f;
     return p;
 }
 

@@ -150,19 +150,12 @@ private:
                             kept_.lit, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
         }
         read_counters();
-        if (!session_.is_cpu()) {
-            cl::StageTimer timer(session_, total_, "samples_seek");
-            session_.launch("samples.cl", "samples_pieces", pieces_range(counted_.edges), kept_.camera.projection(),
-                            kept_.camera.picture(), kept_.pattern, batch_, counted_.edges, extra_capacity_,
-                            inputs_.first_float, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
-                            kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
-                            view_.points.receivers(), kept_.edges, kept_.extra_pixels, kept_.receivers, kept_.masks,
-                            kept_.lit, kept_.counters);
-        } else {
-            guess();
-            read_counters();
+        guess();
+        read_counters();
+        if (session_.is_cpu())
             seek_in_parts();
-        }
+        else
+            seek_by_groups();
         read_counters();
         return counted_.extra <= extra_capacity_;
     }
@@ -176,6 +169,17 @@ private:
                         kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
                         kept_.camera.bins().entries(), view_.points.receivers(), kept_.edges, kept_.sought,
                         kept_.extra_pixels, kept_.receivers, kept_.masks, kept_.lit, kept_.counters);
+    }
+
+    void seek_by_groups() {
+        if (counted_.sought == 0) return;
+        cl::StageTimer timer(session_, total_, "samples_seek");
+        session_.launch("samples.cl", "samples_pieces", pieces_range(counted_.sought), kept_.camera.projection(),
+                        kept_.camera.picture(), kept_.pattern, batch_, counted_.sought, extra_capacity_,
+                        inputs_.first_float, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
+                        kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
+                        view_.points.receivers(), kept_.sought, kept_.extra_pixels, kept_.receivers, kept_.masks,
+                        kept_.lit, kept_.counters);
     }
 
     void seek_in_parts() {
@@ -268,10 +272,10 @@ private:
         kept_.visibility.reserve(session_, most * sizeof(float));
         cl::StageTimer timer(session_, total_, "samples_points");
         session_.fill(kept_.counters, 0, sizeof(SampleCounters));
-        session_.launch("samples.cl", "samples_points", cl::Range::items(count), batch_, first, count, cl_uint(most),
-                        eye_, inputs_.first_float, inputs_.vertices, kept_.rays, kept_.extra_pixels, kept_.receivers,
-                        kept_.masks, kept_.mixed, kept_.places, kept_.sample_receivers, kept_.positions,
-                        kept_.counters);
+        session_.launch("samples.cl", "samples_points", cl::Range::items(count), batch_, pattern_.count, first, count,
+                        cl_uint(most), eye_, inputs_.first_float, inputs_.vertices, kept_.rays, kept_.extra_pixels,
+                        kept_.receivers, kept_.masks, kept_.mixed, kept_.places, kept_.sample_receivers,
+                        kept_.positions, kept_.counters);
         if (count == counted_.mixed) return counted_.mixed_samples;
         return session_.read_value<SampleCounters>(kept_.counters).placed;
     }

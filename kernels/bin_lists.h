@@ -11,7 +11,8 @@
 //     x0 <= qx <= x1,   y0 <= qy <= y1,   qz <= z          qx = quantised_texel(X, width) and so on.
 // Why: x0..y1 are made from the rectangle that holds every computed (X, Y) of points whose ray the triangle can meet
 // (all errors in it), z from the record's z_high, and the same functions quantise both sides. Each is monotone, being
-// made of monotone roundings: X <= X' implies q(X) <= q(X'); so q(X) < x0 implies X < the rectangle's left side.
+// made of monotone roundings: X <= X' implies q(X) <= q(X'); so q(X) < x0 implies X < the rectangle's left side. A
+// camera's heights are 1 / t; who seeks the nearest there asks with the least 1 / t that it is certain of.
 #ifndef GN_BIN_LISTS_H
 #define GN_BIN_LISTS_H
 
@@ -34,6 +35,7 @@ GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 #ifndef __cplusplus
 
 #include "lanes.h"
+#include "triangle_setup.h"
 
 #if GN_LANES == 1
 typedef ushort LaneUshort;
@@ -63,6 +65,8 @@ static ushort quantised_texel(float coordinate, uint texels) {
 static ushort quantised_height(float z, float z_origin, float z_scale) {
     return (ushort)clamp((z - z_origin) * z_scale, 0.0f, 65535.0f);
 }
+// A camera's heights, 1 / t of any size: exponent and 8 bits behind the point, in the order of the floats; 0 below 0.
+static LaneInt quantised_nearness(LaneFloat z) { return max(LANES_AS_INT(z), (LaneInt)(0)) >> 15; }
 
 // Where a point is, or a block of points: least and greatest.
 typedef struct QuantisedBlock {
@@ -90,6 +94,8 @@ static bool entry_meets(EntryWords entry, QuantisedBlock block) {
     return (entry.x & 0xFFFFu) <= block.x1 && entry.x >> 16 <= block.y1 && block.x0 <= (entry.y & 0xFFFFu) &&
            block.y0 <= entry.y >> 16 && !entry_is_below(entry, block);
 }
+
+static uint slot_of_words(EntryWords entry) { return entry.w; }
 
 // Entries that a work-item asks for at once, to wait once for all of them.
 #define ENTRIES_AT_ONCE 4u
@@ -132,6 +138,22 @@ static uint take_lowest_bit(uint* bits) {
     *bits &= ~lowest;
     return 31u - clz(lowest);
 }
+
+#if GN_LANES != 1
+// Which of entries i meet the block (none past the end). Their records are fetched meanwhile: in large scenes most of a
+// walk's time went into waiting for them.
+static uint entries_to_look_at(__global const BinEntries* entries, __global const TriangleRecord* records,
+                               __global const TriangleBounds* bounds, uint i, uint end, QuantisedBlock block) {
+    if (i >= end) return 0u;
+    uint meeting = entries_that_meet(&entries[i], block);
+    for (uint ahead = meeting; ahead != 0u;) {
+        uint slot = ENTRY_SLOT(&entries[i], take_lowest_bit(&ahead));
+        GN_PREFETCH(&records[slot]);
+        GN_PREFETCH(&bounds[slot]);
+    }
+    return meeting;
+}
+#endif
 
 #endif
 #endif

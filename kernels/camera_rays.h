@@ -394,10 +394,9 @@ static NearestLanes nothing_near(void) {
     return best;
 }
 
-// One triangle of the list for the lanes `searching`; returns those that it is the nearest for so far.
-static LaneInt look_at_record(TileLists lists, float3 eye, const RayBlock* block, uint slot, LaneInt searching,
-                              NearestLanes* best) {
-    __global const TriangleRecord* r = &lists.records[slot];
+// What a record says of a triangle for the lanes `searching`.
+static NearestFilter filter_nearest(__global const TriangleRecord* r, const RayBlock* block, LaneInt searching,
+                                    const NearestLanes* best) {
     LaneFloat e0 = lanes_linear(r->edge_x[0], r->edge_y[0], r->edge_0[0], block->x, block->y);
     LaneFloat e1 = lanes_linear(r->edge_x[1], r->edge_y[1], r->edge_0[1], block->x, block->y);
     LaneFloat e2 = lanes_linear(r->edge_x[2], r->edge_y[2], r->edge_0[2], block->x, block->y);
@@ -410,10 +409,17 @@ static LaneInt look_at_record(TileLists lists, float3 eye, const RayBlock* block
     found.high = LANES_MIN(z + (LaneFloat)(r->margin_plane), (LaneFloat)(r->z_high));
     found.possible =
         searching & ~LANE_COMPARE(least, <, (LaneFloat)(-r->margin_edge)) & ~LANE_COMPARE(found.high, <, best->low);
-    if (!LANES_ANY(found.possible)) return found.possible;
-    uint id = lists.bounds[slot].id;
     found.inside = LANE_COMPARE(least, >, (LaneFloat)(r->margin_edge));
     found.nearer = LANE_COMPARE(found.low, >, best->high);
+    return found;
+}
+
+// One triangle of the list for the lanes `searching`; returns those that it is the nearest for so far.
+static LaneInt look_at_record(TileLists lists, float3 eye, const RayBlock* block, uint slot, LaneInt searching,
+                              NearestLanes* best) {
+    NearestFilter found = filter_nearest(&lists.records[slot], block, searching, best);
+    if (!LANES_ANY(found.possible)) return found.possible;
+    uint id = lists.bounds[slot].id;
     if (LANES_ANY(found.possible & ~(found.inside & found.nearer))) look_closer(lists, eye, block, id, &found, best);
     best->low = LANES_SELECT(best->low, found.low, found.possible);
     best->high = LANES_SELECT(best->high, found.high, found.possible);
@@ -430,21 +436,22 @@ static LaneInt nearest_of_tile(TileLists lists, __constant const Projection* pro
     float3 eye = center_of(projection);
     QuantisedBlock box = box_of_rays(projection, &block, searching);
     float farthest = -INFINITY;  // of the best so far
-    uint i = range.x, meeting = 0;
-    while (true) {
-#if GN_LANES == 1
-        // Neighbours walk one list together: a look at the record that all of them share costs no more.
-        if (i == range.y) break;
-        meeting = 1u;
-        ++i;
-#else
-        while (meeting == 0u && i < range.y) meeting = entries_that_meet(&lists.entries[i++], box);
-        if (meeting == 0u) break;
+#if GN_LANES > 1
+    uint ahead = entries_to_look_at(lists.entries, lists.records, lists.bounds, range.x, range.y, box);
 #endif
-        uint slot = ENTRY_SLOT(&lists.entries[i - 1u], take_lowest_bit(&meeting));
-        if (lists.records[slot].z_high < farthest) continue;
-        if (!LANES_ANY(look_at_record(lists, eye, &block, slot, searching, &best))) continue;
-        farthest = LANES_LEAST(LANES_SELECT((LaneFloat)(INFINITY), best.low, searching));
+    for (uint i = range.x; i < range.y; ++i) {
+#if GN_LANES == 1
+        uint meeting = 1u;  // neighbours walk one list together: a look at the record that all share costs no more
+#else
+        uint meeting = ahead;
+        ahead = entries_to_look_at(lists.entries, lists.records, lists.bounds, i + 1u, range.y, box);
+#endif
+        while (meeting != 0u) {
+            uint slot = ENTRY_SLOT(&lists.entries[i], take_lowest_bit(&meeting));
+            if (lists.records[slot].z_high < farthest) continue;
+            if (!LANES_ANY(look_at_record(lists, eye, &block, slot, searching, &best))) continue;
+            farthest = LANES_LEAST(LANES_SELECT((LaneFloat)(INFINITY), best.low, searching));
+        }
     }
     return best.id;
 }

@@ -110,10 +110,10 @@ static LaneInt samples_met(const PixelSides* sides, __constant const SamplePatte
     return asked & met;
 }
 
-// Where samples' rays are found: the tables of all, one behind the other.
+// Where samples' rays are found: in tables with an entry for each sample of each column, then of each row.
 typedef struct SampleRays {
     __global const float* tables;
-    uint width, height;
+    uint columns, samples;
 } SampleRays;
 
 // The samples `asked` that meet triangles, one for each pixel.
@@ -127,9 +127,9 @@ static LaneInt samples_on(const TriangleBlock* t, PictureRays picture, __constan
         if (left == 0u) continue;
         Outline outline = outline_of(lane_triangle(t, lane), eye);
         while (left != 0u) {
-            uint sample = take_lowest_bit(&left), table = sample * (rays.width + rays.height);
-            Ray ray = load_ray(rays.tables, table + (uint)LANE_OF_INT(column, lane),
-                               table + rays.width + (uint)LANE_OF_INT(row, lane));
+            uint sample = take_lowest_bit(&left);
+            Ray ray = load_ray(rays.tables, (uint)LANE_OF_INT(column, lane) * rays.samples + sample,
+                               (rays.columns + (uint)LANE_OF_INT(row, lane)) * rays.samples + sample);
             if (covers(&outline, eye, ray)) LANE_OF_INT(met, lane) |= (int)(1u << sample);
         }
     }
@@ -245,6 +245,21 @@ static void keep_receiver(LaneInt id, LaneFloat high, LaneInt lanes, GuessedPixe
     }
 }
 
+// One of the tile's list, for pixels whose box it may be met in, if it is not behind `near`.
+static void look_at_other(TileLists lists, uint slot, LaneInt lanes, const PictureBox* box, LaneFloat near,
+                          GuessedPixels* p) {
+    __global const TriangleRecord* r = &lists.records[slot];
+    LaneInt others = may_meet_boxes(r, box, lanes);
+    if (!LANES_ANY(others)) return;
+    LaneFloat high =
+        LANES_MIN(most_in_box(r->plane_x, r->plane_y, r->plane_0, box) + r->margin_plane, (LaneFloat)(r->z_high));
+    others &= ~LANE_COMPARE(high, <, near);
+    LaneInt id = (LaneInt)((int)lists.bounds[slot].id);
+    others &= LANE_COMPARE(p->own, !=, id);
+    for (int g = 0; g < GUESSES; ++g) others &= LANE_COMPARE(p->ids[g], !=, id);
+    if (LANES_ANY(others)) keep_receiver(id, high, others, p);
+}
+
 // The other triangles of the tile's list that may be met in the box, and not behind `near`: the nearest of them.
 static void look_for_others(TileLists lists, __constant const Projection* projection, uint tile, LaneInt lanes,
                             const PictureBox* box, LaneFloat near, GuessedPixels* p) {
@@ -253,26 +268,23 @@ static void look_for_others(TileLists lists, __constant const Projection* projec
         block_of_lanes(LANES_TO_INT(clamp(box->low_x * x_units, 0.0f, 65535.0f)),
                        LANES_TO_INT(clamp(box->low_y * y_units, 0.0f, 65535.0f)),
                        LANES_TO_INT(clamp(box->high_x * x_units, 0.0f, 65535.0f)),
-                       LANES_TO_INT(clamp(box->high_y * y_units, 0.0f, 65535.0f)), (LaneInt)(0), lanes);
-    float farthest = LANES_LEAST(LANES_SELECT((LaneFloat)(INFINITY), near, lanes));
+                       LANES_TO_INT(clamp(box->high_y * y_units, 0.0f, 65535.0f)), quantised_nearness(near), lanes);
     uint2 range = lists.ranges[tile];
-    for (uint i = range.x; i < range.y; ++i) {
-        uint meeting = entries_that_meet(&lists.entries[i], block);
-        while (meeting != 0u) {
-            uint slot = ENTRY_SLOT(&lists.entries[i], take_lowest_bit(&meeting));
-            __global const TriangleRecord* r = &lists.records[slot];
-            if (r->z_high < farthest) continue;
-            LaneInt others = may_meet_boxes(r, box, lanes);
-            if (!LANES_ANY(others)) continue;
-            LaneFloat high = LANES_MIN(most_in_box(r->plane_x, r->plane_y, r->plane_0, box) + r->margin_plane,
-                                       (LaneFloat)(r->z_high));
-            others &= ~LANE_COMPARE(high, <, near);
-            LaneInt id = (LaneInt)((int)lists.bounds[slot].id);
-            others &= LANE_COMPARE(p->own, !=, id);
-            for (int g = 0; g < GUESSES; ++g) others &= LANE_COMPARE(p->ids[g], !=, id);
-            if (LANES_ANY(others)) keep_receiver(id, high, others, p);
-        }
+#if GN_LANES == 1
+    for (uint next = range.x; next < range.y;) {
+        uint first = next, meeting = next_that_meet(lists.entries, range, &next, block);
+        while (meeting != 0u)
+            look_at_other(lists, ENTRY_SLOT(&lists.entries[first + take_lowest_bit(&meeting)], 0), lanes, box, near, p);
     }
+#else
+    uint ahead = entries_to_look_at(lists.entries, lists.records, lists.bounds, range.x, range.y, block);
+    for (uint i = range.x; i < range.y; ++i) {
+        uint meeting = ahead;
+        ahead = entries_to_look_at(lists.entries, lists.records, lists.bounds, i + 1u, range.y, block);
+        while (meeting != 0u)
+            look_at_other(lists, ENTRY_SLOT(&lists.entries[i], take_lowest_bit(&meeting)), lanes, box, near, p);
+    }
+#endif
 }
 
 #endif

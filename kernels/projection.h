@@ -52,10 +52,10 @@ GN_STRUCT_BEGIN(Projection)
     float handedness;    // sign of the map's determinant: +1 keeps the orientation of triangles, -1 turns it
     float light[4];      // homogeneous light (or eye): w = 0 minus the direction of travel, w = 1 a position
     uint active_points;  // points this projection was fitted to
-    float z_origin;      // heights are brought to 16 bits as (Z - z_origin) z_scale, see bin_lists.h; z_scale > 0
-    float z_scale;
-    uint map_unseen;    // 1: the conservative map would decide too little to be worth it, see conservative_map.cl
-    float block_error;  // texels: how far a block's computed X or Y may be from its points' (block_bounds.h)
+    float z_origin;      // heights are brought to 16 bits as (Z - z_origin) z_scale, see bin_lists.h
+    float z_scale;       // > 0; of a camera 0: by their exponents
+    uint map_unseen;     // 1: the conservative map would decide too little to be worth it, see conservative_map.cl
+    float block_error;   // texels: how far a block's computed X or Y may be from its points' (block_bounds.h)
     uint padding;
 GN_STRUCT_END(Projection, 144)
 

@@ -3,10 +3,12 @@
 //
 // samples_rays     the tables of the samples' rays
 // samples_whole    which pixels' samples lie on one receiver, with their footprints; the others are edges
-// samples_pieces   the receiver of each sample of the edges, exactly, and their pieces; on a CPU in three steps:
-// samples_guess        where those of neighbours in the picture will do, receivers and pieces (neighbour_receivers.h)
-// samples_seek         the other receivers
-// samples_group        the other pieces
+// samples_guess    the receiver of each sample of the edges, exactly, and their pieces, where receivers of neighbours
+// in
+//                  the picture will do (neighbour_receivers.h)
+// samples_pieces   the other edges' receivers and pieces; on a CPU in two steps:
+// samples_seek         the receivers
+// samples_group        the pieces
 // samples_bound    the footprints of these pieces
 // samples_sort     what the technique settled is counted, the rest listed
 // samples_points   the samples of mixed pieces and their shading points
@@ -41,12 +43,13 @@ __kernel void samples_mean(uint pixels, uint samples, uint is_first, float scale
     }
 }
 
-// The tables of exact rays (camera.h) of all samples, one behind the other: the bits of the host's camera_tables().
+// The tables of exact rays (camera.h) of all samples, those of one column, or row, together: the bits of the host's
+// camera_tables().
 __kernel void samples_rays(RayAxes axes, __constant const SamplePattern* pattern, uint width, uint height,
                            __global float* rays) {
     Wide pixel = wide_of_bits(axes.pixel);
     GN_FOR_EACH(i, pattern->count * (width + height)) {
-        uint sample = (uint)i / (width + height), entry = (uint)i % (width + height);
+        uint sample = (uint)i % pattern->count, entry = (uint)i / pattern->count;
         bool is_column = entry < width;
         // Sums of small multiples of 1 / SAMPLE_UNITS: exact.
         float place =
@@ -251,6 +254,97 @@ static void leave_places(const Claim* places, PixelBatch batch, uint capacity, _
     }
 }
 
+// The pieces of edge pixels whose samples lie on the pixel's receiver and those of its neighbours, where that can be
+// proven; the others are listed, to be sought in.
+__kernel void samples_guess(__constant const Projection* projection, PictureRays picture,
+                            __constant const SamplePattern* pattern, PixelBatch batch, uint edge_count,
+                            uint extra_capacity, ulong first_float, __global const float* vertices,
+                            __global const float* rays, __global const TriangleRecord* records,
+                            __global const TriangleBounds* bounds, __global const uint2* ranges,
+                            __global const BinEntries* entries, __global const uint* pixel_receivers,
+                            __global const uint* edges, __global uint* sought, __global uint* extra_pixels,
+                            __global uint* receivers, __global uint* masks, __global uint* lit,
+                            __global SampleCounters* counters) {
+    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays, picture};
+    SampleRays sample_rays = {rays, batch.width, pattern->count};
+    float3 eye = center_of(projection);
+    Claim places = no_claim(), sought_places = no_claim();
+    uint sky_count = 0;
+    GN_FOR_EACH(block, (edge_count + GN_LANES - 1u) / GN_LANES) {
+        GuessedPixels p;
+        LaneInt lanes = (LaneInt)(0), tiles = (LaneInt)(0);
+        p.column = p.row = p.pixel = (LaneInt)(0);
+        p.own = (LaneInt)((int)GN_NO_ID);
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            uint edge = (uint)block * GN_LANES + lane;
+            if (edge >= edge_count || edges[edge] == GN_NO_ID) continue;
+            uint pixel = batch.first + edges[edge];
+            LANE_OF_INT(lanes, lane) = -1;
+            LANE_OF_INT(p.pixel, lane) = (int)edges[edge];
+            LANE_OF_INT(p.column, lane) = (int)(pixel % batch.width);
+            LANE_OF_INT(p.row, lane) = (int)(pixel / batch.width);
+            LANE_OF_INT(p.own, lane) = (int)pixel_receivers[pixel];
+            LANE_OF_INT(tiles, lane) = (int)tile_of_pixel(batch, pixel);
+        }
+        if (!LANES_ANY(lanes)) continue;
+        p.own_mask = LANES_SELECT((LaneInt)(0), (LaneInt)((int)pattern->all),
+                                  lanes & LANE_COMPARE(p.own, !=, (LaneInt)((int)GN_NO_ID)));
+        if (LANES_ANY(p.own_mask)) {
+            TriangleBlock t = load_triangles_of(lists.vertices, p.own, LANE_COMPARE(p.own_mask, !=, (LaneInt)(0)));
+            p.own_mask = samples_on(&t, picture, pattern, sample_rays, p.column, p.row, eye, p.own_mask);
+        }
+        p.rest = LANES_SELECT((LaneInt)(0), (LaneInt)((int)pattern->all) & ~p.own_mask, lanes);
+        p.proven = lanes;
+        PictureBox box = box_of_samples(pattern, p.rest);
+        guess_receivers(batch, pixel_receivers, &box, &p);
+        LaneFloat x = LANES_TO_FLOAT(p.column), y = LANES_TO_FLOAT(p.row);
+        box.low_x += x, box.low_y += y, box.high_x += x, box.high_y += y;
+        RayLanes corners[4];
+        corner_rays(picture, box.low_x, box.low_y, box.high_x, box.high_y, corners);
+        share_samples(lists, pattern, eye, corners, sample_rays, 0, GUESSES, &p);
+        LaneFloat near = nearness_of_rest(&p, GUESSES);
+#if GN_LANES == 1
+        // Whatever lies in the box may be what the others meet: more work for one item than for samples_pieces.
+        p.proven &= LANE_COMPARE(near, >, -INFINITY);
+#endif
+        LaneInt left = p.proven & LANE_COMPARE(p.rest, !=, (LaneInt)(0));
+        while (LANES_ANY(left)) {
+            int tile = LANE_OF_INT(tiles, first_lane(left));
+            LaneInt same_tile = left & LANE_COMPARE(tiles, ==, (LaneInt)(tile));
+            look_for_others(lists, projection, (uint)tile, same_tile, &box, near, &p);
+            left &= ~same_tile;
+        }
+        share_samples(lists, pattern, eye, corners, sample_rays, GUESSES, OTHER_RECEIVERS, &p);
+        near = nearness_of_rest(&p, OTHER_RECEIVERS);
+        p.proven &= LANE_COMPARE(p.left_out, <, near) | LANE_COMPARE(p.left_out, ==, (LaneFloat)(-INFINITY));
+        for (int lane = 0; lane < GN_LANES; ++lane) {
+            if (!LANE_OF_INT(lanes, lane)) continue;
+            uint i = (uint)LANE_OF_INT(p.pixel, lane);
+            if (!LANE_OF_INT(p.proven, lane)) {
+                sought[claim(&sought_places, &counters->sought)] = i;
+                continue;
+            }
+            masks[i] = (uint)LANE_OF_INT(p.own_mask, lane);
+            uint sky = (uint)LANE_OF_INT(p.rest, lane);
+            for (int g = 0; g < OTHER_RECEIVERS; ++g) {
+                uint mask = (uint)LANE_OF_INT(p.masks[g], lane);
+                if (mask == 0u) continue;
+                sky &= ~mask;
+                uint place = claim(&places, &counters->extra);
+                if (place >= extra_capacity) continue;
+                extra_pixels[place] = i;
+                receivers[batch.count + place] = (uint)LANE_OF_INT(p.ids[g], lane);
+                masks[batch.count + place] = mask;
+            }
+            lit[i] = popcount(sky);
+            sky_count += popcount(sky);
+        }
+    }
+    for (; sought_places.next < sought_places.end; ++sought_places.next) sought[sought_places.next] = GN_NO_ID;
+    leave_places(&places, batch, extra_capacity, extra_pixels, receivers, masks);
+    if (sky_count != 0) atomic_add(&counters->lit, sky_count);
+}
+
 #if GN_LANES == 1
 
 // Items of a group of samples_pieces at most, and entries that each of them looks at in one go.
@@ -260,11 +354,12 @@ static void leave_places(const Claim* places, PixelBatch batch, uint capacity, _
 // What the items of a group share.
 typedef struct PiecesGroup {
     float place_x[MOST_SAMPLES], place_y[MOST_SAMPLES];
-    uint seen[MOST_SAMPLES];   // the receivers of the pixel's samples
-    uint masks[MOST_SAMPLES];  // of the pieces, each at its first sample; 0 elsewhere
-    uint ranks[MOST_SAMPLES];  // of the pieces on other receivers than the pixel's own
-    uint candidates[PIECES_ITEMS * PIECES_ENTRIES];
-    uint candidate_count;
+    uint seen[MOST_SAMPLES];                         // the receivers of the pixel's samples
+    uint masks[MOST_SAMPLES];                        // of the pieces, each at its first sample; 0 elsewhere
+    uint ranks[MOST_SAMPLES];                        // of the pieces on other receivers than the pixel's own
+    uint met[PIECES_ITEMS * PIECES_ENTRIES];         // records whose entries meet the pixel
+    uint candidates[PIECES_ITEMS * PIECES_ENTRIES];  // of these, those whose triangles may
+    uint met_count, candidate_count;
     uint searching;  // samples that do
     uint others;     // pieces on other receivers
     uint next, end;  // places claimed for them
@@ -273,15 +368,34 @@ typedef struct PiecesGroup {
 // Those of the entries [first, end) that may meet the box. Every item must come here.
 static void find_candidates(TileLists lists, uint first, uint end, QuantisedBlock block, const PictureBox* box,
                             __local PiecesGroup* group) {
-    if (get_local_id(0) == 0) group->candidate_count = 0u;
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    if (item == 0u) group->met_count = group->candidate_count = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = first + (uint)get_local_id(0); i < end; i += (uint)get_local_size(0)) {
-        if (entries_that_meet(&lists.entries[i], block) == 0u) continue;
-        uint slot = ENTRY_SLOT(&lists.entries[i], 0);
-        if (may_meet_boxes(&lists.records[slot], box, -1))
-            group->candidates[atomic_inc(&group->candidate_count)] = slot;
+    EntryWords some[PIECES_ENTRIES];
+    for (uint k = 0; k < PIECES_ENTRIES; ++k)
+        some[k] = *(__global const EntryWords*)&lists.entries[min(first + item + k * items, end - 1u)];
+    for (uint k = 0; k < PIECES_ENTRIES; ++k)
+        if (first + item + k * items < end && entry_meets(some[k], block))
+            group->met[atomic_inc(&group->met_count)] = slot_of_words(some[k]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = item; i < group->met_count; i += items)
+        if (may_meet_boxes(&lists.records[group->met[i]], box, -1))
+            group->candidates[atomic_inc(&group->candidate_count)] = group->met[i];
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// Of up to 32 candidates those that may be the nearest that a sample meets, by their records. From here on best->low is
+// no less than that of any which is met for certain, so that what lies behind one of them is not looked at.
+static uint candidates_of_sample(TileLists lists, __local const uint* candidates, uint count, const RayBlock* ray,
+                                 NearestLanes* best) {
+    uint possible = 0;
+    for (uint c = 0; c < count; ++c) {
+        NearestFilter found = filter_nearest(&lists.records[candidates[c]], ray, -1, best);
+        if (!found.possible) continue;
+        possible |= 1u << c;
+        if (found.inside) best->low = fmax(best->low, found.low);
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
+    return possible;
 }
 
 // Places that were claimed and are not needed.
@@ -332,8 +446,8 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
             if (searching) {
                 ray.x = (float)x + group.place_x[sample];
                 ray.y = (float)y + group.place_y[sample];
-                ray.column = (int)(sample * (batch.width + batch.height) + x);
-                ray.row = (int)(sample * (batch.width + batch.height) + batch.width + y);
+                ray.column = (int)(x * samples + sample);
+                ray.row = (int)((batch.width + y) * samples + sample);
                 group.seen[sample] = own;
                 if (own != GN_NO_ID) searching &= ~lanes_met(lists, eye, &ray, own, searching);
                 if (searching) atomic_inc(&group.searching);
@@ -344,9 +458,12 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
             for (uint start = range.x; start < range.y; start += per_round) {
                 find_candidates(lists, start, min(start + per_round, range.y), block, &box, &group);
                 uint count = searching ? group.candidate_count : 0u;
-                for (uint c = 0; c < count; ++c)
-                    if (!(records[group.candidates[c]].z_high < best.low))
-                        look_at_record(lists, eye, &ray, group.candidates[c], searching, &best);
+                for (uint c = 0; c < count; c += 32u) {
+                    uint possible = candidates_of_sample(lists, group.candidates + c, min(count - c, 32u), &ray, &best);
+                    while (possible != 0u)
+                        look_at_record(lists, eye, &ray, group.candidates[c + take_lowest_bit(&possible)], searching,
+                                       &best);
+                }
                 barrier(CLK_LOCAL_MEM_FENCE);
             }
             if (searching) group.seen[sample] = (uint)best.id;
@@ -391,95 +508,7 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
 
 #else
 
-// The pieces of edge pixels whose samples lie on the pixel's receiver and those of its neighbours, where that can be
-// proven; the others are listed, to be sought in.
-__kernel void samples_guess(__constant const Projection* projection, PictureRays picture,
-                            __constant const SamplePattern* pattern, PixelBatch batch, uint edge_count,
-                            uint extra_capacity, ulong first_float, __global const float* vertices,
-                            __global const float* rays, __global const TriangleRecord* records,
-                            __global const TriangleBounds* bounds, __global const uint2* ranges,
-                            __global const BinEntries* entries, __global const uint* pixel_receivers,
-                            __global const uint* edges, __global uint* sought, __global uint* extra_pixels,
-                            __global uint* receivers, __global uint* masks, __global uint* lit,
-                            __global SampleCounters* counters) {
-    TileLists lists = {ranges, entries, records, bounds, vertices + first_float, rays, picture};
-    SampleRays sample_rays = {rays, batch.width, batch.height};
-    float3 eye = center_of(projection);
-    Claim places = no_claim(), sought_places = no_claim();
-    uint sky_count = 0;
-    GN_FOR_EACH(block, (edge_count + GN_LANES - 1u) / GN_LANES) {
-        GuessedPixels p;
-        LaneInt lanes = (LaneInt)(0), tiles = (LaneInt)(0);
-        p.column = p.row = p.pixel = (LaneInt)(0);
-        p.own = (LaneInt)((int)GN_NO_ID);
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            uint edge = (uint)block * GN_LANES + lane;
-            if (edge >= edge_count || edges[edge] == GN_NO_ID) continue;
-            uint pixel = batch.first + edges[edge];
-            LANE_OF_INT(lanes, lane) = -1;
-            LANE_OF_INT(p.pixel, lane) = (int)edges[edge];
-            LANE_OF_INT(p.column, lane) = (int)(pixel % batch.width);
-            LANE_OF_INT(p.row, lane) = (int)(pixel / batch.width);
-            LANE_OF_INT(p.own, lane) = (int)pixel_receivers[pixel];
-            LANE_OF_INT(tiles, lane) = (int)tile_of_pixel(batch, pixel);
-        }
-        if (!LANES_ANY(lanes)) continue;
-        p.own_mask = LANES_SELECT((LaneInt)(0), (LaneInt)((int)pattern->all),
-                                  lanes & LANE_COMPARE(p.own, !=, (LaneInt)((int)GN_NO_ID)));
-        if (LANES_ANY(p.own_mask)) {
-            TriangleBlock t = load_triangles_of(lists.vertices, p.own, LANE_COMPARE(p.own_mask, !=, (LaneInt)(0)));
-            p.own_mask = samples_on(&t, picture, pattern, sample_rays, p.column, p.row, eye, p.own_mask);
-        }
-        p.rest = LANES_SELECT((LaneInt)(0), (LaneInt)((int)pattern->all) & ~p.own_mask, lanes);
-        p.proven = lanes;
-        PictureBox box = box_of_samples(pattern, p.rest);
-        guess_receivers(batch, pixel_receivers, &box, &p);
-        LaneFloat x = LANES_TO_FLOAT(p.column), y = LANES_TO_FLOAT(p.row);
-        box.low_x += x, box.low_y += y, box.high_x += x, box.high_y += y;
-        RayLanes corners[4];
-        corner_rays(picture, box.low_x, box.low_y, box.high_x, box.high_y, corners);
-        share_samples(lists, pattern, eye, corners, sample_rays, 0, GUESSES, &p);
-        LaneFloat near = nearness_of_rest(&p, GUESSES);
-        LaneInt left = p.proven & LANE_COMPARE(p.rest, !=, (LaneInt)(0));
-        while (LANES_ANY(left)) {
-            int tile = LANE_OF_INT(tiles, first_lane(left));
-            LaneInt same_tile = left & LANE_COMPARE(tiles, ==, (LaneInt)(tile));
-            look_for_others(lists, projection, (uint)tile, same_tile, &box, near, &p);
-            left &= ~same_tile;
-        }
-        share_samples(lists, pattern, eye, corners, sample_rays, GUESSES, OTHER_RECEIVERS, &p);
-        near = nearness_of_rest(&p, OTHER_RECEIVERS);
-        p.proven &= LANE_COMPARE(p.left_out, <, near) | LANE_COMPARE(p.left_out, ==, (LaneFloat)(-INFINITY));
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(lanes, lane)) continue;
-            uint i = (uint)LANE_OF_INT(p.pixel, lane);
-            if (!LANE_OF_INT(p.proven, lane)) {
-                sought[claim(&sought_places, &counters->sought)] = i;
-                continue;
-            }
-            masks[i] = (uint)LANE_OF_INT(p.own_mask, lane);
-            uint sky = (uint)LANE_OF_INT(p.rest, lane);
-            for (int g = 0; g < OTHER_RECEIVERS; ++g) {
-                uint mask = (uint)LANE_OF_INT(p.masks[g], lane);
-                if (mask == 0u) continue;
-                sky &= ~mask;
-                uint place = claim(&places, &counters->extra);
-                if (place >= extra_capacity) continue;
-                extra_pixels[place] = i;
-                receivers[batch.count + place] = (uint)LANE_OF_INT(p.ids[g], lane);
-                masks[batch.count + place] = mask;
-            }
-            lit[i] = popcount(sky);
-            sky_count += popcount(sky);
-        }
-    }
-    for (; sought_places.next < sought_places.end; ++sought_places.next) sought[sought_places.next] = GN_NO_ID;
-    leave_places(&places, batch, extra_capacity, extra_pixels, receivers, masks);
-    if (sky_count != 0) atomic_add(&counters->lit, sky_count);
-}
-
-// seen[edge of this part * samples + sample]. One work-item takes GN_LANES samples of a pixel. `rays`: the tables of
-// all samples, one behind the other.
+// seen[edge of this part * samples + sample]. One work-item takes GN_LANES samples of a pixel.
 __kernel void samples_seek(__constant const Projection* projection, PictureRays picture,
                            __constant const SamplePattern* pattern, PixelBatch batch, uint first_edge, uint edge_count,
                            ulong first_float, __global const float* vertices, __global const float* rays,
@@ -497,8 +526,8 @@ __kernel void samples_seek(__constant const Projection* projection, PictureRays 
         RayBlock block;
         LaneInt sample = (LaneInt)((int)first) + LANE_INDEX;
         LaneInt searching = LANE_COMPARE(sample, <, (LaneInt)((int)samples)), present = searching;
-        block.column = sample * (int)(batch.width + batch.height) + (int)x;
-        block.row = sample * (int)(batch.width + batch.height) + (int)(batch.width + y);
+        block.column = sample + (int)(x * samples);
+        block.row = sample + (int)((batch.width + y) * samples);
         // Lanes past the last sample hold 0.
         block.x = (float)x + LANES_STRIDED(pattern->place_x + first, 1);
         block.y = (float)y + LANES_STRIDED(pattern->place_y + first, 1);
@@ -623,24 +652,25 @@ __kernel void samples_sort(PixelBatch batch, uint piece_count, __global const ui
 
 // places[i] = (pixel of the batch, sample) of point i, its receiver, and its shading point: x of `stride` points, then
 // y, then z. A work-item takes a whole piece, whose samples share a plane and lie together.
-__kernel void samples_points(PixelBatch batch, uint first_mixed, uint mixed_count, uint stride, float4 eye_and_zero,
-                             ulong first_float, __global const float* vertices, __global const float* rays,
-                             __global const uint* extra_pixels, __global const uint* piece_receivers,
-                             __global const uint* masks, __global const uint* mixed, __global uint2* places,
-                             __global uint* receivers, __global float* positions, __global SampleCounters* counters) {
+__kernel void samples_points(PixelBatch batch, uint samples, uint first_mixed, uint mixed_count, uint stride,
+                             float4 eye_and_zero, ulong first_float, __global const float* vertices,
+                             __global const float* rays, __global const uint* extra_pixels,
+                             __global const uint* piece_receivers, __global const uint* masks,
+                             __global const uint* mixed, __global uint2* places, __global uint* receivers,
+                             __global float* positions, __global SampleCounters* counters) {
     float3 eye = eye_and_zero.xyz;
     GN_FOR_EACH(i, mixed_count) {
         uint piece = mixed[first_mixed + i];
         if (piece == GN_NO_ID) continue;
         uint mask = masks[piece], place = atomic_add(&counters->placed, popcount(mask));
         uint pixel = pixel_of_piece(batch, extra_pixels, piece), at = batch.first + pixel;
+        uint column = at % batch.width * samples, row = (batch.width + at / batch.width) * samples;
         SeenTriangle seen = see_triangle(vertices + first_float, piece_receivers[piece], eye);
         for (; mask != 0u; ++place) {
-            uint sample = take_lowest_bit(&mask), table = sample * (batch.width + batch.height);
+            uint sample = take_lowest_bit(&mask);
             places[place] = (uint2)(pixel, sample);
             receivers[place] = seen.id;
-            float3 p = shading_point(&seen, eye,
-                                     load_ray(rays, table + at % batch.width, table + batch.width + at / batch.width));
+            float3 p = shading_point(&seen, eye, load_ray(rays, column + sample, row + sample));
             positions[place] = p.x;
             positions[place + stride] = p.y;
             positions[place + 2 * (size_t)stride] = p.z;

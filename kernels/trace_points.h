@@ -177,21 +177,6 @@ static void hand_over_waiting(const ExactPairs* pairs, const BlockPoints* points
             LANE_OF_INT(answer->postponed, lane) = -1;
 }
 
-#if GN_LANES != 1
-// Which of entries i meet the block (none past the end). Their records are fetched meanwhile: in large scenes most of a
-// walk's time went into waiting for them.
-static uint entries_to_look_at(TraceLists lists, uint i, uint end, QuantisedBlock block) {
-    if (i >= end) return 0u;
-    uint meeting = entries_that_meet(&lists.entries[i], block);
-    for (uint ahead = meeting; ahead != 0u;) {
-        uint slot = ENTRY_SLOT(&lists.entries[i], take_lowest_bit(&ahead));
-        GN_PREFETCH(&lists.records[slot]);
-        GN_PREFETCH(&lists.bounds[slot]);
-    }
-    return meeting;
-}
-#endif
-
 // A bin's list for some lanes of a block; returns the number of records looked at.
 static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Projection* projection, uint2 range,
                  LaneInt lit, const BlockPoints* points, PointBlock places, BlockAnswer* answer) {
@@ -213,10 +198,10 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
         if (LANES_ANY(found.possible) && settle(pairs, found, points, lists.bounds[slot].id, answer)) break;
     }
 #else
-    uint next = entries_to_look_at(lists, range.x, range.y, block);
+    uint next = entries_to_look_at(lists.entries, lists.records, lists.bounds, range.x, range.y, block);
     for (uint i = range.x; i < range.y; ++i) {
         uint meeting = next;
-        next = entries_to_look_at(lists, i + 1u, range.y, block);
+        next = entries_to_look_at(lists.entries, lists.records, lists.bounds, i + 1u, range.y, block);
         while (meeting != 0u) {
             uint slot = ENTRY_SLOT(&lists.entries[i], take_lowest_bit(&meeting));
             ++looks;

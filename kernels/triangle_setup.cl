@@ -306,7 +306,8 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
     bounds->y0 = LANES_SELECT(bounds->y0, quantised(rectangle.y0 * y_units), inside);
     bounds->x1 = LANES_SELECT(bounds->x1, quantised(rectangle.x1 * x_units), inside);
     bounds->y1 = LANES_SELECT(bounds->y1, quantised(rectangle.y1 * y_units), inside);
-    LaneInt z = quantised((z_high - projection->z_origin) * projection->z_scale);
+    LaneInt z = projection->z_scale == 0.0f ? quantised_nearness(z_high)
+                                            : quantised((z_high - projection->z_origin) * projection->z_scale);
     bounds->z = LANES_SELECT(bounds->z, z, inside);
     LaneInt for_map = inside & p.sides.straddles;
     bounds->expected = (rectangle.x1 - rectangle.x0) * (rectangle.y1 - rectangle.y0);  // no more than the grid has

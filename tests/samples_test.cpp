@@ -154,10 +154,14 @@ TEST(samples, rays_of_the_device_are_the_hosts) {
         for (const std::uint32_t count : {4u, 32u}) {
             const gnomon::Camera camera = scene.camera();
             const gnomon::SamplePattern pattern = gnomon::pattern_of(gnomon::sample_pattern(count));
-            std::vector<float> expected;
+            // One entry for each sample of each column, then of each row.
+            std::vector<float> expected(std::size_t(scene.width + scene.height) * count * RAY_FLOATS);
+            std::size_t sample = 0;
             for (const SampleOffset& offset : gnomon::sample_pattern(count)) {
                 const auto rays = gnomon::camera_tables(camera, scene.width, scene.height, offset).rays;
-                expected.insert(expected.end(), rays.begin(), rays.end());
+                for (std::size_t i = 0; i < rays.size(); ++i)
+                    expected[(i / RAY_FLOATS * count + sample) * RAY_FLOATS + i % RAY_FLOATS] = rays[i];
+                ++sample;
             }
             const auto patterns = uploaded(session, std::vector{pattern});
             const gnomon::cl::Buffer rays(session, expected.size() * sizeof(float));
