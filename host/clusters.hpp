@@ -2,23 +2,41 @@
 // Stage clusters: which clusters of a kept mesh can matter to a projection (kernels/clusters.h).
 #pragma once
 
+#include "../kernels/clusters.h"
 #include "inputs.hpp"
 
 namespace gnomon {
 
-/// Boxes around the clusters of a mesh, kept by Triangles::keep_clusters().
+/// Clusters of a mesh, kept by Triangles::keep_clusters(): in the order of the caller's buffer, or where neighbours
+/// there are not neighbours in space, in an order along a space-filling curve.
 class Clusters {
 public:
     Clusters(const Device& device, const TriangleInputs& triangles);
 
     cl_uint count() const { return count_; }
     const cl::Buffer& boxes() const { return boxes_; }
+    bool is_reordered() const { return is_reordered_; }
+    /// Where reordered: a copy of the vertices in the clusters' order, and the number of the triangle in each place.
+    const cl::Buffer& vertices() const { return vertices_; }
+    const cl::Buffer& numbers() const { return numbers_; }
 
 private:
+    void reorder(const TriangleInputs& triangles, const ClusterGrid& grid, double area);
+
     Device device_;  ///< lives as long as the boxes
     cl_uint count_;
-    cl::Buffer boxes_;
+    cl::Buffer boxes_, vertices_, numbers_;
+    bool is_reordered_ = false;
 };
+
+/// The triangles as clusters have them, and as the setup takes them: `numbers` is null if a triangle's place is its
+/// number.
+struct OrderedTriangles {
+    cl_mem vertices;
+    cl_ulong first_float;
+    const cl::Buffer* numbers;
+};
+OrderedTriangles ordered_triangles(const TriangleInputs& triangles);
 
 class ClusterCull {
 public:

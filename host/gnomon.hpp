@@ -192,12 +192,12 @@ public:
     /// Uses the caller's buffer (retained) from float `first_float` on. The caller must not write it during a run.
     static Triangles wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float = 0);
 
-    /// For a mesh that does not change: keeps boxes around clusters of 64 triangles that follow each other (half a byte
-    /// per triangle, on the device), so that what cameras do not see and lights do not need is skipped without its
-    /// vertices being read. The answers are the same bits. Worth it where neighbours in the buffer are neighbours in
-    /// the scene, from about two views or lights on. The caller promises not to write the vertices from here on while
-    /// this handle, or a copy made of it from now on, is in use; after a change, call this again. Costs one pass over
-    /// the triangles.
+    /// For a mesh that does not change: keeps boxes around clusters of 64 triangles (half a byte each, on the device),
+    /// so that what cameras do not see and lights do not need is skipped without its vertices being read. The answers
+    /// are the same bits. Where neighbours in the buffer are far apart in the scene, a copy in order is kept as well
+    /// (40 bytes each, if there is room). Worth it from about two views or lights on. The caller promises not to write
+    /// the vertices from here on while this handle, or a copy made of it from now on, is in use; after a change, call
+    /// this again. Costs one pass over the triangles, or some ten with a copy.
     void keep_clusters(const Device& device);
     /// Lets go of them: as before keep_clusters().
     void forget_clusters() { clusters_.reset(); }

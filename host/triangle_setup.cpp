@@ -2,6 +2,7 @@
 #include "triangle_setup.hpp"
 
 #include "../kernels/claim.h"
+#include "clusters.hpp"
 
 namespace gnomon {
 
@@ -38,20 +39,23 @@ void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projectio
     // As many as there are bounds, also where an earlier run failed between these lists; of tiles one each.
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
     const cl_uint has_clusters = clusters != nullptr, has_pyramid = pyramid != nullptr;
+    const OrderedTriangles ordered = ordered_triangles(triangles);
     session.launch("triangle_setup.cl", "triangle_bounds", cl::Range::items(triangles.count / session.lanes() + 1),
-                   projection, triangles.count, triangles.first_float, capacity(), has_clusters, has_pyramid,
-                   triangles.vertices, clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(),
+                   projection, triangles.count, ordered.first_float, capacity(), has_clusters, has_pyramid,
+                   ordered.vertices, clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(),
                    map_candidates_.buffer(), counters);
 }
 
 void TriangleSetup::run_tiles_for(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
                                   const cl::Buffer* heights, const GrowingList& tiles, cl_uint for_map,
                                   const cl::Buffer& counters) {
-    const cl_uint has_heights = heights != nullptr;
-    session.launch("triangle_setup.cl", "triangle_tiles", cl::Range::items(capacity()), projection,
-                   triangles.first_float, capacity(), tiles.capacity(), has_heights, for_map, triangles.vertices,
-                   heights ? *heights : bounds(), bounds(), records(), map_candidates_.buffer(), tiles.buffer(),
-                   counters, cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
+    const OrderedTriangles ordered = ordered_triangles(triangles);
+    const cl_uint has_heights = heights != nullptr, has_numbers = ordered.numbers != nullptr;
+    session.launch("triangle_setup.cl", "triangle_tiles", cl::Range::items(capacity()), projection, ordered.first_float,
+                   capacity(), tiles.capacity(), has_numbers, has_heights, for_map, ordered.vertices,
+                   ordered.numbers ? *ordered.numbers : bounds(), heights ? *heights : bounds(), bounds(), records(),
+                   map_candidates_.buffer(), tiles.buffer(), counters,
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
                    cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)},
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)});
 }

@@ -21,7 +21,8 @@
 #define BIN_ENTRY_BYTES 16
 #define LIST_RUN 64u
 
-// A triangle that matters to a frame: its bounds, and which one it is. `id` is the triangle's number in the scene.
+// A triangle that matters to a frame: its bounds, and which one it is. `id` is the triangle's number in the scene;
+// where clusters have an order of their own it is the place there until triangle_tiles makes tiles for the lists.
 GN_STRUCT_BEGIN(TriangleBounds)
     ushort x0, y0, x1, y1;
     ushort z;

@@ -106,6 +106,45 @@ __kernel void make_clusters(uint triangle_count, ulong first_float, uint cluster
     }
 }
 
+// ---- Order ----------------------------------------------------------------------------------------------------------
+
+// Two zeros between each two bits.
+static uint spread_bits(uint x) {
+    x = (x | x << 16) & 0x030000FFu;
+    x = (x | x << 8) & 0x0300F00Fu;
+    x = (x | x << 4) & 0x030C30C3u;
+    return (x | x << 2) & 0x09249249u;
+}
+
+// The middle of three coordinates' interval, as a part of the code. No sum here can overflow.
+static uint code_of_middle(float a, float b, float c, float origin, float scale) {
+    float half_low = fmin(fmin(a, b), c) * 0.5f, half_high = fmax(fmax(a, b), c) * 0.5f;
+    float place = ((half_low + half_high) * 0.5f - origin) * scale;
+    return spread_bits((uint)clamp(place, 0.0f, (float)((1u << CLUSTER_CODE_BITS) - 1u)));
+}
+
+__kernel void cluster_codes(ClusterGrid grid, uint triangle_count, ulong first_float, __global const float* vertices,
+                            __global uint* codes, __global uint* numbers) {
+    GN_FOR_EACH(i, triangle_count) {
+        Triangle t = load_triangle(vertices + first_float, (uint)i);
+        uint code = GN_NO_ID;
+        if (is_finite_triangle(t))
+            code = code_of_middle(t.a.x, t.b.x, t.c.x, grid.origin[0], grid.scale) |
+                   code_of_middle(t.a.y, t.b.y, t.c.y, grid.origin[1], grid.scale) << 1 |
+                   code_of_middle(t.a.z, t.b.z, t.c.z, grid.origin[2], grid.scale) << 2;
+        codes[i] = code;
+        numbers[i] = (uint)i;
+    }
+}
+
+__kernel void cluster_gather(uint triangle_count, ulong first_float, __global const float* vertices,
+                             __global const uint* numbers, __global float* gathered) {
+    GN_FOR_EACH(i, triangle_count) {
+        __global const float* from = vertices + first_float + 9 * (size_t)numbers[i];
+        for (uint k = 0; k < 9u; ++k) gathered[9 * i + k] = from[k];
+    }
+}
+
 // ---- Which of them matter -------------------------------------------------------------------------------------------
 
 static void project_corners(__global const ClusterBoxes* boxes, __constant const Projection* projection, Projected* v) {

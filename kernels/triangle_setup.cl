@@ -482,13 +482,14 @@ static TriangleRecord record_of_lane(const RecordBlock* block, int lane) {
 typedef struct TileWork {
     __constant const Projection* projection;
     __global const float* vertices;  // of the first triangle
+    __global const uint* numbers;    // of the triangles in the clusters' order, if `has_numbers`
     __global const uint* heights;
     __global TriangleBounds* bounds;
     __global TriangleRecord* records;
     __global const uint* map_candidates;
     __global uint2* tiles;
     __global uint* tiles_wanted;
-    uint tile_capacity, has_heights, for_map;
+    uint tile_capacity, has_numbers, has_heights, for_map;
     uint hidden, edge_on, exact;
     Claim places;
 } TileWork;
@@ -496,7 +497,7 @@ typedef struct TileWork {
 // Triangles of the list that are worth a record, and their bins: GN_LANES of them, or fewer.
 typedef struct Chosen {
     uint count;
-    uint slots[GN_LANES], ids[GN_LANES];
+    uint slots[GN_LANES], ids[GN_LANES];  // as triangle_bounds left them
     uint4 bins[GN_LANES];
 } Chosen;
 
@@ -577,6 +578,7 @@ static LaneInt prepare(TileWork* work, Chosen* chosen) {
         }
         TriangleRecord record = record_of_lane(&records, (int)lane);
         work->records[slot] = record;
+        if (work->has_numbers && !work->for_map) work->bounds[slot].id = work->numbers[chosen->ids[lane]];
         if (work->for_map && !(record.margin_plane < INFINITY)) LANE_OF_INT(kept, lane) = 0;
     }
     return kept;
@@ -633,15 +635,17 @@ GN_APART void append_tiles(Share share, TileWork* work, uint count) {
 // shares out the tiles of its triangles evenly, since one may have thousands; who takes them from the list
 // (tile_bins.h) asks.
 __kernel void triangle_tiles(__constant const Projection* projection, ulong first_float, uint capacity,
-                             uint tile_capacity, uint has_heights, uint for_map, __global const float* vertices,
-                             __global const uint* heights, __global TriangleBounds* bounds,
-                             __global TriangleRecord* records, __global const uint* map_candidates,
-                             __global uint2* tiles, __global FrameCounters* counters, __local uint* ends,
-                             __local uint4* ranges, __local uint* slots) {
+                             uint tile_capacity, uint has_numbers, uint has_heights, uint for_map,
+                             __global const float* vertices, __global const uint* numbers, __global const uint* heights,
+                             __global TriangleBounds* bounds, __global TriangleRecord* records,
+                             __global const uint* map_candidates, __global uint2* tiles,
+                             __global FrameCounters* counters, __local uint* ends, __local uint4* ranges,
+                             __local uint* slots) {
     __local uint sum;
     TileWork work;
     work.projection = projection;
     work.vertices = vertices + first_float;
+    work.numbers = numbers;
     work.heights = heights;
     work.bounds = bounds;
     work.records = records;
@@ -649,6 +653,7 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     work.tiles = tiles;
     work.tiles_wanted = for_map ? &counters->map_tiles : &counters->tiles;
     work.tile_capacity = tile_capacity;
+    work.has_numbers = has_numbers;
     work.has_heights = has_heights;
     work.for_map = for_map;
     work.hidden = work.edge_on = work.exact = 0;

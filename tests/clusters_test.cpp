@@ -93,9 +93,12 @@ TEST(clusters, boxes_are_those_of_the_finite_vertices_to_the_bit) {
             triangles.keep_clusters(device);
             const std::vector<Box> boxes = boxes_on_device(device.session(), *triangles.clusters());
             ASSERT_EQ(boxes.size(), (count + cluster_size - 1) / cluster_size);
+            const gnomon::OrderedTriangles ordered = ordered_triangles(triangle_inputs(triangles));
+            const auto vertices =
+                downloaded<float>(device.session(), ordered.vertices, ordered.first_float + 9 * count);
             for (std::size_t i = 0; i < boxes.size(); ++i) {
                 const std::size_t first = i * cluster_size, size = std::min<std::size_t>(cluster_size, count - first);
-                const Box wanted = box_of(std::span(floats).subspan(first_float + 9 * first, 9 * size));
+                const Box wanted = box_of(std::span(vertices).subspan(ordered.first_float + 9 * first, 9 * size));
                 for (int c = 0; c < 3; ++c) {
                     EXPECT_EQ(key_of_float(boxes[i].low[c]), key_of_float(wanted.low[c])) << i;
                     EXPECT_EQ(key_of_float(boxes[i].high[c]), key_of_float(wanted.high[c])) << i;
@@ -489,6 +492,152 @@ TEST(clusters, a_camera_sees_the_same_bits_with_and_without) {
             ASSERT_EQ(a.position, b.position);
         }
     EXPECT_GT(dropped, 20u);
+}
+
+// ---- An order of their own ------------------------------------------------------------------------------------------
+
+constexpr std::size_t strewn_count = 30000;
+
+/// Small triangles in disorder, so that each cluster is strewn over the whole, some of them not finite.
+Floats strewn_triangles() {
+    Floats triangles = soup(strewn_count, 0.02f, 81);
+    for (std::size_t i = 0; i < triangles.size(); i += 6997) triangles[i] = i % 2 == 0 ? nan : infinity;
+    return triangles;
+}
+
+TEST(clusters, strewn_triangles_are_put_in_order) {
+    const Floats strewn = strewn_triangles();
+    std::vector<std::uint32_t> order;
+    for (const std::uint32_t work_group_size : {0u, 1u, 3u, 64u})
+        for (const std::size_t first_float : {0u, 5u}) {
+            SCOPED_TRACE("work-groups of " + std::to_string(work_group_size) + ", float " +
+                         std::to_string(first_float));
+            const gnomon::Device device = device_with(work_group_size);
+            Session& session = device.session();
+            Floats floats(first_float, 0.0f);
+            append(floats, strewn);
+            const gnomon::cl::Buffer buffer = uploaded(session, floats);
+            auto triangles = gnomon::Triangles::wrap(device, buffer.get(), strewn.size() / 9, first_float);
+            triangles.keep_clusters(device);
+            const gnomon::Clusters& clusters = *triangles.clusters();
+            ASSERT_TRUE(clusters.is_reordered());
+            const auto numbers = downloaded<std::uint32_t>(session, clusters.numbers().get(), triangles.count());
+            if (order.empty()) order = numbers;
+            ASSERT_EQ(numbers, order);
+            const auto vertices = downloaded<float>(session, clusters.vertices().get(), strewn.size());
+            for (std::size_t i = 0; i < strewn.size(); ++i)
+                ASSERT_EQ(std::bit_cast<std::uint32_t>(vertices[i]),
+                          std::bit_cast<std::uint32_t>(strewn[9 * std::size_t(numbers[i / 9]) + i % 9]));
+            const std::vector<Box> boxes = boxes_on_device(session, clusters);
+            for (std::size_t i = 0; i < boxes.size(); ++i) {
+                const std::size_t first = i * cluster_size,
+                                  size = std::min<std::size_t>(cluster_size, triangles.count() - first);
+                const Box wanted = box_of(std::span(vertices).subspan(9 * first, 9 * size));
+                EXPECT_EQ(boxes[i].low, wanted.low) << i;
+                EXPECT_EQ(boxes[i].high, wanted.high) << i;
+                EXPECT_EQ(boxes[i].not_finite, wanted.not_finite) << i;
+            }
+        }
+    std::ranges::sort(order);
+    for (std::uint32_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], i);  // each once
+}
+
+TEST(clusters, neighbours_stay_where_they_are) {
+    const gnomon::Device device = device_with();
+    // The same triangles, the clusters' order given: nothing to gain. And huge ones, which no order brings together.
+    auto strewn = gnomon::Triangles::upload(device, strewn_triangles());
+    strewn.keep_clusters(device);
+    ASSERT_TRUE(strewn.clusters()->is_reordered());
+    for (const Floats& floats :
+         {downloaded<float>(device.session(), strewn.clusters()->vertices().get(), strewn_count * 9),
+          soup(strewn_count, 2.0f, 82), repeated(soup(400, 0.5f, 83), cluster_size)}) {
+        auto triangles = gnomon::Triangles::upload(device, floats);
+        triangles.keep_clusters(device);
+        EXPECT_FALSE(triangles.clusters()->is_reordered());
+    }
+}
+
+/// Points a hair behind their own triangles, as the light sees them: the receiver blocks unless it is known for what it
+/// is, so that a wrong number shows.
+LightScene strewn_scene(const std::string& name, const Light& light) {
+    LightScene scene{name, strewn_triangles(), {}, light};
+    for (std::uint32_t t = 0; t < scene.triangles.size() / 9; t += 11) {
+        Float3 point{};
+        for (std::size_t i = 0; i < 9; ++i) point[i % 3] += scene.triangles[9 * t + i] / 3;
+        float size = 0;
+        Float3 towards;
+        for (int c = 0; c < 3; ++c) {
+            towards[c] = light[3] == 0 ? light[c] : light[c] - point[c];
+            size = std::max(size, std::fabs(towards[c]));
+        }
+        for (int c = 0; c < 3; ++c) point[c] -= towards[c] / size * 1e-4f;
+        add(scene.points, point);
+        scene.receivers.push_back(t);
+    }
+    return scene;
+}
+
+TEST(clusters, an_order_of_their_own_changes_no_bit) {
+    std::uint64_t dropped = 0, lit = 0;
+    const gnomon::Device device = device_with();
+    for (const auto& [name, light] : lights_of_every_kind()) {
+        const LightScene scene = strewn_scene(name, light);
+        auto triangles = gnomon::Triangles::upload(device, scene.triangles), kept = triangles;
+        kept.keep_clusters(device);
+        ASSERT_TRUE(kept.clusters()->is_reordered());
+        for (const auto& [technique_name, traversal] : {std::pair{"frustum-traced", "points"},
+                                                        {"frustum-traced", "triangles"},
+                                                        {"sub-pixel", ""},
+                                                        {"conservative-map", ""}}) {
+            SCOPED_TRACE(name + ", " + technique_name + " " + traversal);
+            const auto technique = gnomon::make_technique(technique_name, device);
+            if (*traversal != 0) technique->set("traversal", traversal);
+            const Answer wanted = answer(device, *technique, triangles, scene);
+            const Answer got = answer(device, *technique, kept, scene);
+            ASSERT_EQ(got.visibility, wanted.visibility);
+            if (technique_name != std::string("frustum-traced")) continue;
+            lit += std::ranges::count(got.visibility, 1.0f);
+            dropped += got.statistics.count("clusters_outside") + got.statistics.count("clusters_too_far");
+            EXPECT_EQ(got.statistics.count("triangles_not_finite"), wanted.statistics.count("triangles_not_finite"));
+            technique->prepare(kept, gnomon::Light{scene.light});
+            EXPECT_EQ(answer(device, *technique, kept, scene).visibility, wanted.visibility);
+        }
+    }
+    EXPECT_GT(dropped, 100u);
+    EXPECT_GT(lit, 1000u);
+}
+
+TEST(clusters, a_camera_sees_the_same_triangles_in_an_order_of_their_own) {
+    const gnomon::Device device = device_with();
+    auto triangles = gnomon::Triangles::upload(device, strewn_triangles());
+    const auto camera = gnomon::Camera::look_at({0.2f, 0.1f, 0.5f}, {0, 0, 0}, {0, 1, 0}, 60);
+    const auto light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const gnomon::Visibility mean(device, 96 * 64);
+    const auto seen = [&] {
+        const gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
+        run_samples(*technique, device, triangles, view, light, 16, mean);
+        const gnomon::ViewOnHost host = read(device, triangles, view);
+        EXPECT_GT(std::ranges::count_if(host.receiver, [](auto r) { return r != gnomon::no_receiver; }), 500);
+        return std::tuple{host.receiver, host.position, mean.read()};
+    };
+    const auto wanted = seen();
+    triangles.keep_clusters(device);
+    ASSERT_TRUE(triangles.clusters()->is_reordered());
+    EXPECT_TRUE(seen() == wanted);
+}
+
+/// A device with room for the boxes, but not for an order: the clusters are kept as they are.
+TEST(clusters, without_room_they_stay_in_the_order_of_the_buffer) {
+    const Floats strewn = strewn_triangles();
+    gnomon::DeviceOptions options;
+    options.memory_limit_bytes = strewn.size() * sizeof(float) + (1u << 14);
+    const gnomon::Device device({}, options);
+    auto triangles = gnomon::Triangles::upload(device, strewn);
+    triangles.keep_clusters(device);
+    EXPECT_FALSE(triangles.clusters()->is_reordered());
+    EXPECT_EQ(boxes_on_device(device.session(), *triangles.clusters()).size(),
+              (strewn_count + cluster_size - 1) / cluster_size);
 }
 
 TEST(clusters, nothing_in_nothing_out) {
