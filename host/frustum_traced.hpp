@@ -31,6 +31,9 @@ public:
 
     static TechniqueDescription describe();
 
+    /// On a GPU: whether a frame with a map, which counted this, took less time than one without.
+    static bool was_worth_a_map(const FrameCounters& counted);
+
 private:
     enum class MapMode { automatic, on, off };
     enum class Traversal { points, triangles };

@@ -14,6 +14,7 @@
 #include <ostream>
 
 #include "../host/cl/session.hpp"
+#include "../host/frustum_traced.hpp"
 #include "gnomon.hpp"
 #include "reference/view.hpp"
 #include "scene/scene.hpp"
@@ -596,7 +597,42 @@ TEST(AutomaticMap, IsDrawnWhereItCoversEnough) {
     EXPECT_EQ(asked_under(0.1f, {}), 0u);
 }
 
-// A GPU goes by the last map: where that one decided little it does without for a while, then looks again. The bits are
+// What frames with a map counted on an H200, and how long they took with and without it (2026-11-22). Where one is
+// faster by 3 % or more, the rule takes it.
+TEST(AutomaticMap, OfAGpuIsTheFasterOne) {
+    struct Measured {
+        std::uint32_t decided, kept, hidden, references;
+        double ms_with, ms_without;
+        const char* name;
+    };
+    constexpr Measured frames[] = {
+        {886054, 145329, 95304, 346029, .385, .517, "Sponza atrium, noon, 2K"},
+        {404064, 134705, 100030, 290923, .379, .518, "Sponza atrium, along, 2K"},
+        {5112655, 162537, 104623, 473557, .589, .838, "Sponza atrium, grazing, 4K"},
+        {541963, 141278, 92626, 306540, .386, .485, "Sponza balcony, noon, 2K"},
+        {43281, 20876, 267, 92986, .320, .285, "lost_empire hillside, slant, 2K"},
+        {439560, 22886, 1291, 106723, .504, .479, "lost_empire hillside, low, 4K"},
+        {592267, 41732, 3905, 122138, .273, .253, "lost_empire hillside, grazing, 2K: most open points decided"},
+        {2372383, 42464, 3564, 131227, .429, .460, "lost_empire hillside, grazing, 4K: the same"},
+        {308191, 57901, 1494, 365824, .685, .644, "lost_empire overview, low, 4K"},
+        {8615, 219590, 6901, 504993, .548, .501, "city of a million, v0, 2K"},
+        {235682, 66591, 11009, 185326, .373, .338, "city of a million, v1, 2K"},
+        {34554, 672291, 87411, 1334449, .650, .617, "foliage of a million, v0, 2K: many triangles hidden"},
+        {219686, 329090, 56365, 814254, .534, .518, "foliage of a million, v1, 2K"},
+        {17, 230910, 0, 611567, .801, .763, "pipes of a million, v1, 2K"},
+    };
+    for (const Measured& frame : frames) {
+        gnomon::FrameCounters counted{};
+        counted.decided_by_map = frame.decided;
+        counted.survivors = frame.kept + 10;
+        counted.edge_on = 10;
+        counted.hidden = frame.hidden;
+        counted.references = frame.references;
+        EXPECT_EQ(gnomon::FrustumTraced::was_worth_a_map(counted), frame.ms_with < frame.ms_without) << frame.name;
+    }
+}
+
+// A GPU goes by the last map: where that one saved little it does without for a while, then looks again. The bits are
 // the same.
 TEST(AutomaticMap, OfAGpuGoesByTheLastMap) {
     DeviceOptions options;
@@ -615,12 +651,11 @@ TEST(AutomaticMap, OfAGpuGoesByTheLastMap) {
         expect_equal(visibility.read(), truth_of(question), question, "a roof of " + std::to_string(roof));
         return statistics.count("map_texels_written");
     };
+    // 5000 points save too little whatever the roof is.
     EXPECT_GT(texels_under(1.5f), 0u);
-    EXPECT_GT(texels_under(1.5f), 0u);
-    EXPECT_GT(texels_under(0.2f), 0u);
     for (int i = 0; i < 31; ++i) ASSERT_EQ(texels_under(1.5f), 0u) << "run " << i;
     EXPECT_GT(texels_under(1.5f), 0u);
-    EXPECT_GT(texels_under(1.5f), 0u);
+    EXPECT_EQ(texels_under(1.5f), 0u);
 }
 
 // ---- Laws between scenes --------------------------------------------------------------------------------------------
