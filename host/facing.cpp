@@ -6,34 +6,55 @@
 namespace gnomon {
 namespace {
 
-// What `opens` has no use for may be any buffer. `away`: what triangles_away has filled; null: receivers are asked
-// point by point. `blocks`: to be written; null: they are not.
+// What `opens` has no use for may be any buffer. `answers`: where points look their receivers up; null: receivers are
+// asked point by point. `blocks`: to be written; null: they are not.
 void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, const TriangleInputs& triangles,
-            const PointInputs& points, const cl::Buffer* away, cl_mem visibility, const cl::Buffer& frame_bounds,
+            const PointInputs& points, const cl::Buffer* answers, cl_mem visibility, const cl::Buffer& frame_bounds,
             const cl::Buffer* blocks, const cl::Buffer& counters) {
     const char* looked_up = points.footprints != nullptr ? "facing_looked_up_around" : "facing_looked_up";
     PointsLayout layout = points.layout;
     if (points.face_light) layout.has_receivers = 0;
     // As many items whatever the size of work-groups: a frame's margins hang on the world bounds of what an item takes
     // together. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)
-    session.launch("facing.cl", away != nullptr ? looked_up : "facing",
+    session.launch("facing.cl", answers != nullptr ? looked_up : "facing",
                    cl::Range::items(layout.count / session.lanes() + 1), layout, light_frame, opens,
                    cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), triangles.first_float,
                    triangles.count, points.positions,
                    points.footprints != nullptr ? points.footprints : points.positions, points.receivers,
-                   triangles.vertices, away != nullptr ? away->get() : points.receivers, visibility, frame_bounds,
+                   triangles.vertices, answers != nullptr ? answers->get() : points.receivers, visibility, frame_bounds,
                    blocks != nullptr ? *blocks : frame_bounds, counters,
                    cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
 }
 
+// No point is doubtful, so that all points on a receiver get the same answer.
+bool can_look_up(const PointInputs& points) {
+    const bool has_doubts = points.layout.is_lifted == 0 && points.footprints == nullptr;
+    return points.layout.has_receivers != 0 && !points.face_light && !has_doubts;
+}
+
 }  // namespace
 
-// All triangles are read in order, points' receivers from anywhere. Measured on a CPU: with as many points as triangles
-// both ways take the same time (docs/performance.md).
+// All triangles are read in order, points' receivers from anywhere: with as many points as triangles both ways take the
+// same time.
 bool Facing::asks_triangles(const TriangleInputs& triangles, const PointInputs& points) {
-    const bool has_doubts = points.layout.is_lifted == 0 && points.footprints == nullptr;
-    return points.layout.has_receivers != 0 && !points.face_light && !has_doubts &&
-           points.layout.count / 2 >= triangles.count;
+    return can_look_up(points) && points.layout.count / 2 >= triangles.count;
+}
+
+const cl::Buffer* Facing::make_answers(cl::Session& session, const LightFrame& light_frame,
+                                       const TriangleInputs& triangles, const PointInputs& points,
+                                       const cl::Buffer& counters) {
+    const std::size_t blocks = triangles.count / session.lanes() + 1;
+    if (session.is_cpu()) {
+        if (!can_look_up(points)) return nullptr;
+        answers_.reserve(session, blocks * sizeof(cl_uint));
+        session.fill(answers_, 0, blocks * sizeof(cl_uint));
+    } else {
+        if (!asks_triangles(triangles, points)) return nullptr;
+        answers_.reserve(session, blocks);
+        session.launch("facing.cl", "triangles_away", cl::Range::items(blocks), points.layout, light_frame,
+                       triangles.first_float, triangles.count, triangles.vertices, answers_, counters);
+    }
+    return &answers_;
 }
 
 void Facing::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
@@ -41,17 +62,11 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
     session.fill({{frame_bounds_, 0, bytes}, {counters, 0, sizeof(FrameCounters)}});
-    const bool asks = asks_triangles(triangles, points);
-    if (asks) {
-        const std::size_t blocks = triangles.count / session.lanes() + 1;
-        triangles_away_.reserve(session, blocks * session.lanes());
-        session.launch("facing.cl", "triangles_away", cl::Range::items(blocks), points.layout, light_frame,
-                       triangles.first_float, triangles.count, triangles.vertices, triangles_away_, counters);
-    }
+    const cl::Buffer* answers = make_answers(session, light_frame, triangles, points, counters);
     has_blocks_ = session.lanes() > 1 && points.footprints == nullptr;
     if (has_blocks_) blocks_.reserve(session, (points.layout.count / session.lanes() + 1) * sizeof(BlockBounds));
-    launch(session, light_frame, triangles.count != 0 ? FACING_BOUNDS : FACING_DECIDES, triangles, points,
-           asks ? &triangles_away_ : nullptr, visibility, frame_bounds_, blocks(), counters);
+    launch(session, light_frame, triangles.count != 0 ? FACING_BOUNDS : FACING_DECIDES, triangles, points, answers,
+           visibility, frame_bounds_, blocks(), counters);
 }
 
 FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,

@@ -13,7 +13,7 @@ public:
     /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
-    /// Whether run() asks each triangle once which way it faces, instead of each point.
+    /// Whether it pays to ask all triangles which way they face, for points to look that up.
     static bool asks_triangles(const TriangleInputs& triangles, const PointInputs& points);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
     /// BlockBounds of each block of points (kernels/block_bounds.h); null where work-items take single points, or
@@ -21,7 +21,12 @@ public:
     const cl::Buffer* blocks() const { return has_blocks_ ? &blocks_ : nullptr; }
 
 private:
-    cl::Buffer frame_bounds_, triangles_away_, blocks_;
+    /// Where points look up which way their receivers face: filled already, or by those who ask first. Null: each asks
+    /// for itself.
+    const cl::Buffer* make_answers(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                                   const PointInputs& points, const cl::Buffer& counters);
+
+    cl::Buffer frame_bounds_, answers_, blocks_;
     bool has_blocks_ = false;
 };
 

@@ -284,7 +284,8 @@ void FrustumTraced::run_unprepared(Run& run) {
     run.facing = frames_.decide_facing(session, run.statistics, run.light_frame, run.triangles, run.points,
                                        run.visibility, counters_);
     if (decisions_) decisions_->facing(session, run.points, run.visibility);
-    if (run.triangles.count == 0) return;
+    const bool has_open_points = run.facing.absent + run.facing.facing_away < run.points.layout.count;
+    if (run.triangles.count == 0 || !has_open_points) return;
     frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) { run_frame(run, frame); });
 }
 

@@ -10,9 +10,11 @@
 // a - P) has the sign l: only then can the receiver block it (exact/blocks.h), which by contract it never does. What
 // the camera makes is lifted off its receiver and never doubtful; a caller's point may be.
 //
-// Which way a receiver faces is the same for all points on it. Where there are many more points than triangles, none of
-// them doubtful, triangles_away asks each triangle once, in order, and a point looks its receiver's answer up: a byte
-// in place of nine floats from anywhere.
+// Which way a receiver faces is the same for all points on it. Where no point is doubtful, each triangle is asked once.
+// On a GPU triangles_away asks all of them, in order, where there are many more points, and a point looks its
+// receiver's answer up: a byte in place of nine floats from anywhere. On a CPU the first point that wants to know asks,
+// for GN_LANES triangles in a row, which are neighbours in most meshes; where the points of a block lie on triangles
+// from anywhere, they ask for themselves, and nothing is kept.
 //
 // Of footprints (footprint.h) the same is asked: what holds for a receiver holds for all samples on it, which the
 // camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
@@ -133,34 +135,57 @@ static float8 include_points(RunningBounds* bounds, LightFrame light_frame, Poin
     return span;
 }
 
-// Of each triangle 1 if points on it face away, else 0; in whole blocks.
-GN_KERNEL_OF_ITEMS(triangles_away, (triangle_count + GN_LANES - 1u) / GN_LANES,
+#if GN_LANES == 1
+// Of each triangle 1 if points on it face away, else 0.
+typedef __global const uchar* TriangleAnswers;
+
+GN_KERNEL_OF_ITEMS(triangles_away, triangle_count,
                    (PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count,
-                    __global const float* vertices, __global LaneUchar* away, __global FrameCounters* counters),
+                    __global const float* vertices, __global uchar* away, __global FrameCounters* counters),
                    (layout, light_frame, first_float, triangle_count, vertices, away, counters)) {
     uint exact = 0;
-    GN_FOR_EACH_OF(block, share) {
-        uint first = (uint)block * GN_LANES;
-        TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
-        LaneInt asked = LANE_COMPARE((LaneInt)((int)min(triangle_count - first, (uint)GN_LANES)), >, LANE_INDEX);
-        ReceiverAnswer answer = answer_of_triangles(&t, asked, 0, layout, light_of(light_frame), &exact);
-        away[block] = LANES_TO_UCHAR(-answer.faces_away);
+    GN_FOR_EACH_OF(i, share) {
+        TriangleBlock t = load_triangles(vertices + first_float, (uint)i, triangle_count);
+        ReceiverAnswer answer = answer_of_triangles(&t, -1, 0, layout, light_of(light_frame), &exact);
+        away[i] = (uchar)-answer.faces_away;
     }
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
 }
+#else
+// A word for each GN_LANES triangles: 0 as long as nobody has asked, then TRIANGLES_ANSWERED and a bit for each
+// triangle that faces away.
+typedef volatile __global uint* TriangleAnswers;
+#define TRIANGLES_ANSWERED 0x10000u
 
-// Which of the lanes `asked`, whose ids name triangles, triangles_away has found to face away.
-static LaneInt look_up_away(__global const uchar* triangles_are_away, LaneInt ids, LaneInt asked) {
-    LaneInt at = LANES_SELECT((LaneInt)(0), ids, asked);
-    return asked & -LANES_GATHER(triangles_are_away, at);
+static uint ask_triangles(TriangleAnswers answers, uint block, __global const float* vertices, uint triangle_count,
+                          PointsLayout layout, float4 light, uint* exact) {
+    uint first = block * GN_LANES, by_integers = 0;
+    TriangleBlock t = load_triangles(vertices, first, triangle_count);
+    LaneInt asked = LANE_COMPARE((LaneInt)((int)min(triangle_count - first, (uint)GN_LANES)), >, LANE_INDEX);
+    ReceiverAnswer answer = answer_of_triangles(&t, asked, 0, layout, light, &by_integers);
+    uint word = TRIANGLES_ANSWERED | (uint)LANES_SUM(answer.faces_away & ((LaneInt)(1) << LANE_INDEX));
+    // Several work-items may ask at once: what it took is counted once.
+    if (atomic_xchg(&answers[block], word) == 0u) *exact += by_integers;
+    return word;
 }
+
+// Whether these lanes, of which there is one at least, lie in so few blocks that all of their triangles are asked.
+#define FEW_BLOCKS 2
+static bool in_few_blocks(LaneInt blocks, LaneInt lanes) {
+    for (uint i = 0; i < FEW_BLOCKS; ++i) {
+        lanes &= LANE_COMPARE(blocks, !=, (LaneInt)(LANE_OF_INT(blocks, first_lane(lanes))));
+        if (!LANES_ANY(lanes)) return true;
+    }
+    return false;
+}
+#endif
 
 // What the points are held against, and what is written of each.
 typedef struct FacingBuffers {
     __global const float *positions, *footprints;
     __global const uint* receivers;
     __global const float* vertices;  // from the first triangle on
-    __global const uchar* triangles_are_away;
+    TriangleAnswers answers;
     __global float* visibility;
     __global BlockBounds* blocks;
     __local uint* shared;
@@ -172,16 +197,57 @@ typedef struct FacingCounts {
     uint exact;
 } FacingCounts;
 
+// False only if no point of the block is present: where coordinates lie apart, the sky is known by the first of them.
+static bool may_be_present(__global const float* positions, PointsLayout layout, size_t block) {
+#if GN_LANES > 1
+    if (layout.point_stride == 1u) {
+        LaneFloat x = load_lanes(positions + layout.first, layout, block);
+        return LANES_ANY(LANE_COMPARE(LANES_SIZE_BITS(x), <, (LaneInt)(BITS_OF_INFINITY)));
+    }
+#endif
+    return true;
+}
+
+// Which of the lanes `asked`, whose ids name triangles, face away, none of them doubtful.
+static LaneInt look_up_away(const FacingBuffers* to, LaneInt ids, LaneInt asked, uint triangle_count,
+                            PointsLayout layout, float4 light, uint* exact) {
+    LaneInt at = LANES_SELECT((LaneInt)(0), ids, asked);
+#if GN_LANES == 1
+    return asked & -LANES_GATHER(to->answers, at);
+#else
+    LaneInt blocks = (at >> 4) & 0x0FFFFFFF, words = LANES_LOOK(to->answers, blocks);
+    LaneInt unknown = asked & LANE_COMPARE(words, ==, (LaneInt)(0));
+    LaneInt away = (LaneInt)(0);
+    if (LANES_ANY(unknown) && !in_few_blocks(blocks, unknown)) {
+        away = ask_receivers(ids, unknown, 0, layout, light, false, to->vertices, exact).faces_away;
+        unknown = (LaneInt)(0);
+    }
+    while (LANES_ANY(unknown)) {
+        int block = LANE_OF_INT(blocks, first_lane(unknown));
+        uint word = ask_triangles(to->answers, (uint)block, to->vertices, triangle_count, layout, light, exact);
+        LaneInt same = LANE_COMPARE(blocks, ==, (LaneInt)(block));
+        words = LANES_SELECT(words, (LaneInt)((int)word), same);
+        unknown &= ~same;
+    }
+    return away | (asked & -((words >> (at & 15)) & 1));
+#endif
+}
+
 // Inlined for each kind of run (below): a CPU's compiler leaves out what an argument that is a constant rules out, and
 // keeps in registers what it would carry through memory around that.
 __attribute__((always_inline)) static void face_points(PointsLayout layout, LightFrame light_frame, uint opens,
-                                                       uint has_footprints, uint asked_before, uint has_blocks,
+                                                       uint has_footprints, uint looks_up, uint has_blocks,
                                                        uint triangle_count, FacingBuffers to, RunningBounds* bounds,
                                                        FacingCounts* counts, Share share) {
     GN_FOR_EACH_OF(block, share) {
-        LaneInt valid = valid_lanes(layout, block);
-        PointBlock points = load_block(to.positions, layout, block);
-        LaneInt open = valid & present_lanes(points);
+        LaneInt valid = valid_lanes(layout, block), open = valid;
+        PointBlock points;
+        if (may_be_present(to.positions, layout, block)) {
+            points = load_block(to.positions, layout, block);
+            open &= present_lanes(points);
+        } else {
+            open = (LaneInt)(0);
+        }
         counts->minus_absent += valid & ~open;
         if (!LANES_ANY(open)) {
             store_lanes((LaneFloat)(1.0f), to.visibility, layout, block);
@@ -191,8 +257,8 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
         LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0);
         if (layout.has_receivers) {
             LaneInt ids = load_lane_ids(to.receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
-            if (asked_before) {
-                away = look_up_away(to.triangles_are_away, ids, asked);
+            if (looks_up) {
+                away = look_up_away(&to, ids, asked, triangle_count, layout, light_of(light_frame), &counts->exact);
             } else if (LANES_ANY(asked)) {
                 bool doubts = !has_footprints && !layout.is_lifted;
                 ReceiverAnswer answer = ask_receivers(ids, asked, &points, layout, light_of(light_frame), doubts,
@@ -261,28 +327,27 @@ GN_APART void face_usual(PointsLayout layout, LightFrame light_frame, uint trian
 }
 #endif
 
-// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `asked_before`: triangles_are_away
-// has been filled, and no point is doubtful. `has_blocks`: blocks is to be written. `shared`: BOUNDS_WORDS for each
-// frame. The frames' bounds and the counters are zeroed before.
+// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `looks_up`: answers
+// are there to be looked up, and no point is doubtful. `has_blocks`: blocks is to be written. `shared`: BOUNDS_WORDS
+// for each frame. The frames' bounds and the counters are zeroed before.
 __attribute__((always_inline)) static void decide_facing(
-    PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, bool asked_before, uint has_blocks,
+    PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, bool looks_up, uint has_blocks,
     ulong first_float, uint triangle_count, __global const float* positions, __global const float* footprints,
-    __global const uint* receivers, __global const float* vertices, __global const uchar* triangles_are_away,
-    __global float* visibility, volatile __global uint* frame_bounds, __global BlockBounds* blocks,
-    __global FrameCounters* counters, __local uint* shared, __local uint* group_counts) {
+    __global const uint* receivers, __global const float* vertices, TriangleAnswers answers, __global float* visibility,
+    volatile __global uint* frame_bounds, __global BlockBounds* blocks, __global FrameCounters* counters,
+    __local uint* shared, __local uint* group_counts) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
     // One atomic per work-group, not per item: many on one address take longer than the pass.
     if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
 
-    FacingBuffers to = {positions,          footprints, receivers, vertices + first_float,
-                        triangles_are_away, visibility, blocks,    shared};
+    FacingBuffers to = {positions, footprints, receivers, vertices + first_float, answers, visibility, blocks, shared};
     FacingCounts counts = {(LaneInt)(0), (LaneInt)(0), 0u};
     RunningBounds bounds;
     start_bounds(&bounds, 0u);
     Share share = share_of(block_count(layout));
-    if (!asked_before)
+    if (!looks_up)
         face_asked(layout, light_frame, opens, has_footprints, has_blocks, triangle_count, &to, &bounds, &counts,
                    share);
     else if (has_footprints)
@@ -312,17 +377,17 @@ __attribute__((always_inline)) static void decide_facing(
     if (counts.exact != 0) atomic_add(&counters->facing_exact, counts.exact);
 }
 
-#define FACING_KERNEL(name, has_footprints_here, asked_before)                                                         \
-    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks,  \
-                       ulong first_float, uint triangle_count, __global const float* positions,                        \
-                       __global const float* footprints, __global const uint* receivers,                               \
-                       __global const float* vertices, __global const uchar* triangles_are_away,                       \
-                       __global float* visibility, volatile __global uint* frame_bounds, __global BlockBounds* blocks, \
-                       __global FrameCounters* counters, __local uint* shared) {                                       \
-        __local uint group_counts[2];                                                                                  \
-        decide_facing(layout, light_frame, opens, has_footprints_here, asked_before, has_blocks, first_float,          \
-                      triangle_count, positions, footprints, receivers, vertices, triangles_are_away, visibility,      \
-                      frame_bounds, blocks, counters, shared, group_counts);                                           \
+#define FACING_KERNEL(name, has_footprints_here, looks_up)                                                            \
+    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks, \
+                       ulong first_float, uint triangle_count, __global const float* positions,                       \
+                       __global const float* footprints, __global const uint* receivers,                              \
+                       __global const float* vertices, TriangleAnswers answers, __global float* visibility,           \
+                       volatile __global uint* frame_bounds, __global BlockBounds* blocks,                            \
+                       __global FrameCounters* counters, __local uint* shared) {                                      \
+        __local uint group_counts[2];                                                                                 \
+        decide_facing(layout, light_frame, opens, has_footprints_here, looks_up, has_blocks, first_float,             \
+                      triangle_count, positions, footprints, receivers, vertices, answers, visibility, frame_bounds,  \
+                      blocks, counters, shared, group_counts);                                                        \
     }
 
 // Three kernels: what the exact predicate and footprints need of a GPU's registers would slow down the look-up as well.

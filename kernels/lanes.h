@@ -9,7 +9,6 @@
 #if GN_LANES == 1
 typedef float LaneFloat;
 typedef int LaneInt;
-typedef uchar LaneUchar;
 #define LANE_COMPARE(a, op, b) (-((a)op(b)))
 #define LANES_ANY(mask) ((mask) != 0)
 #define LANES_SELECT(no, yes, mask) ((mask) ? (yes) : (no))
@@ -17,7 +16,6 @@ typedef uchar LaneUchar;
 #define LANES_AS_INT(x) as_int(x)
 #define LANES_AS_FLOAT(x) as_float(x)
 #define LANES_TO_INT(x) ((int)(x))
-#define LANES_TO_UCHAR(x) ((uchar)(x))
 #define LANES_TO_FLOAT(x) ((float)(x))
 #define LANES_MINIMUM(v) (v)
 #define LANES_MAXIMUM(v) (v)
@@ -29,7 +27,6 @@ typedef uchar LaneUchar;
 #elif GN_LANES == 16
 typedef float16 LaneFloat;
 typedef int16 LaneInt;
-typedef uchar16 LaneUchar;
 #define LANE_COMPARE(a, op, b) ((a)op(b))
 #define LANES_ANY(mask) any_of_16(mask)
 #define LANES_SELECT(no, yes, mask) select(no, yes, mask)
@@ -37,7 +34,6 @@ typedef uchar16 LaneUchar;
 #define LANES_AS_INT(x) as_int16(x)
 #define LANES_AS_FLOAT(x) as_float16(x)
 #define LANES_TO_INT(x) convert_int16(x)
-#define LANES_TO_UCHAR(x) convert_uchar16(x)
 #define LANES_TO_FLOAT(x) convert_float16(x)
 #define LANES_MINIMUM(v) least_of_16(v)
 #define LANES_MAXIMUM(v) ~least_of_16(~(v))
@@ -59,6 +55,14 @@ typedef uchar16 LaneUchar;
     (int16)((values)[at.s0], (values)[at.s1], (values)[at.s2], (values)[at.s3], (values)[at.s4], (values)[at.s5], \
             (values)[at.s6], (values)[at.s7], (values)[at.s8], (values)[at.s9], (values)[at.sa], (values)[at.sb], \
             (values)[at.sc], (values)[at.sd], (values)[at.se], (values)[at.sf])
+
+// The same by looks (prelude.h).
+#define LANES_LOOK(values, at)                                                                                      \
+    (int16)(                                                                                                        \
+        GN_LOOK(&(values)[at.s0]), GN_LOOK(&(values)[at.s1]), GN_LOOK(&(values)[at.s2]), GN_LOOK(&(values)[at.s3]), \
+        GN_LOOK(&(values)[at.s4]), GN_LOOK(&(values)[at.s5]), GN_LOOK(&(values)[at.s6]), GN_LOOK(&(values)[at.s7]), \
+        GN_LOOK(&(values)[at.s8]), GN_LOOK(&(values)[at.s9]), GN_LOOK(&(values)[at.sa]), GN_LOOK(&(values)[at.sb]), \
+        GN_LOOK(&(values)[at.sc]), GN_LOOK(&(values)[at.sd]), GN_LOOK(&(values)[at.se]), GN_LOOK(&(values)[at.sf]))
 
 // PoCL's any() asks lane by lane, with a branch each.
 static bool any_of_16(int16 mask) {

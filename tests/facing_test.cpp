@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "support/light_scenes.hpp"
 
@@ -105,8 +107,9 @@ TEST(facing, equals_reference) {
     EXPECT_GT(by_integers, 10u);
 }
 
-// Triangles are asked once for all points on them where no point can be doubtful and there are many. Not vacuous: both
-// answers occur, some only by an exact sign; and with receivers that each point must ask, there would be doubtful ones.
+// Triangles are asked once for all points on them where no point can be doubtful; a CPU's blocks of points ask for
+// themselves where their triangles are far apart. Not vacuous: both answers occur, some only by an exact sign; and with
+// receivers that each point must ask, there would be doubtful ones, and more exact signs.
 TEST(facing, asks_triangles_for_lifted_points) {
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
         const gnomon::Device device = device_with(group);
@@ -114,13 +117,18 @@ TEST(facing, asks_triangles_for_lifted_points) {
         for (LightScene scene : scenes()) {
             if (!scene.eye || scene.receivers.empty()) continue;
             SCOPED_TRACE(scene.name);
-            // As many points as it takes, several of them on each triangle.
-            const Floats points = scene.points;
-            const std::vector<std::uint32_t> receivers = scene.receivers;
-            while (scene.points.size() / 3 < 2 * scene.triangles.size() / 9) {
-                append(scene.points, points);
-                scene.receivers.insert(scene.receivers.end(), receivers.begin(), receivers.end());
-            }
+            // First the points as they are, on triangles from anywhere; then in the order of their triangles, as often
+            // as it takes to have several on each.
+            std::vector<std::size_t> order(scene.receivers.size());
+            std::iota(order.begin(), order.end(), 0);
+            std::stable_sort(order.begin(), order.end(),
+                             [&](std::size_t i, std::size_t j) { return scene.receivers[i] < scene.receivers[j]; });
+            do {
+                for (const std::size_t i : order) {
+                    add(scene.points, vertex(scene.points, i));
+                    scene.receivers.push_back(scene.receivers[i]);
+                }
+            } while (scene.points.size() / 3 < 2 * scene.triangles.size() / 9);
             std::vector<float> truth = expected(scene);
             std::replace(truth.begin(), truth.end(), DOUBTFUL, OPEN);
             const Answer answer = run(device, scene, true);
