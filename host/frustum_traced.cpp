@@ -230,7 +230,7 @@ bool FrustumTraced::run_prepared(Run& run) {
             cl::StageTimer timer(session, run.statistics, "trace");
             trace_.run_prepared_blocks(session, light_frame, run.triangles, run.points, prepared_->projections(),
                                        prepared_->map(), prepared_->lists(), prepared_->domains(), *frames_.blocks(),
-                                       run.visibility, counters_);
+                                       frames_.bounds(), run.visibility, counters_);
         } else {
             cl::StageTimer timer(session, run.statistics, "trace");
             trace_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->projections(),

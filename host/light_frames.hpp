@@ -24,7 +24,8 @@ public:
                  const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
                  const cl::Buffer& counters);
     const cl::Buffer& projection() const { return has_one_ ? light_frame_.projections() : projection_; }
-    const cl::Buffer* blocks() const { return facing_.blocks(); }  ///< of the points that facing was given
+    const cl::Buffer* blocks() const { return facing_.blocks(); }        ///< of the points that facing was given
+    const cl::Buffer& bounds() const { return facing_.frame_bounds(); }  ///< of those that it left open
 
 private:
     void start_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,

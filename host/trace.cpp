@@ -54,9 +54,9 @@ void Trace::run_prepared(cl::Session& session, const LightFrame& light_frame, co
 void Trace::run_prepared_blocks(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
                                 const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
                                 const ListBuffers& lists, const cl::Buffer& domains, const cl::Buffer& blocks,
-                                cl_mem visibility, const cl::Buffer& counters) {
+                                const cl::Buffer& bounds, cl_mem visibility, const cl::Buffer& counters) {
     launch(session, "prepared_trace_of_blocks.cl", "prepared_trace_of_blocks", light_frame, 0, 1, triangles, points,
-           projections, map, lists, visibility, counters, cl_uint(1), blocks, domains);
+           projections, map, lists, visibility, counters, cl_uint(1), blocks, domains, bounds);
 }
 
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

@@ -76,16 +76,36 @@ typedef struct QuantisedBlock {
 } QuantisedBlock;
 
 // Around what some lanes span, in quantised units.
+#if GN_LANES == 1
 static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
-    const LaneInt low = (LaneInt)(0), high = (LaneInt)(65535);
-    QuantisedBlock block;
-    block.x0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, x0, lanes));
-    block.y0 = (ushort)LANES_MINIMUM(LANES_SELECT(high, y0, lanes));
-    block.x1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, x1, lanes));
-    block.y1 = (ushort)LANES_MAXIMUM(LANES_SELECT(low, y1, lanes));
-    block.z = (ushort)LANES_MINIMUM(LANES_SELECT(high, lowest, lanes));
+    QuantisedBlock none = {65535, 65535, 0, 0, 65535};
+    QuantisedBlock block = {(ushort)x0, (ushort)y0, (ushort)x1, (ushort)y1, (ushort)lowest};
+    return lanes ? block : none;
+}
+#else
+// Least values of eights: a transposition halves the work of each step, where five reductions one by one would not.
+static ushort8 least_eight(int16 v, ushort16 others) {
+    ushort16 values = convert_ushort16(v) | others;
+    return min(values.lo, values.hi);
+}
+static ushort8 least_in_turn(ushort8 a, ushort8 b) {
+    ushort8 low = (ushort8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3);
+    ushort8 high = (ushort8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
+    return min(low, high);
+}
+
+static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
+    const LaneInt bits = (LaneInt)(65535);
+    ushort16 others = convert_ushort16(~lanes & bits);
+    ushort8 x = least_in_turn(least_eight(x0, others), least_eight(bits - x1, others));
+    ushort8 y = least_in_turn(least_eight(y0, others), least_eight(bits - y1, others));
+    ushort8 z = least_eight(lowest, others);
+    z = least_in_turn(z, z);
+    ushort8 all = least_in_turn(least_in_turn(x, y), least_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
+    QuantisedBlock block = {all.s0, all.s2, (ushort)(65535 - all.s4), (ushort)(65535 - all.s6), all.s1};
     return block;
 }
+#endif
 
 #if GN_LANES == 1
 typedef uint4 EntryWords;  // one load

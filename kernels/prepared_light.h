@@ -74,9 +74,20 @@ static LaneInt prepared_lanes(LightFrame light_frame, __global const PreparedDom
     return open;
 }
 
-// Whether that is so of all open points of a block, by its bounds, under a direction: all are within the world's bounds
-// and the lit ones, so that prepared_lanes() would leave them open (or say that they are lit, which a trace comes to as
+// Whether that is so of all open points of a direction's frame, by its bounds: all are within the world's bounds and
+// the lit ones, so that prepared_lanes() would leave them open (or say that they are lit, which a trace comes to as
 // well).
+static bool points_stay_open(__global const PreparedDomain* domain, __global const PointBounds* bounds) {
+    bool inside = true;
+    for (int i = 0; i < 5; ++i) {
+        float low = i < 2 ? domain->lit_low[i] : domain->world_low[i - 2];
+        float high = i < 2 ? domain->lit_high[i] : domain->world_high[i - 2];
+        inside = inside && -key_to_float(bounds->minus_lowest[i]) >= low && key_to_float(bounds->highest[i]) <= high;
+    }
+    return inside;
+}
+
+// The same of a block.
 static bool block_stays_open(LightFrame frame, __global const PreparedDomain* domain,
                              __global const BlockBounds* block) {
     float z_low = block->height, z_high = -block->minus_height;

@@ -72,8 +72,9 @@ static LaneFloat state_of_points(const PreparedFacing* facing) {
     return LANES_SELECT(state, (LaneFloat)(VISIBILITY_DOUBTFUL), facing->open & facing->doubtful);
 }
 #elif TRACE_DOMAINS
-#define TRACE_MORE_ARGUMENTS \
-    , uint has_blocks, __global const BlockBounds *block_bounds, __global const PreparedDomain *domains
+#define TRACE_MORE_ARGUMENTS                                                                             \
+    , uint has_blocks, __global const BlockBounds *block_bounds, __global const PreparedDomain *domains, \
+        __global const PointBounds *frame_bounds
 #elif TRACE_BLOCKS
 #define TRACE_MORE_ARGUMENTS , uint has_blocks, __global const BlockBounds *block_bounds
 #else
@@ -177,6 +178,16 @@ static void hand_over_waiting(const ExactPairs* pairs, const BlockPoints* points
             LANE_OF_INT(answer->postponed, lane) = -1;
 }
 
+#if GN_LANES != 1
+// The receiver that these points share, which blocks none of them; GN_NO_ID if they have several.
+static uint one_receiver(const ExactPairs* pairs, const BlockPoints* points, LaneInt lanes) {
+    if (!pairs->has_receivers) return GN_NO_ID;
+    int first = LANE_OF_INT(points->receivers, first_lane(lanes));
+    bool others = LANES_ANY(lanes & LANE_COMPARE(points->receivers, !=, (LaneInt)(first)));
+    return others ? GN_NO_ID : (uint)first;
+}
+#endif
+
 // A bin's list for some lanes of a block; returns the number of records looked at.
 static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Projection* projection, uint2 range,
                  LaneInt lit, const BlockPoints* points, PointBlock places, BlockAnswer* answer) {
@@ -199,15 +210,18 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
     }
 #else
     uint next = entries_to_look_at(lists.entries, lists.records, lists.bounds, range.x, range.y, block);
+    uint own = one_receiver(pairs, points, lit);
     for (uint i = range.x; i < range.y; ++i) {
         uint meeting = next;
         next = entries_to_look_at(lists.entries, lists.records, lists.bounds, i + 1u, range.y, block);
         while (meeting != 0u) {
             uint slot = ENTRY_SLOT(&lists.entries[i], take_lowest_bit(&meeting));
+            uint id = lists.bounds[slot].id;
+            if (id == own) continue;
             ++looks;
             FilterAnswer found = filter(&lists.records[slot], places, lit);
             if (!LANES_ANY(found.possible)) continue;
-            lit &= ~settle(pairs, found, points, lists.bounds[slot].id, answer);
+            lit &= ~settle(pairs, found, points, id, answer);
             if (!LANES_ANY(lit)) return looks;
         }
     }
@@ -303,6 +317,7 @@ typedef struct TracePoints {
 #endif
 #if TRACE_DOMAINS
     __global const PreparedDomain* domains;
+    bool all_inside;  // no open point leaves them
 #endif
 #if TRACE_FACES
     PreparedReceivers prepared;
@@ -346,16 +361,21 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
 #if TRACE_BY_BLOCKS
         uint map_says = MAP_MAY_HIDE;
         bool is_inside = true;  // the bounds that the grid and the map have been made for
+        bool all_open = false;  // all lanes are, and in this frame: nothing has decided one before
         if (to.blocks != 0) {
             uint frame = to.blocks[block].frame;
             if (frame != frames.first && frame != BLOCK_IN_FRAMES) continue;
 #if TRACE_DOMAINS
-            is_inside = frame == frames.first && block_stays_open(light_frame, to.domains, &to.blocks[block]);
+            is_inside = frame == frames.first &&
+                        (to.all_inside || block_stays_open(light_frame, to.domains, &to.blocks[block]));
 #endif
             if (sees_map && is_inside) map_says = map_hides(&grid, frames.projections, &to.blocks[block], frames.map);
+            all_open = frame == frames.first && to.blocks[block].flags == BLOCK_ALL_OPEN;
         }
-#endif
+        LaneFloat state = all_open ? (LaneFloat)(VISIBILITY_OPEN) : load_lanes(to.visibility, layout, block);
+#else
         LaneFloat state = load_lanes(to.visibility, layout, block);
+#endif
         LaneInt left = open_lanes(state);
         if (!LANES_ANY(left)) continue;
 #if TRACE_BY_BLOCKS
@@ -454,6 +474,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
 #endif
 #if TRACE_DOMAINS
     to.domains = domains;
+    to.all_inside = points_stay_open(domains, frame_bounds);
 #endif
 #if TRACE_FACES
     to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate,
