@@ -6,9 +6,18 @@
 namespace gnomon {
 namespace {
 
-// Measured on an H200 at 2K and 4K: of 1, 3, 4, 6 and 16 points for each work-item, and of as many groups as the device
-// can hold, 3 or 4 are best nearly everywhere; 16 take up to 1.4 times as long.
-constexpr std::size_t points_each = 3;
+// How many points each item of a GPU's work-group takes in a round: the more, the better they share out the lists; but
+// every multiprocessor should have several groups. Measured on an H200, Sponza, 512, 1024 and 2048 points in a round:
+// .143, .137 and .122 ms at 1920x1080 under a prepared light, .298, .253 and .251 at 3840x2160. A lamp's frame by
+// itself has few of the points, and long rounds only wait for them (six frames 1.00 ms with 2048, .86 without rounds).
+std::size_t points_each(const cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
+                        std::size_t count) {
+    if (session.is_cpu()) return 1;  // no rounds
+    constexpr std::size_t groups_each = 8;
+    const std::size_t most = frame_count < frame_count_of(light_frame) ? 512 : 2048;
+    const std::size_t round = std::min(count / (session.compute_units() * groups_each), most);
+    return std::max<std::size_t>(round / session.work_group_size(), 1);
+}
 
 }  // namespace
 
@@ -19,11 +28,13 @@ void Trace::launch(cl::Session& session, const char* file, const char* name, con
                    const cl::Buffer& counters, const More&... more) {
     if (capacity_ == 0) reserve(session, first_capacity(points));
     const cl_uint has_map = map != nullptr;
-    session.launch(file, name, session.uneven_items(points.layout.count / session.lanes() + 1, points_each),
-                   light_frame, first_frame, frame_count, points.layout, projections, has_map, capacity_,
-                   triangles.first_float, points.positions, points.receivers, triangles.vertices,
-                   map != nullptr ? *map : queue_, lists.ranges, lists.entries, lists.records, lists.bounds, visibility,
-                   queue_, counters, more...);
+    const std::size_t each = points_each(session, light_frame, frame_count, points.layout.count);
+    const std::size_t round = each * session.work_group_size();
+    session.launch(file, name, session.uneven_items(points.layout.count / session.lanes() + 1, each), light_frame,
+                   first_frame, frame_count, points.layout, projections, has_map, capacity_, triangles.first_float,
+                   points.positions, points.receivers, triangles.vertices, map != nullptr ? *map : queue_, lists.ranges,
+                   lists.entries, lists.records, lists.bounds, visibility, queue_, counters, cl_uint(round),
+                   cl::LocalBytes{round * sizeof(cl_uint)}, more...);
 }
 
 void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,

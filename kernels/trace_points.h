@@ -8,6 +8,11 @@
 // queue is full the point stays open, and a second look decides such pairs in place: so the memory of open pairs is
 // bounded. One writer per point: no atomics on visibility here.
 //
+// On a GPU a work-group takes its points in rounds: first all of a round are looked at by the map, neighbours by
+// neighbours, and those that it leaves open are queued; then the items walk the lists of the queued points, and who is
+// done takes the next. So a warp's items all walk, though most of its points are settled at once, and none waits for
+// the longest list of its neighbours (counted: a point looks at 1.2 entries, the longest list of a warp's points at 4).
+//
 // Under a prepared light (TRACE_FACES) all points are looked at, and facing is decided on the way: reading points and
 // writing visibility once is most of what such a run costs. On a CPU, of points that facing can look up, facing comes
 // first all the same: its blocks save more than that (TRACE_DOMAINS).
@@ -23,6 +28,8 @@
 #include "coarse_test.h"
 #include "trace.h"
 #define TRACE_BY_BLOCKS (TRACE_BLOCKS && GN_LANES > 1)
+// A GPU asks for the next point's state while it looks at one: most are not open.
+#define TRACE_LOOKS_AHEAD (GN_LANES == 1 && !TRACE_FACES)
 #if TRACE_FACES || TRACE_DOMAINS
 #include "prepared_light.h"
 #endif
@@ -186,29 +193,12 @@ static uint one_receiver(const ExactPairs* pairs, const BlockPoints* points, Lan
     bool others = LANES_ANY(lanes & LANE_COMPARE(points->receivers, !=, (LaneInt)(first)));
     return others ? GN_NO_ID : (uint)first;
 }
-#endif
 
 // A bin's list for some lanes of a block; returns the number of records looked at.
 static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Projection* projection, uint2 range,
                  LaneInt lit, const BlockPoints* points, PointBlock places, BlockAnswer* answer) {
     QuantisedBlock block = quantised_block(projection, places, lit);
     uint looks = 0;
-#if GN_LANES == 1
-    // Each item of a warp finds its next entry first, then all look at their records together: were the look part of
-    // the search, each entry that meets one item's point would stop the others.
-    uint next = range.x, first = 0, meeting = 0;
-    while (true) {
-        while (meeting == 0u && next < range.y) {
-            first = next;
-            meeting = next_that_meet(lists.entries, range, &next, block);
-        }
-        if (meeting == 0u) break;
-        uint slot = ENTRY_SLOT(&lists.entries[first + take_lowest_bit(&meeting)], 0);
-        ++looks;
-        FilterAnswer found = filter(&lists.records[slot], places, lit);
-        if (LANES_ANY(found.possible) && settle(pairs, found, points, lists.bounds[slot].id, answer)) break;
-    }
-#else
     uint next = entries_to_look_at(lists.entries, lists.records, lists.bounds, range.x, range.y, block);
     uint own = one_receiver(pairs, points, lit);
     for (uint i = range.x; i < range.y; ++i) {
@@ -225,9 +215,9 @@ static uint walk(const ExactPairs* pairs, TraceLists lists, __constant const Pro
             if (!LANES_ANY(lit)) return looks;
         }
     }
-#endif
     return looks;
 }
+#endif
 
 // The frames that points are looked at in, and the maps.
 typedef struct TraceFrames {
@@ -260,15 +250,13 @@ static PointLookUp look_up(const TraceFrames* frames, TraceLists lists, int fram
     return found;
 }
 
-static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, TraceLists lists, const PointLookUp* found,
-                        LaneInt left, LaneFloat state, const BlockPoints* points, BlockAnswer* answer) {
+// What the map says of a point that is `left`; true if it has a list to be walked.
+static bool ask_map(const PointLookUp* found, LaneInt left, LaneFloat state, BlockAnswer* answer) {
     LaneInt below = left & LANE_COMPARE(lanes_in_order(found->place.z), <, found->cover);
     answer->shadowed = answer->by_map = below & ~doubtful_lanes(state);
     answer->below = below & doubtful_lanes(state);
     answer->listed = left & ~answer->by_map;
-    if (!answer->listed || found->range.x == found->range.y) return 0;
-    return walk(pairs, lists, &frames->projections[found->frame], found->range, answer->listed, points, found->place,
-                answer);
+    return answer->listed && found->range.x != found->range.y;
 }
 #else
 // `asks_map`: false if there is none, or it hides none of these points.
@@ -306,6 +294,36 @@ static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, Trac
 }
 #endif
 
+// What a work-item counts.
+typedef struct TraceCounts {
+    LaneInt minus_by_map, minus_by_trace, minus_by_exact, minus_listed, minus_strays;
+    ulong tests;
+} TraceCounts;
+
+static void add_found(const TraceCounts* counts, uint* found) {
+    found[COUNT_MAP] += count_lanes(counts->minus_by_map);
+    found[COUNT_TRACE] += count_lanes(counts->minus_by_trace);
+    found[COUNT_EXACT] += count_lanes(counts->minus_by_exact);
+    found[COUNT_LISTED] += TRACE_IN_PLACE ? 0u : count_lanes(counts->minus_listed);
+    found[COUNT_STRAYS] += count_lanes(counts->minus_strays);
+    found[COUNT_TESTS_LOW] += (uint)counts->tests & 0xFFFFu;
+    found[COUNT_TESTS_HIGH] += (uint)(counts->tests >> 16);
+}
+
+// All is known of the points `left` of a block.
+static void finish_block(const ExactPairs* pairs, const BlockPoints* points, LaneInt left, LaneFloat state,
+                         BlockAnswer* answer, __global float* visibility, TraceCounts* counts) {
+    counts->minus_by_map += answer->by_map;
+    counts->minus_listed += answer->listed;
+    counts->minus_by_trace += answer->shadowed & ~answer->by_map & ~answer->by_exact;
+    hand_over_waiting(pairs, points, answer);
+    counts->minus_by_exact += answer->by_exact;
+    counts->minus_strays += answer->below & ~answer->shadowed;
+    LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer->shadowed);
+    result = LANES_SELECT(result, state, answer->postponed & ~answer->shadowed);
+    store_lanes(LANES_SELECT(state, result, left), visibility, points->layout, points->block);
+}
+
 // What a work-item reads and writes of the points.
 typedef struct TracePoints {
     PointsLayout layout;
@@ -324,20 +342,118 @@ typedef struct TracePoints {
 #endif
 } TracePoints;
 
-// Sets found[], of TRACE_COUNTS. All by value: in memory of its own, which no store to the points can change.
+#if GN_LANES == 1
+// The points of a round whose lists are to be walked, from the round's first point on, and what is known of them.
+typedef struct WalkQueue {
+    __local uint* entries;
+    __local uint *count, *taken;
+    size_t first_point;
+} WalkQueue;
+#define QUEUED_DOUBTFUL 0x80000000u
+#define QUEUED_BELOW 0x40000000u  // the map
+
+// Every item of the group must come here.
+static void start_round(const WalkQueue* queue) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) *queue->count = *queue->taken = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+static void queue_point(const WalkQueue* queue, size_t point, LaneFloat state, const BlockAnswer* answer) {
+    uint flags = (doubtful_lanes(state) ? QUEUED_DOUBTFUL : 0u) | (answer->below ? QUEUED_BELOW : 0u);
+    queue->entries[atomic_inc(queue->count)] = (uint)(point - queue->first_point) | flags;
+}
+
+// A queued point, and how far its list has been walked.
+typedef struct Walk {
+    BlockPoints points;
+    LaneFloat state;
+    PointBlock place;
+    QuantisedBlock quantised;
+    uint2 range;
+    uint next, first, meeting;  // entries from `next` on, and of those from `first` on these
+    BlockAnswer answer;
+} Walk;
+
+static Walk start_walk(const TraceFrames* frames, TraceLists lists, uint frame, BlockPoints points, uint flags) {
+    Walk walk;
+    walk.points = points;
+    walk.state = flags & QUEUED_DOUBTFUL ? VISIBILITY_DOUBTFUL : VISIBILITY_OPEN;
+    __constant const Projection* projection = &frames->projections[frame];
+    walk.place = project_points(projection, points.at);
+    walk.quantised = quantised_block(projection, walk.place, -1);
+    walk.range = lists.ranges[frame * frames->bin_count + (uint)bins_of(projection, walk.place)];
+    walk.next = walk.first = walk.range.x;
+    walk.meeting = 0u;
+    walk.answer = no_answer();
+    walk.answer.listed = -1;
+    walk.answer.below = flags & QUEUED_BELOW ? -1 : 0;
+    return walk;
+}
+
+// Some entries, and one record if any of them meets the point: all items of a warp look at one together. True if that
+// was the last.
+static bool walk_on(const ExactPairs* pairs, TraceLists lists, Walk* walk, ulong* tests) {
+    if (walk->meeting == 0u && walk->next < walk->range.y) {
+        walk->first = walk->next;
+        walk->meeting = next_that_meet(lists.entries, walk->range, &walk->next, walk->quantised);
+    }
+    if (walk->meeting != 0u) {
+        uint slot = ENTRY_SLOT(&lists.entries[walk->first + take_lowest_bit(&walk->meeting)], 0);
+        ++*tests;
+        FilterAnswer found = filter(&lists.records[slot], walk->place, -1);
+        if (found.possible && settle(pairs, found, &walk->points, lists.bounds[slot].id, &walk->answer)) return true;
+    }
+    return walk->meeting == 0u && walk->next >= walk->range.y;
+}
+
+// Each item takes queued points, one after the other, as long as there are any. Every item of the group must come here,
+// after all have queued theirs. Adds to found[].
+static void walk_queue(const WalkQueue* queue, LightFrame light_frame, const TraceFrames* frames, TraceLists lists,
+                       const ExactPairs* pairs, const TracePoints* to, uint* found) {
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint queued = *queue->count;
+    TraceCounts counts = {0, 0, 0, 0, 0, 0};
+    bool walks = false;
+    Walk walk;
+    while (true) {
+        if (!walks) {
+            uint at = atomic_inc(queue->taken);
+            if (at >= queued) break;
+            uint entry = queue->entries[at];
+            BlockPoints points = load_points(to->positions, to->receivers, to->layout,
+                                             queue->first_point + (entry & ~(QUEUED_DOUBTFUL | QUEUED_BELOW)));
+            uint frame = (uint)(frames_of(light_frame, points.at) - (int)frames->first);
+            walk = start_walk(frames, lists, frame, points, entry);
+            walks = true;
+        }
+        if (!walk_on(pairs, lists, &walk, &counts.tests)) continue;
+        finish_block(pairs, &walk.points, -1, walk.state, &walk.answer, to->visibility, &counts);
+        walks = false;
+    }
+    add_found(&counts, found);
+}
+#define TRACE_MORE_OF_BLOCKS , const WalkQueue* walks
+#else
+#define TRACE_MORE_OF_BLOCKS
+#endif
+
+// Adds to found[], of TRACE_COUNTS. All by value: in memory of its own, which no store to the points can change. A GPU
+// queues points whose lists are to be walked.
 GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
-                           TracePoints to, uint* found) {
+                           TracePoints to, uint* found TRACE_MORE_OF_BLOCKS) {
     PointsLayout layout = to.layout;
 #if TRACE_BY_BLOCKS
     BlockGrid grid = block_grid(light_frame, frames.projections, frames.first);
     bool sees_map = frames.has_map && map_is_seen(frames.projections);
 #endif
-    ulong tests = 0;
-    LaneInt minus_by_map = (LaneInt)(0), minus_by_trace = (LaneInt)(0), minus_by_exact = (LaneInt)(0),
-            minus_listed = (LaneInt)(0), minus_strays = (LaneInt)(0);
+    TraceCounts counts = {(LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)(0), 0};
 #if TRACE_FACES
     LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
     uint facing_exact = 0;
+#endif
+#if TRACE_LOOKS_AHEAD
+    LaneFloat state_ahead = share.first < share.end ? to.visibility[share.first] : 0.0f;
 #endif
     GN_FOR_EACH_OF(block, share) {
 #if TRACE_FACES
@@ -350,7 +466,7 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
             face_points(&to.prepared, light_frame, layout, block, &points.at, to.receivers, &facing_exact);
         minus_absent += facing.absent;
         minus_away += facing.away;
-        minus_strays += facing.strays;
+        counts.minus_strays += facing.strays;
         LaneFloat state = state_of_points(&facing);
         LaneInt left = facing.open;
         if (!LANES_ANY(left)) {
@@ -373,6 +489,10 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
             all_open = frame == frames.first && to.blocks[block].flags == BLOCK_ALL_OPEN;
         }
         LaneFloat state = all_open ? (LaneFloat)(VISIBILITY_OPEN) : load_lanes(to.visibility, layout, block);
+#elif TRACE_LOOKS_AHEAD
+        LaneFloat state = state_ahead;
+        size_t ahead = block + share.step;
+        state_ahead = ahead < share.end ? to.visibility[ahead] : 0.0f;
 #else
         LaneFloat state = load_lanes(to.visibility, layout, block);
 #endif
@@ -380,7 +500,7 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
         if (!LANES_ANY(left)) continue;
 #if TRACE_BY_BLOCKS
         if (map_says == MAP_HIDES_ALL) {
-            minus_by_map += left;
+            counts.minus_by_map += left;
             store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), left), to.visibility, layout, block);
             continue;
         }
@@ -389,7 +509,7 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
 #if TRACE_BY_BLOCKS && TRACE_DOMAINS
         if (!is_inside) {
             LaneInt strays, inside = prepared_lanes(light_frame, to.domains, points.at, left, &strays);
-            minus_strays += strays;
+            counts.minus_strays += strays;
             state = LANES_SELECT(state, (LaneFloat)(1.0f), left & ~inside & ~strays);
             left = inside;
         }
@@ -403,48 +523,37 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
             LANE_COMPARE(lane_frames, >=, (LaneInt)(0)) & LANE_COMPARE(lane_frames, <, (LaneInt)((int)frames.count));
         BlockAnswer answer = no_answer();
 #if GN_LANES == 1
-        tests += trace_block(&pairs, &frames, lists, &place, left, state, &points, &answer);
+        if (ask_map(&place, left, state, &answer)) {
+            queue_point(walks, block, state, &answer);
+            continue;
+        }
 #else
 #if TRACE_BY_BLOCKS
         bool asks_map = sees_map && map_says != MAP_HIDES_NONE;
 #else
         bool asks_map = frames.has_map != 0u;
 #endif
-        tests += trace_block(&pairs, &frames, lists, asks_map, lane_frames, left, state, &points, &answer);
+        counts.tests += trace_block(&pairs, &frames, lists, asks_map, lane_frames, left, state, &points, &answer);
 #endif
-        minus_by_map += answer.by_map;
-        minus_listed += answer.listed;
-        minus_by_trace += answer.shadowed & ~answer.by_map & ~answer.by_exact;
-        hand_over_waiting(&pairs, &points, &answer);
-        minus_by_exact += answer.by_exact;
-        minus_strays += answer.below & ~answer.shadowed;
-        LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), answer.shadowed);
-        result = LANES_SELECT(result, state, answer.postponed & ~answer.shadowed);
-        store_lanes(LANES_SELECT(state, result, left), to.visibility, layout, block);
+        finish_block(&pairs, &points, left, state, &answer, to.visibility, &counts);
     }
-    found[COUNT_MAP] = count_lanes(minus_by_map);
-    found[COUNT_TRACE] = count_lanes(minus_by_trace);
-    found[COUNT_EXACT] = count_lanes(minus_by_exact);
-    found[COUNT_LISTED] = TRACE_IN_PLACE ? 0u : count_lanes(minus_listed);
-    found[COUNT_STRAYS] = count_lanes(minus_strays);
-    found[COUNT_TESTS_LOW] = (uint)tests & 0xFFFFu;
-    found[COUNT_TESTS_HIGH] = (uint)(tests >> 16);
+    add_found(&counts, found);
 #if TRACE_FACES
-    found[COUNT_ABSENT] = count_lanes(minus_absent);
-    found[COUNT_AWAY] = count_lanes(minus_away);
+    found[COUNT_ABSENT] += count_lanes(minus_absent);
+    found[COUNT_AWAY] += count_lanes(minus_away);
     if (facing_exact != 0) atomic_add(&pairs.counters->facing_exact, facing_exact);
-#else
-    found[COUNT_ABSENT] = found[COUNT_AWAY] = 0u;
 #endif
 }
 
+// `points_at_once`, of a GPU alone: how many a work-group takes in a round, for which `queued` has room.
 __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
                            __constant const Projection* projections, uint has_map, uint queue_capacity,
                            ulong first_float, __global const float* positions, __global const uint* receivers,
                            __global const float* vertices, __global const uint* map, __global const uint2* ranges,
                            __global const BinEntries* entries, __global const TriangleRecord* records,
                            __global const TriangleBounds* bounds, __global float* visibility, __global uint2* queue,
-                           __global FrameCounters* counters TRACE_MORE_ARGUMENTS) {
+                           __global FrameCounters* counters, uint points_at_once,
+                           __local uint* queued TRACE_MORE_ARGUMENTS) {
     // After an overflow upstream there is nothing to do: the host will grow the lists and run again. No return: every
     // item must come to the barriers, also as far as a compiler can tell (PoCL 3.1 makes code that crashes).
     uint blocks = counters->references == GN_NO_LISTS ? 0u : block_count(layout);
@@ -480,8 +589,20 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate,
                                      vertices + first_float);
 #endif
-    uint found[TRACE_COUNTS];
+    uint found[TRACE_COUNTS] = {0};
+#if GN_LANES == 1
+    __local uint queue_count, queue_taken;
+    for (size_t first = get_group_id(0) * (size_t)points_at_once; first < blocks;
+         first += get_num_groups(0) * (size_t)points_at_once) {
+        WalkQueue walks = {queued, &queue_count, &queue_taken, first};
+        start_round(&walks);
+        Share share = {first + get_local_id(0), min(first + points_at_once, (size_t)blocks), get_local_size(0)};
+        trace_blocks(share, light_frame, frames, lists, pairs, to, found, &walks);
+        walk_queue(&walks, light_frame, &frames, lists, &pairs, &to, found);
+    }
+#else
     trace_blocks(share_of(blocks), light_frame, frames, lists, pairs, to, found);
+#endif
 #ifdef GN_CPU
     // Few work-items; and PoCL 3.1 keeps vectors misaligned across a barrier of work-groups of 3, 7 and so on.
     add_counts(found, counters);
