@@ -10,15 +10,16 @@
 
 // `rays` are those of one sample per pixel, which lies `offset` pixels off the centre. With pixel_receivers, a sample
 // whose ray meets the receiver of its pixel takes that one, seen or not. visible[first_point + pixel] is written.
+#define CAMERA_VISIBILITY_PARAMETERS                                                                                  \
+    __constant const Projection *projection, PictureRays picture, ulong first_float, float2 offset, uint first_point, \
+        uint has_pixel_receivers, __global const float *vertices, __global const float *rays,                         \
+        __global const TriangleRecord *records, __global const TriangleBounds *bounds, __global const uint2 *ranges,  \
+        __global const BinEntries *entries, __global const FrameCounters *counters,                                   \
+        __global const uint *pixel_receivers, __global uint *visible
 GN_KERNEL_OF_ITEMS(camera_visibility, projection->bins_x * projection->bins_y * BLOCKS_PER_TILE,
-                   (__constant const Projection* projection, PictureRays picture, ulong first_float, float2 offset,
-                    uint first_point, uint has_pixel_receivers, __global const float* vertices,
-                    __global const float* rays, __global const TriangleRecord* records,
-                    __global const TriangleBounds* bounds, __global const uint2* ranges,
-                    __global const BinEntries* entries, __global const FrameCounters* counters,
-                    __global const uint* pixel_receivers, __global uint* visible),
-                   (projection, picture, first_float, offset, first_point, has_pixel_receivers, vertices, rays, records,
-                    bounds, ranges, entries, counters, pixel_receivers, visible)) {
+                   CAMERA_VISIBILITY_PARAMETERS,
+                   (share, projection, picture, first_float, offset, first_point, has_pixel_receivers, vertices, rays,
+                    records, bounds, ranges, entries, counters, pixel_receivers, visible)) {
     if (counters->references == GN_NO_LISTS) return;
     const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
     const uint blocks_per_row = tile_pixels / GN_LANES;
@@ -65,11 +66,12 @@ GN_KERNEL_OF_ITEMS(camera_visibility, projection->bins_x * projection->bins_y * 
 
 // Positions as a structure of arrays: x of all points, then y, then z; pixel i is point first_point + i of point_count.
 // Sky: NaN.
-GN_KERNEL_OF_ITEMS(camera_points, width* height,
-                   (uint width, uint height, uint first_point, uint point_count, float4 eye_and_zero, ulong first_float,
-                    __global const float* vertices, __global const float* rays, __global const uint* visible,
-                    __global float* positions),
-                   (width, height, first_point, point_count, eye_and_zero, first_float, vertices, rays, visible,
+#define CAMERA_POINTS_PARAMETERS                                                                         \
+    uint width, uint height, uint first_point, uint point_count, float4 eye_and_zero, ulong first_float, \
+        __global const float *vertices, __global const float *rays, __global const uint *visible,        \
+        __global float *positions
+GN_KERNEL_OF_ITEMS(camera_points, width* height, CAMERA_POINTS_PARAMETERS,
+                   (share, width, height, first_point, point_count, eye_and_zero, first_float, vertices, rays, visible,
                     positions)) {
     float3 eye = eye_and_zero.xyz;
     SeenTriangle seen;
@@ -99,10 +101,11 @@ static float3 unit_normal(Triangle t, float3 eye) {
 }
 
 // Unit geometric normals facing the camera, packed xyz, for the host and for shading. Sky: 0.
-GN_KERNEL_OF_ITEMS(camera_normals, count,
-                   (uint count, float4 eye_and_zero, ulong first_float, __global const float* vertices,
-                    __global const uint* visible, __global float* normals),
-                   (count, eye_and_zero, first_float, vertices, visible, normals)) {
+#define CAMERA_NORMALS_PARAMETERS                                                                                     \
+    uint count, float4 eye_and_zero, ulong first_float, __global const float *vertices, __global const uint *visible, \
+        __global float *normals
+GN_KERNEL_OF_ITEMS(camera_normals, count, CAMERA_NORMALS_PARAMETERS,
+                   (share, count, eye_and_zero, first_float, vertices, visible, normals)) {
     uint id = GN_NO_ID;  // of the triangle that `normal` belongs to
     float3 normal = (float3)(0.0f);
     GN_FOR_EACH_OF(pixel, share) {

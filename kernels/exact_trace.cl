@@ -5,11 +5,13 @@
 #include "exact/blocks_lanes.h"
 #include "triangle_setup.h"
 
+#define EXACT_TRACE_PARAMETERS                                                                                  \
+    float4 light, PointsLayout layout, ulong first_float, uint queue_capacity, __global const float *positions, \
+        __global const float *vertices, __global const uint2 *queue, volatile __global uint *visibility_bits,   \
+        __global FrameCounters *counters
 GN_KERNEL_OF_ITEMS(exact_trace, (min(counters->uncertain, queue_capacity) + GN_LANES - 1u) / GN_LANES,
-                   (float4 light, PointsLayout layout, ulong first_float, uint queue_capacity,
-                    __global const float* positions, __global const float* vertices, __global const uint2* queue,
-                    volatile __global uint* visibility_bits, __global FrameCounters* counters),
-                   (light, layout, first_float, queue_capacity, positions, vertices, queue, visibility_bits,
+                   EXACT_TRACE_PARAMETERS,
+                   (share, light, layout, first_float, queue_capacity, positions, vertices, queue, visibility_bits,
                     counters)) {
     uint by_level[3] = {0, 0, 0};
     uint decided = 0;

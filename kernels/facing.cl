@@ -139,10 +139,11 @@ static float8 include_points(RunningBounds* bounds, LightFrame light_frame, Poin
 // Of each triangle 1 if points on it face away, else 0.
 typedef __global const uchar* TriangleAnswers;
 
-GN_KERNEL_OF_ITEMS(triangles_away, triangle_count,
-                   (PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count,
-                    __global const float* vertices, __global uchar* away, __global FrameCounters* counters),
-                   (layout, light_frame, first_float, triangle_count, vertices, away, counters)) {
+#define TRIANGLES_AWAY_PARAMETERS                                                        \
+    PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count, \
+        __global const float *vertices, __global uchar *away, __global FrameCounters *counters
+GN_KERNEL_OF_ITEMS(triangles_away, triangle_count, TRIANGLES_AWAY_PARAMETERS,
+                   (share, layout, light_frame, first_float, triangle_count, vertices, away, counters)) {
     uint exact = 0;
     GN_FOR_EACH_OF(i, share) {
         TriangleBlock t = load_triangles(vertices + first_float, (uint)i, triangle_count);

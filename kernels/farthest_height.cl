@@ -61,14 +61,14 @@ static bool lower_block(const BlockGrid* grid, __constant const Projection* proj
 }
 
 // `has_blocks`: of one frame alone.
-GN_KERNEL_OF_ITEMS(farthest_height, block_count(layout),
-                   (LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
-                    __constant const Projection* projections, uint has_footprints, uint has_blocks,
-                    __global const float* positions, __global const float* footprints,
-                    __global const BlockBounds* blocks, __global const float* visibility, __global uint* pyramid,
-                    __global uint* doubtful),
-                   (light_frame, first_frame, frame_count, layout, projections, has_footprints, has_blocks, positions,
-                    footprints, blocks, visibility, pyramid, doubtful)) {
+#define FARTHEST_HEIGHT_PARAMETERS                                                                             \
+    LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,                           \
+        __constant const Projection *projections, uint has_footprints, uint has_blocks,                        \
+        __global const float *positions, __global const float *footprints, __global const BlockBounds *blocks, \
+        __global const float *visibility, __global uint *pyramid, __global uint *doubtful
+GN_KERNEL_OF_ITEMS(farthest_height, block_count(layout), FARTHEST_HEIGHT_PARAMETERS,
+                   (share, light_frame, first_frame, frame_count, layout, projections, has_footprints, has_blocks,
+                    positions, footprints, blocks, visibility, pyramid, doubtful)) {
     uint bin_count = light_frame.bins_x * light_frame.bins_y;
     BlockGrid grid = block_grid(light_frame, projections, first_frame);
     GN_FOR_EACH_OF(block, share) {

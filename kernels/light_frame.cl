@@ -103,9 +103,10 @@ static void fit_perspective(LightFrame frame, FittedBounds bounds, Projection* p
         fit_heights(1.0f / (bounds.world_high[2] * unit), 1.0f / (bounds.world_low[2] * unit), projection);
 }
 
-GN_KERNEL_OF_ITEMS(light_frame_fit, frame_count_of(light_frame),
-                   (LightFrame light_frame, __global const PointBounds* frame_bounds, __global Projection* projections),
-                   (light_frame, frame_bounds, projections)) {
+#define LIGHT_FRAME_FIT_PARAMETERS \
+    LightFrame light_frame, __global const PointBounds *frame_bounds, __global Projection *projections
+GN_KERNEL_OF_ITEMS(light_frame_fit, frame_count_of(light_frame), LIGHT_FRAME_FIT_PARAMETERS,
+                   (share, light_frame, frame_bounds, projections)) {
     GN_FOR_EACH_OF(face, share) {
         LightFrame frame = face_of(light_frame, (uint)face);
         FittedBounds bounds = read_bounds(&frame_bounds[face]);

@@ -66,13 +66,15 @@ static Share share_of(size_t n) {
 #define GN_APART static
 #endif
 
-// Begins a kernel over n items that needs no barrier; its body takes the items of `share`. In brackets: its parameters,
-// and their names alone.
-#define GN_UNPACKED(...) __VA_ARGS__
-#define GN_KERNEL_OF_ITEMS(name, n, parameters, names)                                 \
-    GN_APART void name##_of_items(Share share, GN_UNPACKED parameters);                \
-    __kernel void name parameters { name##_of_items(share_of(n), GN_UNPACKED names); } \
-    GN_APART void name##_of_items(Share share, GN_UNPACKED parameters)
+// Begins a kernel over n items that needs no barrier; its body takes the items of `share`. `parameters`: a macro that
+// stands for them all; `names`: `share` and theirs, in brackets. (OpenCL C has no macros of any number of arguments.)
+#define GN_KERNEL_OF_ITEMS(name, n, parameters, names)      \
+    GN_APART void name##_of_items(Share share, parameters); \
+    __kernel void name(parameters) {                        \
+        Share share = share_of(n);                          \
+        name##_of_items names;                              \
+    }                                                       \
+    GN_APART void name##_of_items(Share share, parameters)
 
 // Order-preserving map of floats to unsigned integers (no NaN), so that integer atomics find float minima.
 static uint float_to_key(float x) {

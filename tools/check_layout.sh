@@ -45,6 +45,10 @@ lines_matching '(^|/)(CMakeLists\.txt|CMakePresets\.json)$|\.(cmake|cpp|hpp|h|cl
     '-cl-(fast-relaxed-math|mad-enable|finite-math-only|no-signed-zeros|unsafe-math-optimizations)|-ffast-math|-Ofast|-funsafe-math-optimizations' |
     complain 'build options that loosen arithmetic are banned'
 
+# OpenCL C has no macros of any number of arguments (6.9 of its specification); PoCL takes them, NVIDIA does not.
+lines_matching '^kernels/' '^\s*#\s*define\s+\w+\([^)]*\.\.\.' |
+    complain 'macros of any number of arguments are not OpenCL C'
+
 # One door to OpenCL.
 lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' | { grep -vE '^host/(cl/|gnomon\.hpp:)' || true; } |
     complain 'only host/cl and host/gnomon.hpp include OpenCL headers'
