@@ -297,17 +297,40 @@ static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, Trac
 // What a work-item counts.
 typedef struct TraceCounts {
     LaneInt minus_by_map, minus_by_trace, minus_by_exact, minus_listed, minus_strays;
+#if TRACE_FACES
+    LaneInt minus_absent, minus_away;
+    uint facing_exact;
+#endif
     ulong tests;
 } TraceCounts;
 
-static void add_found(const TraceCounts* counts, uint* found) {
-    found[COUNT_MAP] += count_lanes(counts->minus_by_map);
-    found[COUNT_TRACE] += count_lanes(counts->minus_by_trace);
-    found[COUNT_EXACT] += count_lanes(counts->minus_by_exact);
-    found[COUNT_LISTED] += TRACE_IN_PLACE ? 0u : count_lanes(counts->minus_listed);
-    found[COUNT_STRAYS] += count_lanes(counts->minus_strays);
-    found[COUNT_TESTS_LOW] += (uint)counts->tests & 0xFFFFu;
-    found[COUNT_TESTS_HIGH] += (uint)(counts->tests >> 16);
+static TraceCounts no_counts(void) {
+    TraceCounts counts;
+    counts.minus_by_map = counts.minus_by_trace = counts.minus_by_exact = (LaneInt)(0);
+    counts.minus_listed = counts.minus_strays = (LaneInt)(0);
+#if TRACE_FACES
+    counts.minus_absent = counts.minus_away = (LaneInt)(0);
+    counts.facing_exact = 0;
+#endif
+    counts.tests = 0;
+    return counts;
+}
+
+// Sets found[], of TRACE_COUNTS.
+static void read_counts(const TraceCounts* counts, uint* found) {
+    found[COUNT_MAP] = count_lanes(counts->minus_by_map);
+    found[COUNT_TRACE] = count_lanes(counts->minus_by_trace);
+    found[COUNT_EXACT] = count_lanes(counts->minus_by_exact);
+    found[COUNT_LISTED] = TRACE_IN_PLACE ? 0u : count_lanes(counts->minus_listed);
+    found[COUNT_STRAYS] = count_lanes(counts->minus_strays);
+    found[COUNT_TESTS_LOW] = (uint)counts->tests & 0xFFFFu;
+    found[COUNT_TESTS_HIGH] = (uint)(counts->tests >> 16);
+#if TRACE_FACES
+    found[COUNT_ABSENT] = count_lanes(counts->minus_absent);
+    found[COUNT_AWAY] = count_lanes(counts->minus_away);
+#else
+    found[COUNT_ABSENT] = found[COUNT_AWAY] = 0u;
+#endif
 }
 
 // All is known of the points `left` of a block.
@@ -408,12 +431,11 @@ static bool walk_on(const ExactPairs* pairs, TraceLists lists, Walk* walk, ulong
 }
 
 // Each item takes queued points, one after the other, as long as there are any. Every item of the group must come here,
-// after all have queued theirs. Adds to found[].
+// after all have queued theirs.
 static void walk_queue(const WalkQueue* queue, LightFrame light_frame, const TraceFrames* frames, TraceLists lists,
-                       const ExactPairs* pairs, const TracePoints* to, uint* found) {
+                       const ExactPairs* pairs, const TracePoints* to, TraceCounts* counts) {
     barrier(CLK_LOCAL_MEM_FENCE);
     uint queued = *queue->count;
-    TraceCounts counts = {0, 0, 0, 0, 0, 0};
     bool walks = false;
     Walk walk;
     while (true) {
@@ -427,31 +449,26 @@ static void walk_queue(const WalkQueue* queue, LightFrame light_frame, const Tra
             walk = start_walk(frames, lists, frame, points, entry);
             walks = true;
         }
-        if (!walk_on(pairs, lists, &walk, &counts.tests)) continue;
-        finish_block(pairs, &walk.points, -1, walk.state, &walk.answer, to->visibility, &counts);
+        if (!walk_on(pairs, lists, &walk, &counts->tests)) continue;
+        finish_block(pairs, &walk.points, -1, walk.state, &walk.answer, to->visibility, counts);
         walks = false;
     }
-    add_found(&counts, found);
 }
 #define TRACE_MORE_OF_BLOCKS , const WalkQueue* walks
 #else
 #define TRACE_MORE_OF_BLOCKS
 #endif
 
-// Adds to found[], of TRACE_COUNTS. All by value: in memory of its own, which no store to the points can change. A GPU
+// Adds to `total`. All else by value: in memory of its own, which no store to the points can change. A GPU
 // queues points whose lists are to be walked.
 GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
-                           TracePoints to, uint* found TRACE_MORE_OF_BLOCKS) {
+                           TracePoints to, TraceCounts* total TRACE_MORE_OF_BLOCKS) {
     PointsLayout layout = to.layout;
 #if TRACE_BY_BLOCKS
     BlockGrid grid = block_grid(light_frame, frames.projections, frames.first);
     bool sees_map = frames.has_map && map_is_seen(frames.projections);
 #endif
-    TraceCounts counts = {(LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)(0), (LaneInt)(0), 0};
-#if TRACE_FACES
-    LaneInt minus_absent = (LaneInt)(0), minus_away = (LaneInt)(0);
-    uint facing_exact = 0;
-#endif
+    TraceCounts counts = *total;
 #if TRACE_LOOKS_AHEAD
     LaneFloat state_ahead = share.first < share.end ? to.visibility[share.first] : 0.0f;
 #endif
@@ -463,9 +480,9 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
         PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
 #endif
         PreparedFacing facing =
-            face_points(&to.prepared, light_frame, layout, block, &points.at, to.receivers, &facing_exact);
-        minus_absent += facing.absent;
-        minus_away += facing.away;
+            face_points(&to.prepared, light_frame, layout, block, &points.at, to.receivers, &counts.facing_exact);
+        counts.minus_absent += facing.absent;
+        counts.minus_away += facing.away;
         counts.minus_strays += facing.strays;
         LaneFloat state = state_of_points(&facing);
         LaneInt left = facing.open;
@@ -537,12 +554,7 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
 #endif
         finish_block(&pairs, &points, left, state, &answer, to.visibility, &counts);
     }
-    add_found(&counts, found);
-#if TRACE_FACES
-    found[COUNT_ABSENT] += count_lanes(minus_absent);
-    found[COUNT_AWAY] += count_lanes(minus_away);
-    if (facing_exact != 0) atomic_add(&pairs.counters->facing_exact, facing_exact);
-#endif
+    *total = counts;
 }
 
 // `points_at_once`, of a GPU alone: how many a work-group takes in a round, for which `queued` has room.
@@ -589,7 +601,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate,
                                      vertices + first_float);
 #endif
-    uint found[TRACE_COUNTS] = {0};
+    TraceCounts counts = no_counts();
 #if GN_LANES == 1
     __local uint queue_count, queue_taken;
     for (size_t first = get_group_id(0) * (size_t)points_at_once; first < blocks;
@@ -597,11 +609,16 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
         WalkQueue walks = {queued, &queue_count, &queue_taken, first};
         start_round(&walks);
         Share share = {first + get_local_id(0), min(first + points_at_once, (size_t)blocks), get_local_size(0)};
-        trace_blocks(share, light_frame, frames, lists, pairs, to, found, &walks);
-        walk_queue(&walks, light_frame, &frames, lists, &pairs, &to, found);
+        trace_blocks(share, light_frame, frames, lists, pairs, to, &counts, &walks);
+        walk_queue(&walks, light_frame, &frames, lists, &pairs, &to, &counts);
     }
 #else
-    trace_blocks(share_of(blocks), light_frame, frames, lists, pairs, to, found);
+    trace_blocks(share_of(blocks), light_frame, frames, lists, pairs, to, &counts);
+#endif
+    uint found[TRACE_COUNTS];
+    read_counts(&counts, found);
+#if TRACE_FACES
+    if (counts.facing_exact != 0) atomic_add(&counters->facing_exact, counts.facing_exact);
 #endif
 #ifdef GN_CPU
     // Few work-items; and PoCL 3.1 keeps vectors misaligned across a barrier of work-groups of 3, 7 and so on.
