@@ -25,7 +25,7 @@ public:
     /// The first look: queues undecided pairs and leaves points open whose pairs find no room; the second, only needed
     /// then, decides theirs in place. Of the frames from `first_frame` on, whose projections (and bins, and maps) lie
     /// one behind the other. `map` may be null: no coarse test. `blocks` are what facing says of the points, of one
-    /// frame alone; it may be null.
+    /// frame alone, none of which has been decided since; it may be null.
     void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
              const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
              const cl::Buffer* map, const ListBuffers& lists, const cl::Buffer* blocks, cl_mem visibility,

@@ -3,8 +3,7 @@
 //
 // samples_rays     the tables of the samples' rays
 // samples_whole    which pixels' samples lie on one receiver, with their footprints; the others are edges
-// samples_guess    the receiver of each sample of the edges, exactly, and their pieces, where receivers of neighbours
-// in
+// samples_guess    the receiver of each sample of the edges, exactly, and their pieces, where those of neighbours in
 //                  the picture will do (neighbour_receivers.h)
 // samples_pieces   the other edges' receivers and pieces; on a CPU in two steps:
 // samples_seek         the receivers

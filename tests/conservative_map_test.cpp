@@ -253,9 +253,9 @@ TEST(conservative_map, writes_only_its_own) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = device.session();
     const LightScene scene = comparison_scene();
-    const UploadedScene inputs(device, scene);
     LightStages stages;
     for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{128, 3}, {64, 3}}) {
+        const UploadedScene inputs(device, scene);  // anew: the first frame has decided its points
         FrameOutput out{};
         out.frame = light_frames(inputs.light, grid)[0];
         if (grid.size == 64) put_canaries(session, stages.map.map());
