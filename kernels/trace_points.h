@@ -434,7 +434,7 @@ static bool walk_on(const ExactPairs* pairs, TraceLists lists, Walk* walk, ulong
 // after all have queued theirs.
 static void walk_queue(const WalkQueue* queue, LightFrame light_frame, const TraceFrames* frames, TraceLists lists,
                        const ExactPairs* pairs, const TracePoints* to, TraceCounts* counts) {
-    barrier(CLK_LOCAL_MEM_FENCE);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);  // of the visibility, too: another item has read the point's
     uint queued = *queue->count;
     bool walks = false;
     Walk walk;
