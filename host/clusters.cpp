@@ -105,7 +105,6 @@ void Clusters::reorder(const TriangleInputs& triangles, const ClusterGrid& grid,
     boxes_ = std::move(boxes);
     vertices_ = std::move(vertices);
     numbers_ = std::move(numbers);
-    is_reordered_ = true;
 }
 
 OrderedTriangles ordered_triangles(const TriangleInputs& triangles) {

@@ -15,7 +15,7 @@ public:
 
     cl_uint count() const { return count_; }
     const cl::Buffer& boxes() const { return boxes_; }
-    bool is_reordered() const { return is_reordered_; }
+    bool is_reordered() const { return numbers_.get() != nullptr; }
     /// Where reordered: a copy of the vertices in the clusters' order, and the number of the triangle in each place.
     const cl::Buffer& vertices() const { return vertices_; }
     const cl::Buffer& numbers() const { return numbers_; }
@@ -26,7 +26,6 @@ private:
     Device device_;  ///< lives as long as the boxes
     cl_uint count_;
     cl::Buffer boxes_, vertices_, numbers_;
-    bool is_reordered_ = false;
 };
 
 /// The triangles as clusters have them, and as the setup takes them: `numbers` is null if a triangle's place is its

@@ -46,6 +46,8 @@ struct FrustumTraced::Run {
     FrameCounters facing{};
     bool counts_facing = false;  ///< what facing counted is still to be read, with what the frame counts
     std::uint64_t strays = 0;    ///< points that a prepared light was of no use for
+
+    bool has_open_points() const { return facing.absent + facing.facing_away < points.layout.count; }
 };
 
 namespace {
@@ -271,8 +273,7 @@ void FrustumTraced::run_one_frame(Run& run) {
     const std::size_t stages = run.statistics.stages.size();
     run.counts_facing = true;
     run_frame(run, 0);
-    const bool has_open_points = run.facing.absent + run.facing.facing_away < run.points.layout.count;
-    if (has_open_points) return;
+    if (run.has_open_points()) return;
     run.frames = 0;
     run.statistics.stages.resize(stages);
 }
@@ -284,8 +285,7 @@ void FrustumTraced::run_unprepared(Run& run) {
     run.facing = frames_.decide_facing(session, run.statistics, run.light_frame, run.triangles, run.points,
                                        run.visibility, counters_);
     if (decisions_) decisions_->facing(session, run.points, run.visibility);
-    const bool has_open_points = run.facing.absent + run.facing.facing_away < run.points.layout.count;
-    if (run.triangles.count == 0 || !has_open_points) return;
+    if (run.triangles.count == 0 || !run.has_open_points()) return;
     frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) { run_frame(run, frame); });
 }
 

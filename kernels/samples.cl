@@ -243,10 +243,10 @@ __kernel void samples_whole(PictureRays picture, __constant const SamplePattern*
     if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
 }
 
-// Marks places that were claimed and are not needed.
-static void leave_places(const Claim* places, PixelBatch batch, uint capacity, __global uint* extra_pixels,
+// Marks places, [first, end), that were claimed and are not needed.
+static void leave_places(uint first, uint end, PixelBatch batch, uint capacity, __global uint* extra_pixels,
                          __global uint* receivers, __global uint* masks) {
-    for (uint place = places->next; place < min(places->end, capacity); ++place) {
+    for (uint place = first; place < min(end, capacity); ++place) {
         extra_pixels[place] = 0u;
         receivers[batch.count + place] = GN_NO_ID;
         masks[batch.count + place] = 0u;
@@ -340,7 +340,7 @@ __kernel void samples_guess(__constant const Projection* projection, PictureRays
         }
     }
     for (; sought_places.next < sought_places.end; ++sought_places.next) sought[sought_places.next] = GN_NO_ID;
-    leave_places(&places, batch, extra_capacity, extra_pixels, receivers, masks);
+    leave_places(places.next, places.end, batch, extra_capacity, extra_pixels, receivers, masks);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
 }
 
@@ -395,16 +395,6 @@ static uint candidates_of_sample(TileLists lists, __local const uint* candidates
         if (found.inside) best->low = fmax(best->low, found.low);
     }
     return possible;
-}
-
-// Places that were claimed and are not needed.
-static void leave_unused(__local PiecesGroup* group, PixelBatch batch, uint capacity, __global uint* extra_pixels,
-                         __global uint* receivers, __global uint* masks) {
-    for (; group->next < min(group->end, capacity); ++group->next) {
-        extra_pixels[group->next] = 0u;
-        receivers[batch.count + group->next] = GN_NO_ID;
-        masks[batch.count + group->next] = 0u;
-    }
 }
 
 // samples_seek and samples_group in one, a group of a few dozen items per pixel. They share out the list of the pixel's
@@ -478,7 +468,7 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
         barrier(CLK_LOCAL_MEM_FENCE);
         uint wanted = group.others;
         if (item == 0u && group.end - group.next < wanted) {
-            leave_unused(&group, batch, extra_capacity, extra_pixels, receivers, masks);
+            leave_places(group.next, group.end, batch, extra_capacity, extra_pixels, receivers, masks);
             group.next = claim_places(PIECES_CLAIM, &counters->extra);
             group.end = group.next + PIECES_CLAIM;
         }
@@ -501,7 +491,7 @@ __kernel void samples_pieces(__constant const Projection* projection, PictureRay
         barrier(CLK_LOCAL_MEM_FENCE);
         if (item == 0u) group.next += wanted;
     }
-    if (item == 0u) leave_unused(&group, batch, extra_capacity, extra_pixels, receivers, masks);
+    if (item == 0u) leave_places(group.next, group.end, batch, extra_capacity, extra_pixels, receivers, masks);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
 }
 
@@ -571,7 +561,7 @@ __kernel void samples_group(__constant const SamplePattern* pattern, PixelBatch 
             }
         }
     }
-    leave_places(&places, batch, extra_capacity, extra_pixels, receivers, masks);
+    leave_places(places.next, places.end, batch, extra_capacity, extra_pixels, receivers, masks);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
 }
 

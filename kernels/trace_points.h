@@ -232,7 +232,6 @@ typedef struct TraceFrames {
 // What is known of a point's place in its frame. Asked for as early as can be, also where it is not needed in the end:
 // so that a GPU waits once for all that it reads of the point.
 typedef struct PointLookUp {
-    uint frame;
     PointBlock place;
     uint2 range;  // of its bin's list
     int cover;    // of its texel, in order; none is below INT_MIN
@@ -240,13 +239,13 @@ typedef struct PointLookUp {
 
 static PointLookUp look_up(const TraceFrames* frames, TraceLists lists, int frame, PointBlock point) {
     PointLookUp found;
-    found.frame = (uint)clamp(frame, 0, (int)frames->count - 1);
-    __constant const Projection* projection = &frames->projections[found.frame];
+    uint nearest_frame = (uint)clamp(frame, 0, (int)frames->count - 1);
+    __constant const Projection* projection = &frames->projections[nearest_frame];
     found.place = project_points(projection, point);
-    found.range = lists.ranges[found.frame * frames->bin_count + (uint)bins_of(projection, found.place)];
+    found.range = lists.ranges[nearest_frame * frames->bin_count + (uint)bins_of(projection, found.place)];
     found.cover = INT_MIN;
     if (frames->has_map && map_is_seen(projection))
-        found.cover = covers_of(projection, found.place, frames->map + (size_t)found.frame * frames->texel_count);
+        found.cover = covers_of(projection, found.place, frames->map + (size_t)nearest_frame * frames->texel_count);
     return found;
 }
 
