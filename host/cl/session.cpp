@@ -205,16 +205,14 @@ void Session::fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) 
     if (event != nullptr) note_event(event);
 }
 
-void Session::fill(std::initializer_list<Fill> fills) {
+void Session::fill_all(std::span<const Fill> fills) {
     if (is_cpu_ || fills.size() == 1) {
         for (const Fill& f : fills) fill(f.buffer, f.word, f.bytes);
         return;
     }
     std::size_t most = 0;
     for (const Fill& f : fills) most = std::max(most, f.bytes / sizeof(cl_uint));
-    const auto of = [&](std::size_t i) {
-        return i < fills.size() ? fills.begin()[i] : Fill{fills.begin()->buffer, 0, 0};
-    };
+    const auto of = [&](std::size_t i) { return i < fills.size() ? fills[i] : Fill{fills[0].buffer, 0, 0}; };
     const auto words = [&](std::size_t i) { return cl_ulong(of(i).bytes / sizeof(cl_uint)); };
     launch("fill.cl", "fill_buffers", Range::items(most), words(0), of(0).word, of(0).buffer, words(1), of(1).word,
            of(1).buffer, words(2), of(2).word, of(2).buffer, words(3), of(3).word, of(3).buffer);

@@ -5,7 +5,7 @@
 
 #include <chrono>
 #include <functional>
-#include <initializer_list>
+#include <span>
 #include <type_traits>
 #include <unordered_map>
 
@@ -111,8 +111,12 @@ public:
     }
 
     void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes);
-    /// Several buffers, from one to four, which a GPU fills by one launch.
-    void fill(std::initializer_list<Fill> fills);
+    /// Several buffers, which a GPU fills by one launch.
+    template <std::size_t count>
+    void fill(const Fill (&fills)[count]) {
+        static_assert(count <= 4, "kernels/fill.cl fills four buffers at most");
+        fill_all(fills);
+    }
     /// From byte `from_first` of one buffer to byte `to_first` of another.
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     void write(cl_mem buffer, const void* data, std::size_t bytes);
@@ -157,6 +161,7 @@ private:
     std::string build_options() const;
     std::string cache_key(const std::string& source) const;
     void enqueue(cl_kernel kernel, const char* name, Range range);
+    void fill_all(std::span<const Fill> fills);
     void note_event(cl_event event);
     void configure(const DeviceOptions& options);
 
