@@ -14,8 +14,9 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
     const char* looked_up = points.footprints != nullptr ? "facing_looked_up_around" : "facing_looked_up";
     PointsLayout layout = points.layout;
     if (points.face_light) layout.has_receivers = 0;
-    // As many items whatever the size of work-groups: a frame's margins hang on the world bounds of what an item takes
-    // together. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)
+    // A frame's margins hang on the world bounds of what an item takes together, so that their last bits (never an
+    // answer) hang on the number of items: of the device's on a GPU, whatever the size of work-groups; of cores and of
+    // that size on a CPU. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)
     session.launch("facing.cl", answers != nullptr ? looked_up : "facing",
                    cl::Range::items(layout.count / session.lanes() + 1), layout, light_frame, opens,
                    cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), triangles.first_float,

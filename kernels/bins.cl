@@ -69,6 +69,7 @@ static void append_bins(PairList* list, uint slot, const TriangleRecord* record,
     }
 }
 
+// Of each tile of the share; what it claimed of the list in the end and did not need, it marks.
 GN_APART void append_pairs(Share share, PairList* list, uint tile_count, __global const TriangleRecord* records,
                            __global const uint2* tiles) {
     GN_FOR_EACH_OF(i, share) {

@@ -75,7 +75,6 @@ static uint draw_bins(const TriangleRecord* record, __constant const Projection*
     return written;
 }
 
-// Drawing takes no longer than asking bin by bin whether it matters.
 #ifdef GN_CPU
 GN_APART uint draw_tiles(Share share, __constant const Projection* projection, uint circle_cover,
                          __global const TriangleRecord* records, __global const uint2* tiles,
@@ -91,6 +90,7 @@ GN_APART uint draw_tiles(Share share, __constant const Projection* projection, u
 }
 #endif
 
+// The bins of a tile are drawn unasked: that takes no longer than asking of each whether the triangle matters there.
 __kernel void conservative_map_draw(__constant const Projection* projection, uint tile_capacity, uint circle_cover,
                                     __global const TriangleRecord* records, __global const uint2* tiles,
                                     __global const uint* heights, volatile __global uint* map,

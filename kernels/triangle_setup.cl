@@ -318,13 +318,13 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
 
 #define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
 
-// A work-item takes GN_LANES triangles at a time, over the whole scene or the clusters that are listed.
 // What a work-item counts.
 typedef struct BoundsCounts {
     uint survivors, candidates, finite, looked_at;
     LaneFloat expected;
 } BoundsCounts;
 
+// A work-item takes GN_LANES triangles at a time, over the whole scene or the clusters that are listed.
 GN_APART void bound_blocks(Share share, __constant const Projection* projection, uint triangle_count, uint capacity,
                            uint has_clusters, uint has_pyramid, __global const float* vertices,
                            __global const uint* clusters, __global const uint* pyramid, __global TriangleBounds* bounds,
