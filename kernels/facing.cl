@@ -157,6 +157,9 @@ GN_KERNEL_OF_ITEMS(triangles_away, triangle_count, TRIANGLES_AWAY_PARAMETERS,
 // triangle that faces away.
 typedef volatile __global uint* TriangleAnswers;
 #define TRIANGLES_ANSWERED 0x10000u
+// The words of these triangles, and those of them that face away by these words.
+#define ANSWERS_OF(triangles) ((triangles) >> 4 & 0x0FFFFFFF)
+static LaneInt lanes_answered_away(LaneInt words, LaneInt triangles) { return -(words >> (triangles & 15) & 1); }
 
 static uint ask_triangles(TriangleAnswers answers, uint block, __global const float* vertices, uint triangle_count,
                           PointsLayout layout, float4 light, uint* exact) {
@@ -209,14 +212,12 @@ static bool may_be_present(__global const float* positions, PointsLayout layout,
     return true;
 }
 
-// Which of the lanes `asked`, whose ids name triangles, face away, none of them doubtful.
-static LaneInt look_up_away(const FacingBuffers* to, LaneInt ids, LaneInt asked, uint triangle_count,
-                            PointsLayout layout, float4 light, uint* exact) {
+#if GN_LANES > 1
+// As look_up_away(), where some have not been asked.
+GN_APART LaneInt ask_and_look_up_away(const FacingBuffers* to, LaneInt ids, LaneInt asked, uint triangle_count,
+                                      PointsLayout layout, float4 light, uint* exact) {
     LaneInt at = LANES_SELECT((LaneInt)(0), ids, asked);
-#if GN_LANES == 1
-    return asked & -LANES_GATHER(to->answers, at);
-#else
-    LaneInt blocks = (at >> 4) & 0x0FFFFFFF, words = LANES_LOOK(to->answers, blocks);
+    LaneInt blocks = ANSWERS_OF(at), words = LANES_LOOK(to->answers, blocks);
     LaneInt unknown = asked & LANE_COMPARE(words, ==, (LaneInt)(0));
     LaneInt away = (LaneInt)(0);
     if (LANES_ANY(unknown) && !in_few_blocks(blocks, unknown)) {
@@ -230,8 +231,32 @@ static LaneInt look_up_away(const FacingBuffers* to, LaneInt ids, LaneInt asked,
         words = LANES_SELECT(words, (LaneInt)((int)word), same);
         unknown &= ~same;
     }
-    return away | (asked & -((words >> (at & 15)) & 1));
+    return away | (asked & lanes_answered_away(words, at));
+}
 #endif
+
+// Which of the lanes `asked`, whose ids name triangles, face away, none of them doubtful.
+static LaneInt look_up_away(const FacingBuffers* to, LaneInt ids, LaneInt asked, uint triangle_count,
+                            PointsLayout layout, float4 light, uint* exact) {
+    LaneInt at = LANES_SELECT((LaneInt)(0), ids, asked);
+#if GN_LANES == 1
+    return asked & -LANES_GATHER(to->answers, at);
+#else
+    LaneInt first = (LaneInt)(at.s0), blocks = ANSWERS_OF(at), words;
+    // Most blocks lie on one triangle.
+    if (LANES_ANY(LANE_COMPARE(at, !=, first)))
+        words = LANES_LOOK(to->answers, blocks);
+    else
+        words = (LaneInt)((int)GN_LOOK(&to->answers[blocks.s0]));
+    if (LANES_ANY(asked & LANE_COMPARE(words, ==, (LaneInt)(0))))
+        return ask_and_look_up_away(to, ids, asked, triangle_count, layout, light, exact);
+    return asked & lanes_answered_away(words, at);
+#endif
+}
+
+static LaneFloat state_of_lanes(LaneInt away, LaneInt open) {
+    LaneFloat state = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
+    return LANES_SELECT(state, (LaneFloat)(VISIBILITY_OPEN), open);
 }
 
 // Inlined for each kind of run (below): a CPU's compiler leaves out what an argument that is a constant rules out, and
@@ -273,15 +298,15 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
         open &= ~away;
         if (light_frame.perspective)
             open &= LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
-        LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
+        LaneFloat result = state_of_lanes(away, open);
         FootprintBlock around;
         if (has_footprints) {
             around = load_footprints(to.footprints, layout, block);
             LaneInt present = valid & present_lanes(points);
             open &= in_one_frame(light_frame, points, &around);
             result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_MIXED), present & ~away);
+            result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
         }
-        result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_DOUBTFUL), open & doubtful);
         store_lanes(result, to.visibility, layout, block);
         uint in_frame = BLOCK_IN_NO_FRAME;
@@ -315,16 +340,56 @@ GN_APART void face_looked_up_around(PointsLayout layout, LightFrame light_frame,
     face_points(layout, light_frame, opens, 1u, 1u, has_blocks, triangle_count, *to, bounds, counts, share);
 }
 #if GN_LANES > 1
+// Of a picture, under a direction.
 static bool is_usual(PointsLayout layout, LightFrame light_frame, uint opens, uint has_blocks) {
     return opens == FACING_BOUNDS && has_blocks && !light_frame.perspective && layout.point_stride == 1u &&
            layout.has_receivers == 1u && layout.picture_width != 0u;
 }
-// Of a picture, under a direction.
-GN_APART void face_usual(PointsLayout layout, LightFrame light_frame, uint triangle_count, const FacingBuffers* to,
-                         RunningBounds* bounds, FacingCounts* counts, Share share) {
-    light_frame.perspective = 0u;
-    layout.point_stride = layout.has_receivers = 1u;
-    face_points(layout, light_frame, FACING_BOUNDS, 0u, 1u, 1u, triangle_count, *to, bounds, counts, share);
+// face_points() of these: coordinates in the order of the frame's axes, and nothing asked that is the same for all.
+GN_APART void face_usual(PointsLayout layout, LightFrame frame, uint triangle_count, const FacingBuffers* buffers,
+                         RunningBounds* bounds, FacingCounts* total, Share share) {
+    FacingBuffers to = *buffers;
+    FacingCounts counts = *total;
+    RunningBounds all = *bounds;
+    __global const float* coordinates = to.positions + layout.first;
+    __global const float* along_x = coordinates + (size_t)layout.coordinate_stride * frame.axis_x;
+    __global const float* along_y = coordinates + (size_t)layout.coordinate_stride * frame.axis_y;
+    __global const float* along_z = coordinates + (size_t)layout.coordinate_stride * frame.axis_z;
+    GN_FOR_EACH_OF(block, share) {
+        BlockPlace place = place_in_picture(layout.picture_width, block);
+        PointBlock points;
+        points.x = load_strided(along_x, 1u, place);
+        LaneInt open = LANE_COMPARE(LANES_SIZE_BITS(points.x), <, (LaneInt)(BITS_OF_INFINITY));
+        if (LANES_ANY(open)) {
+            points.y = load_strided(along_y, 1u, place);
+            points.z = load_strided(along_z, 1u, place);
+            open = present_lanes(points);
+        }
+        counts.minus_absent += ~open;
+        LaneInt away = (LaneInt)(0);
+        if (LANES_ANY(open)) {
+            LaneInt ids = LANES_AS_INT(load_strided((__global const float*)to.receivers, 1u, place));
+            away = look_up_away(&to, ids, open & lanes_below(ids, triangle_count), triangle_count, layout,
+                                light_of(frame), &counts.exact);
+            open &= ~away;
+        }
+        counts.minus_away += away;
+        store_at(state_of_lanes(away, open), to.visibility, place);
+        if (!LANES_ANY(open)) {
+            to.blocks[block].frame = BLOCK_IN_NO_FRAME;
+            continue;
+        }
+        PointBlock values = {points.x - frame.shear_x * points.z, points.y - frame.shear_y * points.z,
+                             points.z * frame.sign_z};
+        float8 span = span_of_lanes(values, values, open);
+        all.span = least_of_two(span, all.span);
+        all.minus_count += open;
+        span.s6 = as_float(0u);
+        span.s7 = as_float(LANES_ANY(~open) ? 0u : BLOCK_ALL_OPEN);
+        vstore8(span, 0, (__global float*)&to.blocks[block]);
+    }
+    *total = counts;
+    *bounds = all;
 }
 #endif
 

@@ -42,18 +42,15 @@ typedef struct BlockPlace {
     uint count;  // of lanes that hold a point
 } BlockPlace;
 
+static BlockPlace place_in_picture(uint picture_width, size_t block) {
+    uint blocks_x = picture_width / 4u;
+    BlockPlace place = {4u * ((uint)block / blocks_x * (size_t)picture_width + (uint)block % blocks_x), picture_width,
+                        GN_LANES};
+    return place;
+}
 static BlockPlace place_of_block(PointsLayout layout, size_t block) {
-    BlockPlace place;
-    if (layout.picture_width != 0u) {
-        uint blocks_x = layout.picture_width / 4u;
-        place.row = layout.picture_width;
-        place.first = 4u * ((uint)block / blocks_x * place.row + (uint)block % blocks_x);
-        place.count = GN_LANES;
-    } else {
-        place.row = 4u;
-        place.first = block * GN_LANES;
-        place.count = min(layout.count - (uint)place.first, (uint)GN_LANES);
-    }
+    if (layout.picture_width != 0u) return place_in_picture(layout.picture_width, block);
+    BlockPlace place = {block * GN_LANES, 4u, min(layout.count - (uint)block * GN_LANES, (uint)GN_LANES)};
     return place;
 }
 static size_t point_of_lane(PointsLayout layout, size_t block, int lane) {
@@ -111,8 +108,7 @@ static LaneFloat load_lanes(__global const float* values, PointsLayout layout, s
 static LaneInt load_lane_ids(__global const uint* ids, PointsLayout layout, size_t block) {
     return LANES_AS_INT(load_lanes((__global const float*)ids, layout, block));
 }
-static void store_lanes(LaneFloat lanes, __global float* values, PointsLayout layout, size_t block) {
-    BlockPlace place = place_of_block(layout, block);
+static void store_at(LaneFloat lanes, __global float* values, BlockPlace place) {
     values += place.first;
     if (place.count == GN_LANES) {
         vstore4(lanes.lo.lo, 0, values);
@@ -122,6 +118,9 @@ static void store_lanes(LaneFloat lanes, __global float* values, PointsLayout la
     } else {
         for (uint lane = 0; lane < place.count; ++lane) values[lane] = LANE_OF_FLOAT(lanes, lane);
     }
+}
+static void store_lanes(LaneFloat lanes, __global float* values, PointsLayout layout, size_t block) {
+    store_at(lanes, values, place_of_block(layout, block));
 }
 
 #endif
