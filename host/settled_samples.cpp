@@ -270,9 +270,10 @@ private:
         kept_.sample_receivers.reserve(session_, most * sizeof(cl_uint));
         kept_.positions.reserve(session_, 3 * most * sizeof(float));
         kept_.visibility.reserve(session_, most * sizeof(float));
+        const std::size_t items = session_.is_cpu() ? count : std::size_t(count) * PARTS_OF_PIECES;
         cl::StageTimer timer(session_, total_, "samples_points");
         session_.fill(kept_.counters, 0, sizeof(SampleCounters));
-        session_.launch("samples.cl", "samples_points", cl::Range::items(count), batch_, pattern_.count, first, count,
+        session_.launch("samples.cl", "samples_points", cl::Range::items(items), batch_, pattern_.count, first, count,
                         cl_uint(most), eye_, inputs_.first_float, inputs_.vertices, kept_.rays, kept_.extra_pixels,
                         kept_.receivers, kept_.masks, kept_.mixed, kept_.places, kept_.sample_receivers,
                         kept_.positions, kept_.counters);

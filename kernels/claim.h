@@ -48,10 +48,11 @@ static uint claim(Claim* mine, __global uint* counter) {
 // A GPU's work-group claims by one atomic for all of its items, which must all come here: on one address a GPU does
 // some 1.3 a nanosecond. Of the local words the first is 0 before, and again afterwards.
 #define GROUP_CLAIM_WORDS 2
+#define LARGEST_GROUP_CLAIM 256u  // for each item of the group
 
-// A place for each item that wants one.
-static uint claim_in_group(bool wants, __local uint* words, __global uint* counter) {
-    uint before = wants ? atomic_inc(&words[0]) : 0u;
+// The first of as many places in a row as an item wants, up to LARGEST_GROUP_CLAIM.
+static uint claim_in_group(uint wanted, __local uint* words, __global uint* counter) {
+    uint before = wanted != 0u ? atomic_add(&words[0], wanted) : 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) == 0) {
         words[1] = words[0] == 0u ? 0u : claim_places(words[0], counter);
@@ -61,8 +62,7 @@ static uint claim_in_group(bool wants, __local uint* words, __global uint* count
     return words[1] + before;
 }
 
-// `count` places in a row, the same to all items; up to LARGEST_GROUP_CLAIM for each item of the group.
-#define LARGEST_GROUP_CLAIM 256u
+// `count` places in a row, the same to all items; up to LARGEST_GROUP_CLAIM for each of them.
 static uint claim_for_group(uint count, __local uint* words, __global uint* counter) {
     barrier(CLK_LOCAL_MEM_FENCE);  // everybody has read the last claim
     if (get_local_id(0) == 0) words[1] = claim_places(count, counter);

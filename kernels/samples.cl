@@ -188,57 +188,111 @@ static LaneInt covering_all(const TriangleBlock* t, const RayLanes* rays, float3
     return lanes;
 }
 
-// Writes the pixels' own pieces (edges: still empty), with bounds, and the list of edges, and starts the sums `lit`.
+// What becomes of a block of pixels: the first of them in the batch, and which lanes are whole, edges, or see the sky.
+typedef struct WholePixels {
+    uint first;
+    LaneInt whole, edges, sky;
+} WholePixels;
+
+#define WHOLE_BLOCKS_PER_TILE ((1u << 2 * CAMERA_TILE_LOG2) / GN_LANES)
+#define WHOLE_EACH 4u  // pixels that a GPU's item looks at before its group claims places
+
+// Writes the own pieces (edges: still empty) of a block of pixels, with bounds, and starts the sums `lit`. Blocks are
+// counted tile by tile, so that edges that meet the same triangles follow each other.
+static WholePixels find_whole(PictureRays picture, __constant const SamplePattern* pattern, PixelBatch batch,
+                              float3 eye, __global const float* vertices, __global const uint* pixel_receivers,
+                              __global const uint2* tile_ranges, uint block, __global uint* receivers,
+                              __global uint* masks, __global uint* lit, __global float* centres,
+                              __global float* footprints) {
+    const uint tile_pixels = 1u << CAMERA_TILE_LOG2, blocks_per_row = tile_pixels / GN_LANES;
+    uint tile = block / WHOLE_BLOCKS_PER_TILE, within = block % WHOLE_BLOCKS_PER_TILE;
+    uint column = (tile % batch.tiles_x) * tile_pixels + (within % blocks_per_row) * GN_LANES;
+    uint row = (tile / batch.tiles_x) * tile_pixels + within / blocks_per_row;
+    WholePixels found = {row * batch.width + column, (LaneInt)(0), (LaneInt)(0), (LaneInt)(0)};
+    if (column >= batch.width || row * batch.width >= batch.count) return found;
+    uint places[GN_LANES];
+    LaneInt columns = (LaneInt)((int)column) + LANE_INDEX;
+    LaneInt present = LANE_COMPARE(columns, <, (LaneInt)((int)batch.width)), ids = (LaneInt)((int)GN_NO_ID);
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        places[lane] = found.first + lane;
+        if (LANE_OF_INT(present, lane)) LANE_OF_INT(ids, lane) = (int)pixel_receivers[batch.first + places[lane]];
+    }
+    uint2 range = tile_ranges[batch.first / batch.width / tile_pixels * batch.tiles_x + tile];
+    LaneInt whole = LANE_COMPARE(ids, !=, (LaneInt)((int)GN_NO_ID));
+    PieceBounds bounds = no_pieces();
+    if (LANES_ANY(whole)) {
+        LaneFloat x = LANES_TO_FLOAT(columns), y = (LaneFloat)((float)(batch.first / batch.width + row));
+        TriangleBlock t = load_triangles_of(vertices, ids, whole);
+        RayLanes rays[4];
+        corner_rays(picture, x + pattern->low[0], y + pattern->low[1], x + pattern->high[0], y + pattern->high[1],
+                    rays);
+        whole = covering_all(&t, rays, eye, whole);
+        if (LANES_ANY(whole)) bounds = bounds_of_pieces(&t, rays, eye, whole);
+    }
+    found.whole = whole;
+    if (range.x == range.y)
+        found.sky = present;
+    else
+        found.edges = present & ~whole;
+    store_bounds(&bounds, places, present, !LANES_ANY(~present), batch, centres, footprints);
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        if (!LANE_OF_INT(present, lane)) continue;
+        receivers[places[lane]] = (uint)LANE_OF_INT(ids, lane);
+        masks[places[lane]] = LANE_OF_INT(whole, lane) ? pattern->all : 0u;
+        lit[places[lane]] = LANE_OF_INT(found.sky, lane) ? pattern->count : 0u;
+    }
+    return found;
+}
+
+// find_whole() of all blocks, and the list of edges.
 __kernel void samples_whole(PictureRays picture, __constant const SamplePattern* pattern, PixelBatch batch,
                             float4 eye_and_zero, ulong first_float, __global const float* vertices,
                             __global const uint* pixel_receivers, __global const uint2* tile_ranges,
                             __global uint* receivers, __global uint* masks, __global uint* lit, __global uint* edges,
                             __global float* centres, __global float* footprints, __global SampleCounters* counters) {
     float3 eye = eye_and_zero.xyz;
+    uint block_count = batch.bands * batch.tiles_x * WHOLE_BLOCKS_PER_TILE;
+    LaneInt minus_whole = (LaneInt)(0), minus_sky = (LaneInt)(0);
+    vertices += first_float;
+#if GN_LANES == 1
+    // The edges that a group finds in a round lie in a tile or two, and together in the list: neighbours in a warp then
+    // walk the same lists.
+    __local uint claimed[GROUP_CLAIM_WORDS], sums[2];
+    uint items = (uint)get_local_size(0);
+    if (get_local_id(0) == 0) claimed[0] = sums[0] = sums[1] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint start = (uint)get_group_id(0) * items * WHOLE_EACH; start < block_count;
+         start += (uint)get_global_size(0) * WHOLE_EACH) {
+        uint found_edges[WHOLE_EACH], count = 0u;
+        for (uint k = 0; k < WHOLE_EACH; ++k) {
+            uint block = start + k * items + (uint)get_local_id(0);
+            if (block >= block_count) break;
+            WholePixels found = find_whole(picture, pattern, batch, eye, vertices, pixel_receivers, tile_ranges, block,
+                                           receivers, masks, lit, centres, footprints);
+            minus_whole += found.whole;
+            minus_sky += found.sky;
+            if (found.edges) found_edges[count++] = found.first;
+        }
+        uint place = claim_in_group(count, claimed, &counters->edges);
+        for (uint k = 0; k < count; ++k) edges[place + k] = found_edges[k];
+    }
+    atomic_add(&sums[0], (uint)-minus_whole);
+    atomic_add(&sums[1], (uint)-minus_sky);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint whole_count = get_local_id(0) == 0 ? sums[0] : 0u, sky_count = get_local_id(0) == 0 ? sums[1] : 0u;
+#else
     Claim claimed = no_claim();
-    uint whole_count = 0, sky_count = 0;
-    const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
-    const uint blocks_per_row = tile_pixels / GN_LANES, blocks_per_tile = tile_pixels * blocks_per_row;
-    // Tile by tile, so that edges that meet the same triangles follow each other.
-    GN_FOR_EACH(block, batch.bands * batch.tiles_x * blocks_per_tile) {
-        uint tile = (uint)block / blocks_per_tile, within = (uint)block % blocks_per_tile;
-        uint column = (tile % batch.tiles_x) * tile_pixels + (within % blocks_per_row) * GN_LANES;
-        uint row = (tile / batch.tiles_x) * tile_pixels + within / blocks_per_row;
-        if (column >= batch.width || row * batch.width >= batch.count) continue;
-        uint first = row * batch.width + column, places[GN_LANES];
-        LaneInt columns = (LaneInt)((int)column) + LANE_INDEX;
-        LaneInt present = LANE_COMPARE(columns, <, (LaneInt)((int)batch.width)), ids = (LaneInt)((int)GN_NO_ID);
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            places[lane] = first + lane;
-            if (LANE_OF_INT(present, lane)) LANE_OF_INT(ids, lane) = (int)pixel_receivers[batch.first + first + lane];
-        }
-        uint2 range = tile_ranges[batch.first / batch.width / tile_pixels * batch.tiles_x + tile];
-        bool is_sky = range.x == range.y;
-        LaneInt whole = LANE_COMPARE(ids, !=, (LaneInt)((int)GN_NO_ID));
-        PieceBounds bounds = no_pieces();
-        if (LANES_ANY(whole)) {
-            LaneFloat x = LANES_TO_FLOAT(columns), y = (LaneFloat)((float)(batch.first / batch.width + row));
-            TriangleBlock t = load_triangles_of(vertices + first_float, ids, whole);
-            RayLanes rays[4];
-            corner_rays(picture, x + pattern->low[0], y + pattern->low[1], x + pattern->high[0], y + pattern->high[1],
-                        rays);
-            whole = covering_all(&t, rays, eye, whole);
-            if (LANES_ANY(whole)) bounds = bounds_of_pieces(&t, rays, eye, whole);
-        }
-        store_bounds(&bounds, places, present, !LANES_ANY(~present), batch, centres, footprints);
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(present, lane)) continue;
-            uint i = first + lane;
-            bool is_whole = LANE_OF_INT(whole, lane);
-            receivers[i] = (uint)LANE_OF_INT(ids, lane);
-            masks[i] = is_whole ? pattern->all : 0u;
-            lit[i] = is_sky ? pattern->count : 0u;
-            whole_count += is_whole;
-            sky_count += is_sky;
-            if (!is_whole && !is_sky) edges[claim(&claimed, &counters->edges)] = i;
-        }
+    GN_FOR_EACH(block, block_count) {
+        WholePixels found = find_whole(picture, pattern, batch, eye, vertices, pixel_receivers, tile_ranges,
+                                       (uint)block, receivers, masks, lit, centres, footprints);
+        minus_whole += found.whole;
+        minus_sky += found.sky;
+        for (int lane = 0; lane < GN_LANES; ++lane)
+            if (LANE_OF_INT(found.edges, lane)) edges[claim(&claimed, &counters->edges)] = found.first + lane;
     }
     for (; claimed.next < claimed.end; ++claimed.next) edges[claimed.next] = GN_NO_ID;
+    uint whole_count = (uint)-LANES_SUM(minus_whole), sky_count = (uint)-LANES_SUM(minus_sky);
+#endif
     if (whole_count != 0) atomic_add(&counters->whole, whole_count);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
 }
@@ -639,8 +693,27 @@ __kernel void samples_sort(PixelBatch batch, uint piece_count, __global const ui
     if (mixed_samples != 0) atomic_add(&counters->mixed_samples, mixed_samples);
 }
 
+// The points of some samples of a piece, from `place` on.
+static void write_points(PixelBatch batch, uint samples, uint stride, float3 eye, __global const float* vertices,
+                         __global const float* rays, __global const uint* extra_pixels,
+                         __global const uint* piece_receivers, uint piece, uint mask, uint place,
+                         __global uint2* places, __global uint* receivers, __global float* positions) {
+    uint pixel = pixel_of_piece(batch, extra_pixels, piece), at = batch.first + pixel;
+    uint column = at % batch.width * samples, row = (batch.width + at / batch.width) * samples;
+    SeenTriangle seen = see_triangle(vertices, piece_receivers[piece], eye);
+    for (; mask != 0u; ++place) {
+        uint sample = take_lowest_bit(&mask);
+        places[place] = (uint2)(pixel, sample);
+        receivers[place] = seen.id;
+        float3 p = shading_point(&seen, eye, load_ray(rays, column + sample, row + sample));
+        positions[place] = p.x;
+        positions[place + stride] = p.y;
+        positions[place + 2 * (size_t)stride] = p.z;
+    }
+}
+
 // places[i] = (pixel of the batch, sample) of point i, its receiver, and its shading point: x of `stride` points, then
-// y, then z. A work-item takes a whole piece, whose samples share a plane and lie together.
+// y, then z. A piece's samples share a plane and lie together: a CPU's work-item takes all of them, a GPU's a part.
 __kernel void samples_points(PixelBatch batch, uint samples, uint first_mixed, uint mixed_count, uint stride,
                              float4 eye_and_zero, ulong first_float, __global const float* vertices,
                              __global const float* rays, __global const uint* extra_pixels,
@@ -648,23 +721,32 @@ __kernel void samples_points(PixelBatch batch, uint samples, uint first_mixed, u
                              __global const uint* mixed, __global uint2* places, __global uint* receivers,
                              __global float* positions, __global SampleCounters* counters) {
     float3 eye = eye_and_zero.xyz;
+    vertices += first_float;
+#if GN_LANES == 1
+    __local uint claimed[GROUP_CLAIM_WORDS];
+    if (get_local_id(0) == 0) claimed[0] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint start = (uint)get_group_id(0) * (uint)get_local_size(0); start < mixed_count * PARTS_OF_PIECES;
+         start += (uint)get_global_size(0)) {
+        uint i = start + (uint)get_local_id(0), part = i % PARTS_OF_PIECES, piece = 0u, mask = 0u;
+        if (i < mixed_count * PARTS_OF_PIECES) {
+            piece = mixed[first_mixed + i / PARTS_OF_PIECES];
+            mask = masks[piece] & (SAMPLES_OF_PART << part * (MOST_SAMPLES / PARTS_OF_PIECES));
+        }
+        uint place = claim_in_group(popcount(mask), claimed, &counters->placed);
+        if (mask != 0u)
+            write_points(batch, samples, stride, eye, vertices, rays, extra_pixels, piece_receivers, piece, mask, place,
+                         places, receivers, positions);
+    }
+#else
     GN_FOR_EACH(i, mixed_count) {
         uint piece = mixed[first_mixed + i];
         if (piece == GN_NO_ID) continue;
-        uint mask = masks[piece], place = atomic_add(&counters->placed, popcount(mask));
-        uint pixel = pixel_of_piece(batch, extra_pixels, piece), at = batch.first + pixel;
-        uint column = at % batch.width * samples, row = (batch.width + at / batch.width) * samples;
-        SeenTriangle seen = see_triangle(vertices + first_float, piece_receivers[piece], eye);
-        for (; mask != 0u; ++place) {
-            uint sample = take_lowest_bit(&mask);
-            places[place] = (uint2)(pixel, sample);
-            receivers[place] = seen.id;
-            float3 p = shading_point(&seen, eye, load_ray(rays, column + sample, row + sample));
-            positions[place] = p.x;
-            positions[place + stride] = p.y;
-            positions[place + 2 * (size_t)stride] = p.z;
-        }
+        uint place = atomic_add(&counters->placed, popcount(masks[piece]));
+        write_points(batch, samples, stride, eye, vertices, rays, extra_pixels, piece_receivers, piece, masks[piece],
+                     place, places, receivers, positions);
     }
+#endif
 }
 
 __kernel void samples_count(uint count, __global const uint2* places, __global const float* visibility,
