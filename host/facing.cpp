@@ -27,34 +27,32 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
                    cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
 }
 
-// No point is doubtful, so that all points on a receiver get the same answer.
-bool can_look_up(const PointInputs& points) {
+}  // namespace
+
+bool Facing::can_look_up(const PointInputs& points) {
     const bool has_doubts = points.layout.is_lifted == 0 && points.footprints == nullptr;
     return points.layout.has_receivers != 0 && !points.face_light && !has_doubts;
 }
 
-}  // namespace
-
-// All triangles are read in order, points' receivers from anywhere: with as many points as triangles both ways take the
-// same time.
-bool Facing::asks_triangles(const TriangleInputs& triangles, const PointInputs& points) {
-    return can_look_up(points) && points.layout.count / 2 >= triangles.count;
+const cl::Buffer& Facing::no_answers(cl::Session& session, const TriangleInputs& triangles) {
+    const std::size_t bytes = (triangles.count / session.lanes() + 1) * sizeof(cl_uint);
+    answers_.reserve(session, bytes);
+    session.fill(answers_, 0, bytes);
+    return answers_;
 }
 
 const cl::Buffer* Facing::make_answers(cl::Session& session, const LightFrame& light_frame,
                                        const TriangleInputs& triangles, const PointInputs& points,
                                        const cl::Buffer& counters) {
-    const std::size_t blocks = triangles.count / session.lanes() + 1;
-    if (session.is_cpu()) {
-        if (!can_look_up(points)) return nullptr;
-        answers_.reserve(session, blocks * sizeof(cl_uint));
-        session.fill(answers_, 0, blocks * sizeof(cl_uint));
-    } else {
-        if (!asks_triangles(triangles, points)) return nullptr;
-        answers_.reserve(session, blocks);
-        session.launch("facing.cl", "triangles_away", cl::Range::items(blocks), points.layout, light_frame,
-                       triangles.first_float, triangles.count, triangles.vertices, answers_, counters);
-    }
+    if (!can_look_up(points)) return nullptr;
+    if (session.is_cpu()) return &no_answers(session, triangles);
+    // All triangles are read in order, points' receivers from anywhere: with as many points as triangles both ways take
+    // the same time.
+    if (points.layout.count / 2 < triangles.count) return nullptr;
+    const std::size_t bytes = triangles.count + 1;
+    answers_.reserve(session, bytes);
+    session.launch("facing.cl", "triangles_away", cl::Range::items(bytes), points.layout, light_frame,
+                   triangles.first_float, triangles.count, triangles.vertices, answers_, counters);
     return &answers_;
 }
 

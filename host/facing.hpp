@@ -13,8 +13,10 @@ public:
     /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
-    /// Whether it pays to ask all triangles which way they face, for points to look that up.
-    static bool asks_triangles(const TriangleInputs& triangles, const PointInputs& points);
+    /// No point is doubtful, so that all points on a receiver get the same answer.
+    static bool can_look_up(const PointInputs& points);
+    /// On a CPU: where points can look their receivers up, nobody having asked yet.
+    const cl::Buffer& no_answers(cl::Session& session, const TriangleInputs& triangles);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
     /// BlockBounds of each block of points (kernels/block_bounds.h); null where work-items take single points, or
     /// footprints.

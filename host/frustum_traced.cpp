@@ -12,8 +12,7 @@
 //   trace             open points against the map, then against their bin's triangles by the filter
 //   exact_trace       what the filter left open
 //
-// Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows; but
-// on a CPU, where receivers can be looked up, facing goes first, whose bounds of blocks spare the trace most points.
+// Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
 //
 // Of footprints (settled_samples.cpp) the same is asked, with one stage, settle, in the place of the last two.
 //
@@ -222,22 +221,20 @@ bool FrustumTraced::run_prepared(Run& run) {
     cl::Session& session = run.session;
     const LightFrame& light_frame = prepared_->light_frame();
     const cl_uint frame_count = frame_count_of(light_frame);
-    const bool faces_first = session.is_cpu() && frame_count == 1 && Facing::asks_triangles(run.triangles, run.points);
-    if (faces_first)
-        frames_.decide_facing(session, run.statistics, light_frame, run.triangles, run.points, run.visibility,
-                              counters_);
+    const bool by_answers = session.is_cpu() && frame_count == 1 && Facing::can_look_up(run.points);
     const auto trace = [&](bool by_planes) {
-        if (!faces_first) clear(session, counters_);
-        if (faces_first) {
+        clear(session, counters_);
+        {
             cl::StageTimer timer(session, run.statistics, "trace");
-            trace_.run_prepared_blocks(session, light_frame, run.triangles, run.points, prepared_->projections(),
-                                       prepared_->map(), prepared_->lists(), prepared_->domains(), *frames_.blocks(),
-                                       frames_.bounds(), run.visibility, counters_);
-        } else {
-            cl::StageTimer timer(session, run.statistics, "trace");
-            trace_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->projections(),
-                                prepared_->map(), prepared_->lists(), prepared_->receivers(), run.visibility, counters_,
-                                by_planes);
+            if (by_answers)
+                trace_.run_prepared_by_answers(session, light_frame, run.triangles, run.points,
+                                               prepared_->projections(), prepared_->map(), prepared_->lists(),
+                                               prepared_->domains(), frames_.no_answers(session, run.triangles),
+                                               run.visibility, counters_);
+            else
+                trace_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->projections(),
+                                    prepared_->map(), prepared_->lists(), prepared_->receivers(), run.visibility,
+                                    counters_, by_planes);
         }
         {
             cl::StageTimer timer(session, run.statistics, "exact_trace");
@@ -261,7 +258,7 @@ bool FrustumTraced::run_prepared(Run& run) {
     add(run, counted);
     for (const char* stage : {"light_frame", "farthest_height", "triangle_setup", "conservative_map", "bins"})
         run.statistics.stages.push_back({stage, 0, 0, "prepared"});
-    if (!faces_first) run.statistics.stages.push_back({"facing", 0, 0, "decided by the trace, from what was prepared"});
+    run.statistics.stages.push_back({"facing", 0, 0, "decided by the trace"});
     return true;
 }
 

@@ -62,12 +62,13 @@ void Trace::run_prepared(cl::Session& session, const LightFrame& light_frame, co
            receivers.planes, receivers.largest_coordinate);
 }
 
-void Trace::run_prepared_blocks(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                                const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
-                                const ListBuffers& lists, const cl::Buffer& domains, const cl::Buffer& blocks,
-                                const cl::Buffer& bounds, cl_mem visibility, const cl::Buffer& counters) {
-    launch(session, "prepared_trace_of_blocks.cl", "prepared_trace_of_blocks", light_frame, 0, 1, triangles, points,
-           projections, map, lists, visibility, counters, cl_uint(1), blocks, domains, bounds);
+void Trace::run_prepared_by_answers(cl::Session& session, const LightFrame& light_frame,
+                                    const TriangleInputs& triangles, const PointInputs& points,
+                                    const cl::Buffer& projections, const cl::Buffer* map, const ListBuffers& lists,
+                                    const cl::Buffer& domains, const cl::Buffer& answers, cl_mem visibility,
+                                    const cl::Buffer& counters) {
+    launch(session, "prepared_trace_by_answers.cl", "prepared_trace_by_answers", light_frame, 0, 1, triangles, points,
+           projections, map, lists, visibility, counters, triangles.count, domains, answers);
 }
 
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

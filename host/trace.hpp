@@ -41,12 +41,11 @@ public:
                       const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
                       const ListBuffers& lists, const ReceiverBuffers& receivers, cl_mem visibility,
                       const cl::Buffer& counters, bool by_planes);
-    /// The same of a direction on a CPU, after facing, whose `blocks` and `bounds` these are: of the points that it has
-    /// left open.
-    void run_prepared_blocks(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                             const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
-                             const ListBuffers& lists, const cl::Buffer& domains, const cl::Buffer& blocks,
-                             const cl::Buffer& bounds, cl_mem visibility, const cl::Buffer& counters);
+    /// The same of a direction on a CPU, of points that can look their receivers up in `answers` (Facing).
+    void run_prepared_by_answers(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                                 const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
+                                 const ListBuffers& lists, const cl::Buffer& domains, const cl::Buffer& answers,
+                                 cl_mem visibility, const cl::Buffer& counters);
     /// The other traversal, of one frame: triangles over the lists of points (kernels/trace_triangles.cl). Needs no
     /// second look.
     void run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

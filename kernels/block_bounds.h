@@ -56,6 +56,14 @@ static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
 }
 #endif
 
+// Of points in a direction's frame, of these grid values.
+static BlockBounds bounds_of_block(LightFrame frame, PointBlock values, LaneInt lanes) {
+    values.z *= frame.sign_z;
+    float8 span = span_of_lanes(values, values, lanes);
+    BlockBounds bounds = {span.s0, span.s1, span.s2, span.s3, span.s4, span.s5, 0u, 0u};
+    return bounds;
+}
+
 // World coordinates that belong to grid coordinates from low to high under these z: x = grid x + shear z. The grid
 // coordinates are off by 4u M, the products and sums here by less.
 static void world_bounds(float low, float high, float shear, float z_low, float z_high, float* world_low,
@@ -117,8 +125,7 @@ static float height_of_block(const BlockGrid* grid, float height, float error) {
     return 1.0f / (grid->unit * -height) * (1.0f + error);
 }
 
-static BlockBox block_box(const BlockGrid* grid, __constant const Projection* projection,
-                          __global const BlockBounds* block) {
+static BlockBox block_box(const BlockGrid* grid, __constant const Projection* projection, const BlockBounds* block) {
     BlockBox box;
     float x0 = fma(grid->scale_x, block->x - grid->origin_x, grid->offset_x) - grid->error;
     float x1 = fma(grid->scale_x, -block->minus_x - grid->origin_x, grid->offset_x) + grid->error;

@@ -34,7 +34,7 @@ static LaneInt lanes_below_map(__constant const Projection* projection, PointBlo
 #define MAP_HIDES_NONE 2u
 #define BLOCK_TEXELS 16u  // a block that spans more is left to its points
 
-static uint map_hides(const BlockGrid* grid, __constant const Projection* projection, __global const BlockBounds* block,
+static uint map_hides(const BlockGrid* grid, __constant const Projection* projection, const BlockBounds* block,
                       __global const uint* map) {
     if (grid->indistinct || block->frame == BLOCK_IN_FRAMES) return MAP_MAY_HIDE;
     BlockBox box = block_box(grid, projection, block);

@@ -22,7 +22,7 @@
 // receivers.
 #include "block_bounds.h"
 #include "footprint.h"
-#include "receivers.h"
+#include "receiver_answers.h"
 #include "triangle_setup.h"
 
 // ---- Bounds of the frames -------------------------------------------------------------------------------------------
@@ -136,9 +136,6 @@ static float8 include_points(RunningBounds* bounds, LightFrame light_frame, Poin
 }
 
 #if GN_LANES == 1
-// Of each triangle 1 if points on it face away, else 0.
-typedef __global const uchar* TriangleAnswers;
-
 #define TRIANGLES_AWAY_PARAMETERS                                                        \
     PointsLayout layout, LightFrame light_frame, ulong first_float, uint triangle_count, \
         __global const float *vertices, __global uchar *away, __global FrameCounters *counters
@@ -151,36 +148,6 @@ GN_KERNEL_OF_ITEMS(triangles_away, triangle_count, TRIANGLES_AWAY_PARAMETERS,
         away[i] = (uchar)-answer.faces_away;
     }
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
-}
-#else
-// A word for each GN_LANES triangles: 0 as long as nobody has asked, then TRIANGLES_ANSWERED and a bit for each
-// triangle that faces away.
-typedef volatile __global uint* TriangleAnswers;
-#define TRIANGLES_ANSWERED 0x10000u
-// The words of these triangles, and those of them that face away by these words.
-#define ANSWERS_OF(triangles) ((triangles) >> 4 & 0x0FFFFFFF)
-static LaneInt lanes_answered_away(LaneInt words, LaneInt triangles) { return -(words >> (triangles & 15) & 1); }
-
-static uint ask_triangles(TriangleAnswers answers, uint block, __global const float* vertices, uint triangle_count,
-                          PointsLayout layout, float4 light, uint* exact) {
-    uint first = block * GN_LANES, by_integers = 0;
-    TriangleBlock t = load_triangles(vertices, first, triangle_count);
-    LaneInt asked = LANE_COMPARE((LaneInt)((int)min(triangle_count - first, (uint)GN_LANES)), >, LANE_INDEX);
-    ReceiverAnswer answer = answer_of_triangles(&t, asked, 0, layout, light, &by_integers);
-    uint word = TRIANGLES_ANSWERED | (uint)LANES_SUM(answer.faces_away & ((LaneInt)(1) << LANE_INDEX));
-    // Several work-items may ask at once: what it took is counted once.
-    if (atomic_xchg(&answers[block], word) == 0u) *exact += by_integers;
-    return word;
-}
-
-// Whether these lanes, of which there is one at least, lie in so few blocks that all of their triangles are asked.
-#define FEW_BLOCKS 2
-static bool in_few_blocks(LaneInt blocks, LaneInt lanes) {
-    for (uint i = 0; i < FEW_BLOCKS; ++i) {
-        lanes &= LANE_COMPARE(blocks, !=, (LaneInt)(LANE_OF_INT(blocks, first_lane(lanes))));
-        if (!LANES_ANY(lanes)) return true;
-    }
-    return false;
 }
 #endif
 
@@ -212,53 +179,6 @@ static bool may_be_present(__global const float* positions, PointsLayout layout,
     return true;
 }
 
-#if GN_LANES > 1
-// As look_up_away(), where some have not been asked.
-GN_APART LaneInt ask_and_look_up_away(const FacingBuffers* to, LaneInt ids, LaneInt asked, uint triangle_count,
-                                      PointsLayout layout, float4 light, uint* exact) {
-    LaneInt at = LANES_SELECT((LaneInt)(0), ids, asked);
-    LaneInt blocks = ANSWERS_OF(at), words = LANES_LOOK(to->answers, blocks);
-    LaneInt unknown = asked & LANE_COMPARE(words, ==, (LaneInt)(0));
-    LaneInt away = (LaneInt)(0);
-    if (LANES_ANY(unknown) && !in_few_blocks(blocks, unknown)) {
-        away = ask_receivers(ids, unknown, 0, layout, light, false, to->vertices, exact).faces_away;
-        unknown = (LaneInt)(0);
-    }
-    while (LANES_ANY(unknown)) {
-        int block = LANE_OF_INT(blocks, first_lane(unknown));
-        uint word = ask_triangles(to->answers, (uint)block, to->vertices, triangle_count, layout, light, exact);
-        LaneInt same = LANE_COMPARE(blocks, ==, (LaneInt)(block));
-        words = LANES_SELECT(words, (LaneInt)((int)word), same);
-        unknown &= ~same;
-    }
-    return away | (asked & lanes_answered_away(words, at));
-}
-#endif
-
-// Which of the lanes `asked`, whose ids name triangles, face away, none of them doubtful.
-static LaneInt look_up_away(const FacingBuffers* to, LaneInt ids, LaneInt asked, uint triangle_count,
-                            PointsLayout layout, float4 light, uint* exact) {
-    LaneInt at = LANES_SELECT((LaneInt)(0), ids, asked);
-#if GN_LANES == 1
-    return asked & -LANES_GATHER(to->answers, at);
-#else
-    LaneInt first = (LaneInt)(at.s0), blocks = ANSWERS_OF(at), words;
-    // Most blocks lie on one triangle.
-    if (LANES_ANY(LANE_COMPARE(at, !=, first)))
-        words = LANES_LOOK(to->answers, blocks);
-    else
-        words = (LaneInt)((int)GN_LOOK(&to->answers[blocks.s0]));
-    if (LANES_ANY(asked & LANE_COMPARE(words, ==, (LaneInt)(0))))
-        return ask_and_look_up_away(to, ids, asked, triangle_count, layout, light, exact);
-    return asked & lanes_answered_away(words, at);
-#endif
-}
-
-static LaneFloat state_of_lanes(LaneInt away, LaneInt open) {
-    LaneFloat state = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), away);
-    return LANES_SELECT(state, (LaneFloat)(VISIBILITY_OPEN), open);
-}
-
 // Inlined for each kind of run (below): a CPU's compiler leaves out what an argument that is a constant rules out, and
 // keeps in registers what it would carry through memory around that.
 __attribute__((always_inline)) static void face_points(PointsLayout layout, LightFrame light_frame, uint opens,
@@ -284,7 +204,8 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
         if (layout.has_receivers) {
             LaneInt ids = load_lane_ids(to.receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
             if (looks_up) {
-                away = look_up_away(&to, ids, asked, triangle_count, layout, light_of(light_frame), &counts->exact);
+                away = look_up_away(to.answers, to.vertices, ids, asked, triangle_count, layout, light_of(light_frame),
+                                    &counts->exact);
             } else if (LANES_ANY(asked)) {
                 bool doubts = !has_footprints && !layout.is_lifted;
                 ReceiverAnswer answer = ask_receivers(ids, asked, &points, layout, light_of(light_frame), doubts,
@@ -369,8 +290,8 @@ GN_APART void face_usual(PointsLayout layout, LightFrame frame, uint triangle_co
         LaneInt away = (LaneInt)(0);
         if (LANES_ANY(open)) {
             LaneInt ids = LANES_AS_INT(load_strided((__global const float*)to.receivers, 1u, place));
-            away = look_up_away(&to, ids, open & lanes_below(ids, triangle_count), triangle_count, layout,
-                                light_of(frame), &counts.exact);
+            away = look_up_away(to.answers, to.vertices, ids, open & lanes_below(ids, triangle_count), triangle_count,
+                                layout, light_of(frame), &counts.exact);
             open &= ~away;
         }
         counts.minus_away += away;

@@ -74,38 +74,18 @@ static LaneInt prepared_lanes(LightFrame light_frame, __global const PreparedDom
     return open;
 }
 
-// Whether that is so of all open points of a direction's frame, by its bounds: all are within the world's bounds and
-// the lit ones, so that prepared_lanes() would leave them open (or say that they are lit, which a trace comes to as
-// well).
-static bool points_stay_open(__global const PreparedDomain* domain, __global const PointBounds* bounds) {
-    bool inside = true;
-    for (int i = 0; i < 5; ++i) {
-        float low = i < 2 ? domain->lit_low[i] : domain->world_low[i - 2];
-        float high = i < 2 ? domain->lit_high[i] : domain->world_high[i - 2];
-        inside = inside && -key_to_float(bounds->minus_lowest[i]) >= low && key_to_float(bounds->highest[i]) <= high;
-    }
-    return inside;
+static LaneInt lanes_between(LaneFloat v, float low, float high) {
+    return LANE_COMPARE(v, >=, (LaneFloat)(low)) & LANE_COMPARE(v, <=, (LaneFloat)(high));
 }
 
-// The same of a block.
-static bool block_stays_open(LightFrame frame, __global const PreparedDomain* domain,
-                             __global const BlockBounds* block) {
-    float z_low = block->height, z_high = -block->minus_height;
-    if (frame.sign_z < 0.0f) {
-        z_low = block->minus_height;
-        z_high = -block->height;
-    }
-    float low[2] = {block->x, block->y}, high[2] = {-block->minus_x, -block->minus_y};
-    float shear[2] = {frame.shear_x, frame.shear_y};
-    uint axes[2] = {frame.axis_x, frame.axis_y};
-    bool inside = z_low >= domain->world_low[frame.axis_z] && z_high <= domain->world_high[frame.axis_z];
-    for (int i = 0; i < 2; ++i) {
-        float world_low, world_high;
-        world_bounds(low[i], high[i], shear[i], z_low, z_high, &world_low, &world_high);
-        inside = inside && low[i] >= domain->lit_low[i] && high[i] <= domain->lit_high[i] &&
-                 world_low >= domain->world_low[axes[i]] && world_high <= domain->world_high[axes[i]];
-    }
-    return inside;
+// Which points of a direction's frame are within the world's bounds and the lit ones, so that prepared_lanes() would
+// leave them open (or say that they are lit, which a trace comes to as well). `values` are their grid values.
+static LaneInt lanes_stay_open(__global const PreparedDomain* domain, PointBlock points, PointBlock values) {
+    return lanes_between(values.x, domain->lit_low[0], domain->lit_high[0]) &
+           lanes_between(values.y, domain->lit_low[1], domain->lit_high[1]) &
+           lanes_between(points.x, domain->world_low[0], domain->world_high[0]) &
+           lanes_between(points.y, domain->world_low[1], domain->world_high[1]) &
+           lanes_between(points.z, domain->world_low[2], domain->world_high[2]);
 }
 
 #endif

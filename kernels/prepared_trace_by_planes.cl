@@ -6,5 +6,5 @@
 #define TRACE_FACES 1
 #define TRACE_BY_PLANES 1
 #define TRACE_BLOCKS 0
-#define TRACE_DOMAINS 0
+#define TRACE_BY_ANSWERS 0
 #include "trace_points.h"

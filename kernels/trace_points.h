@@ -14,8 +14,8 @@
 // the longest list of its neighbours (counted: a point looks at 1.2 entries, the longest list of a warp's points at 4).
 //
 // Under a prepared light (TRACE_FACES) all points are looked at, and facing is decided on the way: reading points and
-// writing visibility once is most of what such a run costs. On a CPU, of points that facing can look up, facing comes
-// first all the same: its blocks save more than that (TRACE_DOMAINS).
+// writing visibility once is most of what such a run costs. On a CPU their receivers' answers may be looked up, and
+// blocks of points be settled by the map at once (TRACE_BY_ANSWERS).
 //
 // After facing on a CPU (TRACE_BLOCKS), blocks that the map hides are settled by their bounds, without their points.
 //
@@ -30,11 +30,15 @@
 #define TRACE_BY_BLOCKS (TRACE_BLOCKS && GN_LANES > 1)
 // A GPU asks for the next point's state while it looks at one: most are not open.
 #define TRACE_LOOKS_AHEAD (GN_LANES == 1 && !TRACE_FACES)
-#if TRACE_FACES || TRACE_DOMAINS
+#if TRACE_FACES || TRACE_BY_ANSWERS
 #include "prepared_light.h"
+#include "receivers.h"
 #endif
 #if TRACE_FACES
 #include "prepared_facing.h"
+#endif
+#if TRACE_BY_ANSWERS
+#include "receiver_answers.h"
 #endif
 
 typedef struct TraceLists {
@@ -78,10 +82,8 @@ static LaneFloat state_of_points(const PreparedFacing* facing) {
     state = LANES_SELECT(state, (LaneFloat)(VISIBILITY_OPEN), facing->open);
     return LANES_SELECT(state, (LaneFloat)(VISIBILITY_DOUBTFUL), facing->open & facing->doubtful);
 }
-#elif TRACE_DOMAINS
-#define TRACE_MORE_ARGUMENTS                                                                             \
-    , uint has_blocks, __global const BlockBounds *block_bounds, __global const PreparedDomain *domains, \
-        __global const PointBounds *frame_bounds
+#elif TRACE_BY_ANSWERS
+#define TRACE_MORE_ARGUMENTS , uint triangle_count, __global const PreparedDomain *domains, TriangleAnswers answers
 #elif TRACE_BLOCKS
 #define TRACE_MORE_ARGUMENTS , uint has_blocks, __global const BlockBounds *block_bounds
 #else
@@ -296,7 +298,7 @@ static uint trace_block(const ExactPairs* pairs, const TraceFrames* frames, Trac
 // What a work-item counts.
 typedef struct TraceCounts {
     LaneInt minus_by_map, minus_by_trace, minus_by_exact, minus_listed, minus_strays;
-#if TRACE_FACES
+#if TRACE_FACES || TRACE_BY_ANSWERS
     LaneInt minus_absent, minus_away;
     uint facing_exact;
 #endif
@@ -307,7 +309,7 @@ static TraceCounts no_counts(void) {
     TraceCounts counts;
     counts.minus_by_map = counts.minus_by_trace = counts.minus_by_exact = (LaneInt)(0);
     counts.minus_listed = counts.minus_strays = (LaneInt)(0);
-#if TRACE_FACES
+#if TRACE_FACES || TRACE_BY_ANSWERS
     counts.minus_absent = counts.minus_away = (LaneInt)(0);
     counts.facing_exact = 0;
 #endif
@@ -324,7 +326,7 @@ static void read_counts(const TraceCounts* counts, uint* found) {
     found[COUNT_STRAYS] = count_lanes(counts->minus_strays);
     found[COUNT_TESTS_LOW] = (uint)counts->tests & 0xFFFFu;
     found[COUNT_TESTS_HIGH] = (uint)(counts->tests >> 16);
-#if TRACE_FACES
+#if TRACE_FACES || TRACE_BY_ANSWERS
     found[COUNT_ABSENT] = count_lanes(counts->minus_absent);
     found[COUNT_AWAY] = count_lanes(counts->minus_away);
 #else
@@ -355,9 +357,10 @@ typedef struct TracePoints {
 #if TRACE_BLOCKS
     __global const BlockBounds* blocks;  // null: there are none
 #endif
-#if TRACE_DOMAINS
-    __global const PreparedDomain* domains;
-    bool all_inside;  // no open point leaves them
+#if TRACE_BY_ANSWERS
+    __global const PreparedDomain* domain;
+    TriangleAnswers answers;
+    uint triangle_count;
 #endif
 #if TRACE_FACES
     PreparedReceivers prepared;
@@ -458,6 +461,56 @@ static void walk_queue(const WalkQueue* queue, LightFrame light_frame, const Tra
 #define TRACE_MORE_OF_BLOCKS
 #endif
 
+#if TRACE_BY_ANSWERS
+// As below, of points that nobody has looked at.
+GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
+                           TracePoints to, TraceCounts* total) {
+    PointsLayout layout = to.layout;
+    BlockGrid grid = block_grid(light_frame, frames.projections, 0u);
+    bool sees_map = frames.has_map && map_is_seen(frames.projections);
+    TraceCounts counts = *total;
+    GN_FOR_EACH_OF(block, share) {
+        BlockPoints points = load_points(to.positions, to.receivers, layout, block);
+        LaneInt valid = valid_lanes(layout, block), left = valid & present_lanes(points.at);
+        counts.minus_absent += valid & ~left;
+        LaneInt away = (LaneInt)(0);
+        if (LANES_ANY(left))
+            away = look_up_away(to.answers, pairs.vertices, points.receivers,
+                                left & lanes_below(points.receivers, to.triangle_count), to.triangle_count, layout,
+                                light_of(light_frame), &counts.facing_exact);
+        counts.minus_away += away;
+        left &= ~away;
+        LaneFloat state = state_of_lanes(away, left);
+        if (!LANES_ANY(left)) {
+            store_lanes(state, to.visibility, layout, block);
+            continue;
+        }
+        PointBlock values = grid_values(light_frame, points.at);
+        bool is_inside = !LANES_ANY(left & ~lanes_stay_open(to.domain, points.at, values));
+        if (!is_inside) {
+            LaneInt strays, open = prepared_lanes(light_frame, to.domain, points.at, left, &strays);
+            counts.minus_strays += strays;
+            state = LANES_SELECT(state, (LaneFloat)(1.0f), left & ~open & ~strays);
+            left = open;
+        }
+        uint map_says = MAP_MAY_HIDE;
+        if (sees_map && is_inside) {
+            BlockBounds bounds = bounds_of_block(light_frame, values, left);
+            map_says = map_hides(&grid, frames.projections, &bounds, frames.map);
+        }
+        if (map_says == MAP_HIDES_ALL) {
+            counts.minus_by_map += left;
+            store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), left), to.visibility, layout, block);
+            continue;
+        }
+        BlockAnswer answer = no_answer();
+        counts.tests += trace_block(&pairs, &frames, lists, sees_map && map_says != MAP_HIDES_NONE, (LaneInt)(0), left,
+                                    state, &points, &answer);
+        finish_block(&pairs, &points, left, state, &answer, to.visibility, &counts);
+    }
+    *total = counts;
+}
+#else
 // Adds to `total`. All else by value: in memory of its own, which no store to the points can change. A GPU
 // queues points whose lists are to be walked.
 GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
@@ -492,17 +545,12 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
 #else
 #if TRACE_BY_BLOCKS
         uint map_says = MAP_MAY_HIDE;
-        bool is_inside = true;  // the bounds that the grid and the map have been made for
         bool all_open = false;  // all lanes are, and in this frame: nothing has decided one before
         if (to.blocks != 0) {
-            uint frame = to.blocks[block].frame;
-            if (frame != frames.first && frame != BLOCK_IN_FRAMES) continue;
-#if TRACE_DOMAINS
-            is_inside = frame == frames.first &&
-                        (to.all_inside || block_stays_open(light_frame, to.domains, &to.blocks[block]));
-#endif
-            if (sees_map && is_inside) map_says = map_hides(&grid, frames.projections, &to.blocks[block], frames.map);
-            all_open = frame == frames.first && to.blocks[block].flags == BLOCK_ALL_OPEN;
+            BlockBounds bounds = to.blocks[block];
+            if (bounds.frame != frames.first && bounds.frame != BLOCK_IN_FRAMES) continue;
+            if (sees_map) map_says = map_hides(&grid, frames.projections, &bounds, frames.map);
+            all_open = bounds.frame == frames.first && bounds.flags == BLOCK_ALL_OPEN;
         }
         LaneFloat state = all_open ? (LaneFloat)(VISIBILITY_OPEN) : load_lanes(to.visibility, layout, block);
 #elif TRACE_LOOKS_AHEAD
@@ -522,14 +570,6 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
         }
 #endif
         BlockPoints points = load_points(to.positions, to.receivers, layout, block);
-#if TRACE_BY_BLOCKS && TRACE_DOMAINS
-        if (!is_inside) {
-            LaneInt strays, inside = prepared_lanes(light_frame, to.domains, points.at, left, &strays);
-            counts.minus_strays += strays;
-            state = LANES_SELECT(state, (LaneFloat)(1.0f), left & ~inside & ~strays);
-            left = inside;
-        }
-#endif
         LaneInt lane_frames = frames_of(light_frame, points.at) - (int)frames.first;
 #if GN_LANES == 1
         PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
@@ -555,6 +595,7 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
     }
     *total = counts;
 }
+#endif
 
 // `points_at_once`, of a GPU alone: how many a work-group takes in a round, for which `queued` has room.
 __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
@@ -592,9 +633,10 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
 #if TRACE_BLOCKS
     to.blocks = has_blocks ? block_bounds : 0;
 #endif
-#if TRACE_DOMAINS
-    to.domains = domains;
-    to.all_inside = points_stay_open(domains, frame_bounds);
+#if TRACE_BY_ANSWERS
+    to.domain = domains;
+    to.answers = answers;
+    to.triangle_count = triangle_count;
 #endif
 #if TRACE_FACES
     to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate,
@@ -616,7 +658,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
 #endif
     uint found[TRACE_COUNTS];
     read_counts(&counts, found);
-#if TRACE_FACES
+#if TRACE_FACES || TRACE_BY_ANSWERS
     if (counts.facing_exact != 0) atomic_add(&counters->facing_exact, counts.facing_exact);
 #endif
 #ifdef GN_CPU
