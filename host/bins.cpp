@@ -21,14 +21,15 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t
     session.launch("bins.cl", "bins_ranges", cl::Range::items(session.is_cpu() ? bin_count / 128 + 1 : bin_count),
                    bin_count, entries_.capacity() / lanes, counts_, ranges_, entries_.buffer(), counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)}, cl::LocalBytes{sizeof(cl_uint)});
-    const auto place = [&](const char* kernel, const auto&... more) {
-        session.launch("bins.cl", kernel, cl::Range::items(pairs_.capacity()), setup.capacity(),
-                       setup.map_tiles().capacity(), setup.tiles().capacity(), pairs_.capacity(),
-                       entries_.capacity() / lanes, pairs_.buffer(), ranges_, setup.bounds(), heights_, more...);
-    };
-    heights_.reserve(session, lanes == 1 ? entries_.capacity() * sizeof(cl_ushort) : 0);
-    if (lanes == 1) place("bins_heights", counters);
-    place("bins_scatter", entries_.buffer(), counters);
+    const bool orders = lanes == 1;
+    listed_.reserve(session, orders ? entries_.capacity() * std::size_t(BIN_ENTRY_BYTES) : 0);
+    session.launch("bins.cl", "bins_scatter", cl::Range::items(pairs_.capacity()), setup.capacity(),
+                   setup.map_tiles().capacity(), setup.tiles().capacity(), pairs_.capacity(),
+                   entries_.capacity() / lanes, pairs_.buffer(), ranges_, setup.bounds(),
+                   orders ? listed_ : entries_.buffer(), counters);
+    if (orders)
+        session.launch("bins.cl", "bins_order", cl::Range::items(entries_.capacity()), listed_, entries_.buffer(),
+                       counters);
 }
 
 bool Bins::fitted(cl::Session& session, const FrameCounters& counted, bool setup_fitted) {

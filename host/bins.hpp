@@ -29,7 +29,7 @@ public:
 
 private:
     cl::Buffer counts_, ranges_;
-    cl::Buffer heights_;  ///< of each entry, on a GPU
+    cl::Buffer listed_;  ///< on a GPU: the entries before those of a run are put in order
     GrowingList pairs_{sizeof(Pair)}, entries_{BIN_ENTRY_BYTES};
     std::uint32_t first_capacity_ = initial_capacity;
 };

@@ -5,7 +5,7 @@
 // A triangle enters a bin's list unless it certainly cannot matter there (bin_test.h). Each pair of triangle and bin is
 // found once: bins_pairs remembers it with its place in the bin's list, bins_ranges gives each bin its part of the
 // entries (in any order: what matters is that a list is contiguous), and bins_scatter writes it there. On a GPU
-// bins_heights comes before, so that bins_scatter can put the highest triangles of each run of a list first.
+// bins_order then puts the highest triangles of each run of a list first.
 #include "bins.h"
 
 #include "tile_bins.h"
@@ -170,34 +170,19 @@ static bool all_fits(uint slot_capacity, uint map_tile_capacity, uint tile_capac
            counters->tiles <= tile_capacity && counters->pairs <= pair_capacity && counters->entries <= entry_capacity;
 }
 
-// The height of each place of each list.
-__kernel void bins_heights(uint slot_capacity, uint map_tile_capacity, uint tile_capacity, uint pair_capacity,
-                           uint entry_capacity, __global const Pair* pairs, __global const uint2* ranges,
-                           __global const TriangleBounds* bounds, __global ushort* heights,
-                           __global const FrameCounters* counters) {
-    if (!all_fits(slot_capacity, map_tile_capacity, tile_capacity, pair_capacity, entry_capacity, counters)) return;
-    GN_FOR_EACH(i, counters->pairs) {
-        Pair pair = pairs[i];
-        if (pair.bin != GN_NO_ID) heights[ranges[pair.bin].x + pair.place] = bounds[pair.slot].z;
-    }
-}
-
 #if GN_LANES == 1
-// The place in its run of a list, highest first; of equals in the order that they came in.
-static uint place_in_order(uint place, uint2 range, __global const ushort* heights) {
-    uint first = range.x + place / LIST_RUN * LIST_RUN, end = min(first + LIST_RUN, range.y), mine = range.x + place;
-    uint height = heights[mine], at = place / LIST_RUN * LIST_RUN;
-    for (uint i = first; i < end; ++i) at += heights[i] > height || (heights[i] == height && i < mine) ? 1u : 0u;
-    return at;
+// Where in its run an entry was put, and how many are in the run: what bins_order has to know, for as long as the
+// entries are not in order.
+static uint packed_run(uint place, uint count) {
+    uint in_run = place % LIST_RUN;
+    return in_run | min(count - (place - in_run), LIST_RUN) << 8;
 }
-#else
-static uint place_in_order(uint place, uint2 range, __global const ushort* heights) { return place; }
 #endif
 
 __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile_capacity, uint pair_capacity,
                            uint entry_capacity, __global const Pair* pairs, __global const uint2* ranges,
-                           __global const TriangleBounds* bounds, __global const ushort* heights,
-                           __global BinEntries* entries, __global FrameCounters* counters) {
+                           __global const TriangleBounds* bounds, __global BinEntries* entries,
+                           __global FrameCounters* counters) {
     if (!all_fits(slot_capacity, map_tile_capacity, tile_capacity, pair_capacity, entry_capacity, counters)) {
         if (get_global_id(0) == 0) counters->references = GN_NO_LISTS;
         return;
@@ -206,13 +191,14 @@ __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile
         Pair pair = pairs[i];
         if (pair.bin == GN_NO_ID) continue;
         uint2 range = ranges[pair.bin];
-        uint place = place_in_order(pair.place, range, heights);
-        __global BinEntries* at = &entries[range.x + place / GN_LANES];
+        __global BinEntries* at = &entries[range.x + pair.place / GN_LANES];
 #if GN_LANES == 1
-        *(__global uint4*)at = (uint4)(((__global const uint4*)bounds)[pair.slot].xyz, pair.slot);  // in one go
+        uint4 of = ((__global const uint4*)bounds)[pair.slot];
+        uint run = packed_run(pair.place, range.y - range.x);
+        *(__global uint4*)at = (uint4)(of.xy, (of.z & 0xFFFFu) | run << 16, pair.slot);  // in one go
 #else
         TriangleBounds of = bounds[pair.slot];
-        uint lane = place % GN_LANES;
+        uint lane = pair.place % GN_LANES;
         ENTRY_LANE(at, x0, lane) = of.x0;
         ENTRY_LANE(at, y0, lane) = of.y0;
         ENTRY_LANE(at, x1, lane) = of.x1;
@@ -222,3 +208,21 @@ __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile
 #endif
     }
 }
+
+#if GN_LANES == 1
+// Each run of each list, highest first; of equals in the order that they came in. Place by place, so that all items
+// have about as much to do.
+__kernel void bins_order(__global const uint4* listed, __global uint4* entries,
+                         __global const FrameCounters* counters) {
+    GN_FOR_EACH(place, counters->references == GN_NO_LISTS ? 0u : counters->entries) {
+        uint4 mine = listed[place];
+        uint run = mine.z >> 16, first = (uint)place - (run & 0xFFu), end = first + (run >> 8), at = first;
+        mine.z &= 0xFFFFu;
+        for (uint i = first; i < end; ++i) {
+            uint height = listed[i].z & 0xFFFFu;
+            at += height > mine.z || (height == mine.z && i < (uint)place) ? 1u : 0u;
+        }
+        entries[at] = mine;
+    }
+}
+#endif
