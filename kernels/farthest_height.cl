@@ -44,8 +44,8 @@ static void lower_footprint_bins(__constant const Projection* projection, PointB
 
 // Whether that was all there is to do for a block: if its points lie in 2 x 2 bins, there is no need to load them.
 // (Counted on Sponza: with its least in all of these bins .7 % more references are listed.)
-static bool lower_block(const BlockGrid* grid, __constant const Projection* projection,
-                        __global const BlockBounds* at, uint frame, volatile __global uint* lowest) {
+static bool lower_block(const BlockGrid* grid, __constant const Projection* projection, __global const BlockBounds* at,
+                        uint frame, volatile __global uint* lowest) {
     BlockBounds bounds = *at;
     const BlockBounds* block = &bounds;
     if (block->frame == BLOCK_IN_NO_FRAME) return true;
