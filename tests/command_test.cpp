@@ -72,7 +72,7 @@ protected:
     }
 
     pid_t start(const Arguments& arguments, const RunOptions& options = {}) const {
-        std::vector<std::string> words{GNOMON_BINARY};
+        std::vector<std::string> words{program_};
         words.insert(words.end(), arguments.begin(), arguments.end());
         std::vector<char*> argv;
         for (std::string& word : words) argv.push_back(word.data());
@@ -132,7 +132,7 @@ protected:
 
     nlohmann::json statistics(const std::string& name) const { return nlohmann::json::parse(text_of(in_folder(name))); }
 
-    fs::path root_, folder_;
+    fs::path root_, folder_, program_ = GNOMON_BINARY;
 };
 
 // ---- A scene with a known answer ------------------------------------------------------------------------------------
@@ -458,6 +458,14 @@ TEST_F(Command, UnknownNamesAreAnsweredWithTheListOfWhatExists) {
     expect_failure(with({"--device", "no such device"}), 1, "no such device");
     expect_failure(with({"--device", "99:0"}), 1, "99:0");
     expect_failure({"techniques", "magic"}, 1, "these exist: frustum-traced");
+}
+
+TEST_F(Command, AloneItWritesPicturesButNoExrFilesAndGalleries) {
+    program_ = root_ / "gnomon";  // without its module, which alone knows OpenImageIO
+    fs::copy_file(GNOMON_BINARY, program_);
+    render_quietly({"-o", "picture.png", "--mask", "mask.png", "--size", "32x32"});
+    expect_failure({"render", "-o", "other.png", "--aov", "view.exr"}, 1, "gnomon_openimageio.so");
+    expect_failure({"gallery", "-o", "page.html"}, 1, "gnomon_openimageio.so");
 }
 
 TEST_F(Command, NoOpenClAtAll) {

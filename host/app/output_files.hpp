@@ -10,13 +10,15 @@
 #include <list>
 #include <string>
 
+#include "byte_sink.hpp"
+
 namespace gnomon::app {
 
-class OutputFile {
+class OutputFile final : public ByteSink {
 public:
     /// Throws Error if `target` cannot be written.
     explicit OutputFile(std::filesystem::path target);
-    ~OutputFile();
+    ~OutputFile() override;
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
@@ -25,13 +27,10 @@ public:
     const std::filesystem::path& resolved() const { return resolved_; }
     bool is_direct() const { return temporary_.empty(); }
 
-    /// Writes at the position and returns how many bytes were written. A failure is kept for check(), since some
-    /// callers are libraries that an exception must not cross.
-    std::size_t write(const void* bytes, std::size_t count) noexcept;
-    bool seek(std::size_t position) noexcept;
-    std::size_t position() const noexcept { return position_; }
-    /// Throws Error with the reason if anything failed so far.
-    void check() const;
+    std::size_t write(const void* bytes, std::size_t count) noexcept override;
+    bool seek(std::size_t position) noexcept override;
+    std::size_t position() const noexcept override { return position_; }
+    void check() const override;
 
     /// Closes the file and puts it in place. Throws Error, like check().
     void commit();

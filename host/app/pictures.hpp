@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures through OpenImageIO, streamed into an OutputFile. The format is chosen here, never by the file's name.
+// Pictures, streamed into an OutputFile. The format is chosen here, never by the file's name.
 // Nothing in a file depends on the time or the machine: the same values give the same bytes.
 #pragma once
 
@@ -27,5 +27,8 @@ std::string png_data_uri(std::uint32_t width, std::uint32_t height, std::span<co
 std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 /// RGBA bytes as a PNG, or as a JPEG where that is shorter: pictures of a few colours stay exact.
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
+
+/// Throws Error if all but write_picture() and write_mask() would: to be asked before long work.
+void require_openimageio();
 
 }  // namespace gnomon::app

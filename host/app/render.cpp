@@ -57,6 +57,7 @@ struct Outputs {
         };
         picture = open(options.picture);
         if (options.mask && options.light != "all") masks.push_back(open(options.mask));
+        if (options.aov) require_openimageio();
         aov = open(options.aov);
         triangle_dump = open(options.triangle_dump);
         point_dump = open(options.point_dump);

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+// The module gnomon_openimageio. EXR files are written in bands of rows, so that a picture of 16384 x 16384 needs no
+// second copy in memory.
+#include "openimageio.hpp"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace gnomon::app {
+namespace {
+
+/// Rows per band: a multiple of the 16 rows that zip compresses together.
+constexpr std::uint32_t band_rows = 64;
+
+/// OpenImageIO's view of a file. Failures stay in the file.
+class FileProxy final : public OIIO::Filesystem::IOProxy {
+public:
+    FileProxy(ByteSink& file, const std::string& name) : IOProxy(name, Write), file_(file) {}
+    const char* proxytype() const override { return "gnomon"; }
+    void close() override {}
+    bool opened() const override { return true; }
+    int64_t tell() override { return int64_t(file_.position()); }
+    bool seek(int64_t offset) override { return file_.seek(std::size_t(offset)); }
+    std::size_t write(const void* bytes, std::size_t count) override { return file_.write(bytes, count); }
+
+private:
+    ByteSink& file_;
+};
+
+/// One EXR being written: opened with its spec, fed with bands, closed.
+class ExrWriter {
+public:
+    ExrWriter(ByteSink& file, const std::string& name, const OIIO::ImageSpec& spec)
+        : file_(file), name_(name), proxy_(file, name), output_(OIIO::ImageOutput::create("exr")) {
+        if (!output_ || !output_->supports("ioproxy"))
+            throw Error("cannot write " + name + ": this OpenImageIO cannot write exr");
+        // The format is named by the argument: the file's own name may be anything (a temporary, a device).
+        if (!output_->set_ioproxy(&proxy_) || !output_->open("picture.exr", spec)) fail();
+    }
+
+    /// Rows [first, first + rows), packed, each channel's bits as they are: unknown means native.
+    void write_band(std::uint32_t first, std::uint32_t rows, const void* pixels) {
+        if (!output_->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, pixels)) fail();
+        file_.check();
+    }
+
+    void close() {
+        if (!output_->close()) fail();
+        file_.check();
+    }
+
+private:
+    [[noreturn]] void fail() {
+        file_.check();  // the system's reason, if there is one, says more
+        throw Error("cannot write " + name_ + ": " + output_->geterror());
+    }
+
+    ByteSink& file_;
+    std::string name_;
+    FileProxy proxy_;
+    std::unique_ptr<OIIO::ImageOutput> output_;  // last: it is destroyed before what it writes to
+};
+
+/// One pixel of the EXR, as its channels lie in memory. Floats and an unsigned integer, all of 4 bytes: no padding.
+struct AovPixel {
+    float position[3];
+    float normal[3];
+    float visibility;
+    std::uint32_t receiver;
+};
+static_assert(sizeof(AovPixel) == 32);
+
+OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height) {
+    OIIO::ImageSpec spec(int(width), int(height), 8, OIIO::TypeFloat);
+    spec.channelnames = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "visibility", "receiver"};
+    spec.channelformats.assign(7, OIIO::TypeFloat);
+    spec.channelformats.push_back(OIIO::TypeUInt32);
+    spec.attribute("compression", "zip");
+    spec.attribute("DateTime", "");  // else OpenImageIO writes the time of day, and equal values give unequal files
+    return spec;
+}
+
+AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> visibility, std::size_t pixel) {
+    AovPixel result{};
+    std::copy_n(view.position.begin() + std::ptrdiff_t(3 * pixel), 3, result.position);
+    std::copy_n(view.normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.normal);
+    result.visibility = visibility[pixel];
+    result.receiver = view.receiver[pixel];
+    return result;
+}
+
+std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
+                     std::span<const std::uint8_t> pixels, std::ptrdiff_t pixel_bytes) {
+    std::vector<unsigned char> bytes;
+    OIIO::Filesystem::IOVecOutput memory(bytes);
+    const auto output = OIIO::ImageOutput::create(format);
+    OIIO::ImageSpec spec(int(width), int(height), 3, OIIO::TypeUInt8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    spec.attribute("CompressionQuality", 90);
+    if (!output || !output->supports("ioproxy") || !output->set_ioproxy(&memory) ||
+        !output->open("picture." + format, spec) || !output->write_image(OIIO::TypeUInt8, pixels.data(), pixel_bytes) ||
+        !output->close())
+        throw Error("this OpenImageIO cannot write " + format + " into a page" +
+                    (output ? ": " + output->geterror() : ""));
+    const OIIO::string_view view(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    return "data:image/" + format + ";base64," + OIIO::Strutil::base64_encode(view);
+}
+
+void write_aov(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
+               std::uint32_t height, const ViewOnHost& view, std::span<const float> visibility) {
+    OIIO::ImageSpec spec = aov_spec(width, height);
+    spec.attribute("Software", software);
+    ExrWriter picture(file, name, spec);
+    std::vector<AovPixel> band;
+    for (std::uint32_t first = 0; first < height; first += band_rows) {
+        const std::uint32_t rows = std::min(band_rows, height - first);
+        const std::size_t first_pixel = std::size_t(first) * width;
+        band.resize(std::size_t(rows) * width);
+        for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, visibility, first_pixel + i);
+        picture.write_band(first, rows, band.data());
+    }
+    picture.close();
+}
+
+}  // namespace
+}  // namespace gnomon::app
+
+extern "C" const gnomon::app::OpenImageIo gnomon_openimageio{gnomon::app::write_aov, gnomon::app::data_uri};

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// The command's module gnomon_openimageio: EXR files, and pictures inside a page. OpenImageIO comes with some 250
+// libraries, whose loading takes longer than to make a picture: so only runs that need them open the module.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "../gnomon.hpp"
+#include "byte_sink.hpp"
+
+namespace gnomon::app {
+
+/// What the module does. Failures are Error.
+struct OpenImageIo {
+    /// As write_aov() of pictures.hpp; `name` is what errors call the file, `software` who made it.
+    void (*write_aov)(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
+                      std::uint32_t height, const ViewOnHost& view, std::span<const float> visibility);
+    /// The first three channels as "data:image/FORMAT;base64,...". `pixel_bytes`: from one pixel to the next.
+    std::string (*data_uri)(const std::string& format, std::uint32_t width, std::uint32_t height,
+                            std::span<const std::uint8_t> pixels, std::ptrdiff_t pixel_bytes);
+};
+
+/// The module, opened at the first call. Throws Error if it is not where it was built or installed.
+const OpenImageIo& open_image_io();
+
+}  // namespace gnomon::app
+
+/// What open_image_io() looks for in the module.
+extern "C" const gnomon::app::OpenImageIo gnomon_openimageio;
