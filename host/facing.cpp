@@ -6,14 +6,23 @@
 namespace gnomon {
 namespace {
 
+// Of a picture, under a direction: what a CPU has a kernel of its own for.
+bool is_usual(const cl::Session& session, const LightFrame& light_frame, cl_uint opens, const PointsLayout& layout,
+              const cl::Buffer* blocks) {
+    return session.lanes() > 1 && opens == FACING_BOUNDS && blocks != nullptr && light_frame.perspective == 0 &&
+           layout.point_stride == 1 && layout.has_receivers == 1 && layout.picture_width != 0;
+}
+
 // What `opens` has no use for may be any buffer. `answers`: where points look their receivers up; null: receivers are
 // asked point by point. `blocks`: to be written; null: they are not.
 void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, const TriangleInputs& triangles,
             const PointInputs& points, const cl::Buffer* answers, cl_mem visibility, const cl::Buffer& frame_bounds,
             const cl::Buffer* blocks, const cl::Buffer& counters) {
-    const char* looked_up = points.footprints != nullptr ? "facing_looked_up_around" : "facing_looked_up";
     PointsLayout layout = points.layout;
     if (points.face_light) layout.has_receivers = 0;
+    const char* looked_up = points.footprints != nullptr                            ? "facing_looked_up_around"
+                            : is_usual(session, light_frame, opens, layout, blocks) ? "facing_as_usual"
+                                                                                    : "facing_looked_up";
     // A frame's margins hang on the world bounds of what an item takes together, so that their last bits (never an
     // answer) hang on the number of items: of the device's on a GPU, whatever the size of work-groups; of cores and of
     // that size on a CPU. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)

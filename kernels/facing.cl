@@ -261,12 +261,8 @@ GN_APART void face_looked_up_around(PointsLayout layout, LightFrame light_frame,
     face_points(layout, light_frame, opens, 1u, 1u, has_blocks, triangle_count, *to, bounds, counts, share);
 }
 #if GN_LANES > 1
-// Of a picture, under a direction.
-static bool is_usual(PointsLayout layout, LightFrame light_frame, uint opens, uint has_blocks) {
-    return opens == FACING_BOUNDS && has_blocks && !light_frame.perspective && layout.point_stride == 1u &&
-           layout.has_receivers == 1u && layout.picture_width != 0u;
-}
-// face_points() of these: coordinates in the order of the frame's axes, and nothing asked that is the same for all.
+// face_points() of a picture, under a direction (is_usual() of host/facing.cpp): coordinates in the order of the
+// frame's axes, and nothing asked that is the same for all.
 GN_APART void face_usual(PointsLayout layout, LightFrame frame, uint triangle_count, const FacingBuffers* buffers,
                          RunningBounds* bounds, FacingCounts* total, Share share) {
     FacingBuffers to = *buffers;
@@ -314,11 +310,16 @@ GN_APART void face_usual(PointsLayout layout, LightFrame frame, uint triangle_co
 }
 #endif
 
-// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `looks_up`: answers
-// are there to be looked up, and no point is doubtful. `has_blocks`: blocks is to be written. `shared`: BOUNDS_WORDS
-// for each frame. The frames' bounds and the counters are zeroed before.
+// How receivers are asked: point by point; or by answers that are there to be looked up, where no point is doubtful;
+// so, and the run is a usual one.
+#define ASKS_EACH 0u
+#define LOOKS_UP 1u
+#define LOOKS_UP_AS_USUAL 2u
+
+// `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `has_blocks`: blocks is to be
+// written. `shared`: BOUNDS_WORDS for each frame. The frames' bounds and the counters are zeroed before.
 __attribute__((always_inline)) static void decide_facing(
-    PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, bool looks_up, uint has_blocks,
+    PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint way, uint has_blocks,
     ulong first_float, uint triangle_count, __global const float* positions, __global const float* footprints,
     __global const uint* receivers, __global const float* vertices, TriangleAnswers answers, __global float* visibility,
     volatile __global uint* frame_bounds, __global BlockBounds* blocks, __global FrameCounters* counters,
@@ -334,13 +335,13 @@ __attribute__((always_inline)) static void decide_facing(
     RunningBounds bounds;
     start_bounds(&bounds, 0u);
     Share share = share_of(block_count(layout));
-    if (!looks_up)
+    if (way == ASKS_EACH)
         face_asked(layout, light_frame, opens, has_footprints, has_blocks, triangle_count, &to, &bounds, &counts,
                    share);
     else if (has_footprints)
         face_looked_up_around(layout, light_frame, opens, has_blocks, triangle_count, &to, &bounds, &counts, share);
 #if GN_LANES > 1
-    else if (is_usual(layout, light_frame, opens, has_blocks))
+    else if (way == LOOKS_UP_AS_USUAL)
         face_usual(layout, light_frame, triangle_count, &to, &bounds, &counts, share);
 #endif
     else
@@ -364,20 +365,24 @@ __attribute__((always_inline)) static void decide_facing(
     if (counts.exact != 0) atomic_add(&counters->facing_exact, counts.exact);
 }
 
-#define FACING_KERNEL(name, has_footprints_here, looks_up)                                                            \
-    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks, \
-                       ulong first_float, uint triangle_count, __global const float* positions,                       \
-                       __global const float* footprints, __global const uint* receivers,                              \
-                       __global const float* vertices, TriangleAnswers answers, __global float* visibility,           \
-                       volatile __global uint* frame_bounds, __global BlockBounds* blocks,                            \
-                       __global FrameCounters* counters, __local uint* shared) {                                      \
-        __local uint group_counts[2];                                                                                 \
-        decide_facing(layout, light_frame, opens, has_footprints_here, looks_up, has_blocks, first_float,             \
-                      triangle_count, positions, footprints, receivers, vertices, answers, visibility, frame_bounds,  \
-                      blocks, counters, shared, group_counts);                                                        \
+#define FACING_KERNEL(name, has_footprints_here, way)                                                                  \
+    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks,  \
+                       ulong first_float, uint triangle_count, __global const float* positions,                        \
+                       __global const float* footprints, __global const uint* receivers,                               \
+                       __global const float* vertices, TriangleAnswers answers, __global float* visibility,            \
+                       volatile __global uint* frame_bounds, __global BlockBounds* blocks,                             \
+                       __global FrameCounters* counters, __local uint* shared) {                                       \
+        __local uint group_counts[2];                                                                                  \
+        decide_facing(layout, light_frame, opens, has_footprints_here, way, has_blocks, first_float, triangle_count,   \
+                      positions, footprints, receivers, vertices, answers, visibility, frame_bounds, blocks, counters, \
+                      shared, group_counts);                                                                           \
     }
 
-// Three kernels: what the exact predicate and footprints need of a GPU's registers would slow down the look-up as well.
-FACING_KERNEL(facing, has_footprints, false)
-FACING_KERNEL(facing_looked_up, false, true)
-FACING_KERNEL(facing_looked_up_around, true, true)
+// What the exact predicate and footprints need of a GPU's registers would slow down the look-up as well; and PoCL
+// compiles of a program only the kernels that are launched.
+FACING_KERNEL(facing, has_footprints, ASKS_EACH)
+FACING_KERNEL(facing_looked_up, false, LOOKS_UP)
+FACING_KERNEL(facing_looked_up_around, true, LOOKS_UP)
+#if GN_LANES > 1
+FACING_KERNEL(facing_as_usual, false, LOOKS_UP_AS_USUAL)
+#endif
