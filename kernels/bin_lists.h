@@ -136,6 +136,22 @@ static uint next_that_meet(__global const BinEntries* entries, uint2 range, uint
 }
 #endif
 
+#if GN_LANES != 1
+static uint bits_of_shorts(short16 mask) {
+#ifdef GN_X86_SIGNS
+    return (uint)__builtin_ia32_pmovmskb128(convert_char16(mask));
+#else
+    long2 some = as_long2(mask.lo | mask.hi);
+    if ((some.x | some.y) == 0) return 0u;
+    ushort16 bits =
+        as_ushort16(mask) & (ushort16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
+    ushort8 a = bits.lo | bits.hi;
+    ushort4 b = a.lo | a.hi;
+    return (uint)(b.x | b.y) | (uint)(b.z | b.w);
+#endif
+}
+#endif
+
 // Bit i: entry i of these may meet the block.
 static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock block) {
 #if GN_LANES == 1
@@ -143,21 +159,8 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
 #else
     short16 meets = (entries->x0 <= block.x1) & (entries->y0 <= block.y1) & (entries->x1 >= block.x0) &
                     (entries->y1 >= block.y0) & (entries->z >= block.z) & (entries->x0 <= entries->x1);
-    long2 some = as_long2(meets.lo | meets.hi);
-    if ((some.x | some.y) == 0) return 0u;
-    ushort16 bits =
-        as_ushort16(meets) & (ushort16)(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768);
-    ushort8 a = bits.lo | bits.hi;
-    ushort4 b = a.lo | a.hi;
-    return (uint)(b.x | b.y) | (uint)(b.z | b.w);
+    return bits_of_shorts(meets);
 #endif
-}
-
-// The lowest bit that is set, which it clears.
-static uint take_lowest_bit(uint* bits) {
-    uint lowest = *bits & (0u - *bits);
-    *bits &= ~lowest;
-    return 31u - clz(lowest);
 }
 
 #if GN_LANES != 1

@@ -52,7 +52,7 @@ static void append_bins_in_lanes(PairList* list, uint slot, const TriangleRecord
     LaneInt matters = lanes_may_matter(record, list->projection, x, y, list->has_heights, list->heights);
     matters &= LANE_COMPARE(i, ==, wanted);
     LaneInt numbers = y * (int)list->projection->bins_x + x;
-    uint bits = (uint)LANES_SUM(matters & ((LaneInt)(1) << LANE_INDEX));
+    uint bits = lane_bits(matters);
     while (bits != 0u) append_pair(list, slot, (uint)LANE_OF_INT(numbers, take_lowest_bit(&bits)));
 }
 

@@ -39,13 +39,19 @@ static uint map_hides(const BlockGrid* grid, __constant const Projection* projec
     if (grid->indistinct || block->frame == BLOCK_IN_FRAMES) return MAP_MAY_HIDE;
     BlockBox box = block_box(grid, projection, block);
     if ((box.x1 - box.x0 + 1u) * (box.y1 - box.y0 + 1u) > BLOCK_TEXELS) return MAP_MAY_HIDE;
-    uint least = 0xFFFFFFFFu, greatest = 0u;
-    for (uint y = box.y0; y <= box.y1; ++y)
-        for (uint x = box.x0; x <= box.x1; ++x) {
-            uint cover = map[y * projection->width + x];
-            least = min(least, cover);
-            greatest = max(greatest, cover);
-        }
+    // The corners first, without a loop: most boxes have no other texels.
+    uint right = box.x1 - box.x0, rows = box.y1 - box.y0, width = projection->width;
+    __global const uint* covers = map + box.y0 * width + box.x0;
+    uint corners[4] = {covers[0], covers[right], covers[rows * width], covers[rows * width + right]};
+    uint least = min(min(corners[0], corners[1]), min(corners[2], corners[3]));
+    uint greatest = max(max(corners[0], corners[1]), max(corners[2], corners[3]));
+    if (max(right, rows) > 1u)
+        for (uint y = 0; y <= rows; ++y)
+            for (uint x = 0; x <= right; ++x) {
+                uint cover = covers[y * width + x];
+                least = min(least, cover);
+                greatest = max(greatest, cover);
+            }
     // As floats, since a box may say -0 of points at 0. A texel that nothing covers has 0: NaN, above nothing.
     if (greatest == 0u || box.z0 >= key_to_float(greatest)) return MAP_HIDES_NONE;
     return !(block->flags & BLOCK_DOUBTFUL) && box.z1 < key_to_float(least) ? MAP_HIDES_ALL : MAP_MAY_HIDE;

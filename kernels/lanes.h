@@ -6,6 +6,13 @@
 
 #include "prelude.h"
 
+// Where a CPU has an instruction that collects the signs of lanes.
+#if defined(__AVX__) && defined(__has_builtin)
+#if __has_builtin(__builtin_ia32_movmskps256) && __has_builtin(__builtin_ia32_pmovmskb128)
+#define GN_X86_SIGNS
+#endif
+#endif
+
 #if GN_LANES == 1
 typedef float LaneFloat;
 typedef int LaneInt;
@@ -104,8 +111,28 @@ static int sum_of_16(int16 v) {
 #define LANE_OF_INT(v, lane) (((int*)&(v))[lane])
 #define LANE_OF_FLOAT(v, lane) (((float*)&(v))[lane])
 
+// Bit i: lane i of a mask is set.
+#if GN_LANES == 1
+static uint lane_bits(LaneInt mask) { return (uint)mask & 1u; }
+#elif defined(GN_X86_SIGNS)
+static uint lane_bits(LaneInt mask) {
+    float16 signs = as_float16(mask);
+    return (uint)__builtin_ia32_movmskps256(signs.lo) | (uint)__builtin_ia32_movmskps256(signs.hi) << 8;
+}
+#else
+static uint lane_bits(LaneInt mask) { return (uint)LANES_SUM(mask & ((LaneInt)(1) << LANE_INDEX)); }
+#endif
+
+// The lowest of the bits, of which there is one at least; and clears it.
+static uint lowest_bit(uint bits) { return 31u - clz(bits & (0u - bits)); }
+static uint take_lowest_bit(uint* bits) {
+    uint lowest = lowest_bit(*bits);
+    *bits &= *bits - 1u;
+    return lowest;
+}
+
 // The first lane that is set, of a mask that has one; and how many are.
-static int first_lane(LaneInt mask) { return LANES_MINIMUM(LANES_SELECT((LaneInt)(GN_LANES), LANE_INDEX, mask)); }
+static int first_lane(LaneInt mask) { return GN_LANES == 1 ? 0 : (int)lowest_bit(lane_bits(mask)); }
 static uint count_lanes(LaneInt mask) { return (uint)-LANES_SUM(mask); }
 
 // Signed integers in the order of the floats (no NaN): float_to_key() with the top bit turned.

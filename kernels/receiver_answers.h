@@ -24,7 +24,7 @@ static uint ask_triangles(TriangleAnswers answers, uint block, __global const fl
     TriangleBlock t = load_triangles(vertices, first, triangle_count);
     LaneInt asked = LANE_COMPARE((LaneInt)((int)min(triangle_count - first, (uint)GN_LANES)), >, LANE_INDEX);
     ReceiverAnswer answer = answer_of_triangles(&t, asked, 0, layout, light, &by_integers);
-    uint word = TRIANGLES_ANSWERED | (uint)LANES_SUM(answer.faces_away & ((LaneInt)(1) << LANE_INDEX));
+    uint word = TRIANGLES_ANSWERED | lane_bits(answer.faces_away);
     // Several work-items may ask at once: what it took is counted once.
     if (atomic_xchg(&answers[block], word) == 0u) *exact += by_integers;
     return word;

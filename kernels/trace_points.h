@@ -150,8 +150,8 @@ static LaneInt receivers_of(const ExactPairs* pairs, const BlockPoints* points) 
 static LaneInt settle_open(const ExactPairs* pairs, LaneInt open, const BlockPoints* points, uint id,
                            BlockAnswer* answer) {
     LaneInt settled = (LaneInt)(0);
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        if (!LANE_OF_INT(open, lane)) continue;
+    for (uint bits = lane_bits(open); bits != 0u;) {
+        int lane = (int)take_lowest_bit(&bits);
         if (TRACE_IN_PLACE) {
             if (!blocks_exactly(pairs, lane_point(points->at, lane), id)) continue;
             LANE_OF_INT(answer->shadowed, lane) = LANE_OF_INT(answer->by_exact, lane) = LANE_OF_INT(settled, lane) = -1;
@@ -180,11 +180,12 @@ static LaneInt settle(const ExactPairs* pairs, FilterAnswer found, const BlockPo
 static void hand_over_waiting(const ExactPairs* pairs, const BlockPoints* points, BlockAnswer* answer) {
     LaneInt lanes =
         ~answer->shadowed & ~answer->postponed & LANE_COMPARE(answer->waiting, !=, (LaneInt)((int)GN_NO_ID));
-    if (!LANES_ANY(lanes)) return;
-    for (int lane = 0; lane < GN_LANES; ++lane)
-        if (LANE_OF_INT(lanes, lane) && !hand_over(pairs, (uint)point_of_lane(points->layout, points->block, lane),
-                                                   (uint)LANE_OF_INT(answer->waiting, lane)))
+    for (uint bits = lane_bits(lanes); bits != 0u;) {
+        int lane = (int)take_lowest_bit(&bits);
+        if (!hand_over(pairs, (uint)point_of_lane(points->layout, points->block, lane),
+                       (uint)LANE_OF_INT(answer->waiting, lane)))
             LANE_OF_INT(answer->postponed, lane) = -1;
+    }
 }
 
 #if GN_LANES != 1
