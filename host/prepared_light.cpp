@@ -4,6 +4,7 @@
 #include <array>
 
 #include "../kernels/claim.h"
+#include "../kernels/lit_receivers.h"
 
 namespace gnomon {
 namespace {
@@ -58,6 +59,7 @@ PreparedLight::PreparedLight(cl::Session& session, Statistics& statistics, const
         keep(session, statistics, lists, counted, frame);
         add_counters(counted_, counted);
     }
+    find_lit_receivers(session, statistics, inputs);
     is_usable_ = true;
 }
 
@@ -83,6 +85,20 @@ void PreparedLight::keep_planes(cl::Session& session, Statistics& statistics, co
     session.launch("prepared_light.cl", "prepared_planes", cl::Range::items(triangles.count / session.lanes() + 1),
                    light_frame_, triangles.first_float, triangles.count, triangles.vertices, planes_,
                    largest_coordinate_);
+}
+
+// Of a lamp's none are sought, whose triangles may be in several frames, and hidden in some. Nor on a CPU, where the
+// search takes longer than dozens of frames would gain.
+void PreparedLight::find_lit_receivers(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles) {
+    const std::size_t words = triangles.count / LIT_WORD_BITS + 1;
+    lit_.reserve(session, words * sizeof(cl_uint));
+    session.fill(lit_, 0, words * sizeof(cl_uint));
+    if (session.is_cpu() || frame_count_of(light_frame_) != 1 || records_kept_ == 0) return;
+    cl::StageTimer timer(session, statistics, "lit_receivers");
+    session.launch("lit_receivers.cl", "lit_candidates", cl::Range::items(records_kept_), records_kept_, bounds_, lit_);
+    session.launch("lit_receivers.cl", "lit_receivers", cl::Range::items(std::size_t(records_kept_) * LIT_TEAM),
+                   light_frame_, projections(), triangles.first_float, records_kept_, triangles.vertices, ranges_,
+                   entries_, records_, bounds_, lit_);
 }
 
 void PreparedLight::keep(cl::Session& session, Statistics& statistics, const TriangleLists& lists,
@@ -123,8 +139,8 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Tri
 
 std::uint64_t PreparedLight::bytes() const {
     std::uint64_t bytes = 0;
-    for (const cl::Buffer* buffer :
-         {&projections(), &domains_, &planes_, &largest_coordinate_, &ranges_, &map_, &entries_, &records_, &bounds_})
+    for (const cl::Buffer* buffer : {&projections(), &domains_, &planes_, &largest_coordinate_, &lit_, &ranges_, &map_,
+                                     &entries_, &records_, &bounds_})
         bytes += buffer->bytes();
     return bytes;
 }

@@ -15,8 +15,10 @@ std::size_t points_each(const cl::Session& session, const LightFrame& light_fram
     if (session.is_cpu()) return 1;  // no rounds
     constexpr std::size_t groups_each = 8;
     const std::size_t most = frame_count < frame_count_of(light_frame) ? 512 : 2048;
-    const std::size_t round = std::min(count / (session.compute_units() * groups_each), most);
-    return std::max<std::size_t>(round / session.work_group_size(), 1);
+    // Rounded up: a group too many would begin when all others have ended.
+    const std::size_t groups = session.compute_units() * groups_each;
+    const std::size_t each = (count / groups + session.work_group_size()) / session.work_group_size();
+    return std::clamp<std::size_t>(each, 1, std::max<std::size_t>(most / session.work_group_size(), 1));
 }
 
 }  // namespace
@@ -59,7 +61,7 @@ void Trace::run_prepared(cl::Session& session, const LightFrame& light_frame, co
     launch(session, by_planes ? "prepared_trace_by_planes.cl" : "prepared_trace.cl",
            by_planes ? "prepared_trace_by_planes" : "prepared_trace", light_frame, 0, frame_count_of(light_frame),
            triangles, points, projections, map, lists, visibility, counters, triangles.count, receivers.domains,
-           receivers.planes, receivers.largest_coordinate);
+           receivers.planes, receivers.largest_coordinate, receivers.lit);
 }
 
 void Trace::run_prepared_by_answers(cl::Session& session, const LightFrame& light_frame,

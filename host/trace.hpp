@@ -14,7 +14,7 @@ struct ListBuffers {
 };
 /// What a prepared light keeps for facing (kernels/prepared_facing.h).
 struct ReceiverBuffers {
-    const cl::Buffer &domains, &planes, &largest_coordinate;
+    const cl::Buffer &domains, &planes, &largest_coordinate, &lit;
 };
 inline ListBuffers list_buffers(const Bins& bins, const TriangleSetup& setup) {
     return {bins.ranges(), bins.entries(), setup.records(), setup.bounds()};

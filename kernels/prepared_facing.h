@@ -18,6 +18,7 @@
 #define GN_PREPARED_FACING_H
 
 #include "facing.h"
+#include "lit_receivers.h"
 #include "prepared_light.h"
 #include "receivers.h"
 
@@ -93,6 +94,7 @@ __attribute__((noinline)) static LaneInt settle_facing(LaneInt ids, LaneInt lane
 typedef struct PreparedReceivers {
     __global const PreparedDomain* domains;
     __global const float4* planes;
+    __global const uint* lit;        // bits
     __global const float* vertices;  // from the first triangle on
     float4 light;
     float3 eye;
@@ -102,10 +104,12 @@ typedef struct PreparedReceivers {
 
 static PreparedReceivers prepared_receivers(LightFrame light_frame, PointsLayout layout, uint triangle_count,
                                             __global const PreparedDomain* domains, __global const float4* planes,
-                                            __global const uint* largest, __global const float* vertices) {
+                                            __global const uint* largest, __global const uint* lit,
+                                            __global const float* vertices) {
     PreparedReceivers r;
     r.domains = domains;
     r.planes = planes;
+    r.lit = lit;
     r.vertices = vertices;
     r.light = light_of(light_frame);
     r.eye = eye_of(layout);
@@ -122,22 +126,39 @@ static LaneInt lanes_facing_away(const PreparedReceivers* r, LaneInt ids, LaneIn
     return asked & ~*undecided & LANE_COMPARE(above, <, (LaneFloat)(0.0f));
 }
 
+#if TRACE_BY_PLANES
+// Which of these lanes, lifted off receivers that face the light, nothing can shadow (lit_receivers.h).
+static LaneInt lanes_on_lit_receivers(const PreparedReceivers* r, LaneInt ids, LaneInt asked,
+                                      const PointBlock* points) {
+    LaneInt lit = (LaneInt)(0);
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        uint id = (uint)LANE_OF_INT(ids, lane);
+        if (LANE_OF_INT(asked, lane) && is_lit_receiver(r->lit, id) &&
+            is_certainly_within(load_triangle(r->vertices, id), lane_point(*points, lane), r->light.xyz))
+            LANE_OF_INT(lit, lane) = -1;
+    }
+    return lit;
+}
+#endif
+
 // Points by what becomes of them; the others are lit.
 typedef struct PreparedFacing {
     LaneInt absent, away, open, doubtful, strays;
 } PreparedFacing;
 
+// `ids`: of their receivers, if they have any.
 static PreparedFacing face_points(const PreparedReceivers* r, LightFrame light_frame, PointsLayout layout, size_t block,
-                                  const PointBlock* points, __global const uint* receivers, uint* exact) {
+                                  const PointBlock* points, LaneInt ids, uint* exact) {
     PreparedFacing facing;
     facing.away = facing.doubtful = (LaneInt)(0);
     LaneInt valid = valid_lanes(layout, block), open = valid & present_lanes(*points), undecided = (LaneInt)(0);
     facing.absent = valid & ~open;
     if (layout.has_receivers) {
-        LaneInt ids = load_lane_ids(receivers, layout, block), asked = open & lanes_below(ids, r->triangle_count);
+        LaneInt asked = open & lanes_below(ids, r->triangle_count);
         if (LANES_ANY(asked)) {
 #if TRACE_BY_PLANES
             facing.away = lanes_facing_away(r, ids, asked, &undecided);
+            open &= ~lanes_on_lit_receivers(r, ids, asked & ~facing.away & ~undecided, points);
 #else
             if (layout.is_lifted) {
                 facing.away = lanes_facing_away(r, ids, asked, &undecided);

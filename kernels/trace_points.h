@@ -75,7 +75,7 @@ static void add_counts(const uint* found, __global FrameCounters* counters) {
 #if TRACE_FACES
 #define TRACE_MORE_ARGUMENTS                                                                      \
     , uint triangle_count, __global const PreparedDomain *domains, __global const float4 *planes, \
-        __global const uint *largest_coordinate
+        __global const uint *largest_coordinate, __global const uint *lit
 
 static LaneFloat state_of_points(const PreparedFacing* facing) {
     LaneFloat state = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), facing->away);
@@ -512,6 +512,20 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
     *total = counts;
 }
 #else
+#if TRACE_FACES && GN_LANES == 1
+// What is asked for of the next point while one is looked at.
+typedef struct AskedPoint {
+    PointBlock at;
+    LaneInt receiver;
+} AskedPoint;
+
+static AskedPoint ask_point(const TracePoints* of, size_t point) {
+    AskedPoint asked = {load_block(of->positions, of->layout, point), (LaneInt)((int)GN_NO_ID)};
+    if (of->layout.has_receivers) asked.receiver = load_lane_ids(of->receivers, of->layout, point);
+    return asked;
+}
+#endif
+
 // Adds to `total`. All else by value: in memory of its own, which no store to the points can change. A GPU
 // queues points whose lists are to be walked.
 GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
@@ -522,18 +536,26 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
     bool sees_map = frames.has_map && map_is_seen(frames.projections);
 #endif
     TraceCounts counts = *total;
+#if TRACE_FACES && GN_LANES == 1
+    AskedPoint asked_ahead = ask_point(&to, min(share.first, share.end - 1));
+#endif
 #if TRACE_LOOKS_AHEAD
     LaneFloat state_ahead = share.first < share.end ? to.visibility[share.first] : 0.0f;
 #endif
     GN_FOR_EACH_OF(block, share) {
 #if TRACE_FACES
-        BlockPoints points = load_points(to.positions, to.receivers, layout, block);
-        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)frames.first;
 #if GN_LANES == 1
-        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
+        AskedPoint asked = asked_ahead;
+        asked_ahead = ask_point(&to, min(block + share.step, share.end - 1));
+        BlockPoints points = {asked.at, layout, block};
+        LaneInt receivers = asked.receiver;
+#else
+        BlockPoints points = load_points(to.positions, to.receivers, layout, block);
+        LaneInt receivers = points.receivers;
 #endif
+        LaneInt lane_frames = frames_of(light_frame, points.at) - (int)frames.first;
         PreparedFacing facing =
-            face_points(&to.prepared, light_frame, layout, block, &points.at, to.receivers, &counts.facing_exact);
+            face_points(&to.prepared, light_frame, layout, block, &points.at, receivers, &counts.facing_exact);
         counts.minus_absent += facing.absent;
         counts.minus_away += facing.away;
         counts.minus_strays += facing.strays;
@@ -543,6 +565,9 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
             store_lanes(state, to.visibility, layout, block);
             continue;
         }
+#if GN_LANES == 1
+        PointLookUp place = look_up(&frames, lists, lane_frames, points.at);
+#endif
 #else
 #if TRACE_BY_BLOCKS
         uint map_says = MAP_MAY_HIDE;
@@ -640,7 +665,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
     to.triangle_count = triangle_count;
 #endif
 #if TRACE_FACES
-    to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate,
+    to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate, lit,
                                      vertices + first_float);
 #endif
     TraceCounts counts = no_counts();

@@ -6,7 +6,7 @@ target_include_directories(gnomon_stage_support PUBLIC ${CMAKE_CURRENT_LIST_DIR}
 target_link_libraries(gnomon_stage_support PUBLIC gnomon gnomon_reference GTest::gtest PRIVATE gnomon_build_flags)
 
 foreach(stage IN ITEMS bins camera clusters conservative_map decisions facing farthest_height izb light_frame
-                      prepared_light samples scan sort trace triangle_setup)
+                      lit_receivers prepared_light samples scan sort trace triangle_setup)
   gnomon_test(${stage}_test SOURCES ${CMAKE_CURRENT_LIST_DIR}/${stage}_test.cpp LIBRARIES gnomon_stage_support)
 endforeach()
 
