@@ -3,8 +3,8 @@
 
 namespace gnomon {
 
-void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t bin_count, const TriangleSetup& setup,
-               const cl::Buffer* heights, const cl::Buffer& counters) {
+void Bins::run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+               std::uint32_t bin_count, TriangleSetup& setup, const cl::Buffer* heights, const cl::Buffer& counters) {
     const std::size_t count_bytes = bin_count * sizeof(cl_uint);
     const cl_uint lanes = session.lanes(), has_heights = heights != nullptr;
     counts_.reserve(session, count_bytes);
@@ -13,6 +13,8 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, std::uint32_t
     pairs_.reserve(session, likely);
     entries_.reserve(session, likely);
     session.fill(counts_, 0, count_bytes);
+    const PairBuffers listed{pairs_.capacity(), pairs_.buffer(), counts_};
+    setup.run_tiles(session, projection, triangles, heights, &listed, counters);
     session.launch("bins.cl", "bins_pairs", cl::Range::items(setup.tiles().capacity()), projection,
                    setup.tiles().capacity(), has_heights, pairs_.capacity(), setup.records(), setup.tiles().buffer(),
                    heights ? *heights : counts_, counts_, pairs_.buffer(), counters,

@@ -9,10 +9,10 @@ namespace gnomon {
 
 class Bins {
 public:
-    /// Fills ranges(), entries() and pairs() from the setup's tiles, and the counts of `counters`. `heights` (a
-    /// pyramid: farthest_height) may be null: then no bin is empty and nothing is too far.
-    void run(cl::Session& session, const cl::Buffer& projection, std::uint32_t bin_count, const TriangleSetup& setup,
-             const cl::Buffer* heights, const cl::Buffer& counters);
+    /// Fills ranges(), entries() and pairs() from the setup's bounds, by its records and tiles, and the counts of
+    /// `counters`. `heights` (a pyramid: farthest_height) may be null: then no bin is empty and nothing is too far.
+    void run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+             std::uint32_t bin_count, TriangleSetup& setup, const cl::Buffer* heights, const cl::Buffer& counters);
     /// True if all lists fitted; else grows, and the run must be repeated. After a run whose tiles did not fit the
     /// pairs are guessed, so that all lists grow at once.
     bool fitted(cl::Session& session, const FrameCounters& counted, bool setup_fitted);

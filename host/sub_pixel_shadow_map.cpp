@@ -16,7 +16,7 @@ bool SubPixelShadowMap::list_triangles(Run& run) {
     cl::StageTimer timer(session, run.statistics, "triangle_setup");
     session.fill(counters_, 0, sizeof(FrameCounters));
     setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
-    setup_.run_tiles(session, frames_.projection(), run.triangles, nullptr, counters_);
+    setup_.run_tiles(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
     return setup_.fitted(session, session.read_value<FrameCounters>(counters_));
 }
 

@@ -26,9 +26,8 @@ const cl::Buffer* TriangleLists::run(cl::Session& session, Statistics& statistic
     }
     cl::StageTimer timer(session, statistics, "bins");
     farthest_height.run_open_heights(session, light_frame, 1, projection, map);
-    setup_.run_tiles(session, projection, triangles, &farthest_height.open_heights(), counters);
-    bins_.run(session, projection, light_frame.bins_x * light_frame.bins_y, setup_, &farthest_height.open_heights(),
-              counters);
+    bins_.run(session, projection, triangles, light_frame.bins_x * light_frame.bins_y, setup_,
+              &farthest_height.open_heights(), counters);
     return map;
 }
 

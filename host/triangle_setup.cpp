@@ -48,13 +48,15 @@ void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projectio
 
 void TriangleSetup::run_tiles_for(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
                                   const cl::Buffer* heights, const GrowingList& tiles, cl_uint for_map,
-                                  const cl::Buffer& counters) {
+                                  const PairBuffers* pairs, const cl::Buffer& counters) {
     const OrderedTriangles ordered = ordered_triangles(triangles);
     const cl_uint has_heights = heights != nullptr, has_numbers = ordered.numbers != nullptr;
+    const cl_uint lists_pairs = pairs != nullptr, pair_capacity = pairs != nullptr ? pairs->capacity : 0;
     session.launch("triangle_setup.cl", "triangle_tiles", cl::Range::items(capacity()), projection, ordered.first_float,
-                   capacity(), tiles.capacity(), has_numbers, has_heights, for_map, ordered.vertices,
-                   ordered.numbers ? *ordered.numbers : bounds(), heights ? *heights : bounds(), bounds(), records(),
-                   map_candidates_.buffer(), tiles.buffer(), counters,
+                   capacity(), tiles.capacity(), has_numbers, has_heights, for_map, lists_pairs, pair_capacity,
+                   ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(), heights ? *heights : bounds(),
+                   bounds(), records(), map_candidates_.buffer(), tiles.buffer(), pairs ? pairs->bin_counts : bounds(),
+                   pairs ? pairs->pairs : bounds(), counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
                    cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)},
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)});
@@ -62,12 +64,12 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const cl::Buffer& projec
 
 void TriangleSetup::run_map_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
                                   const cl::Buffer& pyramid, const cl::Buffer& counters) {
-    run_tiles_for(session, projection, triangles, &pyramid, map_tiles_, 1, counters);
+    run_tiles_for(session, projection, triangles, &pyramid, map_tiles_, 1, nullptr, counters);
 }
 
 void TriangleSetup::run_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                              const cl::Buffer* heights, const cl::Buffer& counters) {
-    run_tiles_for(session, projection, triangles, heights, tiles_, 0, counters);
+                              const cl::Buffer* heights, const PairBuffers* pairs, const cl::Buffer& counters) {
+    run_tiles_for(session, projection, triangles, heights, tiles_, 0, pairs, counters);
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {

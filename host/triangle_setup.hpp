@@ -33,6 +33,13 @@ private:
     std::uint32_t capacity_ = 0;
 };
 
+/// Where pairs of a triangle and a bin are listed, and the bins' pairs counted (bins.hpp).
+struct PairBuffers {
+    cl_uint capacity;
+    const cl::Buffer& pairs;
+    const cl::Buffer& bin_counts;
+};
+
 class TriangleSetup {
 public:
     /// Fills bounds() and the list of the map's candidates, and their counts in `counters`. `clusters` are those listed
@@ -43,9 +50,10 @@ public:
     /// Fills records() and map_tiles() for the map's candidates, by the same pyramid.
     void run_map_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
                        const cl::Buffer& pyramid, const cl::Buffer& counters);
-    /// Fills records() and tiles() for all that is not wholly below `heights` (a pyramid as well, or null).
+    /// Fills records() and tiles() for all that is not wholly below `heights` (a pyramid as well, or null). With
+    /// `pairs` a CPU lists those of small triangles at once, and makes tiles of the others alone.
     void run_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                   const cl::Buffer* heights, const cl::Buffer& counters);
+                   const cl::Buffer* heights, const PairBuffers* pairs, const cl::Buffer& counters);
     /// True if everything fitted; else grows, and the run must be repeated.
     bool fitted(cl::Session& session, const FrameCounters& counted);
 
@@ -62,7 +70,7 @@ public:
 
 private:
     void run_tiles_for(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                       const cl::Buffer* heights, const GrowingList& tiles, cl_uint for_map,
+                       const cl::Buffer* heights, const GrowingList& tiles, cl_uint for_map, const PairBuffers* pairs,
                        const cl::Buffer& counters);
 
     GrowingList bounds_{sizeof(TriangleBounds)}, records_{sizeof(TriangleRecord)}, map_candidates_{sizeof(cl_uint)},

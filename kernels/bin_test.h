@@ -11,6 +11,7 @@
 #include "bin_lists.h"
 #include "claim.h"
 #include "projection.h"
+#include "record_blocks.h"
 #include "triangle_setup.h"
 
 #define TILE_LOG2 3u
@@ -135,14 +136,16 @@ static bool may_matter(const TriangleRecord* record, __constant const Projection
 }
 
 #ifdef GN_CPU
-static LaneFloat lanes_highest_at_corners(float slope_x, float slope_y, float constant_term, LaneFloat x, LaneFloat y,
-                                          float size) {
-    return lanes_linear(slope_x, slope_y, constant_term, x + (slope_x > 0.0f ? size : 0.0f),
-                        y + (slope_y > 0.0f ? size : 0.0f));
+static LaneFloat lanes_highest_at_corners(LaneFloat slope_x, LaneFloat slope_y, LaneFloat constant_term, LaneFloat x,
+                                          LaneFloat y, float size) {
+    const LaneFloat zero = (LaneFloat)(0.0f), whole = (LaneFloat)(size);
+    LaneFloat corner_x = x + LANES_SELECT(zero, whole, LANE_COMPARE(slope_x, >, zero));
+    LaneFloat corner_y = y + LANES_SELECT(zero, whole, LANE_COMPARE(slope_y, >, zero));
+    return fma(slope_x, corner_x, fma(slope_y, corner_y, constant_term));
 }
 
-// may_matter() of a triangle for bins in lanes, each by itself: the same values, so the same answers.
-static LaneInt lanes_may_matter(const TriangleRecord* record, __constant const Projection* projection, LaneInt bin_x,
+// may_matter() of triangles for one bin each: the same values, so the same answers.
+static LaneInt lanes_may_matter(const RecordBlock* record, __constant const Projection* projection, LaneInt bin_x,
                                 LaneInt bin_y, uint has_heights, __global const uint* heights) {
     float size = (float)(1u << projection->bin_log2);
     LaneFloat x = LANES_TO_FLOAT(bin_x) * size, y = LANES_TO_FLOAT(bin_y) * size;
@@ -150,7 +153,7 @@ static LaneInt lanes_may_matter(const TriangleRecord* record, __constant const P
     for (int i = 0; i < 3; ++i)
         outside |=
             LANE_COMPARE(lanes_highest_at_corners(record->edge_x[i], record->edge_y[i], record->edge_0[i], x, y, size),
-                         <, (LaneFloat)(-record->margin_edge));
+                         <, -record->margin_edge);
     if (!has_heights || !LANES_ANY(~outside)) return ~outside;
     LaneInt cells = bin_y * (int)projection->bins_x + bin_x;
     LaneInt keys = LANES_GATHER((__global const int*)heights, cells);
@@ -158,7 +161,7 @@ static LaneInt lanes_may_matter(const TriangleRecord* record, __constant const P
     LaneFloat highest =
         lanes_highest_at_corners(record->plane_x, record->plane_y, record->plane_0, x, y, size) + record->margin_plane;
     LaneInt open = LANE_COMPARE(keys, !=, (LaneInt)(-1));
-    return ~outside & open & LANE_COMPARE((LaneFloat)(record->z_high), >=, lowest) & ~LANE_COMPARE(highest, <, lowest);
+    return ~outside & open & LANE_COMPARE(record->z_high, >=, lowest) & ~LANE_COMPARE(highest, <, lowest);
 }
 #endif
 

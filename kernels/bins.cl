@@ -3,71 +3,18 @@
 // and, with a bin per 16 x 16 pixels, the camera.
 //
 // A triangle enters a bin's list unless it certainly cannot matter there (bin_test.h). Each pair of triangle and bin is
-// found once: bins_pairs remembers it with its place in the bin's list, bins_ranges gives each bin its part of the
-// entries (in any order: what matters is that a list is contiguous), and bins_scatter writes it there. On a GPU
-// bins_order then puts the highest triangles of each run of a list first.
+// found once: bins_pairs remembers it with its place in the bin's list (on a CPU most were found by triangle_tiles
+// before, while it had their records), bins_ranges gives each bin its part of the entries (in any order: what matters
+// is that a list is contiguous), and bins_scatter writes it there. On a GPU bins_order then puts the highest triangles
+// of each run of a list first.
 #include "bins.h"
 
+#include "pair_lists.h"
 #include "tile_bins.h"
-
-static Pair listed_pair(uint bin, uint slot, __global uint* counts) {
-    Pair pair;
-    pair.bin = bin;
-    pair.slot = slot;
-    pair.place = atomic_inc(&counts[bin]);
-    return pair;
-}
-
-static uint bin_number(__constant const Projection* projection, uint x, uint y) { return y * projection->bins_x + x; }
 
 #ifdef GN_CPU
 // Tiles from here to the one whose record is fetched: to wait for records is most of what large scenes cost.
 #define TILES_AHEAD 12u
-// Fewer bins than these are looked at faster one by one.
-#define BINS_WORTH_LANES 5u
-
-typedef struct PairList {
-    __constant const Projection* projection;
-    __global const uint* heights;
-    __global uint* counts;
-    __global Pair* pairs;
-    __global uint* wanted;
-    uint has_heights, capacity, found;
-    Claim places;
-} PairList;
-
-static void append_pair(PairList* list, uint slot, uint bin) {
-    ++list->found;
-    Pair pair = listed_pair(bin, slot, list->counts);
-    uint at = claim(&list->places, list->wanted);
-    if (at < list->capacity) list->pairs[at] = pair;
-}
-
-// Of a rectangle of at most 8 x 8 bins, GN_LANES from `first` on.
-static void append_bins_in_lanes(PairList* list, uint slot, const TriangleRecord* record, uint4 bins, uint first) {
-    int width = (int)(bins.z - bins.x + 1u), reciprocal = 65536 / width + 1;  // exact for all 64
-    LaneInt wanted = LANE_INDEX + (int)first, i = min(wanted, (LaneInt)((int)bins_of_rectangle(bins) - 1));
-    LaneInt row = (i * reciprocal) >> 16;
-    LaneInt x = i - row * width + (int)bins.x, y = row + (int)bins.y;
-    LaneInt matters = lanes_may_matter(record, list->projection, x, y, list->has_heights, list->heights);
-    matters &= LANE_COMPARE(i, ==, wanted);
-    LaneInt numbers = y * (int)list->projection->bins_x + x;
-    uint bits = lane_bits(matters);
-    while (bits != 0u) append_pair(list, slot, (uint)LANE_OF_INT(numbers, take_lowest_bit(&bits)));
-}
-
-static void append_bins(PairList* list, uint slot, const TriangleRecord* record, uint4 bins) {
-    uint bin_count = bins_of_rectangle(bins);
-    if (bin_count >= BINS_WORTH_LANES) {
-        for (uint b = 0; b < bin_count; b += GN_LANES) append_bins_in_lanes(list, slot, record, bins, b);
-        return;
-    }
-    for (uint b = 0; b < bin_count; ++b) {
-        uint4 bin = bin_of_rectangle(bins, b);
-        if (may_matter(record, list->projection, bin, list->has_heights, list->heights))
-            append_pair(list, slot, bin_number(list->projection, bin.x, bin.y));
-    }
-}
 
 // Of each tile of the share; what it claimed of the list in the end and did not need, it marks.
 GN_APART void append_pairs(Share share, PairList* list, uint tile_count, __global const TriangleRecord* records,
@@ -77,16 +24,16 @@ GN_APART void append_pairs(Share share, PairList* list, uint tile_count, __globa
         if (ahead.x != GN_NO_ID) GN_PREFETCH(&records[ahead.x]);
         if (tile.x == GN_NO_ID) continue;
         uint4 bins = bins_of_tile(tile.y);
-        // A tile of one bin was looked at as a tile, or it is all of the triangle's rectangle: no need for the record.
+        // A tile of one bin was looked at as a tile: no need for the record.
         if (bins.x == bins.z && bins.y == bins.w) {
             append_pair(list, tile.x, bin_number(list->projection, bins.x, bins.y));
             continue;
         }
-        TriangleRecord record = records[tile.x];
+        RecordBlock record;
+        spread_record(&records[tile.x], &record);
         append_bins(list, tile.x, &record, bins);
     }
-    for (; list->places.next < min(list->places.end, list->capacity); ++list->places.next)
-        list->pairs[list->places.next].bin = GN_NO_ID;
+    close_pairs(list);
 }
 #endif
 
@@ -152,6 +99,7 @@ __kernel void bins_ranges(uint bin_count, uint entry_capacity, __global const ui
             uint end = next + (counts[bin] + GN_LANES - 1u) / GN_LANES;
             ranges[bin] = (uint2)(next, end);
 #if GN_LANES > 1
+            // What is left over is in front (place_in_order).
             if (counts[bin] % GN_LANES != 0u && end <= entry_capacity) {
                 entries[end - 1u].x0 = (LaneUshort)(65535);
                 entries[end - 1u].x1 = (LaneUshort)(0);

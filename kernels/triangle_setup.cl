@@ -43,6 +43,8 @@
 #include "exact/det3_lanes.h"
 #include "group_scan.h"
 #include "hull_bounds.h"
+#include "pair_lists.h"
+#include "record_blocks.h"
 
 #define UNDERFLOW 1.0e-36f
 
@@ -80,15 +82,6 @@ static LaneInt orientations_from_light(const TriangleBlock* t, __constant const 
     PointBlock zero = same_point(0.0f, 0.0f, 0.0f);
     return lanes_side(t, &normals, &light, &zero, lanes, exact);
 }
-
-// TriangleRecords of GN_LANES triangles.
-typedef struct RecordBlock {
-    LaneFloat edge_x[3], edge_y[3], edge_0[3];
-    LaneFloat plane_x, plane_y, plane_0;
-    LaneFloat margin_edge, margin_plane;
-    LaneFloat z_low, z_high;
-    LaneInt undecided;  // every test is uncertain, and the rest says nothing
-} RecordBlock;
 
 static void set_plane(RecordBlock* record, LaneInt lanes, LaneFloat x, LaneFloat y, LaneFloat constant_term,
                       LaneFloat margin) {
@@ -403,27 +396,23 @@ __kernel void triangle_bounds(__constant const Projection* projection, uint tria
 
 // ---- Records --------------------------------------------------------------------------------------------------------
 
-// Bins of GN_LANES triangles as texels (square_of_bins).
-static Rectangles squares_of_bins(const uint4* bins, __constant const Projection* projection) {
-    Rectangles square;
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        float4 one = square_of_bins(bins[lane], projection);
-        LANE_OF_FLOAT(square.x0, lane) = one.x;
-        LANE_OF_FLOAT(square.y0, lane) = one.y;
-        LANE_OF_FLOAT(square.x1, lane) = one.z;
-        LANE_OF_FLOAT(square.y1, lane) = one.w;
-    }
+// Bins as texels (square_of_bins).
+static Rectangles squares_of_bins(const BinRectangles* bins, __constant const Projection* projection) {
+    float size = (float)(1u << projection->bin_log2);
+    Rectangles square = {LANES_TO_FLOAT(bins->x0) * size, LANES_TO_FLOAT(bins->y0) * size,
+                         LANES_TO_FLOAT(bins->x1 + 1) * size, LANES_TO_FLOAT(bins->y1 + 1) * size};
     return square;
 }
 
 // The float filters of triangles that survived, for all points of their bins. Returns those not exactly edge-on.
 static LaneInt make_records(const TriangleBlock* t, LaneInt lanes, __constant const Projection* projection,
-                            const uint4* bins, RecordBlock* record, uint* exact) {
-    record->undecided = (LaneInt)(-1);
-    if (projection->indistinct) return lanes;
+                            const BinRectangles* bins, RecordBlock* record, uint* exact) {
+    if (projection->indistinct) {
+        set_undecided(record, (LaneInt)(-1));
+        return lanes;
+    }
     ProjectedTriangles p = project_triangles(t, projection);
     const Projected* v = p.v;
-    record->undecided = p.sides.wild;
     LaneInt tame = lanes & ~p.sides.wild;
     LaneFloat orientation =
         LANES_TO_FLOAT(orientations_from_light(t, projection, tame, exact)) * projection->handedness;
@@ -456,25 +445,8 @@ static LaneInt make_records(const TriangleBlock* t, LaneInt lanes, __constant co
                               projection->height_error);
     else
         set_plane_parallel(record, v, domain, orientation, projection->point_error, projection->height_error);
+    if (LANES_ANY(p.sides.wild)) set_undecided(record, p.sides.wild);
     return tame | (lanes & p.sides.wild);
-}
-
-static TriangleRecord record_of_lane(const RecordBlock* block, int lane) {
-    TriangleRecord record;
-    bool undecided = LANE_OF_INT(block->undecided, lane) != 0;
-    for (int i = 0; i < 3; ++i) {
-        record.edge_x[i] = undecided ? 0.0f : LANE_OF_FLOAT(block->edge_x[i], lane);
-        record.edge_y[i] = undecided ? 0.0f : LANE_OF_FLOAT(block->edge_y[i], lane);
-        record.edge_0[i] = undecided ? 0.0f : LANE_OF_FLOAT(block->edge_0[i], lane);
-    }
-    record.plane_x = undecided ? 0.0f : LANE_OF_FLOAT(block->plane_x, lane);
-    record.plane_y = undecided ? 0.0f : LANE_OF_FLOAT(block->plane_y, lane);
-    record.plane_0 = undecided ? 0.0f : LANE_OF_FLOAT(block->plane_0, lane);
-    record.margin_edge = undecided ? INFINITY : LANE_OF_FLOAT(block->margin_edge, lane);
-    record.margin_plane = undecided ? INFINITY : LANE_OF_FLOAT(block->margin_plane, lane);
-    record.z_low = undecided ? -INFINITY : LANE_OF_FLOAT(block->z_low, lane);
-    record.z_high = undecided ? INFINITY : LANE_OF_FLOAT(block->z_high, lane);
-    return record;
 }
 
 // ---- Tiles ----------------------------------------------------------------------------------------------------------
@@ -492,13 +464,17 @@ typedef struct TileWork {
     uint tile_capacity, has_numbers, has_heights, for_map;
     uint hidden, edge_on, exact;
     Claim places;
+#ifdef GN_CPU
+    uint lists_pairs;
+    PairList pairs;  // if `lists_pairs`: of small triangles, which then have no tiles
+#endif
 } TileWork;
 
 // Triangles of the list that are worth a record, and their bins: GN_LANES of them, or fewer.
 typedef struct Chosen {
     uint count;
     uint slots[GN_LANES], ids[GN_LANES];  // as triangle_bounds left them
-    uint4 bins[GN_LANES];
+    BinRectangles bins;
 } Chosen;
 
 // What of GN_LANES triangles from the i-th on is worth a record, and their bins. What is dropped from the lists keeps
@@ -547,40 +523,53 @@ static Choice choose(TileWork* work, uint i, uint count) {
     return choice;
 }
 
+static uint4 lane_bins(const BinRectangles* bins, uint lane) {
+    return (uint4)((uint)LANE_OF_INT(bins->x0, lane), (uint)LANE_OF_INT(bins->y0, lane),
+                   (uint)LANE_OF_INT(bins->x1, lane), (uint)LANE_OF_INT(bins->y1, lane));
+}
+static void set_lane_bins(BinRectangles* bins, uint lane, uint4 of) {
+    LANE_OF_INT(bins->x0, lane) = (int)of.x, LANE_OF_INT(bins->y0, lane) = (int)of.y;
+    LANE_OF_INT(bins->x1, lane) = (int)of.z, LANE_OF_INT(bins->y1, lane) = (int)of.w;
+}
+
 static void add_chosen(const TileWork* work, const Choice* choice, int lane, Chosen* chosen) {
     uint slot = (uint)LANE_OF_INT(choice->slots, lane);
     chosen->slots[chosen->count] = slot;
     chosen->ids[chosen->count] = work->bounds[slot].id;
-    chosen->bins[chosen->count] =
-        (uint4)((uint)LANE_OF_INT(choice->bins.x0, lane), (uint)LANE_OF_INT(choice->bins.y0, lane),
-                (uint)LANE_OF_INT(choice->bins.x1, lane), (uint)LANE_OF_INT(choice->bins.y1, lane));
+    __global const float* vertices = work->vertices + 9 * (size_t)chosen->ids[chosen->count];
+    GN_PREFETCH(vertices);
+    GN_PREFETCH(vertices + 8);
+    set_lane_bins(&chosen->bins, chosen->count, lane_bins(&choice->bins, lane));
     ++chosen->count;
 }
 
-// Makes the records of the chosen; returns those whose tiles are wanted. There must be at least one.
-static LaneInt prepare(TileWork* work, Chosen* chosen) {
+// Makes the records of the chosen; returns which are kept, the others being exactly edge-on. There must be at least
+// one.
+static LaneInt prepare(TileWork* work, Chosen* chosen, RecordBlock* records) {
     __global const float* rows[GN_LANES];
     for (uint lane = 0; lane < GN_LANES; ++lane) {
         uint one = min(lane, chosen->count - 1u);
         rows[lane] = work->vertices + 9 * (size_t)chosen->ids[one];
-        chosen->bins[lane] = chosen->bins[one];
+        if (lane != one) set_lane_bins(&chosen->bins, lane, lane_bins(&chosen->bins, one));
     }
     TriangleBlock t = load_triangle_rows(rows);
-    RecordBlock records;
     LaneInt lanes = LANE_COMPARE((LaneInt)((int)chosen->count), >, LANE_INDEX);
-    LaneInt kept = make_records(&t, lanes, work->projection, chosen->bins, &records, &work->exact);
-    for (uint lane = 0; lane < chosen->count; ++lane) {
-        uint slot = chosen->slots[lane];
-        if (!LANE_OF_INT(kept, lane)) {
-            drop_bounds(&work->bounds[slot]);
-            ++work->edge_on;
-            continue;
-        }
-        TriangleRecord record = record_of_lane(&records, (int)lane);
-        work->records[slot] = record;
-        if (work->has_numbers && !work->for_map) work->bounds[slot].id = work->numbers[chosen->ids[lane]];
-        if (work->for_map && !(record.margin_plane < INFINITY)) LANE_OF_INT(kept, lane) = 0;
-    }
+    LaneInt kept = make_records(&t, lanes, work->projection, &chosen->bins, records, &work->exact);
+    LaneInt dropped = lanes & ~kept;
+    if (!LANES_ANY(dropped)) return kept;
+    work->edge_on += count_lanes(dropped);
+    for (uint lane = 0; lane < chosen->count; ++lane)
+        if (LANE_OF_INT(dropped, lane)) drop_bounds(&work->bounds[chosen->slots[lane]]);
+    return kept;
+}
+
+// Stores the records that are kept; returns those whose tiles are wanted.
+static LaneInt store_chosen(const TileWork* work, const Chosen* chosen, const RecordBlock* records, LaneInt kept) {
+    store_records(records, kept, chosen->slots, work->records);
+    if (work->for_map) return kept & LANE_COMPARE(records->margin_plane, <, (LaneFloat)(INFINITY));
+    if (!work->has_numbers) return kept;
+    for (uint lane = 0; lane < chosen->count; ++lane)
+        if (LANE_OF_INT(kept, lane)) work->bounds[chosen->slots[lane]].id = work->numbers[chosen->ids[lane]];
     return kept;
 }
 
@@ -597,13 +586,60 @@ static void append_tile_if_matters(TileWork* work, uint slot, uint4 bins, uint i
         append_tile(work, slot, tile);
 }
 
+// Most triangles are in four bins at most: 2 x 2 of them are looked at in GN_LANES triangles at once, while their
+// records are at hand, and no tile is made. Returns which of those kept were that small.
+static LaneInt append_small(TileWork* work, const Chosen* chosen, const RecordBlock* records, LaneInt kept) {
+    const BinRectangles* bins = &chosen->bins;
+    LaneInt slots = LANES_AS_INT(LANES_STRIDED((const float*)chosen->slots, 1));
+    LaneInt small = kept & LANE_COMPARE((bins->x1 - bins->x0) | (bins->y1 - bins->y0), <=, (LaneInt)(1));
+    for (int corner = 0; corner < 4; ++corner) {
+        LaneInt right = bins->x0 + (corner & 1), down = bins->y0 + (corner >> 1);
+        LaneInt x = min(right, bins->x1), y = min(down, bins->y1);
+        LaneInt matters = small & LANE_COMPARE(x, ==, right) & LANE_COMPARE(y, ==, down);
+        if (!LANES_ANY(matters)) continue;
+        matters &= lanes_may_matter(records, work->projection, x, y, work->has_heights, work->heights);
+        append_lanes(&work->pairs, slots, x, y, matters);
+    }
+    return small;
+}
+
+// A triangle of so few tiles that its work-item lists all its pairs.
+#define TILES_LISTED_AT_ONCE 4u
+
+static void append_tiles_at_once(TileWork* work, const Chosen* chosen, const RecordBlock* records, uint lane) {
+    RecordBlock record;
+    spread_lane(records, lane, &record);
+    uint4 bins = lane_bins(&chosen->bins, lane);
+    uint tile_count = tile_count_of(bins);
+    for (uint tile = 0; tile < tile_count; ++tile)
+        append_bins(&work->pairs, chosen->slots[lane], &record, bins_of_tile(tile_of_bins(bins, tile)));
+}
+
+// Pairs of those kept that are not too large for it. Returns which these are.
+static LaneInt append_at_once(TileWork* work, const Chosen* chosen, const RecordBlock* records, LaneInt kept) {
+    LaneInt listed = append_small(work, chosen, records, kept), others = kept & ~listed;
+    if (!LANES_ANY(others)) return listed;
+    for (uint lane = 0; lane < chosen->count; ++lane) {
+        if (!LANE_OF_INT(others, lane)) continue;
+        if (tile_count_of(lane_bins(&chosen->bins, lane)) > TILES_LISTED_AT_ONCE) continue;
+        append_tiles_at_once(work, chosen, records, lane);
+        LANE_OF_INT(listed, lane) = -1;
+    }
+    return listed;
+}
+
 // Of all that are chosen; then none is.
 GN_APART void append_tiles_of(TileWork* work, Chosen* chosen) {
-    LaneInt wanted = prepare(work, chosen);
+    RecordBlock records;
+    LaneInt kept = prepare(work, chosen, &records), listed = (LaneInt)(0);
+    // Before the records are stored: an atomic of a CPU waits for all stores before it.
+    if (work->lists_pairs) listed = append_at_once(work, chosen, &records, kept);
+    LaneInt wanted = store_chosen(work, chosen, &records, kept) & ~listed;
+    if (!LANES_ANY(wanted)) chosen->count = 0;
     for (uint lane = 0; lane < chosen->count; ++lane) {
         if (!LANE_OF_INT(wanted, lane)) continue;
         uint slot = chosen->slots[lane];
-        uint4 bins = chosen->bins[lane];
+        uint4 bins = lane_bins(&chosen->bins, lane);
         uint tile_count = tile_count_of(bins);
         if (tile_count == 1u)
             append_tile(work, slot, tile_of_bins(bins, 0));
@@ -628,17 +664,19 @@ GN_APART void append_tiles(Share share, TileWork* work, uint count) {
     if (chosen.count != 0u) append_tiles_of(work, &chosen);
     for (; work->places.next < min(work->places.end, work->tile_capacity); ++work->places.next)
         work->tiles[work->places.next] = (uint2)(GN_NO_ID, 0);
+    close_pairs(&work->pairs);
 }
 #endif
 
-// A CPU's work-item takes its triangles as they come, and asks of each tile whether it matters. A GPU's work-group
-// shares out the tiles of its triangles evenly, since one may have thousands; who takes them from the list
-// (tile_bins.h) asks.
+// A CPU's work-item takes its triangles as they come, and asks of each tile whether it matters; with `lists_pairs`
+// small triangles become pairs at once. A GPU's work-group shares out the tiles of its triangles evenly, since one may
+// have thousands; who takes them from the list (tile_bins.h) asks.
 __kernel void triangle_tiles(__constant const Projection* projection, ulong first_float, uint capacity,
-                             uint tile_capacity, uint has_numbers, uint has_heights, uint for_map,
-                             __global const float* vertices, __global const uint* numbers, __global const uint* heights,
-                             __global TriangleBounds* bounds, __global TriangleRecord* records,
-                             __global const uint* map_candidates, __global uint2* tiles,
+                             uint tile_capacity, uint has_numbers, uint has_heights, uint for_map, uint lists_pairs,
+                             uint pair_capacity, __global const float* vertices, __global const uint* numbers,
+                             __global const uint* heights, __global TriangleBounds* bounds,
+                             __global TriangleRecord* records, __global const uint* map_candidates,
+                             __global uint2* tiles, __global uint* bin_counts, __global Pair* pairs,
                              __global FrameCounters* counters, __local uint* ends, __local uint4* ranges,
                              __local uint* slots) {
     __local uint sum;
@@ -661,7 +699,12 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
     uint count = min(for_map ? counters->map_slots : counters->slots, capacity);
     if (for_map && projection->map_unseen) count = 0;
 #ifdef GN_CPU
+    PairList list = {projection,  heights,       bin_counts, pairs,     &counters->pairs,
+                     has_heights, pair_capacity, 0u,         no_claim()};
+    work.lists_pairs = lists_pairs;
+    work.pairs = list;
     append_tiles(share_of((count + GN_LANES - 1u) / GN_LANES), &work, count);
+    add_in_group(work.pairs.found, &sum, &counters->references);
 #else
     __local uint claimed[GROUP_CLAIM_WORDS];
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
@@ -673,10 +716,12 @@ __kernel void triangle_tiles(__constant const Projection* projection, ulong firs
             Choice choice = choose(&work, i, count);
             if (choice.chosen) add_chosen(&work, &choice, 0, &chosen);
         }
-        if (chosen.count != 0u && prepare(&work, &chosen)) {
+        RecordBlock records;
+        LaneInt kept = chosen.count == 0u ? 0 : prepare(&work, &chosen, &records);
+        if (kept && store_chosen(&work, &chosen, &records, kept)) {
             slots[item] = chosen.slots[0];
-            ranges[item] = chosen.bins[0];
-            tile_count = tile_count_of(chosen.bins[0]);
+            ranges[item] = lane_bins(&chosen.bins, 0);
+            tile_count = tile_count_of(ranges[item]);
         }
         scan_group(tile_count, ends);
         uint total = ends[items - 1u], end;

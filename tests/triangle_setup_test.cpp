@@ -187,7 +187,7 @@ gnomon::FrameCounters set_up(gnomon::cl::Session& session, gnomon::TriangleSetup
     do {
         session.fill(counters, 0, sizeof(counted));
         setup.run_bounds(session, projected, gnomon::triangle_inputs(triangles), nullptr, nullptr, counters);
-        setup.run_tiles(session, projected, gnomon::triangle_inputs(triangles), nullptr, counters);
+        setup.run_tiles(session, projected, gnomon::triangle_inputs(triangles), nullptr, nullptr, counters);
         session.read(counters.get(), &counted, sizeof(counted));
     } while (!setup.fitted(session, counted));
     return counted;

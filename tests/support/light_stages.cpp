@@ -174,10 +174,8 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     }
     const Buffer* map = settings.with_map ? &stages.map.map() : nullptr;
     stages.farthest_height.run_open_heights(session, first_frame, 1, stages.projection, map);
-    stages.setup.run_tiles(session, stages.projection, triangles, &stages.farthest_height.open_heights(),
-                           scene.counters);
-    stages.bins.run(session, stages.projection, bin_count, stages.setup, &stages.farthest_height.open_heights(),
-                    scene.counters);
+    stages.bins.run(session, stages.projection, triangles, bin_count, stages.setup,
+                    &stages.farthest_height.open_heights(), scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
     const gnomon::ListBuffers lists = gnomon::list_buffers(stages.bins, stages.setup);
