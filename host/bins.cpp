@@ -19,7 +19,8 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, const Triangl
                    setup.tiles().capacity(), has_heights, pairs_.capacity(), setup.records(), setup.tiles().buffer(),
                    heights ? *heights : counts_, counts_, pairs_.buffer(), counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
-                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint2)});
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint2)},
+                   cl::LocalBytes{session.work_group_size() * PAIRS_AT_ONCE * sizeof(cl_uint2)});
     session.launch("bins.cl", "bins_ranges", cl::Range::items(session.is_cpu() ? bin_count / 128 + 1 : bin_count),
                    bin_count, entries_.capacity() / lanes, counts_, ranges_, entries_.buffer(), counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)}, cl::LocalBytes{sizeof(cl_uint)});

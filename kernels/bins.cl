@@ -40,7 +40,8 @@ GN_APART void append_pairs(Share share, PairList* list, uint tile_count, __globa
 __kernel void bins_pairs(__constant const Projection* projection, uint tile_capacity, uint has_heights,
                          uint pair_capacity, __global const TriangleRecord* records, __global const uint2* tiles,
                          __global const uint* heights, __global uint* counts, __global Pair* pairs,
-                         __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
+                         __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles,
+                         __local uint2* group_pairs) {
     __local uint sum;
     uint tile_count = min(counters->tiles, tile_capacity);
 #ifdef GN_CPU
@@ -54,21 +55,26 @@ __kernel void bins_pairs(__constant const Projection* projection, uint tile_capa
     if (item == 0u) claimed[0] = 0u;
     TileGroup group = {group_tiles, ends};
     GN_ROUNDS(round, tile_count) {
-        uint total = take_tile(group, tiles, tile_count, round, projection, has_heights, heights, records);
-        for (uint first = 0; first < total; first += items) {
-            bool matters = first + item < total;
-            uint slot = 0;
-            uint4 bin = (uint4)(0);
-            if (matters) {
-                bin = bin_to_walk(group, first + item, &slot);
+        uint total = take_tile(group, tiles, tile_count, round, projection, has_heights, heights, records), end;
+        for (uint first = 0; first < total; first = end) {
+            end = min(total, first + items * PAIRS_AT_ONCE);
+            for (uint i = first + item; i < end; i += items) {
+                uint slot;
+                uint4 bin = bin_to_walk(group, i, &slot);
                 TriangleRecord record = records[slot];
-                matters = may_matter(&record, projection, bin, has_heights, heights);
+                if (may_matter(&record, projection, bin, has_heights, heights))
+                    group_pairs[atomic_inc(&claimed[0])] = (uint2)(bin_number(projection, bin.x, bin.y), slot);
             }
-            uint at = claim_in_group(matters, claimed, &counters->pairs);
-            if (!matters) continue;
-            ++found;
-            Pair pair = listed_pair(bin_number(projection, bin.x, bin.y), slot, counts);
-            if (at < pair_capacity) pairs[at] = pair;
+            barrier(CLK_LOCAL_MEM_FENCE);
+            uint count = claimed[0];
+            uint at = claim_for_group(count, claimed, &counters->pairs);
+            if (item == 0u) claimed[0] = 0u;
+            for (uint i = item; i < count; i += items) {
+                Pair pair = listed_pair(group_pairs[i].x, group_pairs[i].y, counts);
+                if (at + i < pair_capacity) pairs[at + i] = pair;
+                ++found;
+            }
+            barrier(CLK_LOCAL_MEM_FENCE);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }

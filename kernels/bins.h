@@ -10,4 +10,8 @@ GN_STRUCT_BEGIN(Pair)
     uint bin, slot, place;
 GN_STRUCT_END(Pair, 12)
 
+// Bins that a GPU's work-group asks about before it claims places for the pairs that it found, for each of its items:
+// all items wait for a claim.
+#define PAIRS_AT_ONCE 4u
+
 #endif

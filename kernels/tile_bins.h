@@ -10,6 +10,9 @@
 
 #ifndef GN_CPU
 
+// A tile of fewer bins is not asked about as a whole: its bins are, when they are walked.
+#define BINS_WORTH_A_TEST 5u
+
 // The tiles of a group, one for each item, and the sums of their bins.
 typedef struct TileGroup {
     __local uint2* tiles;
@@ -26,8 +29,7 @@ static uint take_tile(TileGroup group, __global const uint2* tiles, uint count, 
         uint2 tile = tiles[i];
         uint4 bins = bins_of_tile(tile.y);
         bin_count = bins_of_rectangle(bins);
-        // One bin is asked about when it is walked.
-        if (bin_count > 1u) {
+        if (bin_count >= BINS_WORTH_A_TEST) {
             TriangleRecord record = records[tile.x];
             if (!may_matter(&record, projection, bins, has_heights, heights)) bin_count = 0;
         }
