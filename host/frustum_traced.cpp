@@ -14,7 +14,8 @@
 //
 // Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
 //
-// Of footprints (settled_samples.cpp) the same is asked, with one stage, settle, in the place of the last two.
+// Of footprints (settled_samples.cpp) the same is asked, with one stage, settle, in the place of the last two; these
+// follow for the samples of those that it leaves mixed, over the same lists.
 //
 // With traversal=triangles, the baseline to compare with, izb lists the open points by bin and the trace takes each
 // listed triangle over them.
@@ -38,6 +39,7 @@ struct FrustumTraced::Run {
     Light light;
     LightFrame light_frame;
     cl_mem visibility;
+    const cl::Buffer* map = nullptr;  ///< of the last frame; null where there is none
     Statistics statistics{};
     FrameCounters total{};  ///< over the frames
     std::uint64_t tests = 0;
@@ -163,6 +165,15 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     const LightFrame& light_frame = run.light_frame;
     const cl::Buffer* map = lists_.run(session, statistics, light_frame, frames_.projection(), run.triangles,
                                        list_settings(run.points, frame), farthest_height_, counters_);
+    run.map = map;
+    return decide_by_lists(run, frame);
+}
+
+std::optional<FrameCounters> FrustumTraced::decide_by_lists(Run& run, cl_uint frame) {
+    cl::Session& session = run.session;
+    Statistics& statistics = run.statistics;
+    const LightFrame& light_frame = run.light_frame;
+    const cl::Buffer* map = run.map;
     const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
     if (run.points.footprints != nullptr) {
         cl::StageTimer timer(session, statistics, "settle");
@@ -314,6 +325,16 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
     require_run(triangles, samples, light, visibility);
     PointInputs inputs = point_inputs(samples);
     inputs.layout.is_lifted = 1;
+    if (settled_) {
+        cl::Session& session = device_.session();
+        const cl::RunMemory memory(session, kept_bytes_);
+        Run run{session,      triangle_inputs(triangles), inputs, light, settled_->light_frame, visibility.buffer(),
+                settled_->map};
+        clear(session, counters_);
+        decide_by_lists(run, 0);
+        run.statistics.device_memory_bytes = memory.peak_bytes();
+        return run.statistics;
+    }
     inputs.face_light = true;
     return run_on(triangles, inputs, light, visibility.buffer());
 }
@@ -329,11 +350,15 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
             light,
             make_light_frame(light, grid(triangles.count(), points.layout.count)),
             visibility};
+    settled_.reset();
     counters_.reserve(session, sizeof(FrameCounters));
     const bool is_prepared = !decisions_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
                              prepared_->is_of(triangles, light);
     const bool used_prepared = points.layout.count != 0 && is_prepared && run_prepared(run);
     if (points.layout.count != 0 && !used_prepared) run_unprepared(run);
+    const bool has_one_frame = frame_count_of(run.light_frame) == 1 && run.frames == 1;
+    if (points.footprints != nullptr && has_one_frame && run.total.strays == 0 && traversal_ == Traversal::points)
+        settled_ = SettledLists{run.light_frame, run.map};
 
     Statistics& s = run.statistics;
     merge_stages(s);

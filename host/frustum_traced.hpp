@@ -53,6 +53,8 @@ private:
     static void add(Run& run, const FrameCounters& counted);
     /// Nothing if a list was too short, which is longer now.
     std::optional<FrameCounters> run_frame_once(Run& run, cl_uint frame);
+    /// The stages after the lists.
+    std::optional<FrameCounters> decide_by_lists(Run& run, cl_uint frame);
 
     Device device_;
     MapMode map_mode_ = MapMode::automatic;
@@ -73,6 +75,12 @@ private:
     TriangleLists lists_;
     Izb izb_;
     Trace trace_;
+    /// What the lists below were made for, if that were footprints, and they serve for all of their samples.
+    struct SettledLists {
+        LightFrame light_frame;
+        const cl::Buffer* map;
+    };
+    std::optional<SettledLists> settled_;
     std::optional<Decisions> decisions_;  ///< while a run is watched
     std::unique_ptr<PreparedLight> prepared_;
 };

@@ -19,7 +19,8 @@ public:
     /// `centres` have receivers and the eye of a camera; centre and receiver are those of points that it made.
     virtual Statistics settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
                               const Light& light, const Visibility& answers) = 0;
-    /// As Technique::run(), for samples whose footprints were found to be mixed.
+    /// As Technique::run(), for samples whose footprints the last settle() of these triangles and this light found to
+    /// be mixed. Their visibility is VISIBILITY_OPEN.
     virtual Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
                                    const Visibility& visibility) = 0;
 

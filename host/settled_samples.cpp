@@ -276,7 +276,7 @@ private:
         session_.launch("samples.cl", "samples_points", cl::Range::items(items), batch_, pattern_.count, first, count,
                         cl_uint(most), eye_, inputs_.first_float, inputs_.vertices, kept_.rays, kept_.extra_pixels,
                         kept_.receivers, kept_.masks, kept_.mixed, kept_.places, kept_.sample_receivers,
-                        kept_.positions, kept_.counters);
+                        kept_.positions, kept_.visibility, kept_.counters);
         if (count == counted_.mixed) return counted_.mixed_samples;
         return session_.read_value<SampleCounters>(kept_.counters).placed;
     }

@@ -26,20 +26,22 @@ static void lower_bins(LaneInt bins, LaneInt heights, LaneInt lanes, volatile __
     }
 }
 
-// The lowest place of each footprint, in every bin that it touches. Those too large to be settled are left out.
+// The lowest place of each footprint, in every bin that it touches. Those that LISTED_SPAN leaves out are strays
+// (settle.cl).
 static void lower_footprint_bins(__constant const Projection* projection, PointBlock centres,
                                  const FootprintBlock* footprints, LaneInt lanes, volatile __global uint* lowest) {
     GridFootprint grid = project_footprint(projection, centres, footprints);
     CellSpan span = footprint_cells(projection, &grid, projection->bin_log2);
-    lanes &= grid.usable & small_spans(&span);
+    lanes &= grid.usable & spans_below(&span, LISTED_SPAN);
     LaneInt heights = lanes_in_order(grid.centre.z - grid.reach.z);
-    for (int y = 0; y < FOOTPRINT_SPAN; ++y)
-        for (int x = 0; x < FOOTPRINT_SPAN; ++x) {
-            LaneInt bin_x = span.x0 + x, bin_y = span.y0 + y;
-            LaneInt touching = lanes & LANE_COMPARE(bin_x, <=, span.x1) & LANE_COMPARE(bin_y, <=, span.y1);
-            if (!LANES_ANY(touching)) break;
+    for (LaneInt bin_y = span.y0; LANES_ANY(lanes); bin_y += 1) {
+        lanes &= LANE_COMPARE(bin_y, <=, span.y1);
+        LaneInt touching = lanes;
+        for (LaneInt bin_x = span.x0; LANES_ANY(touching); bin_x += 1) {
             lower_bins(bin_y * (int)projection->bins_x + bin_x, heights, touching, lowest);
+            touching &= LANE_COMPARE(bin_x, <, span.x1);
         }
+    }
 }
 
 // Whether that was all there is to do for a block: if its points lie in 2 x 2 bins, there is no need to load them.

@@ -117,6 +117,16 @@ typedef struct PieceBounds {
     FootprintBlock shape;
 } PieceBounds;
 
+static PointBlock scaled(PointBlock v, float by) {
+    PointBlock result = {by * v.x, by * v.y, by * v.z};
+    return result;
+}
+
+// How far a footprint reaches from its centre, at most.
+static LaneFloat size_of_shape(const FootprintBlock* shape) {
+    return largest_of(shape->u) + largest_of(shape->v) + shape->spread;
+}
+
 // The part of each receiver's plane that is seen between four rays. Unbounded ones keep their centre at the eye; lanes
 // without a piece are absent.
 static PieceBounds bounds_of_pieces(const TriangleBlock* receivers, const RayLanes* rays, float3 eye, LaneInt lanes) {
@@ -143,6 +153,28 @@ static PieceBounds bounds_of_pieces(const TriangleBlock* receivers, const RayLan
     bounds.shape.v = selected(none, combined(h, -1.0f, -1.0f, 1.0f, 1.0f), met);
     bounds.shape.spread = LANES_SELECT((LaneFloat)(INFINITY), spread, met);
     return bounds;
+}
+
+// Where a receiver reaches less far than the rays around its samples, which miss it in part, the parallelogram of two
+// of its sides says more: the samples meet the receiver.
+static void narrow_to_receivers(const TriangleBlock* receivers, float3 eye, LaneInt lanes, PieceBounds* bounds) {
+    PointBlock ab = difference(receivers->b, receivers->a), ac = difference(receivers->c, receivers->a);
+    LaneFloat largest = (LaneFloat)(fmax(fabs(eye.x), fmax(fabs(eye.y), fabs(eye.z))));
+    LaneFloat corners[3] = {largest_of(receivers->a), largest_of(receivers->b), largest_of(receivers->c)};
+    for (int i = 0; i < 3; ++i) largest = LANES_MAX(corners[i], largest);
+    PieceBounds own;
+    own.shape.u = scaled(ab, 0.5f);
+    own.shape.v = scaled(ac, 0.5f);
+    own.shape.spread = (50.0f * GN_U) * largest + 1.0e-30f;
+    own.centre.x = receivers->a.x + (own.shape.u.x + own.shape.v.x);
+    own.centre.y = receivers->a.y + (own.shape.u.y + own.shape.v.y);
+    own.centre.z = receivers->a.z + (own.shape.u.z + own.shape.v.z);
+    lanes &= LANE_COMPARE(size_of_shape(&own.shape), <, size_of_shape(&bounds->shape)) &
+             LANE_COMPARE(largest, <, (LaneFloat)(1.0e30f));
+    bounds->centre = selected(bounds->centre, own.centre, lanes);
+    bounds->shape.u = selected(bounds->shape.u, own.shape.u, lanes);
+    bounds->shape.v = selected(bounds->shape.v, own.shape.v, lanes);
+    bounds->shape.spread = LANES_SELECT(bounds->shape.spread, own.shape.spread, lanes);
 }
 
 static PieceBounds no_pieces(void) {
@@ -658,6 +690,7 @@ __kernel void samples_bound(PictureRays picture, __constant const SamplePattern*
             RayLanes rays[4];
             corner_rays(picture, x + box.low_x, y + box.low_y, x + box.high_x, y + box.high_y, rays);
             bounds = bounds_of_pieces(&t, rays, eye, lanes);
+            narrow_to_receivers(&t, eye, lanes, &bounds);
         }
         store_bounds(&bounds, places, written, false, batch, centres, footprints);
     }
@@ -670,6 +703,10 @@ __kernel void samples_sort(PixelBatch batch, uint piece_count, __global const ui
                            __global uint* mixed, __global SampleCounters* counters) {
     Claim places = no_claim();
     uint in_shadow = 0, lit_count = 0, mixed_count = 0, mixed_samples = 0, pieces = 0;
+    __local uint sums[5];  // of the group: on one address a GPU adds too slowly for every item
+    if (get_local_id(0) == 0)
+        for (int i = 0; i < 5; ++i) sums[i] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
     GN_FOR_EACH(piece, piece_count) {
         uint samples = popcount(masks[piece]);
         if (samples == 0u) continue;
@@ -686,18 +723,24 @@ __kernel void samples_sort(PixelBatch batch, uint piece_count, __global const ui
         }
     }
     for (; places.next < places.end; ++places.next) mixed[places.next] = GN_NO_ID;
-    if (pieces != 0) atomic_add(&counters->pieces, pieces);
-    if (in_shadow != 0) atomic_add(&counters->in_shadow, in_shadow);
-    if (lit_count != 0) atomic_add(&counters->lit, lit_count);
-    if (mixed_count != 0) atomic_add(&counters->mixed_pieces, mixed_count);
-    if (mixed_samples != 0) atomic_add(&counters->mixed_samples, mixed_samples);
+    const uint found[5] = {pieces, in_shadow, lit_count, mixed_count, mixed_samples};
+    for (int i = 0; i < 5; ++i)
+        if (found[i] != 0u) atomic_add(&sums[i], found[i]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) != 0) return;
+    atomic_add(&counters->pieces, sums[0]);
+    atomic_add(&counters->in_shadow, sums[1]);
+    atomic_add(&counters->lit, sums[2]);
+    atomic_add(&counters->mixed_pieces, sums[3]);
+    atomic_add(&counters->mixed_samples, sums[4]);
 }
 
 // The points of some samples of a piece, from `place` on.
 static void write_points(PixelBatch batch, uint samples, uint stride, float3 eye, __global const float* vertices,
                          __global const float* rays, __global const uint* extra_pixels,
                          __global const uint* piece_receivers, uint piece, uint mask, uint place,
-                         __global uint2* places, __global uint* receivers, __global float* positions) {
+                         __global uint2* places, __global uint* receivers, __global float* positions,
+                         __global float* visibility) {
     uint pixel = pixel_of_piece(batch, extra_pixels, piece), at = batch.first + pixel;
     uint column = at % batch.width * samples, row = (batch.width + at / batch.width) * samples;
     SeenTriangle seen = see_triangle(vertices, piece_receivers[piece], eye);
@@ -705,6 +748,7 @@ static void write_points(PixelBatch batch, uint samples, uint stride, float3 eye
         uint sample = take_lowest_bit(&mask);
         places[place] = (uint2)(pixel, sample);
         receivers[place] = seen.id;
+        visibility[place] = VISIBILITY_OPEN;
         float3 p = shading_point(&seen, eye, load_ray(rays, column + sample, row + sample));
         positions[place] = p.x;
         positions[place + stride] = p.y;
@@ -713,13 +757,14 @@ static void write_points(PixelBatch batch, uint samples, uint stride, float3 eye
 }
 
 // places[i] = (pixel of the batch, sample) of point i, its receiver, and its shading point: x of `stride` points, then
-// y, then z. A piece's samples share a plane and lie together: a CPU's work-item takes all of them, a GPU's a part.
+// y, then z. They are open (point_blocks.h). A piece's samples share a plane and lie together: a CPU's work-item takes
+// all of them, a GPU's a part.
 __kernel void samples_points(PixelBatch batch, uint samples, uint first_mixed, uint mixed_count, uint stride,
                              float4 eye_and_zero, ulong first_float, __global const float* vertices,
                              __global const float* rays, __global const uint* extra_pixels,
                              __global const uint* piece_receivers, __global const uint* masks,
                              __global const uint* mixed, __global uint2* places, __global uint* receivers,
-                             __global float* positions, __global SampleCounters* counters) {
+                             __global float* positions, __global float* visibility, __global SampleCounters* counters) {
     float3 eye = eye_and_zero.xyz;
     vertices += first_float;
 #if GN_LANES == 1
@@ -736,7 +781,7 @@ __kernel void samples_points(PixelBatch batch, uint samples, uint first_mixed, u
         uint place = claim_in_group(popcount(mask), claimed, &counters->placed);
         if (mask != 0u)
             write_points(batch, samples, stride, eye, vertices, rays, extra_pixels, piece_receivers, piece, mask, place,
-                         places, receivers, positions);
+                         places, receivers, positions, visibility);
     }
 #else
     GN_FOR_EACH(i, mixed_count) {
@@ -744,7 +789,7 @@ __kernel void samples_points(PixelBatch batch, uint samples, uint first_mixed, u
         if (piece == GN_NO_ID) continue;
         uint place = atomic_add(&counters->placed, popcount(masks[piece]));
         write_points(batch, samples, stride, eye, vertices, rays, extra_pixels, piece_receivers, piece, masks[piece],
-                     place, places, receivers, positions);
+                     place, places, receivers, positions, visibility);
     }
 #endif
 }

@@ -19,6 +19,9 @@
 // Most footprints that this leaves mixed are not: a mesh that shadows them has an edge above them, with a triangle on
 // either side, or the receiver's neighbours in the mesh touch them (clearance.h). So the first few triangles that may
 // shadow a footprint in part are kept, its doubts, and looked at in the end.
+// The samples of mixed footprints are traced over the same lists: their places are footprints' places, and every bin
+// knows of those. But for strays, which the bins were not told of (unbounded, in no frame as a whole, or too large):
+// where there is one, the samples get a frame of their own.
 #include "bin_test.h"
 #include "clearance.h"
 #include "triangle_setup.h"
@@ -293,6 +296,10 @@ static LaneInt footprints_below_map(__constant const Projection* projection, con
     return lanes;
 }
 
+static void count_strays(LaneInt strays, __global FrameCounters* counters) {
+    if (LANES_ANY(strays)) atomic_add(&counters->strays, (uint)-LANES_SUM(strays));
+}
+
 // Footprints of the frames from `first_frame` on, as trace() takes points. Those that are open become 0, 1 or
 // VISIBILITY_MIXED.
 __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count, PointsLayout layout,
@@ -310,6 +317,7 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
         LaneInt left = open_lanes(state);
+        count_strays(valid_lanes(layout, block) & LANE_COMPARE(state, ==, (LaneFloat)(VISIBILITY_MIXED)), counters);
         if (!LANES_ANY(left)) continue;
         PointBlock centres = load_block(positions, layout, block);
         LaneInt frames = frames_of(light_frame, centres) - (int)first_frame;
@@ -324,6 +332,7 @@ __kernel void settle(LightFrame light_frame, uint first_frame, uint frame_count,
             left &= ~same_frame;
             PlacedFootprints placed = place_footprints(&projections[frame], centres, &world);
             answer.doubted |= same_frame & ~placed.usable;
+            count_strays(same_frame & ~(placed.grid.usable & spans_below(&placed.span, LISTED_SPAN)), counters);
             same_frame &= placed.usable;
             if (has_map && LANES_ANY(same_frame))
                 answer.shadowed |= footprints_below_map(&projections[frame], &placed.grid, same_frame,

@@ -56,8 +56,8 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint facing_away;       // facing: points
     uint absent;            // facing: points
     uint facing_exact;      // facing: points, or receivers asked but once, whose facing needed the exact level
-    uint strays;            // facing, trace: points for which a prepared light's lists may not do
-    uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
+    uint strays;     // points for which these lists may not do: of a prepared light (trace); settle's, of samples
+    uint tests_low;  // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
 GN_STRUCT_END(FrameCounters, 136)
 
