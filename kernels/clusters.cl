@@ -148,11 +148,13 @@ __kernel void cluster_gather(uint triangle_count, ulong first_float, __global co
 // ---- Which of them matter -------------------------------------------------------------------------------------------
 
 static void project_corners(__global const ClusterBoxes* boxes, __constant const Projection* projection, Projected* v) {
+    PointBlock corners[8];
     for (int corner = 0; corner < 8; ++corner) {
         PointBlock p = {(corner & 1) ? boxes->high[0] : boxes->low[0], (corner & 2) ? boxes->high[1] : boxes->low[1],
                         (corner & 4) ? boxes->high[2] : boxes->low[2]};
-        v[corner] = project(projection, &p);
+        corners[corner] = p;
     }
+    project_hulls(projection, corners, 8, v);
 }
 
 // Which of these boxes can matter, and which only the pyramid rules out (ignored unless `has_pyramid`).

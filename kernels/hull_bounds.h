@@ -8,8 +8,8 @@
 // near agree with it, else there is none; the lower bound likewise. Heights: Z is linear, or 1 / W with W linear, so a
 // hull wholly in front reaches no higher than its highest vertex.
 //
-// Errors: each vertex is moved out by the bound of its own projection (projection.h) and of the division, so the bounds
-// hold for the hull of the real vertices; a point's own error is added at the end.
+// Errors: each vertex is moved out by the bound of its hull's projection (triangle_blocks.h) and of the division, so
+// the bounds hold for the hull of the real vertices; a point's own error is added at the end.
 #ifndef GN_HULL_BOUNDS_H
 #define GN_HULL_BOUNDS_H
 
@@ -108,11 +108,11 @@ static void bounds_of(const Interval* interval, float point_error, float last, L
     *bound_high = LANES_SELECT((LaneFloat)(last), high + point_error, has_high);
 }
 
-// The same where W is 1.
-static void include_parallel(LaneFloat x, LaneFloat error, LaneFloat* low, LaneFloat* high) {
-    LaneFloat slack = (error + fabs(x) * (8.0f * GN_U)) * BOUND_INFLATION;
-    LaneFloat least = x - slack, most = x + slack;
-    *low = LANES_MIN(least, *low), *high = LANES_MAX(most, *high);
+// The same where W is 1, of coordinates from low to high: as far out as any of them, since rounding is monotone.
+static void widen_parallel(LaneFloat* low, LaneFloat* high, LaneFloat error) {
+    LaneFloat size_low = fabs(*low), size_high = fabs(*high), size = LANES_MAX(size_low, size_high);
+    LaneFloat slack = (error + size * (8.0f * GN_U)) * BOUND_INFLATION;
+    *low -= slack, *high += slack;
 }
 
 // Texel rectangles that hold everything the hulls can cover of the grid; returns those that can cover any of it.
@@ -129,12 +129,14 @@ static LaneInt covered_rectangles(const Projected* v, int count, __constant cons
         bounds_of(&x, projection->point_error, width, &r.x0, &r.x1);
         bounds_of(&y, projection->point_error, height, &r.y0, &r.y1);
     } else {
-        r.x0 = r.y0 = (LaneFloat)(INFINITY);
-        r.x1 = r.y1 = (LaneFloat)(-INFINITY);
-        for (int i = 0; i < count; ++i) {
-            include_parallel(v[i].x, v[i].error, &r.x0, &r.x1);
-            include_parallel(v[i].y, v[i].error, &r.y0, &r.y1);
+        r.x0 = r.x1 = v[0].x;
+        r.y0 = r.y1 = v[0].y;
+        for (int i = 1; i < count; ++i) {
+            r.x0 = LANES_MIN(v[i].x, r.x0), r.x1 = LANES_MAX(v[i].x, r.x1);
+            r.y0 = LANES_MIN(v[i].y, r.y0), r.y1 = LANES_MAX(v[i].y, r.y1);
         }
+        widen_parallel(&r.x0, &r.x1, v[0].error);  // the same for all (project_hulls)
+        widen_parallel(&r.y0, &r.y1, v[0].error);
         r.x0 -= projection->point_error, r.x1 += projection->point_error;
         r.y0 -= projection->point_error, r.y1 += projection->point_error;
     }

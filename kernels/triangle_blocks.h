@@ -105,28 +105,31 @@ static LaneFloat lanes_row_size(__constant const float* row, PointBlock size) {
            sum * (0x1p-20f * row_sum);
 }
 
-static Projected project(__constant const Projection* projection, const PointBlock* p_world) {
+// Of the vertices of GN_LANES hulls. An error grows with the magnitudes of d = vertex - center (lanes_row_size is
+// monotone in each, roundings included), so the largest of each coordinate give one bound for all vertices of a hull.
+static void project_hulls(__constant const Projection* projection, const PointBlock* world, int count, Projected* v) {
     float3 center = center_of(projection);
-    PointBlock d = difference(*p_world, same_point(center.x, center.y, center.z)), d_size = magnitudes(d);
-    Projected h;
-    h.x = lanes_row_dot(projection->row_x, d);
-    h.y = lanes_row_dot(projection->row_y, d);
-    LaneFloat size_x = lanes_row_size(projection->row_x, d_size), size_y = lanes_row_size(projection->row_y, d_size);
-    h.error = LANES_MAX(size_x, size_y) * PROJECTION_ERROR + PROJECTION_UNDERFLOW;
-    LaneFloat depth = lanes_row_dot(projection->row_z, d);
-    LaneFloat depth_error = lanes_row_size(projection->row_z, d_size) * PROJECTION_ERROR + PROJECTION_UNDERFLOW;
-    if (projection->perspective) {
-        h.w = depth;
-        h.error_w = depth_error;
-        h.z = (LaneFloat)(1.0f) / depth;
-        h.error_z = (LaneFloat)(0.0f);
-    } else {
-        h.w = (LaneFloat)(1.0f);
-        h.error_w = (LaneFloat)(0.0f);
-        h.z = depth;
-        h.error_z = depth_error;
+    PointBlock middle = same_point(center.x, center.y, center.z), largest = same_point(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < count; ++i) {
+        PointBlock d = difference(world[i], middle), size = magnitudes(d);
+        v[i].x = lanes_row_dot(projection->row_x, d);
+        v[i].y = lanes_row_dot(projection->row_y, d);
+        v[i].z = lanes_row_dot(projection->row_z, d);
+        largest.x = LANES_MAX(size.x, largest.x);
+        largest.y = LANES_MAX(size.y, largest.y);
+        largest.z = LANES_MAX(size.z, largest.z);
     }
-    return h;
+    LaneFloat size_x = lanes_row_size(projection->row_x, largest), size_y = lanes_row_size(projection->row_y, largest);
+    LaneFloat error = LANES_MAX(size_x, size_y) * PROJECTION_ERROR + PROJECTION_UNDERFLOW;
+    LaneFloat depth_error = lanes_row_size(projection->row_z, largest) * PROJECTION_ERROR + PROJECTION_UNDERFLOW;
+    const LaneFloat zero = (LaneFloat)(0.0f), one = (LaneFloat)(1.0f);
+    for (int i = 0; i < count; ++i) {
+        v[i].error = error;
+        v[i].w = projection->perspective ? v[i].z : one;
+        v[i].error_w = projection->perspective ? depth_error : zero;
+        v[i].error_z = projection->perspective ? zero : depth_error;
+        if (projection->perspective) v[i].z = one / v[i].w;
+    }
 }
 
 #endif

@@ -11,8 +11,9 @@
 // Error bounds. Let a, b, c be the projected vertices, p = (X, Y, 1) a point of the grid, and r_a = a - a_w p the first
 // two coordinates of a relative to p. Then (Mizoguchi's and everybody's) edge function is
 //     e_ab = det(a, b, p) = cross(r_a, r_b).
-// a is off by at most E_a = error + R error_w in r_a, where R bounds |X|, |Y|. With |r_a| <= rho_a over the triangle's
-// bins,    |cross error| <= 2 (rho_a E_b + rho_b E_a + E_a E_b).
+// a is off by at most E_a = error + R error_w in r_a, where R bounds |X|, |Y|; project_hulls() gives
+// one bound of the error to all three vertices. With |r_a| <= rho_a over the triangle's bins,
+//     |cross error| <= 2 (rho_a E_b + rho_b E_a + E_a E_b).
 // The coefficients a x (b - a) round once for the difference and twice for products and sum, the evaluation twice:
 // at most 6u Q, Q = R (|a_y d_w| + |a_w d_y|) + R (|a_w d_x| + |a_x d_w|) + |a_x d_y| + |a_y d_x|, d = b - a.
 // The point itself is off by point_error in X and Y: (|edge_x| + |edge_y|) point_error. (R and rho are for the real
@@ -247,9 +248,8 @@ typedef struct ProjectedTriangles {
 
 static ProjectedTriangles project_triangles(const TriangleBlock* t, __constant const Projection* projection) {
     ProjectedTriangles p;
-    p.v[0] = project(projection, &t->a);
-    p.v[1] = project(projection, &t->b);
-    p.v[2] = project(projection, &t->c);
+    const PointBlock corners[3] = {t->a, t->b, t->c};
+    project_hulls(projection, corners, 3, p.v);
     p.sides = sides_of_hulls(p.v, 3, projection);
     return p;
 }
