@@ -131,6 +131,17 @@ static uint take_lowest_bit(uint* bits) {
     return lowest;
 }
 
+// The first of the lanes whose bits are set; clears its bit. On a GPU, where it is the only one, it is a constant: by
+// an index that is not, a GPU would keep what is indexed in memory.
+static int take_lane(uint* bits) {
+#if GN_LANES == 1
+    *bits = 0u;
+    return 0;
+#else
+    return (int)take_lowest_bit(bits);
+#endif
+}
+
 // The first lane that is set, of a mask that has one; and how many are.
 static int first_lane(LaneInt mask) { return GN_LANES == 1 ? 0 : (int)lowest_bit(lane_bits(mask)); }
 static uint count_lanes(LaneInt mask) { return (uint)-LANES_SUM(mask); }

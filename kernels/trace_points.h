@@ -151,7 +151,7 @@ static LaneInt settle_open(const ExactPairs* pairs, LaneInt open, const BlockPoi
                            BlockAnswer* answer) {
     LaneInt settled = (LaneInt)(0);
     for (uint bits = lane_bits(open); bits != 0u;) {
-        int lane = (int)take_lowest_bit(&bits);
+        int lane = take_lane(&bits);
         if (TRACE_IN_PLACE) {
             if (!blocks_exactly(pairs, lane_point(points->at, lane), id)) continue;
             LANE_OF_INT(answer->shadowed, lane) = LANE_OF_INT(answer->by_exact, lane) = LANE_OF_INT(settled, lane) = -1;
@@ -181,7 +181,7 @@ static void hand_over_waiting(const ExactPairs* pairs, const BlockPoints* points
     LaneInt lanes =
         ~answer->shadowed & ~answer->postponed & LANE_COMPARE(answer->waiting, !=, (LaneInt)((int)GN_NO_ID));
     for (uint bits = lane_bits(lanes); bits != 0u;) {
-        int lane = (int)take_lowest_bit(&bits);
+        int lane = take_lane(&bits);
         if (!hand_over(pairs, (uint)point_of_lane(points->layout, points->block, lane),
                        (uint)LANE_OF_INT(answer->waiting, lane)))
             LANE_OF_INT(answer->postponed, lane) = -1;
