@@ -24,8 +24,9 @@ static ReceiverAnswer answer_of_triangles(const TriangleBlock* t, LaneInt asked,
     asked &= finite_triangles(t);
     if (!LANES_ANY(asked)) return answer;
     LaneCross normals = triangle_normals(t);
-    PointBlock towards = same_point(light.x, light.y, light.z), zero = same_point(0.0f, 0.0f, 0.0f);
-    LaneInt side = lanes_side(t, &normals, &towards, light.w != 0.0f ? &t->a : &zero, asked, exact);
+    PointBlock towards = same_point(light.x, light.y, light.z), from = same_point(0.0f, 0.0f, 0.0f);
+    if (light.w != 0.0f) from = t->a;  // (a pointer to one or the other would keep both in memory on a GPU)
+    LaneInt side = lanes_side(t, &normals, &towards, &from, asked, exact);
     LaneInt facing = asked & LANE_COMPARE(side, !=, (LaneInt)(0));
     if (layout.has_eye) {
         float3 at = eye_of(layout);
