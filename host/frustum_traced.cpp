@@ -87,14 +87,7 @@ FrameGrid FrustumTraced::grid(std::size_t triangle_count, std::size_t point_coun
     // Few points want few bins: a large triangle is asked about every bin it meets, also those that hold no point.
     std::uint32_t size = 4;
     while (size < largest && std::size_t(size) * size * 4 < point_count) size *= 2;
-    FrameGrid grid = binned(session, size);
-    // Of few triangles a CPU reads lists of coarser bins as fast, and has fewer references to find. Measured with 64
-    // bins a side in place of 128: Sponza and lost_empire at 2K .86 to 1.05 of the time, .96 in the mean; but Sponza at
-    // 4K 1.1, a million triangles of the city .97 (v1) and 1.17 (v0), .8 million of foliage 1.2.
-    constexpr std::size_t few_triangles = 1u << 19, few_points = 1u << 22;
-    if (session.is_cpu() && triangle_count < few_triangles && point_count < few_points)
-        while (grid.bins() > 64) ++grid.bin_log2;
-    return grid;
+    return binned(session, size);
 }
 
 FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count, bool is_lamp) const {
