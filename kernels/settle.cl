@@ -297,7 +297,7 @@ static LaneInt footprints_below_map(__constant const Projection* projection, con
 }
 
 static void count_strays(LaneInt strays, __global FrameCounters* counters) {
-    if (LANES_ANY(strays)) atomic_add(&counters->strays, (uint)-LANES_SUM(strays));
+    if (LANES_ANY(strays)) atomic_add(&counters->strays, count_lanes(strays));
 }
 
 // Footprints of the frames from `first_frame` on, as trace() takes points. Those that are open become 0, 1 or
