@@ -3,7 +3,7 @@
 
 namespace gnomon {
 
-void Bins::run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+void Bins::run(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                std::uint32_t bin_count, TriangleSetup& setup, const cl::Buffer* heights, const cl::Buffer& counters) {
     const std::size_t count_bytes = bin_count * sizeof(cl_uint);
     const cl_uint lanes = session.lanes(), has_heights = heights != nullptr;
@@ -15,7 +15,7 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, const Triangl
     session.fill(counts_, 0, count_bytes);
     const PairBuffers listed{pairs_.capacity(), pairs_.buffer(), counts_};
     setup.run_tiles(session, projection, triangles, heights, &listed, counters);
-    session.launch("bins.cl", "bins_pairs", cl::Range::items(setup.tiles().capacity()), projection,
+    session.launch("bins.cl", "bins_pairs", cl::Range::items(setup.tiles().capacity()), projection.buffer,
                    setup.tiles().capacity(), has_heights, pairs_.capacity(), setup.records(), setup.tiles().buffer(),
                    heights ? *heights : counts_, counts_, pairs_.buffer(), counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
@@ -32,7 +32,7 @@ void Bins::run(cl::Session& session, const cl::Buffer& projection, const Triangl
                    orders ? listed_ : entries_.buffer(), counters);
     if (orders)
         session.launch("bins.cl", "bins_order", cl::Range::items(entries_.capacity()), listed_, entries_.buffer(),
-                       counters);
+                       counters, cl::LocalBytes{(session.work_group_size() + 2 * LIST_RUN) * sizeof(cl_uint)});
 }
 
 bool Bins::fitted(cl::Session& session, const FrameCounters& counted, bool setup_fitted) {

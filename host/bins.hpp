@@ -11,7 +11,7 @@ class Bins {
 public:
     /// Fills ranges(), entries() and pairs() from the setup's bounds, by its records and tiles, and the counts of
     /// `counters`. `heights` (a pyramid: farthest_height) may be null: then no bin is empty and nothing is too far.
-    void run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+    void run(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
              std::uint32_t bin_count, TriangleSetup& setup, const cl::Buffer* heights, const cl::Buffer& counters);
     /// True if all lists fitted; else grows, and the run must be repeated. After a run whose tiles did not fit the
     /// pairs are guessed, so that all lists grow at once.
@@ -23,9 +23,11 @@ public:
     const cl::Buffer& entries() const { return entries_.buffer(); }
 
     /// The lists start with four entries per triangle, but from least_capacity (few triangles may be in all bins) to
-    /// initial_capacity; tests start with 1.
+    /// initial_capacity; tests start with 1. 0: as ever.
     static constexpr std::uint32_t initial_capacity = 1u << 20, least_capacity = 1u << 16;
-    void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
+    void limit_initial_capacity(std::uint32_t capacity) {
+        first_capacity_ = capacity != 0 ? capacity : initial_capacity;
+    }
 
 private:
     cl::Buffer counts_, ranges_;

@@ -113,13 +113,15 @@ OrderedTriangles ordered_triangles(const TriangleInputs& triangles) {
     return {triangles.clusters->vertices().get(), 0, &triangles.clusters->numbers()};
 }
 
-const cl::Buffer* ClusterCull::run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                                   const cl::Buffer* pyramid, const cl::Buffer& counters) {
+const cl::Buffer* ClusterCull::run(cl::Session& session, const ProjectionInput& projection,
+                                   const TriangleInputs& triangles, const cl::Buffer* pyramid,
+                                   const cl::Buffer& counters) {
     if (triangles.clusters == nullptr) return nullptr;
     const Clusters& clusters = *triangles.clusters;
     listed_.reserve(session, clusters.count() * sizeof(cl_uint));
     const cl_uint has_pyramid = pyramid != nullptr;
-    session.launch("clusters.cl", "cull_clusters", cl::Range::items(clusters.count() / session.lanes() + 1), projection,
+    session.launch(file_for(session, projection.of_direction, "clusters_of_direction.cl", "clusters.cl"),
+                   "cull_clusters", cl::Range::items(clusters.count() / session.lanes() + 1), projection.buffer,
                    triangles.count, clusters.count(), has_pyramid, clusters.boxes(), pyramid ? *pyramid : listed_,
                    listed_, counters);
     return &listed_;

@@ -42,7 +42,7 @@ public:
     /// Lists the clusters that can matter, for triangle_setup, and counts them and the triangles of all others in
     /// `counters`; null if no clusters are kept. `pyramid` (farthest_height) may be null: then nothing is dropped for
     /// being too far.
-    const cl::Buffer* run(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+    const cl::Buffer* run(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                           const cl::Buffer* pyramid, const cl::Buffer& counters);
 
 private:

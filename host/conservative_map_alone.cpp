@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "conservative_map_alone.hpp"
 
-#include "shadow_map/setting_values.hpp"
+#include "setting_values.hpp"
 
 namespace gnomon {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The exceptions of gnomon.hpp: an OpenCL error says its call, its name and, for builds, what the compiler said.
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon {
 namespace {

@@ -13,27 +13,39 @@ bool is_usual(const cl::Session& session, const LightFrame& light_frame, cl_uint
            layout.point_stride == 1 && layout.has_receivers == 1 && layout.picture_width != 0;
 }
 
+const char* file_of(const cl::Session& session, const LightFrame& light_frame) {
+    return file_for(session, light_frame.perspective == 0, "facing_of_direction.cl", "facing.cl");
+}
+
 // What `opens` has no use for may be any buffer. `answers`: where points look their receivers up; null: receivers are
-// asked point by point. `blocks`: to be written; null: they are not.
+// asked point by point. `blocks`: to be written; null: they are not. `unsure`: to ask by floats first, with room for
+// those who have to be asked again; null: all are asked at once.
 void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, const TriangleInputs& triangles,
             const PointInputs& points, const cl::Buffer* answers, cl_mem visibility, const cl::Buffer& frame_bounds,
-            const cl::Buffer* blocks, const cl::Buffer& counters) {
+            const cl::Buffer* blocks, const cl::Buffer* unsure, const cl::Buffer& counters) {
     PointsLayout layout = points.layout;
     if (points.face_light) layout.has_receivers = 0;
+    const auto launch_one = [&](const char* name, cl::Range range) {
+        session.launch(
+            file_of(session, light_frame), name, range, layout, light_frame, opens,
+            cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), triangles.first_float, triangles.count,
+            points.positions, points.footprints != nullptr ? points.footprints : points.positions, points.receivers,
+            triangles.vertices, answers != nullptr ? answers->get() : points.receivers, visibility, frame_bounds,
+            blocks != nullptr ? *blocks : frame_bounds, unsure != nullptr ? *unsure : frame_bounds, counters,
+            cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
+    };
     const char* looked_up = points.footprints != nullptr                            ? "facing_looked_up_around"
                             : is_usual(session, light_frame, opens, layout, blocks) ? "facing_as_usual"
                                                                                     : "facing_looked_up";
     // A frame's margins hang on the world bounds of what an item takes together, so that their last bits (never an
     // answer) hang on the number of items: of the device's on a GPU, whatever the size of work-groups; of cores and of
     // that size on a CPU. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)
-    session.launch("facing.cl", answers != nullptr ? looked_up : "facing",
-                   cl::Range::items(layout.count / session.lanes() + 1), layout, light_frame, opens,
-                   cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), triangles.first_float,
-                   triangles.count, points.positions,
-                   points.footprints != nullptr ? points.footprints : points.positions, points.receivers,
-                   triangles.vertices, answers != nullptr ? answers->get() : points.receivers, visibility, frame_bounds,
-                   blocks != nullptr ? *blocks : frame_bounds, counters,
-                   cl::LocalBytes{frame_count_of(light_frame) * sizeof(PointBounds)});
+    launch_one(answers != nullptr  ? looked_up
+               : unsure != nullptr ? "facing_by_floats"
+                                   : "facing",
+               cl::Range::items(layout.count / session.lanes() + 1));
+    if (answers == nullptr && unsure != nullptr)
+        launch_one("facing_of_unsure", cl::Range::groups(session.compute_units() * 4));
 }
 
 }  // namespace
@@ -60,7 +72,7 @@ const cl::Buffer* Facing::make_answers(cl::Session& session, const LightFrame& l
     if (points.layout.count / 2 < triangles.count) return nullptr;
     const std::size_t bytes = triangles.count + 1;
     answers_.reserve(session, bytes);
-    session.launch("facing.cl", "triangles_away", cl::Range::items(bytes), points.layout, light_frame,
+    session.launch(file_of(session, light_frame), "triangles_away", cl::Range::items(bytes), points.layout, light_frame,
                    triangles.first_float, triangles.count, triangles.vertices, answers_, counters);
     return &answers_;
 }
@@ -69,12 +81,16 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
                  const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
-    session.fill({{frame_bounds_, 0, bytes}, {counters, 0, sizeof(FrameCounters)}});
+    const bool asks_floats = !session.is_cpu() && can_look_up(points) && points.footprints == nullptr;
+    unsure_.reserve(session, asks_floats ? (1 + UNSURE_LISTED) * sizeof(cl_uint) : 0);
+    session.fill({{frame_bounds_, 0, bytes},
+                  {counters, 0, sizeof(FrameCounters)},
+                  {unsure_, 0, asks_floats ? sizeof(cl_uint) : 0}});
     const cl::Buffer* answers = make_answers(session, light_frame, triangles, points, counters);
     has_blocks_ = session.lanes() > 1 && points.footprints == nullptr;
     if (has_blocks_) blocks_.reserve(session, (points.layout.count / session.lanes() + 1) * sizeof(BlockBounds));
     launch(session, light_frame, triangles.count != 0 ? FACING_BOUNDS : FACING_DECIDES, triangles, points, answers,
-           visibility, frame_bounds_, blocks(), counters);
+           visibility, frame_bounds_, blocks(), asks_floats ? &unsure_ : nullptr, counters);
 }
 
 FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
@@ -86,7 +102,7 @@ FrameCounters run_facing(cl::Session& session, Statistics& statistics, const Tri
         session.fill(counters, 0, sizeof(FrameCounters));
         // No bounds are taken of points that are not opened.
         launch(session, make_light_frame(light, {1, 0}), FACING_DECIDES, triangles, points, nullptr, visibility,
-               counters, nullptr, counters);
+               counters, nullptr, nullptr, counters);
     }
     return session.read_value<FrameCounters>(counters);
 }

@@ -29,6 +29,7 @@ private:
                                    const PointInputs& points, const cl::Buffer& counters);
 
     cl::Buffer frame_bounds_, answers_, blocks_;
+    cl::Buffer unsure_;  ///< on a GPU: points that have to be asked again
     bool has_blocks_ = false;
 };
 

@@ -41,11 +41,12 @@ void FarthestHeight::run(cl::Session& session, const LightFrame& light_frame, cl
     pyramid_.reserve(session, levels.back().first * sizeof(cl_uint));
     doubtful_.reserve(session, bin_bytes);
     session.fill({{pyramid_, 0xFFFFFFFFu, bin_bytes}, {doubtful_, 0xFFFFFFFFu, bin_bytes}});
-    session.launch("farthest_height.cl", "farthest_height", cl::Range::items(points.layout.count / session.lanes() + 1),
-                   light_frame, first_frame, frame_count, points.layout, projections,
-                   cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr), points.positions,
-                   points.footprints != nullptr ? points.footprints : points.positions,
-                   blocks != nullptr ? *blocks : projections, visibility, pyramid_, doubtful_);
+    session.launch(
+        file_for(session, light_frame.perspective == 0, "farthest_height_of_direction.cl", "farthest_height.cl"),
+        "farthest_height", cl::Range::items(points.layout.count / session.lanes() + 1), light_frame, first_frame,
+        frame_count, points.layout, projections, cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr),
+        points.positions, points.footprints != nullptr ? points.footprints : points.positions,
+        blocks != nullptr ? *blocks : projections, visibility, pyramid_, doubtful_);
     reduce(session, levels, frame_count, pyramid_);
 }
 

@@ -25,9 +25,10 @@
 #include "frustum_traced.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <limits>
 
 #include "exact_trace.hpp"
+#include "setting_values.hpp"
 #include "statistics.hpp"
 
 namespace gnomon {
@@ -54,6 +55,10 @@ struct FrustumTraced::Run {
 namespace {
 
 constexpr std::uint32_t smallest_map = 16, largest_map = 8192;
+
+// In the order of MapMode and Traversal.
+constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
+constexpr std::string_view traversal_names[] = {"points", "triangles"};
 
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
@@ -128,11 +133,11 @@ ListSettings FrustumTraced::list_settings(const PointInputs& points, cl_uint fra
 }
 
 // What a map saves: the walks of the points that it decides, and the references of the triangles that it hides, which
-// would have had about as many as the others have. Fitted on an H200 to runs with and without a map: 12 views of Sponza
-// and lost_empire and 6 of made scenes of a million triangles, at 1920x1080 and 3840x2160. By this rule the slower of
-// the two is taken in three of the 36, by 1.022, 1.016 and 1.001.
+// would have had about as many as the others have. On an H200 lists cost 82 us per million references (pairs, scatter
+// and order of foliage v0: 609 us for 7.46 million); the other two are fitted to runs with and without a map. At
+// 1920x1080 the rule takes the faster of the two in all of 15 views of real and made scenes.
 bool FrustumTraced::was_worth_a_map(const FrameCounters& counted) {
-    constexpr double us_per_point = 25e-6, us_per_reference = 150e-6, us_of_map = 40;
+    constexpr double us_per_point = 25e-6, us_per_reference = 82e-6, us_of_map = 40;
     const double listed = std::max(double(counted.survivors) - counted.edge_on - counted.hidden, 1.0);
     const double spared = counted.hidden * (counted.references / listed);
     return us_per_point * counted.decided_by_map + us_per_reference * spared >= us_of_map;
@@ -167,11 +172,19 @@ std::optional<FrameCounters> FrustumTraced::decide_by_lists(Run& run, cl_uint fr
     Statistics& statistics = run.statistics;
     const LightFrame& light_frame = run.light_frame;
     const cl::Buffer* map = run.map;
-    const ListBuffers lists = list_buffers(lists_.bins(), lists_.setup());
+    const TraceInputs inputs{light_frame,
+                             frame,
+                             1,
+                             run.triangles,
+                             run.points,
+                             frames_.projection(),
+                             map,
+                             list_buffers(lists_.bins(), lists_.setup()),
+                             run.visibility,
+                             counters_};
     if (run.points.footprints != nullptr) {
         cl::StageTimer timer(session, statistics, "settle");
-        run_settle(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
-                   run.visibility, counters_);
+        run_settle(session, inputs);
     } else if (traversal_ == Traversal::triangles) {
         {
             cl::StageTimer timer(session, statistics, "izb");
@@ -182,8 +195,7 @@ std::optional<FrameCounters> FrustumTraced::decide_by_lists(Run& run, cl_uint fr
                              run.visibility, counters_);
     } else {
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
-                   frames_.blocks(), run.visibility, counters_);
+        trace_.run(session, inputs, frames_.blocks());
     }
     if (decisions_)
         decisions_->trace(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility);
@@ -201,8 +213,7 @@ std::optional<FrameCounters> FrustumTraced::decide_by_lists(Run& run, cl_uint fr
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
         if (decisions_) decisions_->second_look(session, light_frame, frame, run.points, run.visibility);
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run_again(session, light_frame, frame, 1, run.triangles, run.points, frames_.projection(), map, lists,
-                         run.visibility, counters_);
+        trace_.run_again(session, inputs);
         counted = session.read_value<FrameCounters>(counters_);
     }
     return counted;
@@ -232,20 +243,22 @@ bool FrustumTraced::run_prepared(Run& run) {
     cl::Session& session = run.session;
     const LightFrame& light_frame = prepared_->light_frame();
     const cl_uint frame_count = frame_count_of(light_frame);
-    const bool by_answers = session.is_cpu() && frame_count == 1 && Facing::can_look_up(run.points);
+    const TraceInputs inputs{light_frame,      0,
+                             frame_count,      run.triangles,
+                             run.points,       prepared_->projections(),
+                             prepared_->map(), prepared_->lists(),
+                             run.visibility,   counters_};
+    const bool by_answers =
+        session.is_cpu() && frame_count == 1 && Facing::can_look_up(run.points) && run.points.layout.point_stride == 1;
     const auto trace = [&](bool by_planes) {
         clear(session, counters_);
         {
             cl::StageTimer timer(session, run.statistics, "trace");
             if (by_answers)
-                trace_.run_prepared_by_answers(session, light_frame, run.triangles, run.points,
-                                               prepared_->projections(), prepared_->map(), prepared_->lists(),
-                                               prepared_->domains(), frames_.no_answers(session, run.triangles),
-                                               run.visibility, counters_);
+                trace_.run_prepared_by_answers(session, inputs, prepared_->domains(),
+                                               frames_.no_answers(session, run.triangles));
             else
-                trace_.run_prepared(session, light_frame, run.triangles, run.points, prepared_->projections(),
-                                    prepared_->map(), prepared_->lists(), prepared_->receivers(), run.visibility,
-                                    counters_, by_planes);
+                trace_.run_prepared(session, inputs, prepared_->receivers(), by_planes);
         }
         {
             cl::StageTimer timer(session, run.statistics, "exact_trace");
@@ -260,8 +273,7 @@ bool FrustumTraced::run_prepared(Run& run) {
     if (counted.strays != 0) return false;
     if (!trace_.fitted(session, run.points, counted)) {
         cl::StageTimer timer(session, run.statistics, "trace");
-        trace_.run_again(session, light_frame, 0, frame_count, run.triangles, run.points, prepared_->projections(),
-                         prepared_->map(), prepared_->lists(), run.visibility, counters_);
+        trace_.run_again(session, inputs);
         counted = session.read_value<FrameCounters>(counters_);
     }
     run.frames = frame_count;
@@ -455,46 +467,17 @@ void FrustumTraced::forget() {
 void FrustumTraced::set(std::string_view name, std::string_view value) {
     forget();
     if (name == "conservative-map") {
-        if (value == "auto")
-            map_mode_ = MapMode::automatic;
-        else if (value == "on")
-            map_mode_ = MapMode::on;
-        else if (value == "off")
-            map_mode_ = MapMode::off;
-        else
-            throw InvalidArgument("conservative-map is on, off or auto, not \"" + std::string(value) + "\"");
+        map_mode_ = static_cast<MapMode>(choice_setting(name, value, map_mode_names));
     } else if (name == "cover-test") {
-        if (value == "tight")
-            cover_test_ = CoverTest::tight;
-        else if (value == "circle")
-            cover_test_ = CoverTest::circle;
-        else
-            throw InvalidArgument("cover-test is tight or circle, not \"" + std::string(value) + "\"");
+        cover_test_ = static_cast<CoverTest>(choice_setting(name, value, cover_test_names));
     } else if (name == "traversal") {
-        if (value == "points")
-            traversal_ = Traversal::points;
-        else if (value == "triangles")
-            traversal_ = Traversal::triangles;
-        else
-            throw InvalidArgument("traversal is points or triangles, not \"" + std::string(value) + "\"");
+        traversal_ = static_cast<Traversal>(choice_setting(name, value, traversal_names));
     } else if (name == "map-size") {
-        std::uint32_t size = 0;
-        const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), size);
-        if (value == "auto")
-            size = 0;
-        else if (error != std::errc() || end != value.data() + value.size() || size < smallest_map ||
-                 size > largest_map)
-            throw InvalidArgument("map-size is auto or a whole number of texels from 16 to 8192, not \"" +
-                                  std::string(value) + "\"");
-        map_size_ = size;
+        map_size_ = whole_or_auto_setting(name, value, smallest_map, largest_map);
     } else if (name == "first-capacity") {
-        std::uint32_t capacity = 0;
-        const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), capacity);
-        if (error != std::errc() || end != value.data() + value.size() || capacity == 0)
-            throw InvalidArgument("first-capacity is a whole number from 1, not \"" + std::string(value) + "\"");
-        lists_.limit_initial_capacity(capacity);
-        first_capacity_ = capacity;
-        trace_.limit_initial_capacity(capacity);
+        first_capacity_ = whole_or_auto_setting(name, value, 1, std::numeric_limits<std::uint32_t>::max());
+        lists_.limit_initial_capacity(first_capacity_);
+        trace_.limit_initial_capacity(first_capacity_);
     } else {
         throw InvalidArgument("frustum-traced has no setting \"" + std::string(name) +
                               "\": it has conservative-map, cover-test, map-size, traversal and first-capacity");
@@ -513,7 +496,7 @@ TechniqueDescription FrustumTraced::describe() {
          {"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
          {"traversal", "points",
           "points (each over its bin's triangles) or triangles (each over its bins' points; a baseline to compare)"},
-         {"first-capacity", "262144", "entries that growing lists start with, from 1: for tests"}},
+         {"first-capacity", "auto", "entries that growing lists start with, from 1, or auto: for tests"}},
         {{"decided",
           "what decided each point: pale and blue the filter, dark blue the map, green to red the exact "
           "predicate; docs/techniques.md has the legend"}}};

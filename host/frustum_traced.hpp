@@ -35,7 +35,7 @@ public:
     static bool was_worth_a_map(const FrameCounters& counted);
 
 private:
-    enum class MapMode { automatic, on, off };
+    enum class MapMode { on, off, automatic };
     enum class Traversal { points, triangles };
     struct Run;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The public face: devices and the register of techniques. A new technique is one line in `registered`.
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 
 #include <functional>
 

@@ -46,4 +46,18 @@ struct PointInputs {
 };
 PointInputs point_inputs(const Points& points);
 
+/// A projection on the device.
+struct ProjectionInput {
+    ProjectionInput(const cl::Buffer& on_device, bool is_of_direction = false)
+        : buffer(on_device), of_direction(is_of_direction) {}
+    const cl::Buffer& buffer;
+    bool of_direction;  ///< known to be parallel
+};
+
+/// The kernel file for a direction on a GPU, or the one for everything.
+inline const char* file_for(const cl::Session& session, bool of_direction, const char* file_of_direction,
+                            const char* file) {
+    return of_direction && !session.is_cpu() ? file_of_direction : file;
+}
+
 }  // namespace gnomon

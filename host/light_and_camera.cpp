@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "vectors.hpp"
 
 namespace gnomon {

@@ -24,7 +24,7 @@ public:
     const cl::Buffer& domains() const { return domains_; }
     const cl::Buffer& projections() const { return light_frame_fit_.projections(); }
     const cl::Buffer* map() const { return draws_map_ ? &map_ : nullptr; }
-    ReceiverBuffers receivers() const { return {domains_, planes_, largest_coordinate_, lit_}; }
+    ReceiverBuffers receivers() const { return {domains_, planes_, largest_coordinate_, lit_, slots_}; }
     ListBuffers lists() const { return {ranges_, entries_, records_, bounds_}; }
     std::uint64_t bytes() const;
     const FrameCounters& counted() const { return counted_; }  ///< over the frames
@@ -32,6 +32,7 @@ public:
 private:
     bool fit(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
     void keep_planes(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
+    void seek_lit_receivers(cl::Session& session, const TriangleInputs& triangles, cl_uint step);
     void find_lit_receivers(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
     void keep(cl::Session& session, Statistics& statistics, const TriangleLists& lists, const FrameCounters& counted,
               cl_uint frame);
@@ -41,7 +42,7 @@ private:
     LightFrame light_frame_;
     bool draws_map_, is_usable_ = false;
     LightFrameFit light_frame_fit_;
-    cl::Buffer domains_, planes_, largest_coordinate_, lit_, ranges_, map_, entries_, records_, bounds_;
+    cl::Buffer domains_, planes_, largest_coordinate_, lit_, slots_, ranges_, map_, entries_, records_, bounds_;
     cl_uint entries_kept_ = 0, records_kept_ = 0;  ///< entries in units of BinEntries
     FrameCounters counted_{};
 };

@@ -3,7 +3,7 @@
 // with the size of its batches laid open for tests.
 #pragma once
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon {
 

@@ -3,14 +3,15 @@
 
 namespace gnomon {
 
-void run_settle(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-                const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-                const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters) {
-    session.launch("settle.cl", "settle", cl::Range::items(points.layout.count / session.lanes() + 1), light_frame,
-                   first_frame, frame_count, points.layout, projections, cl_uint(map != nullptr), triangles.first_float,
-                   triangles.vertices, points.positions, points.footprints, points.receivers,
-                   map != nullptr ? *map : lists.ranges, lists.ranges, lists.entries, lists.records, lists.bounds,
-                   visibility, counters);
+void run_settle(cl::Session& session, const TraceInputs& inputs) {
+    const PointInputs& points = inputs.points;
+    const ListBuffers& lists = inputs.lists;
+    session.launch("settle.cl", "settle", cl::Range::items(points.layout.count / session.lanes() + 1),
+                   inputs.light_frame, inputs.first_frame, inputs.frame_count, points.layout, inputs.projections,
+                   cl_uint(inputs.map != nullptr), inputs.triangles.first_float, inputs.triangles.vertices,
+                   points.positions, points.footprints, points.receivers,
+                   inputs.map != nullptr ? *inputs.map : lists.ranges, lists.ranges, lists.entries, lists.records,
+                   lists.bounds, inputs.visibility, inputs.counters);
 }
 
 }  // namespace gnomon

@@ -29,8 +29,6 @@ public:
 };
 
 /// As Trace::run(), for points that carry footprints.
-void run_settle(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-                const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-                const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters);
+void run_settle(cl::Session& session, const TraceInputs& inputs);
 
 }  // namespace gnomon

@@ -216,7 +216,8 @@ private:
 
     void settle() {
         const std::size_t count = piece_count();
-        kept_.answers.reserve(session_, count * sizeof(float));
+        // For all that there may be: in how many places the pieces lie depends on threads (see seek_in_parts()).
+        kept_.answers.reserve(session_, batch_.places * sizeof(float));
         Points centres =
             Points::wrap(device_, kept_.centres.get(), {0, 1, batch_.places}, count, kept_.receivers.get());
         centres.set_eye(camera_.eye);
@@ -226,7 +227,7 @@ private:
 
     void sort() {
         const std::size_t count = piece_count();
-        kept_.mixed.reserve(session_, (count + unused_places()) * sizeof(cl_uint));
+        kept_.mixed.reserve(session_, (batch_.places + unused_places()) * sizeof(cl_uint));
         {
             cl::StageTimer timer(session_, total_, "samples_sort");
             session_.launch("samples.cl", "samples_sort", cl::Range::items(count), batch_, cl_uint(count),

@@ -2,7 +2,7 @@
 // Statistics of several runs, or of a stage that runs several times, as those of one.
 #pragma once
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon {
 

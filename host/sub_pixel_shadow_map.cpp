@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sub_pixel_shadow_map.hpp"
 
-#include "shadow_map/setting_values.hpp"
+#include "setting_values.hpp"
 
 namespace gnomon {
 

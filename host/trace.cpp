@@ -24,53 +24,42 @@ std::size_t points_each(const cl::Session& session, const LightFrame& light_fram
 }  // namespace
 
 template <typename... More>
-void Trace::launch(cl::Session& session, const char* file, const char* name, const LightFrame& light_frame,
-                   cl_uint first_frame, cl_uint frame_count, const TriangleInputs& triangles, const PointInputs& points,
-                   const cl::Buffer& projections, const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility,
-                   const cl::Buffer& counters, const More&... more) {
+void Trace::launch(cl::Session& session, const char* file, const char* name, const TraceInputs& inputs,
+                   const More&... more) {
+    const PointInputs& points = inputs.points;
+    const ListBuffers& lists = inputs.lists;
     if (capacity_ == 0) reserve(session, first_capacity(points));
-    const cl_uint has_map = map != nullptr;
-    const std::size_t each = points_each(session, light_frame, frame_count, points.layout.count);
+    const cl_uint has_map = inputs.map != nullptr;
+    const std::size_t each = points_each(session, inputs.light_frame, inputs.frame_count, points.layout.count);
     const std::size_t round = each * session.work_group_size();
-    session.launch(file, name, session.uneven_items(points.layout.count / session.lanes() + 1, each), light_frame,
-                   first_frame, frame_count, points.layout, projections, has_map, capacity_, triangles.first_float,
-                   points.positions, points.receivers, triangles.vertices, map != nullptr ? *map : queue_, lists.ranges,
-                   lists.entries, lists.records, lists.bounds, visibility, queue_, counters, cl_uint(round),
+    session.launch(file, name, session.uneven_items(points.layout.count / session.lanes() + 1, each),
+                   inputs.light_frame, inputs.first_frame, inputs.frame_count, points.layout, inputs.projections,
+                   has_map, capacity_, inputs.triangles.first_float, points.positions, points.receivers,
+                   inputs.triangles.vertices, inputs.map != nullptr ? *inputs.map : queue_, lists.ranges, lists.entries,
+                   lists.records, lists.bounds, inputs.visibility, queue_, inputs.counters, cl_uint(round),
                    cl::LocalBytes{round * sizeof(cl_uint)}, more...);
 }
 
-void Trace::run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-                const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-                const cl::Buffer* map, const ListBuffers& lists, const cl::Buffer* blocks, cl_mem visibility,
-                const cl::Buffer& counters) {
-    launch(session, "trace.cl", "trace", light_frame, first_frame, frame_count, triangles, points, projections, map,
-           lists, visibility, counters, cl_uint(blocks != nullptr), blocks != nullptr ? *blocks : projections);
+void Trace::run(cl::Session& session, const TraceInputs& inputs, const cl::Buffer* blocks) {
+    launch(session, "trace.cl", "trace", inputs, cl_uint(blocks != nullptr),
+           blocks != nullptr ? *blocks : inputs.projections);
 }
 
-void Trace::run_again(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-                      const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-                      const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters) {
-    launch(session, "trace_again.cl", "trace_again", light_frame, first_frame, frame_count, triangles, points,
-           projections, map, lists, visibility, counters);
+void Trace::run_again(cl::Session& session, const TraceInputs& inputs) {
+    launch(session, "trace_again.cl", "trace_again", inputs);
 }
 
-void Trace::run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                         const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
-                         const ListBuffers& lists, const ReceiverBuffers& receivers, cl_mem visibility,
-                         const cl::Buffer& counters, bool by_planes) {
+void Trace::run_prepared(cl::Session& session, const TraceInputs& inputs, const ReceiverBuffers& receivers,
+                         bool by_planes) {
     launch(session, by_planes ? "prepared_trace_by_planes.cl" : "prepared_trace.cl",
-           by_planes ? "prepared_trace_by_planes" : "prepared_trace", light_frame, 0, frame_count_of(light_frame),
-           triangles, points, projections, map, lists, visibility, counters, triangles.count, receivers.domains,
-           receivers.planes, receivers.largest_coordinate, receivers.lit);
+           by_planes ? "prepared_trace_by_planes" : "prepared_trace", inputs, inputs.triangles.count, receivers.domains,
+           receivers.planes, receivers.largest_coordinate, receivers.lit, receivers.slots);
 }
 
-void Trace::run_prepared_by_answers(cl::Session& session, const LightFrame& light_frame,
-                                    const TriangleInputs& triangles, const PointInputs& points,
-                                    const cl::Buffer& projections, const cl::Buffer* map, const ListBuffers& lists,
-                                    const cl::Buffer& domains, const cl::Buffer& answers, cl_mem visibility,
-                                    const cl::Buffer& counters) {
-    launch(session, "prepared_trace_by_answers.cl", "prepared_trace_by_answers", light_frame, 0, 1, triangles, points,
-           projections, map, lists, visibility, counters, triangles.count, domains, answers);
+void Trace::run_prepared_by_answers(cl::Session& session, const TraceInputs& inputs, const cl::Buffer& domains,
+                                    const cl::Buffer& answers) {
+    launch(session, "prepared_trace_by_answers.cl", "prepared_trace_by_answers", inputs, inputs.triangles.count,
+           domains, answers);
 }
 
 void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,

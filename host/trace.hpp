@@ -14,38 +14,42 @@ struct ListBuffers {
 };
 /// What a prepared light keeps for facing (kernels/prepared_facing.h).
 struct ReceiverBuffers {
-    const cl::Buffer &domains, &planes, &largest_coordinate, &lit;
+    const cl::Buffer &domains, &planes, &largest_coordinate, &lit, &slots;
 };
 inline ListBuffers list_buffers(const Bins& bins, const TriangleSetup& setup) {
     return {bins.ranges(), bins.entries(), setup.records(), setup.bounds()};
 }
 
+/// What points are held against their lists with, in the frames from `first_frame` on, whose projections (and bins, and
+/// maps) lie one behind the other.
+struct TraceInputs {
+    const LightFrame& light_frame;
+    cl_uint first_frame, frame_count;
+    const TriangleInputs& triangles;
+    const PointInputs& points;
+    const cl::Buffer& projections;
+    const cl::Buffer* map;  ///< null: no coarse test
+    ListBuffers lists;
+    cl_mem visibility;
+    const cl::Buffer& counters;
+};
+
 class Trace {
 public:
     /// The first look: queues undecided pairs and leaves points open whose pairs find no room; the second, only needed
-    /// then, decides theirs in place. Of the frames from `first_frame` on, whose projections (and bins, and maps) lie
-    /// one behind the other. `map` may be null: no coarse test. `blocks` are what facing says of the points, of one
-    /// frame alone, none of which has been decided since; it may be null.
-    void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-             const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-             const cl::Buffer* map, const ListBuffers& lists, const cl::Buffer* blocks, cl_mem visibility,
-             const cl::Buffer& counters);
+    /// then, decides theirs in place. `blocks` are what facing says of the points, of one frame alone, none of which
+    /// has been decided since; it may be null.
+    void run(cl::Session& session, const TraceInputs& inputs, const cl::Buffer* blocks);
     /// The second look.
-    void run_again(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
-                   const TriangleInputs& triangles, const PointInputs& points, const cl::Buffer& projections,
-                   const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility, const cl::Buffer& counters);
+    void run_again(cl::Session& session, const TraceInputs& inputs);
     /// The first look under a prepared light, of all its frames: decides facing too. Counts strays; all points are
     /// decided if there are none. `by_planes`: of lifted points, and strays are also those whose facing the planes of
     /// their receivers leave undecided.
-    void run_prepared(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                      const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
-                      const ListBuffers& lists, const ReceiverBuffers& receivers, cl_mem visibility,
-                      const cl::Buffer& counters, bool by_planes);
+    void run_prepared(cl::Session& session, const TraceInputs& inputs, const ReceiverBuffers& receivers,
+                      bool by_planes);
     /// The same of a direction on a CPU, of points that can look their receivers up in `answers` (Facing).
-    void run_prepared_by_answers(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                                 const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* map,
-                                 const ListBuffers& lists, const cl::Buffer& domains, const cl::Buffer& answers,
-                                 cl_mem visibility, const cl::Buffer& counters);
+    void run_prepared_by_answers(cl::Session& session, const TraceInputs& inputs, const cl::Buffer& domains,
+                                 const cl::Buffer& answers);
     /// The other traversal, of one frame: triangles over the lists of points (kernels/trace_triangles.cl). Needs no
     /// second look.
     void run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
@@ -63,15 +67,13 @@ public:
 
 private:
     template <typename... More>
-    void launch(cl::Session& session, const char* file, const char* name, const LightFrame& light_frame,
-                cl_uint first_frame, cl_uint frame_count, const TriangleInputs& triangles, const PointInputs& points,
-                const cl::Buffer& projections, const cl::Buffer* map, const ListBuffers& lists, cl_mem visibility,
-                const cl::Buffer& counters, const More&... more);
+    void launch(cl::Session& session, const char* file, const char* name, const TraceInputs& inputs,
+                const More&... more);
     void reserve(cl::Session& session, std::uint32_t capacity);
 
-    cl::Buffer queue_;
     std::uint32_t first_capacity(const PointInputs& points) const;
 
+    cl::Buffer queue_;
     std::uint32_t capacity_ = 0, first_capacity_ = 0;
 };
 

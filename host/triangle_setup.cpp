@@ -5,6 +5,13 @@
 #include "clusters.hpp"
 
 namespace gnomon {
+namespace {
+
+const char* file_of(const cl::Session& session, const ProjectionInput& projection) {
+    return file_for(session, projection.of_direction, "triangle_setup_of_direction.cl", "triangle_setup.cl");
+}
+
+}  // namespace
 
 void add_counters(FrameCounters& total, const FrameCounters& frame) {
     // The struct is 32-bit counters and nothing else.
@@ -29,7 +36,7 @@ bool GrowingList::fitted(cl::Session& session, std::uint64_t wanted, const char*
     return false;
 }
 
-void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                                const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters) {
     // A work-item of a CPU may leave most of a block unused.
     const std::size_t unused =
@@ -40,34 +47,36 @@ void TriangleSetup::run_bounds(cl::Session& session, const cl::Buffer& projectio
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
     const cl_uint has_clusters = clusters != nullptr, has_pyramid = pyramid != nullptr;
     const OrderedTriangles ordered = ordered_triangles(triangles);
-    session.launch("triangle_setup.cl", "triangle_bounds", cl::Range::items(triangles.count / session.lanes() + 1),
-                   projection, triangles.count, ordered.first_float, capacity(), has_clusters, has_pyramid,
-                   ordered.vertices, clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(),
-                   map_candidates_.buffer(), counters);
+    session.launch(file_of(session, projection), "triangle_bounds",
+                   cl::Range::items(triangles.count / session.lanes() + 1), projection.buffer, triangles.count,
+                   ordered.first_float, capacity(), has_clusters, has_pyramid, ordered.vertices,
+                   clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
+                   counters, cl::LocalBytes{session.work_group_size() * BOUNDS_AT_ONCE * sizeof(TriangleBounds)});
 }
 
-void TriangleSetup::run_tiles_for(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                                  const cl::Buffer* heights, const GrowingList& tiles, cl_uint for_map,
-                                  const PairBuffers* pairs, const cl::Buffer& counters) {
+void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& projection,
+                                  const TriangleInputs& triangles, const cl::Buffer* heights, const GrowingList& tiles,
+                                  cl_uint for_map, const PairBuffers* pairs, const cl::Buffer& counters) {
     const OrderedTriangles ordered = ordered_triangles(triangles);
     const cl_uint has_heights = heights != nullptr, has_numbers = ordered.numbers != nullptr;
     const cl_uint lists_pairs = pairs != nullptr, pair_capacity = pairs != nullptr ? pairs->capacity : 0;
-    session.launch("triangle_setup.cl", "triangle_tiles", cl::Range::items(capacity()), projection, ordered.first_float,
-                   capacity(), tiles.capacity(), has_numbers, has_heights, for_map, lists_pairs, pair_capacity,
-                   ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(), heights ? *heights : bounds(),
-                   bounds(), records(), map_candidates_.buffer(), tiles.buffer(), pairs ? pairs->bin_counts : bounds(),
-                   pairs ? pairs->pairs : bounds(), counters,
+    session.launch(file_of(session, projection), "triangle_tiles", cl::Range::items(capacity()), projection.buffer,
+                   ordered.first_float, capacity(), tiles.capacity(), has_numbers, has_heights, for_map, lists_pairs,
+                   pair_capacity, ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(),
+                   heights ? *heights : bounds(), bounds(), records(), map_candidates_.buffer(), tiles.buffer(),
+                   pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
                    cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)},
                    cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)});
 }
 
-void TriangleSetup::run_map_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
-                                  const cl::Buffer& pyramid, const cl::Buffer& counters) {
+void TriangleSetup::run_map_tiles(cl::Session& session, const ProjectionInput& projection,
+                                  const TriangleInputs& triangles, const cl::Buffer& pyramid,
+                                  const cl::Buffer& counters) {
     run_tiles_for(session, projection, triangles, &pyramid, map_tiles_, 1, nullptr, counters);
 }
 
-void TriangleSetup::run_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+void TriangleSetup::run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                               const cl::Buffer* heights, const PairBuffers* pairs, const cl::Buffer& counters) {
     run_tiles_for(session, projection, triangles, heights, tiles_, 0, pairs, counters);
 }

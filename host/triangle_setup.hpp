@@ -45,14 +45,14 @@ public:
     /// Fills bounds() and the list of the map's candidates, and their counts in `counters`. `clusters` are those listed
     /// (clusters.hpp), or null: all triangles. `pyramid` (farthest_height) may be null: then nothing is dropped for
     /// being too far.
-    void run_bounds(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+    void run_bounds(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                     const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters);
     /// Fills records() and map_tiles() for the map's candidates, by the same pyramid.
-    void run_map_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+    void run_map_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                        const cl::Buffer& pyramid, const cl::Buffer& counters);
     /// Fills records() and tiles() for all that is not wholly below `heights` (a pyramid as well, or null). With
     /// `pairs` a CPU lists those of small triangles at once, and makes tiles of the others alone.
-    void run_tiles(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+    void run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                    const cl::Buffer* heights, const PairBuffers* pairs, const cl::Buffer& counters);
     /// True if everything fitted; else grows, and the run must be repeated.
     bool fitted(cl::Session& session, const FrameCounters& counted);
@@ -64,12 +64,14 @@ public:
     const GrowingList& map_tiles() const { return map_tiles_; }
     const GrowingList& tiles() const { return tiles_; }
 
-    /// Room for this many records at first; tests start with 1.
+    /// Room for this many records at first; tests start with 1. 0: as ever.
     static constexpr std::uint32_t initial_capacity = 1u << 18;
-    void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
+    void limit_initial_capacity(std::uint32_t capacity) {
+        first_capacity_ = capacity != 0 ? capacity : initial_capacity;
+    }
 
 private:
-    void run_tiles_for(cl::Session& session, const cl::Buffer& projection, const TriangleInputs& triangles,
+    void run_tiles_for(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                        const cl::Buffer* heights, const GrowingList& tiles, cl_uint for_map, const PairBuffers* pairs,
                        const cl::Buffer& counters);
 

@@ -31,7 +31,6 @@ GN_STRUCT_BEGIN(TriangleBounds)
 GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 
 #define BOUNDS_FOR_MAP 0x8000u  // may cover a whole texel
-#define BOUNDS_FRAME(frame) ((frame)&0xFFu)
 
 #ifndef __cplusplus
 
@@ -121,15 +120,17 @@ static uint slot_of_words(EntryWords entry) { return entry.w; }
 // Entries that a work-item asks for at once, to wait once for all of them.
 #define ENTRIES_AT_ONCE 4u
 
-// Of as many entries of a list from entry *next on those that may meet the block: bit k for the k-th. Then *next is
-// where to go on.
-static uint next_that_meet(__global const BinEntries* entries, uint2 range, uint* next, QuantisedBlock block) {
+// Of as many entries of a list from entry *next on those that may meet the block, but for that of the record `own`
+// (GN_NO_ID: none): bit k for the k-th. Then *next is where to go on.
+static uint next_that_meet(__global const BinEntries* entries, uint2 range, uint* next, QuantisedBlock block,
+                           uint own) {
     uint first = *next, last = first + ENTRIES_AT_ONCE - 1u, meeting = 0;
     EntryWords some[ENTRIES_AT_ONCE];
     for (uint k = 0; k < ENTRIES_AT_ONCE; ++k)
         some[k] = *(__global const EntryWords*)&entries[min(first + k, range.y - 1u)];
     for (uint k = 0; k < ENTRIES_AT_ONCE; ++k)
-        if (first + k < range.y && entry_meets(some[k], block)) meeting |= 1u << k;
+        if (first + k < range.y && (own == GN_NO_ID || slot_of_words(some[k]) != own) && entry_meets(some[k], block))
+            meeting |= 1u << k;
     bool run_is_done = entry_is_below(some[ENTRIES_AT_ONCE - 1u], block);
     *next = last + (run_is_done ? LIST_RUN - (last - range.x) % LIST_RUN : 1u);
     return meeting;

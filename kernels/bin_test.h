@@ -167,13 +167,6 @@ static LaneInt lanes_may_matter(const RecordBlock* record, __constant const Proj
 
 // ---- The bins of a tile ---------------------------------------------------------------------------------------------
 
-// Lanes of a GPU that share a tile; a power of two.
-#ifdef GN_CPU
-#define TILE_LANES 1u
-#else
-#define TILE_LANES 8u
-#endif
-
 static uint bins_of_rectangle(uint4 bins) { return (bins.z - bins.x + 1u) * (bins.w - bins.y + 1u); }
 static uint4 bin_of_rectangle(uint4 bins, uint i) {
     uint width = bins.z - bins.x + 1u;

@@ -165,18 +165,38 @@ __kernel void bins_scatter(uint slot_capacity, uint map_tile_capacity, uint tile
 
 #if GN_LANES == 1
 // Each run of each list, highest first; of equals in the order that they came in. Place by place, so that all items
-// have about as much to do.
-__kernel void bins_order(__global const uint4* listed, __global uint4* entries,
-                         __global const FrameCounters* counters) {
-    GN_FOR_EACH(place, counters->references == GN_NO_LISTS ? 0u : counters->entries) {
-        uint4 mine = listed[place];
-        uint run = mine.z >> 16, first = (uint)place - (run & 0xFFu), end = first + (run >> 8), at = first;
-        mine.z &= 0xFFFFu;
-        for (uint i = first; i < end; ++i) {
-            uint height = listed[i].z & 0xFFFFu;
-            at += height > mine.z || (height == mine.z && i < (uint)place) ? 1u : 0u;
+// have about as much to do. `heights`: of a work-group's places and of what else is in their runs, for a place for each
+// item and a run on either side.
+__kernel void bins_order(__global const uint4* listed, __global uint4* entries, __global const FrameCounters* counters,
+                         __local uint* heights) {
+    __local uint span[2];
+    uint count = counters->references == GN_NO_LISTS ? 0u : counters->entries;
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    for (size_t base = get_group_id(0) * items; base < count; base += get_num_groups(0) * items) {
+        uint place = (uint)base + item, last = (uint)min(base + items, (size_t)count) - 1u, first = 0, end = 0;
+        uint low =
+            (uint)base - LIST_RUN;  // place i has its height at i - low; it may wrap around, as i - low then does
+        uint4 mine;
+        if (place <= last) {
+            mine = listed[place];
+            uint run = mine.z >> 16;
+            first = place - (run & 0xFFu), end = first + (run >> 8);
+            mine.z &= 0xFFFFu;
+            heights[place - low] = mine.z;
         }
-        entries[at] = mine;
+        if (item == 0u) span[0] = first;
+        if (place == last) span[1] = end;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (uint i = span[0] + item; i < (uint)base; i += items) heights[i - low] = listed[i].z & 0xFFFFu;
+        for (uint i = last + 1u + item; i < span[1]; i += items) heights[i - low] = listed[i].z & 0xFFFFu;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        uint at = first;
+        for (uint i = first; i < end; ++i) {
+            uint height = heights[i - low];
+            at += height > mine.z || (height == mine.z && i < place) ? 1u : 0u;
+        }
+        if (place <= last) entries[at] = mine;
+        barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
 #endif

@@ -95,12 +95,12 @@ typedef struct BlockBox {
 static BlockGrid block_grid(LightFrame light_frame, __constant const Projection* projection, uint face) {
     LightFrame frame = face_of(light_frame, face);
     BlockGrid grid;
-    grid.perspective = frame.perspective != 0u;
+    grid.perspective = IS_PERSPECTIVE(frame) != 0u;
     grid.indistinct = projection->indistinct != 0u;
     grid.error = projection->block_error;
     grid.unit = fabs(projection->row_z[frame.axis_z]);  // a power of two, of a lamp
     float z = projection->center[frame.axis_z];
-    if (frame.perspective) {
+    if (IS_PERSPECTIVE(frame)) {
         grid.scale_x = projection->row_x[frame.axis_x] / grid.unit;
         grid.scale_y = projection->row_y[frame.axis_y] / grid.unit;
         grid.offset_x = projection->row_x[frame.axis_z] * frame.sign_z / grid.unit;

@@ -16,6 +16,9 @@
 // for GN_LANES triangles in a row, which are neighbours in most meshes; where the points of a block lie on triangles
 // from anywhere, they ask for themselves, and nothing is kept.
 //
+// What the exact predicate needs of a GPU's registers would slow down those who never ask it. So where points there ask
+// for themselves, facing_by_floats leaves those that floats do not decide unsure, for facing_of_unsure.
+//
 // Of footprints (footprint.h) the same is asked: what holds for a receiver holds for all samples on it, which the
 // camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
 // others. Samples of a mixed footprint face the light, as it did, and are not asked again: they come as points without
@@ -35,7 +38,7 @@ static void widen_values(LightFrame frame, PointBlock centres, const FootprintBl
     LaneFloat reach_z = along(reach, frame.axis_z);
     low->z -= reach_z;
     high->z += reach_z;
-    if (frame.perspective) {
+    if (IS_PERSPECTIVE(frame)) {
         PointBlock d = {centres.x - frame.light[0], centres.y - frame.light[1], centres.z - frame.light[2]};
         LaneFloat reach_x = along(reach, frame.axis_x), reach_y = along(reach, frame.axis_y);
         LaneFloat x = along(d, frame.axis_x), y = along(d, frame.axis_y);
@@ -79,15 +82,15 @@ static void flush_bounds(LightFrame light_frame, const RunningBounds* bounds, __
     uint count = (uint)-LANES_SUM(bounds->minus_count);
     if (count == 0u) return;
     LightFrame frame = face_of(light_frame, bounds->frame);
-    bool flips = frame.perspective || frame.sign_z < 0.0f;  // heights grow where z falls
+    bool flips = IS_PERSPECTIVE(frame) || frame.sign_z < 0.0f;  // heights grow where z falls
     float8 span = bounds->span;
     float low[BOUNDED_VALUES] = {span.s0, span.s2, 0.0f, 0.0f, 0.0f};
     float high[BOUNDED_VALUES] = {-span.s1, -span.s3, 0.0f, 0.0f, 0.0f};
     float z_low = flips ? span.s5 : span.s4, z_high = flips ? -span.s4 : -span.s5;
-    uint axis_z = frame.perspective ? 2u : frame.axis_z;
+    uint axis_z = IS_PERSPECTIVE(frame) ? 2u : frame.axis_z;
     low[2 + axis_z] = z_low;
     high[2 + axis_z] = z_high;
-    if (!frame.perspective) {
+    if (!IS_PERSPECTIVE(frame)) {
         uint axis_x = 2u + frame.axis_x, axis_y = 2u + frame.axis_y;
         world_bounds(low[0], high[0], frame.shear_x, z_low, z_high, &low[axis_x], &high[axis_x]);
         world_bounds(low[1], high[1], frame.shear_y, z_low, z_high, &low[axis_y], &high[axis_y]);
@@ -110,7 +113,7 @@ static float8 include_points(RunningBounds* bounds, LightFrame light_frame, Poin
     while (LANES_ANY(lanes)) {
         LaneInt same = lanes;
         uint frame = 0;
-        if (light_frame.perspective) {
+        if (IS_PERSPECTIVE(light_frame)) {
             frame = (uint)LANE_OF_INT(frames, first_lane(lanes));
             same &= LANE_COMPARE(frames, ==, (LaneInt)((int)frame));
         }
@@ -122,7 +125,7 @@ static float8 include_points(RunningBounds* bounds, LightFrame light_frame, Poin
         LightFrame face = face_of(light_frame, frame);
         PointBlock low = grid_values(face, points), high = low;
         if (footprints) widen_values(face, points, footprints, &low, &high);
-        if (face.perspective || face.sign_z < 0.0f) {
+        if (IS_PERSPECTIVE(face) || face.sign_z < 0.0f) {
             LaneFloat z = low.z;
             low.z = -high.z;
             high.z = -z;
@@ -159,6 +162,7 @@ typedef struct FacingBuffers {
     TriangleAnswers answers;
     __global float* visibility;
     __global BlockBounds* blocks;
+    __global uint* unsure;
     __local uint* shared;
 } FacingBuffers;
 
@@ -179,13 +183,40 @@ static bool may_be_present(__global const float* positions, PointsLayout layout,
     return true;
 }
 
+// How receivers are asked: point by point; or by answers that are there to be looked up, where no point is doubtful;
+// so, and the run is a usual one. On a GPU, no point being doubtful: point by point by floats alone, which leaves some
+// points unsure; and those.
+#define ASKS_EACH 0u
+#define LOOKS_UP 1u
+#define LOOKS_UP_AS_USUAL 2u
+#define ASKS_FLOATS 3u
+#define ASKS_THE_UNSURE 4u
+
+#if GN_LANES == 1
+// The visibility of a point in between. They are listed as well, behind their number, if it is no more than
+// UNSURE_LISTED.
+#define VISIBILITY_UNSURE 4.0f
+
+static void list_unsure(__global uint* unsure, uint point) {
+    uint place = atomic_inc(&unsure[0]);
+    if (place < UNSURE_LISTED) unsure[1 + place] = point;
+}
+#endif
+
 // Inlined for each kind of run (below): a CPU's compiler leaves out what an argument that is a constant rules out, and
 // keeps in registers what it would carry through memory around that.
 __attribute__((always_inline)) static void face_points(PointsLayout layout, LightFrame light_frame, uint opens,
-                                                       uint has_footprints, uint looks_up, uint has_blocks,
+                                                       uint has_footprints, uint way, uint has_blocks,
                                                        uint triangle_count, FacingBuffers to, RunningBounds* bounds,
                                                        FacingCounts* counts, Share share) {
-    GN_FOR_EACH_OF(block, share) {
+    GN_FOR_EACH_OF(at, share) {
+        size_t block = at;
+#if GN_LANES == 1
+        if (way == ASKS_THE_UNSURE && to.unsure[0] <= UNSURE_LISTED)
+            block = to.unsure[1 + at];
+        else if (way == ASKS_THE_UNSURE && load_lanes(to.visibility, layout, block) != VISIBILITY_UNSURE)
+            continue;
+#endif
         LaneInt valid = valid_lanes(layout, block), open = valid;
         PointBlock points;
         if (may_be_present(to.positions, layout, block)) {
@@ -200,12 +231,20 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
             if (has_blocks) to.blocks[block].frame = BLOCK_IN_NO_FRAME;
             continue;
         }
-        LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0);
+        LaneInt away = (LaneInt)(0), doubtful = (LaneInt)(0), unsure = (LaneInt)(0);
         if (layout.has_receivers) {
             LaneInt ids = load_lane_ids(to.receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
-            if (looks_up) {
+            if (way == LOOKS_UP) {
                 away = look_up_away(to.answers, to.vertices, ids, asked, triangle_count, layout, light_of(light_frame),
                                     &counts->exact);
+#if GN_LANES == 1
+            } else if (way == ASKS_FLOATS) {
+                if (asked) {
+                    TriangleBlock t = load_triangles_of(to.vertices, ids, asked);
+                    away = away_by_floats(&t, asked, layout, light_of(light_frame), &unsure);
+                    if (unsure) list_unsure(to.unsure, (uint)block);
+                }
+#endif
             } else if (LANES_ANY(asked)) {
                 bool doubts = !has_footprints && !layout.is_lifted;
                 ReceiverAnswer answer = ask_receivers(ids, asked, &points, layout, light_of(light_frame), doubts,
@@ -216,8 +255,8 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
         }
         counts->minus_away += away;
         if (opens == FACING_DECIDES) open = (LaneInt)(0);
-        open &= ~away;
-        if (light_frame.perspective)
+        open &= ~away & ~unsure;
+        if (IS_PERSPECTIVE(light_frame))
             open &= LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)LAMP_FRAMES));
         LaneFloat result = state_of_lanes(away, open);
         FootprintBlock around;
@@ -229,12 +268,19 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
             result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
         }
         result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_DOUBTFUL), open & doubtful);
+#if GN_LANES == 1
+        if (unsure) result = VISIBILITY_UNSURE;
+#endif
         store_lanes(result, to.visibility, layout, block);
         uint in_frame = BLOCK_IN_NO_FRAME;
         float8 span = (float8)(INFINITY);
         if (opens == FACING_BOUNDS && LANES_ANY(open))
             span =
                 include_points(bounds, light_frame, points, has_footprints ? &around : 0, open, to.shared, &in_frame);
+        if (way == ASKS_THE_UNSURE) {  // one by one, since they are listed in any order
+            flush_bounds(light_frame, bounds, to.shared);
+            start_bounds(bounds, 0u);
+        }
         if (has_blocks) {
             uint flags = LANES_ANY(~open) ? 0u : BLOCK_ALL_OPEN;
             if (LANES_ANY(open & doubtful)) flags |= BLOCK_DOUBTFUL;
@@ -248,17 +294,18 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
 GN_APART void face_asked(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks,
                          uint triangle_count, const FacingBuffers* to, RunningBounds* bounds, FacingCounts* counts,
                          Share share) {
-    face_points(layout, light_frame, opens, has_footprints, 0u, has_blocks, triangle_count, *to, bounds, counts, share);
+    face_points(layout, light_frame, opens, has_footprints, ASKS_EACH, has_blocks, triangle_count, *to, bounds, counts,
+                share);
 }
 GN_APART void face_looked_up(PointsLayout layout, LightFrame light_frame, uint opens, uint has_blocks,
                              uint triangle_count, const FacingBuffers* to, RunningBounds* bounds, FacingCounts* counts,
                              Share share) {
-    face_points(layout, light_frame, opens, 0u, 1u, has_blocks, triangle_count, *to, bounds, counts, share);
+    face_points(layout, light_frame, opens, 0u, LOOKS_UP, has_blocks, triangle_count, *to, bounds, counts, share);
 }
 GN_APART void face_looked_up_around(PointsLayout layout, LightFrame light_frame, uint opens, uint has_blocks,
                                     uint triangle_count, const FacingBuffers* to, RunningBounds* bounds,
                                     FacingCounts* counts, Share share) {
-    face_points(layout, light_frame, opens, 1u, 1u, has_blocks, triangle_count, *to, bounds, counts, share);
+    face_points(layout, light_frame, opens, 1u, LOOKS_UP, has_blocks, triangle_count, *to, bounds, counts, share);
 }
 #if GN_LANES > 1
 // face_points() of a picture, under a direction (is_usual() of host/facing.cpp): coordinates in the order of the
@@ -310,31 +357,29 @@ GN_APART void face_usual(PointsLayout layout, LightFrame frame, uint triangle_co
 }
 #endif
 
-// How receivers are asked: point by point; or by answers that are there to be looked up, where no point is doubtful;
-// so, and the run is a usual one.
-#define ASKS_EACH 0u
-#define LOOKS_UP 1u
-#define LOOKS_UP_AS_USUAL 2u
-
 // `opens`, one of FACING_* (points.h): what becomes of points that do not face away. `has_blocks`: blocks is to be
 // written. `shared`: BOUNDS_WORDS for each frame. The frames' bounds and the counters are zeroed before.
 __attribute__((always_inline)) static void decide_facing(
     PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint way, uint has_blocks,
     ulong first_float, uint triangle_count, __global const float* positions, __global const float* footprints,
     __global const uint* receivers, __global const float* vertices, TriangleAnswers answers, __global float* visibility,
-    volatile __global uint* frame_bounds, __global BlockBounds* blocks, __global FrameCounters* counters,
-    __local uint* shared, __local uint* group_counts) {
+    volatile __global uint* frame_bounds, __global BlockBounds* blocks, __global uint* unsure,
+    __global FrameCounters* counters, __local uint* shared, __local uint* group_counts) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
     // One atomic per work-group, not per item: many on one address take longer than the pass.
     if (get_local_id(0) == 0) group_counts[0] = group_counts[1] = 0u;
     for (uint i = (uint)get_local_id(0); i < words; i += (uint)get_local_size(0)) shared[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
 
-    FacingBuffers to = {positions, footprints, receivers, vertices + first_float, answers, visibility, blocks, shared};
+    FacingBuffers to = {positions, footprints, receivers, vertices + first_float, answers, visibility,
+                        blocks,    unsure,     shared};
     FacingCounts counts = {(LaneInt)(0), (LaneInt)(0), 0u};
     RunningBounds bounds;
     start_bounds(&bounds, 0u);
     Share share = share_of(block_count(layout));
+#if GN_LANES == 1
+    if (way == ASKS_THE_UNSURE && unsure[0] <= UNSURE_LISTED) share = share_of(unsure[0]);
+#endif
     if (way == ASKS_EACH)
         face_asked(layout, light_frame, opens, has_footprints, has_blocks, triangle_count, &to, &bounds, &counts,
                    share);
@@ -343,6 +388,9 @@ __attribute__((always_inline)) static void decide_facing(
 #if GN_LANES > 1
     else if (way == LOOKS_UP_AS_USUAL)
         face_usual(layout, light_frame, triangle_count, &to, &bounds, &counts, share);
+#else
+    else if (way != LOOKS_UP)
+        face_points(layout, light_frame, opens, 0u, way, has_blocks, triangle_count, to, &bounds, &counts, share);
 #endif
     else
         face_looked_up(layout, light_frame, opens, has_blocks, triangle_count, &to, &bounds, &counts, share);
@@ -365,17 +413,17 @@ __attribute__((always_inline)) static void decide_facing(
     if (counts.exact != 0) atomic_add(&counters->facing_exact, counts.exact);
 }
 
-#define FACING_KERNEL(name, has_footprints_here, way)                                                                  \
-    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks,  \
-                       ulong first_float, uint triangle_count, __global const float* positions,                        \
-                       __global const float* footprints, __global const uint* receivers,                               \
-                       __global const float* vertices, TriangleAnswers answers, __global float* visibility,            \
-                       volatile __global uint* frame_bounds, __global BlockBounds* blocks,                             \
-                       __global FrameCounters* counters, __local uint* shared) {                                       \
-        __local uint group_counts[2];                                                                                  \
-        decide_facing(layout, light_frame, opens, has_footprints_here, way, has_blocks, first_float, triangle_count,   \
-                      positions, footprints, receivers, vertices, answers, visibility, frame_bounds, blocks, counters, \
-                      shared, group_counts);                                                                           \
+#define FACING_KERNEL(name, has_footprints_here, way)                                                                 \
+    __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks, \
+                       ulong first_float, uint triangle_count, __global const float* positions,                       \
+                       __global const float* footprints, __global const uint* receivers,                              \
+                       __global const float* vertices, TriangleAnswers answers, __global float* visibility,           \
+                       volatile __global uint* frame_bounds, __global BlockBounds* blocks, __global uint* unsure,     \
+                       __global FrameCounters* counters, __local uint* shared) {                                      \
+        __local uint group_counts[2];                                                                                 \
+        decide_facing(layout, light_frame, opens, has_footprints_here, way, has_blocks, first_float, triangle_count,  \
+                      positions, footprints, receivers, vertices, answers, visibility, frame_bounds, blocks, unsure,  \
+                      counters, shared, group_counts);                                                                \
     }
 
 // What the exact predicate and footprints need of a GPU's registers would slow down the look-up as well; and PoCL
@@ -385,4 +433,7 @@ FACING_KERNEL(facing_looked_up, false, LOOKS_UP)
 FACING_KERNEL(facing_looked_up_around, true, LOOKS_UP)
 #if GN_LANES > 1
 FACING_KERNEL(facing_as_usual, false, LOOKS_UP_AS_USUAL)
+#else
+FACING_KERNEL(facing_by_floats, false, ASKS_FLOATS)
+FACING_KERNEL(facing_of_unsure, false, ASKS_THE_UNSURE)
 #endif

@@ -71,7 +71,7 @@ static PointBlock footprint_reach(const FootprintBlock* f) {
 // more than roundings.
 static LaneInt in_one_frame(LightFrame light_frame, PointBlock centres, const FootprintBlock* f) {
     LaneInt bounded = LANE_COMPARE(f->spread, <, (LaneFloat)(INFINITY));
-    if (!light_frame.perspective) return bounded;
+    if (!IS_PERSPECTIVE(light_frame)) return bounded;
     PointBlock reach = footprint_reach(f);
     LaneFloat x = fabs(centres.x - light_frame.light[0]), y = fabs(centres.y - light_frame.light[1]),
               z = fabs(centres.z - light_frame.light[2]);
@@ -116,7 +116,7 @@ static GridFootprint project_footprint(__constant const Projection* projection, 
     LaneFloat height_error = (LaneFloat)(4.0f * projection->height_error);
     grid.usable = LANE_COMPARE(f->spread, <, (LaneFloat)(INFINITY));
     if (projection->indistinct) grid.usable = (LaneInt)(0);
-    if (projection->perspective) {
+    if (IS_PERSPECTIVE(*projection)) {
         scale = z;
         LaneFloat w_u = row_z[0] * f->u.x + row_z[1] * f->u.y + row_z[2] * f->u.z;
         LaneFloat w_v = row_z[0] * f->v.x + row_z[1] * f->v.y + row_z[2] * f->v.z;

@@ -38,7 +38,7 @@ static HullSides sides_of_hulls(const Projected* v, int count, __constant const 
         largest = max(largest, max(position, max(LANES_SIZE_BITS(v[i].w), LANES_SIZE_BITS(v[i].error))));
     }
     sides.wild = LANE_COMPARE(largest, >=, LANES_AS_INT((LaneFloat)(WILD_TEXELS)));
-    if (!projection->perspective) return sides;
+    if (!IS_PERSPECTIVE(*projection)) return sides;
     sides.behind = (LaneInt)(-1);
     for (int i = 0; i < count; ++i) {
         sides.behind &= LANE_COMPARE(v[i].w, <, -v[i].error_w);
@@ -116,11 +116,11 @@ static void widen_parallel(LaneFloat* low, LaneFloat* high, LaneFloat error) {
 }
 
 // Texel rectangles that hold everything the hulls can cover of the grid; returns those that can cover any of it.
-static LaneInt covered_rectangles(const Projected* v, int count, __constant const Projection* projection,
-                                  Rectangles* rectangle) {
+GN_WITHIN LaneInt covered_rectangles(const Projected* v, int count, __constant const Projection* projection,
+                                     Rectangles* rectangle) {
     float width = (float)projection->width, height = (float)projection->height;
     Rectangles r;
-    if (projection->perspective) {
+    if (IS_PERSPECTIVE(*projection)) {
         Interval x = empty_interval(), y = empty_interval();
         for (int i = 0; i < count; ++i) {
             include_vertex(&x, v[i].x, v[i].error, v[i].w, v[i].error_w, width + 1.0f);
@@ -159,7 +159,7 @@ static void height_intervals(const Projected* v, int count, LaneInt straddles, _
     for (int i = 0; i < count; ++i) {
         LaneFloat slack = v[i].error_z;
         // In perspective Z = 1 / W with W off by error_w and the division by 2.5 ulp, 5u.
-        if (projection->perspective)
+        if (IS_PERSPECTIVE(*projection))
             slack = v[i].z * (v[i].error_w / (v[i].w - v[i].error_w) + 6.0f * GN_U) * BOUND_INFLATION;
         LaneFloat least = v[i].z - slack, most = v[i].z + slack;
         low = LANES_MIN(least, low);
@@ -167,8 +167,8 @@ static void height_intervals(const Projected* v, int count, LaneInt straddles, _
     }
     // The points' own error: absolute (parallel), or relative to Z (perspective).
     float height_error = BOUND_INFLATION * projection->height_error;
-    low -= projection->perspective ? fabs(low) * height_error : (LaneFloat)(height_error);
-    high += projection->perspective ? fabs(high) * height_error : (LaneFloat)(height_error);
+    low -= IS_PERSPECTIVE(*projection) ? fabs(low) * height_error : (LaneFloat)(height_error);
+    high += IS_PERSPECTIVE(*projection) ? fabs(high) * height_error : (LaneFloat)(height_error);
     *z_low = LANES_SELECT(low, (LaneFloat)(-INFINITY), straddles);
     *z_high = LANES_SELECT(high, (LaneFloat)(INFINITY), straddles);
 }

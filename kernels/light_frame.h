@@ -44,12 +44,12 @@ GN_STRUCT_END(PointBounds, 44)
 
 #include "point_blocks.h"
 
-static uint frame_count_of(LightFrame light_frame) { return light_frame.perspective ? LAMP_FRAMES : 1u; }
+static uint frame_count_of(LightFrame light_frame) { return IS_PERSPECTIVE(light_frame) ? LAMP_FRAMES : 1u; }
 
 // Frame `face` of a light: the faces are +x, -x, +y, -y, +z, -z.
 static LightFrame face_of(LightFrame light_frame, uint face) {
     LightFrame frame = light_frame;
-    if (frame.perspective) {
+    if (IS_PERSPECTIVE(frame)) {
         frame.axis_z = face / 2u;
         frame.axis_x = (frame.axis_z + 1u) % 3u;
         frame.axis_y = (frame.axis_z + 2u) % 3u;
@@ -62,7 +62,7 @@ static LightFrame face_of(LightFrame light_frame, uint face) {
 // to the light (first of equals), on its side. A point at the light itself belongs to none: nothing lies strictly
 // between.
 static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
-    if (!light_frame.perspective) return (LaneInt)(0);
+    if (!IS_PERSPECTIVE(light_frame)) return (LaneInt)(0);
     LaneFloat light_x = light_frame.light[0], light_y = light_frame.light[1], light_z = light_frame.light[2];
     LaneFloat x = points.x - light_x, y = points.y - light_y, z = points.z - light_z;
     LaneFloat size_x = fabs(x), size_y = fabs(y), size_z = fabs(z);
@@ -88,7 +88,7 @@ static PointBlock project_points(__constant const Projection* projection, PointB
                     points.z - projection->center[2]};
     PointBlock h = {lanes_row_dot(projection->row_x, d), lanes_row_dot(projection->row_y, d),
                     lanes_row_dot(projection->row_z, d)};
-    if (projection->perspective) {
+    if (IS_PERSPECTIVE(*projection)) {
         h.x = h.x / h.z;
         h.y = h.y / h.z;
         h.z = (LaneFloat)(1.0f) / h.z;
@@ -126,7 +126,7 @@ static LaneFloat along(PointBlock v, uint axis) { return axis == 0u ? v.x : axis
 // frame's axis (in perspective W).
 static PointBlock grid_values(LightFrame frame, PointBlock points) {
     PointBlock values;
-    if (frame.perspective) {
+    if (IS_PERSPECTIVE(frame)) {
         PointBlock d = {points.x - frame.light[0], points.y - frame.light[1], points.z - frame.light[2]};
         values.z = along(d, frame.axis_z) * frame.sign_z;
         values.x = along(d, frame.axis_x) / values.z;

@@ -116,19 +116,26 @@ static uint bin_of_quantised(ushort q, uint texels, uint bin_log2) {
     return (uint)LANE_OF_INT(bins, 0);
 }
 
-__kernel void lit_candidates(uint record_count, __global const TriangleBounds* bounds, volatile __global uint* lit) {
-    GN_FOR_EACH(i, record_count) atomic_or(&lit[bounds[i].id / LIT_WORD_BITS], lit_bit(bounds[i].id));
+// A sample of records: one of each `step` in a row, not always the same, since neighbours follow a pattern.
+static uint sampled(uint i, uint step) { return i * step + ((i * 2654435761u) >> 16) % step; }
+
+// Sets the bits of a sample's triangles.
+__kernel void lit_candidates(uint record_count, uint step, __global const TriangleBounds* bounds,
+                             volatile __global uint* lit) {
+    GN_FOR_EACH(i, record_count / step) {
+        uint id = bounds[sampled((uint)i, step)].id;
+        atomic_or(&lit[id / LIT_WORD_BITS], lit_bit(id));
+    }
 }
 
-// Clears the bits of those that may be shadowed. Before, those of all triangles with a record are set, by
-// lit_candidates, and no others.
+// Of the same sample, clears the bits of those that may be shadowed.
 __kernel void lit_receivers(LightFrame light_frame, __constant const Projection* projection, ulong first_float,
-                            uint record_count, __global const float* vertices, __global const uint2* ranges,
+                            uint record_count, uint step, __global const float* vertices, __global const uint2* ranges,
                             __global const BinEntries* entries, __global const TriangleRecord* records,
                             __global const TriangleBounds* bounds, volatile __global uint* lit) {
     LitLists lists = {ranges, entries, bounds, vertices + first_float};
-    GN_FOR_EACH(i, (size_t)record_count * LIT_TEAM) {
-        uint slot = (uint)(i / LIT_TEAM), member = (uint)(i % LIT_TEAM);
+    GN_FOR_EACH(i, (size_t)(record_count / step) * LIT_TEAM) {
+        uint slot = sampled((uint)(i / LIT_TEAM), step), member = (uint)(i % LIT_TEAM);
         TriangleBounds own = bounds[slot];
         uint x0 = bin_of_quantised(own.x0, projection->width, projection->bin_log2);
         uint y0 = bin_of_quantised(own.y0, projection->height, projection->bin_log2);

@@ -272,7 +272,7 @@ static void look_for_others(TileLists lists, __constant const Projection* projec
     uint2 range = lists.ranges[tile];
 #if GN_LANES == 1
     for (uint next = range.x; next < range.y;) {
-        uint first = next, meeting = next_that_meet(lists.entries, range, &next, block);
+        uint first = next, meeting = next_that_meet(lists.entries, range, &next, block, GN_NO_ID);
         while (meeting != 0u)
             look_at_other(lists, ENTRY_SLOT(&lists.entries[first + take_lowest_bit(&meeting)], 0), lanes, box, near, p);
     }

@@ -23,6 +23,9 @@ GN_STRUCT_END(PointsLayout, 48)
 #define FACING_DECIDES 0u
 #define FACING_BOUNDS 1u
 
+// On a GPU: points that floats do not decide, listed up to so many.
+#define UNSURE_LISTED 65536u
+
 #ifndef __cplusplus
 
 static float3 load_point(__global const float* positions, PointsLayout layout, size_t i) {

@@ -66,6 +66,14 @@ static Share share_of(size_t n) {
 #define GN_APART static
 #endif
 
+// A function for the innermost loops. PoCL's compiler keeps what is called from several places apart, and then passes
+// its blocks of 16 lanes through memory.
+#ifdef GN_CPU
+#define GN_WITHIN __attribute__((always_inline)) static
+#else
+#define GN_WITHIN static
+#endif
+
 // Begins a kernel over n items that needs no barrier; its body takes the items of `share`. `parameters`: a macro that
 // stands for them all; `names`: `share` and theirs, in brackets. (OpenCL C has no macros of any number of arguments.)
 #define GN_KERNEL_OF_ITEMS(name, n, parameters, names)      \

@@ -95,6 +95,7 @@ typedef struct PreparedReceivers {
     __global const PreparedDomain* domains;
     __global const float4* planes;
     __global const uint* lit;        // bits
+    __global const uint* slots;      // of the triangles' records
     __global const float* vertices;  // from the first triangle on
     float4 light;
     float3 eye;
@@ -105,11 +106,12 @@ typedef struct PreparedReceivers {
 static PreparedReceivers prepared_receivers(LightFrame light_frame, PointsLayout layout, uint triangle_count,
                                             __global const PreparedDomain* domains, __global const float4* planes,
                                             __global const uint* largest, __global const uint* lit,
-                                            __global const float* vertices) {
+                                            __global const uint* slots, __global const float* vertices) {
     PreparedReceivers r;
     r.domains = domains;
     r.planes = planes;
     r.lit = lit;
+    r.slots = slots;
     r.vertices = vertices;
     r.light = light_of(light_frame);
     r.eye = eye_of(layout);
@@ -117,6 +119,13 @@ static PreparedReceivers prepared_receivers(LightFrame light_frame, PointsLayout
     r.triangle_count = triangle_count;
     return r;
 }
+
+#if GN_LANES == 1
+// GN_NO_ID where there is no such record.
+static uint slot_of_receiver(const PreparedReceivers* r, LaneInt id) {
+    return (uint)id < r->triangle_count ? r->slots[(uint)id] : GN_NO_ID;
+}
+#endif
 
 // Which of the lanes `asked` face away from the light, as far as the planes tell; not so where `undecided`.
 static LaneInt lanes_facing_away(const PreparedReceivers* r, LaneInt ids, LaneInt asked, LaneInt* undecided) {

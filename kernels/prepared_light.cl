@@ -218,6 +218,12 @@ __kernel void prepared_records(uint slot_count, __global const uint* places, __g
     }
 }
 
+// Of a frame's records, `count` from `first` on, the slot by their triangle's id. Of a triangle that is in several of a
+// lamp's frames the last one counts.
+__kernel void prepared_slots(uint first, uint count, __global const TriangleBounds* bounds, __global uint* slots) {
+    GN_FOR_EACH(i, count) slots[bounds[first + i].id] = first + (uint)i;
+}
+
 // Copies a frame's entries, from `first_entry` on, with the records' new places.
 __kernel void prepared_entries(uint entry_count, uint first_entry, __global const BinEntries* entries,
                                __global const uint* places, __global BinEntries* kept_entries) {

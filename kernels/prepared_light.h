@@ -36,7 +36,7 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
     PreparedAnswer answer;
     LaneFloat margin = 0.0f;
     LaneInt outside = (LaneInt)(domain->has_triangles ? 0 : -1), nearest = (LaneInt)(0);
-    if (frame.perspective) {
+    if (IS_PERSPECTIVE(frame)) {
         // The ratios of a face's points are at most 1 (and 8u), so that the lit bounds can hold their error. Nearer to
         // the lamp than `low` not even the face is certain.
         answer.inside = LANE_COMPARE(values.z, >, (LaneFloat)(domain->world_low[2])) &
@@ -54,7 +54,7 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
                LANE_COMPARE(values.x + margin, <, (LaneFloat)(domain->lit_low[0])) |
                LANE_COMPARE(values.y - margin, >, (LaneFloat)(domain->lit_high[1])) |
                LANE_COMPARE(values.y + margin, <, (LaneFloat)(domain->lit_low[1]));
-    answer.lit = frame.perspective ? answer.inside & outside : outside | nearest;
+    answer.lit = IS_PERSPECTIVE(frame) ? answer.inside & outside : outside | nearest;
     return answer;
 }
 
@@ -78,14 +78,45 @@ static LaneInt lanes_between(LaneFloat v, float low, float high) {
     return LANE_COMPARE(v, >=, (LaneFloat)(low)) & LANE_COMPARE(v, <=, (LaneFloat)(high));
 }
 
+// Of a direction's frame, with world coordinates in the order of its axes.
+static PreparedDomain domain_in_order(__global const PreparedDomain* domain, LightFrame frame) {
+    PreparedDomain ordered = *domain;
+    const uint axes[3] = {frame.axis_x, frame.axis_y, frame.axis_z};
+    for (int i = 0; i < 3; ++i) {
+        ordered.world_low[i] = domain->world_low[axes[i]];
+        ordered.world_high[i] = domain->world_high[axes[i]];
+    }
+    return ordered;
+}
+
 // Which points of a direction's frame are within the world's bounds and the lit ones, so that prepared_lanes() would
-// leave them open (or say that they are lit, which a trace comes to as well). `values` are their grid values.
-static LaneInt lanes_stay_open(__global const PreparedDomain* domain, PointBlock points, PointBlock values) {
+// leave them open (or say that they are lit, which a trace comes to as well). `points` and `domain` are in the order
+// of the frame's axes, `values` are the points' grid values.
+static LaneInt lanes_stay_open(const PreparedDomain* domain, PointBlock points, PointBlock values) {
     return lanes_between(values.x, domain->lit_low[0], domain->lit_high[0]) &
            lanes_between(values.y, domain->lit_low[1], domain->lit_high[1]) &
            lanes_between(points.x, domain->world_low[0], domain->world_high[0]) &
            lanes_between(points.y, domain->world_low[1], domain->world_high[1]) &
            lanes_between(points.z, domain->world_low[2], domain->world_high[2]);
+}
+
+static bool is_between(float low, float high, float least, float greatest) {
+    return (low >= least) & (high <= greatest);
+}
+
+// Whether that holds for all points that a block's bounds are of, as far as these say. All comparisons at once: there
+// is nearly always one answer, and no jump for each.
+static bool block_stays_open(const PreparedDomain* domain, LightFrame frame, const BlockBounds* block) {
+    float z_low = frame.sign_z < 0.0f ? block->minus_height : block->height;
+    float z_high = frame.sign_z < 0.0f ? -block->height : -block->minus_height;
+    float x_low, x_high, y_low, y_high;
+    world_bounds(block->x, -block->minus_x, frame.shear_x, z_low, z_high, &x_low, &x_high);
+    world_bounds(block->y, -block->minus_y, frame.shear_y, z_low, z_high, &y_low, &y_high);
+    return is_between(block->x, -block->minus_x, domain->lit_low[0], domain->lit_high[0]) &
+           is_between(block->y, -block->minus_y, domain->lit_low[1], domain->lit_high[1]) &
+           is_between(x_low, x_high, domain->world_low[0], domain->world_high[0]) &
+           is_between(y_low, y_high, domain->world_low[1], domain->world_high[1]) &
+           is_between(z_low, z_high, domain->world_low[2], domain->world_high[2]);
 }
 
 #endif

@@ -61,6 +61,14 @@ GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus
 
+// Of a Projection, or of a LightFrame. A GPU has programs for directions alone (*_of_direction.cl): the registers that
+// perspective takes would leave fewer work-items at once.
+#ifdef GN_DIRECTION_ALONE
+#define IS_PERSPECTIVE(of) 0u
+#else
+#define IS_PERSPECTIVE(of) ((of).perspective)
+#endif
+
 static float3 center_of(__constant const Projection* projection) {
     return (float3)(projection->center[0], projection->center[1], projection->center[2]);
 }

@@ -42,6 +42,23 @@ static ReceiverAnswer answer_of_triangles(const TriangleBlock* t, LaneInt asked,
     return answer;
 }
 
+#if GN_LANES == 1
+// Which of the lanes `asked`, lifted off these triangles, face away, as far as floats tell; *unsure: where they do not.
+static LaneInt away_by_floats(const TriangleBlock* t, LaneInt asked, PointsLayout layout, float4 light,
+                              LaneInt* unsure) {
+    asked &= finite_triangles(t);
+    LaneCross normals = triangle_normals(t);
+    float3 at = eye_of(layout);
+    PointBlock towards = same_point(light.x, light.y, light.z), eye = same_point(at.x, at.y, at.z);
+    if (light.w != 0.0f) towards = difference(towards, t->a);
+    LaneInt certain_of_light, certain_of_eye;
+    LaneInt light_above = lanes_det3_positive(&normals, towards, &certain_of_light);
+    LaneInt eye_above = lanes_det3_positive(&normals, difference(eye, t->a), &certain_of_eye);
+    *unsure = asked & ~(certain_of_light & certain_of_eye);
+    return asked & ~*unsure & (light_above ^ eye_above);
+}
+#endif
+
 // `ids` of the lanes `asked` name triangles. Doubts are only cast on points that may have any.
 static ReceiverAnswer ask_receivers(LaneInt ids, LaneInt asked, const PointBlock* points, PointsLayout layout,
                                     float4 light, bool doubts, __global const float* vertices, uint* exact) {

@@ -10,6 +10,13 @@
 #include "light_frame.h"
 #include "triangle_setup.h"
 
+// Items that share a tile, which may have 64 texels; a power of two.
+#ifdef GN_CPU
+#define TILE_ITEMS 1u
+#else
+#define TILE_ITEMS 8u
+#endif
+
 // How near to the light the triangle comes in a texel, as a key: its plane's highest corner, or its highest vertex. A
 // height that floats cannot tell must not hide one that they can, so it counts as the farthest.
 static uint height_key(const TriangleRecord* record, float4 square) {
@@ -25,13 +32,13 @@ __kernel void sub_pixel_draw(__constant const Projection* projection, uint tile_
                              __global const uint2* tiles, __global const FrameCounters* frame_counters,
                              __global uint* heights, __global uint* ids, __global SubPixelCounters* counters) {
     uint tile_count = min(frame_counters->tiles, tile_capacity), texels = 0;
-    GN_FOR_EACH(i, tile_count * TILE_LANES) {
-        uint2 tile = tiles[i / TILE_LANES];
+    GN_FOR_EACH(i, tile_count * TILE_ITEMS) {
+        uint2 tile = tiles[i / TILE_ITEMS];
         if (tile.x == GN_NO_ID) continue;
         TriangleRecord record = records[tile.x];
         uint4 rectangle = bins_of_tile(tile.y);
         uint count = bins_of_rectangle(rectangle);
-        for (uint t = (uint)i % TILE_LANES; t < count; t += TILE_LANES) {
+        for (uint t = (uint)i % TILE_ITEMS; t < count; t += TILE_ITEMS) {
             uint4 texel = bin_of_rectangle(rectangle, t);
             if (!may_matter(&record, projection, texel, 0u, heights)) continue;
             uint at = texel.y * projection->width + texel.x;

@@ -14,8 +14,8 @@
 // the longest list of its neighbours (counted: a point looks at 1.2 entries, the longest list of a warp's points at 4).
 //
 // Under a prepared light (TRACE_FACES) all points are looked at, and facing is decided on the way: reading points and
-// writing visibility once is most of what such a run costs. On a CPU their receivers' answers may be looked up, and
-// blocks of points be settled by the map at once (TRACE_BY_ANSWERS).
+// writing visibility once is most of what such a run costs. On a CPU the map may settle blocks of points at once, and
+// receivers' answers be looked up for the others (TRACE_BY_ANSWERS).
 //
 // After facing on a CPU (TRACE_BLOCKS), blocks that the map hides are settled by their bounds, without their points.
 //
@@ -75,7 +75,7 @@ static void add_counts(const uint* found, __global FrameCounters* counters) {
 #if TRACE_FACES
 #define TRACE_MORE_ARGUMENTS                                                                      \
     , uint triangle_count, __global const PreparedDomain *domains, __global const float4 *planes, \
-        __global const uint *largest_coordinate, __global const uint *lit
+        __global const uint *largest_coordinate, __global const uint *lit, __global const uint *slots
 
 static LaneFloat state_of_points(const PreparedFacing* facing) {
     LaneFloat state = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), facing->away);
@@ -369,6 +369,16 @@ typedef struct TracePoints {
 } TracePoints;
 
 #if GN_LANES == 1
+// The slot of the record of a point's own receiver, which cannot block it; GN_NO_ID where that is not known. Most lit
+// points meet no other entry, so that to pass it over saves them a look at a record.
+static uint own_slot(const TracePoints* to, size_t point) {
+#if TRACE_FACES
+    if (to->layout.has_receivers)
+        return slot_of_receiver(&to->prepared, load_lane_ids(to->receivers, to->layout, point));
+#endif
+    return GN_NO_ID;
+}
+
 // The points of a round whose lists are to be walked, from the round's first point on, and what is known of them.
 typedef struct WalkQueue {
     __local uint* entries;
@@ -397,11 +407,13 @@ typedef struct Walk {
     PointBlock place;
     QuantisedBlock quantised;
     uint2 range;
+    uint own;                   // slot
     uint next, first, meeting;  // entries from `next` on, and of those from `first` on these
     BlockAnswer answer;
 } Walk;
 
-static Walk start_walk(const TraceFrames* frames, TraceLists lists, uint frame, BlockPoints points, uint flags) {
+static Walk start_walk(const TraceFrames* frames, TraceLists lists, uint frame, BlockPoints points, uint own,
+                       uint flags) {
     Walk walk;
     walk.points = points;
     walk.state = flags & QUEUED_DOUBTFUL ? VISIBILITY_DOUBTFUL : VISIBILITY_OPEN;
@@ -409,6 +421,7 @@ static Walk start_walk(const TraceFrames* frames, TraceLists lists, uint frame, 
     walk.place = project_points(projection, points.at);
     walk.quantised = quantised_block(projection, walk.place, -1);
     walk.range = lists.ranges[frame * frames->bin_count + (uint)bins_of(projection, walk.place)];
+    walk.own = own;
     walk.next = walk.first = walk.range.x;
     walk.meeting = 0u;
     walk.answer = no_answer();
@@ -422,7 +435,8 @@ static Walk start_walk(const TraceFrames* frames, TraceLists lists, uint frame, 
 static bool walk_on(const ExactPairs* pairs, TraceLists lists, Walk* walk, ulong* tests) {
     if (walk->meeting == 0u && walk->next < walk->range.y) {
         walk->first = walk->next;
-        walk->meeting = next_that_meet(lists.entries, walk->range, &walk->next, walk->quantised);
+        walk->meeting = next_that_meet(lists.entries, walk->range, &walk->next, walk->quantised,
+                                       TRACE_FACES ? walk->own : GN_NO_ID);
     }
     if (walk->meeting != 0u) {
         uint slot = ENTRY_SLOT(&lists.entries[walk->first + take_lowest_bit(&walk->meeting)], 0);
@@ -431,6 +445,11 @@ static bool walk_on(const ExactPairs* pairs, TraceLists lists, Walk* walk, ulong
         if (found.possible && settle(pairs, found, &walk->points, lists.bounds[slot].id, &walk->answer)) return true;
     }
     return walk->meeting == 0u && walk->next >= walk->range.y;
+}
+
+// Is a point's own receiver all that its list names? Then it need not be queued.
+static bool names_own_alone(const TracePoints* to, TraceLists lists, uint2 range, size_t point) {
+    return TRACE_FACES && range.y - range.x == 1u && ENTRY_SLOT(&lists.entries[range.x], 0) == own_slot(to, point);
 }
 
 // Each item takes queued points, one after the other, as long as there are any. Every item of the group must come here,
@@ -449,7 +468,7 @@ static void walk_queue(const WalkQueue* queue, LightFrame light_frame, const Tra
             BlockPoints points = load_points(to->positions, to->receivers, to->layout,
                                              queue->first_point + (entry & ~(QUEUED_DOUBTFUL | QUEUED_BELOW)));
             uint frame = (uint)(frames_of(light_frame, points.at) - (int)frames->first);
-            walk = start_walk(frames, lists, frame, points, entry);
+            walk = start_walk(frames, lists, frame, points, own_slot(to, points.block), entry);
             walks = true;
         }
         if (!walk_on(pairs, lists, &walk, &counts->tests)) continue;
@@ -463,46 +482,58 @@ static void walk_queue(const WalkQueue* queue, LightFrame light_frame, const Tra
 #endif
 
 #if TRACE_BY_ANSWERS
-// As below, of points that nobody has looked at.
+// As below, of points that nobody has looked at, each coordinate in a row of its own. First whole blocks by the map:
+// what it hides is dark whichever way it faces, so that its receivers need not be loaded. Up to there coordinates are
+// in the order of the frame's axes: to choose them block by block takes longer than to load some of them once more.
 GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
                            TracePoints to, TraceCounts* total) {
     PointsLayout layout = to.layout;
     BlockGrid grid = block_grid(light_frame, frames.projections, 0u);
     bool sees_map = frames.has_map && map_is_seen(frames.projections);
+    PreparedDomain domain = domain_in_order(to.domain, light_frame);
+    float4 light = light_of(light_frame);
+    __global const float* coordinates = to.positions + layout.first;
+    __global const float* along_x = coordinates + (size_t)layout.coordinate_stride * light_frame.axis_x;
+    __global const float* along_y = coordinates + (size_t)layout.coordinate_stride * light_frame.axis_y;
+    __global const float* along_z = coordinates + (size_t)layout.coordinate_stride * light_frame.axis_z;
     TraceCounts counts = *total;
     GN_FOR_EACH_OF(block, share) {
-        BlockPoints points = load_points(to.positions, to.receivers, layout, block);
-        LaneInt valid = valid_lanes(layout, block), left = valid & present_lanes(points.at);
+        BlockPlace place = place_of_block(layout, block);
+        PointBlock at = {load_strided(along_x, 1u, place), load_strided(along_y, 1u, place),
+                         load_strided(along_z, 1u, place)};
+        LaneInt valid = valid_lanes(layout, block), left = valid & present_lanes(at);
         counts.minus_absent += valid & ~left;
-        LaneInt away = (LaneInt)(0);
-        if (LANES_ANY(left))
-            away = look_up_away(to.answers, pairs.vertices, points.receivers,
-                                left & lanes_below(points.receivers, to.triangle_count), to.triangle_count, layout,
-                                light_of(light_frame), &counts.facing_exact);
+        if (!LANES_ANY(left)) {
+            store_at((LaneFloat)(1.0f), to.visibility, place);
+            continue;
+        }
+        PointBlock values = {at.x - light_frame.shear_x * at.z, at.y - light_frame.shear_y * at.z, at.z};
+        BlockBounds bounds = bounds_of_block(light_frame, values, left);
+        bool is_inside =
+            block_stays_open(&domain, light_frame, &bounds) || !LANES_ANY(left & ~lanes_stay_open(&domain, at, values));
+        uint map_says = MAP_MAY_HIDE;
+        if (sees_map && is_inside) map_says = map_hides(&grid, frames.projections, &bounds, frames.map);
+        if (map_says == MAP_HIDES_ALL) {
+            counts.minus_by_map += left;
+            store_at(LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), left), to.visibility, place);
+            continue;
+        }
+        LaneInt ids = LANES_AS_INT(load_strided((__global const float*)to.receivers, 1u, place));
+        LaneInt away = look_up_away(to.answers, pairs.vertices, ids, left & lanes_below(ids, to.triangle_count),
+                                    to.triangle_count, layout, light, &counts.facing_exact);
         counts.minus_away += away;
         left &= ~away;
         LaneFloat state = state_of_lanes(away, left);
         if (!LANES_ANY(left)) {
-            store_lanes(state, to.visibility, layout, block);
+            store_at(state, to.visibility, place);
             continue;
         }
-        PointBlock values = grid_values(light_frame, points.at);
-        bool is_inside = !LANES_ANY(left & ~lanes_stay_open(to.domain, points.at, values));
+        BlockPoints points = load_points(to.positions, to.receivers, layout, block);
         if (!is_inside) {
             LaneInt strays, open = prepared_lanes(light_frame, to.domain, points.at, left, &strays);
             counts.minus_strays += strays;
             state = LANES_SELECT(state, (LaneFloat)(1.0f), left & ~open & ~strays);
             left = open;
-        }
-        uint map_says = MAP_MAY_HIDE;
-        if (sees_map && is_inside) {
-            BlockBounds bounds = bounds_of_block(light_frame, values, left);
-            map_says = map_hides(&grid, frames.projections, &bounds, frames.map);
-        }
-        if (map_says == MAP_HIDES_ALL) {
-            counts.minus_by_map += left;
-            store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), left), to.visibility, layout, block);
-            continue;
         }
         BlockAnswer answer = no_answer();
         counts.tests += trace_block(&pairs, &frames, lists, sees_map && map_says != MAP_HIDES_NONE, (LaneInt)(0), left,
@@ -605,7 +636,7 @@ GN_APART void trace_blocks(Share share, LightFrame light_frame, TraceFrames fram
             LANE_COMPARE(lane_frames, >=, (LaneInt)(0)) & LANE_COMPARE(lane_frames, <, (LaneInt)((int)frames.count));
         BlockAnswer answer = no_answer();
 #if GN_LANES == 1
-        if (ask_map(&place, left, state, &answer)) {
+        if (ask_map(&place, left, state, &answer) && !names_own_alone(&to, lists, place.range, block)) {
             queue_point(walks, block, state, &answer);
             continue;
         }
@@ -666,7 +697,7 @@ __kernel void TRACE_KERNEL(LightFrame light_frame, uint first_frame, uint frame_
 #endif
 #if TRACE_FACES
     to.prepared = prepared_receivers(light_frame, layout, triangle_count, domains, planes, largest_coordinate, lit,
-                                     vertices + first_float);
+                                     slots, vertices + first_float);
 #endif
     TraceCounts counts = no_counts();
 #if GN_LANES == 1

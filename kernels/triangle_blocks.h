@@ -107,7 +107,8 @@ static LaneFloat lanes_row_size(__constant const float* row, PointBlock size) {
 
 // Of the vertices of GN_LANES hulls. An error grows with the magnitudes of d = vertex - center (lanes_row_size is
 // monotone in each, roundings included), so the largest of each coordinate give one bound for all vertices of a hull.
-static void project_hulls(__constant const Projection* projection, const PointBlock* world, int count, Projected* v) {
+GN_WITHIN void project_hulls(__constant const Projection* projection, const PointBlock* world, int count,
+                             Projected* v) {
     float3 center = center_of(projection);
     PointBlock middle = same_point(center.x, center.y, center.z), largest = same_point(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < count; ++i) {
@@ -125,10 +126,10 @@ static void project_hulls(__constant const Projection* projection, const PointBl
     const LaneFloat zero = (LaneFloat)(0.0f), one = (LaneFloat)(1.0f);
     for (int i = 0; i < count; ++i) {
         v[i].error = error;
-        v[i].w = projection->perspective ? v[i].z : one;
-        v[i].error_w = projection->perspective ? depth_error : zero;
-        v[i].error_z = projection->perspective ? zero : depth_error;
-        if (projection->perspective) v[i].z = one / v[i].w;
+        v[i].w = IS_PERSPECTIVE(*projection) ? v[i].z : one;
+        v[i].error_w = IS_PERSPECTIVE(*projection) ? depth_error : zero;
+        v[i].error_z = IS_PERSPECTIVE(*projection) ? zero : depth_error;
+        if (IS_PERSPECTIVE(*projection)) v[i].z = one / v[i].w;
     }
 }
 

@@ -40,10 +40,9 @@
 // determinant underflow for triangles within about 1e-11 of it; UNDERFLOW is more than what the products of a plane can
 // lose together, flushed denormals included, and swamps the bound there. (Parallel: error_z has 2^-20 |d| in it.)
 #include "bin_test.h"
-#include "clusters.h"
+#include "cluster_boxes.h"
 #include "exact/det3_lanes.h"
 #include "group_scan.h"
-#include "hull_bounds.h"
 #include "pair_lists.h"
 #include "record_blocks.h"
 
@@ -309,87 +308,209 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
     return inside | wild;
 }
 
-#define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
-
 // What a work-item counts.
 typedef struct BoundsCounts {
     uint survivors, candidates, finite, looked_at;
     LaneFloat expected;
 } BoundsCounts;
 
-// A work-item takes GN_LANES triangles at a time, over the whole scene or the clusters that are listed.
-GN_APART void bound_blocks(Share share, __constant const Projection* projection, uint triangle_count, uint capacity,
-                           uint has_clusters, uint has_pyramid, __global const float* vertices,
-                           __global const uint* clusters, __global const uint* pyramid, __global TriangleBounds* bounds,
-                           __global uint* map_candidates, __global FrameCounters* counters, BoundsCounts* counts) {
-    uint survivor_count = 0, candidate_count = 0, finite_count = 0, looked_at = 0;
-    Claim slots = no_claim(), candidates = no_claim();
-    LaneFloat expected = (LaneFloat)(0.0f);
-    GN_FOR_EACH_OF(i, share) {
-        uint block = (uint)i;
-        if (has_clusters) block = clusters[block / BLOCKS_OF_CLUSTER] * BLOCKS_OF_CLUSTER + block % BLOCKS_OF_CLUSTER;
-        uint first = block * GN_LANES;
-        if (first >= triangle_count) continue;  // past the end of the last cluster
-        uint count = min(triangle_count - first, (uint)GN_LANES);
-        TriangleBlock t = load_triangles(vertices, first, triangle_count);
-        LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & finite_triangles(&t);
-        looked_at += count;
-        finite_count += count_lanes(finite);
-        BoundsBlock found;
-        LaneInt survivors = bound_triangles(&t, finite, projection, pyramid, has_pyramid != 0u, &found);
-        if (!LANES_ANY(survivors)) continue;
-        survivor_count += count_lanes(survivors);
-        expected +=
-            LANES_SELECT((LaneFloat)(0.0f), found.expected, survivors & LANE_COMPARE(found.flags, !=, (LaneInt)(0)));
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(survivors, lane)) continue;
-            bool for_map = LANE_OF_INT(found.flags, lane) != 0;
-            candidate_count += for_map;
-            uint slot = claim(&slots, &counters->slots);
-            if (slot >= capacity) continue;
-            // In the order of TriangleBounds.
-            *(__global uint4*)&bounds[slot] =
-                (uint4)((uint)LANE_OF_INT(found.x0, lane) | (uint)LANE_OF_INT(found.y0, lane) << 16,
-                        (uint)LANE_OF_INT(found.x1, lane) | (uint)LANE_OF_INT(found.y1, lane) << 16,
-                        (uint)LANE_OF_INT(found.z, lane) | (uint)LANE_OF_INT(found.flags, lane) << 16,
-                        first + (uint)lane);
-            if (!for_map) continue;
-            uint place = claim(&candidates, &counters->map_slots);
-            if (place < capacity) map_candidates[place] = slot;
-        }
-    }
-    for (; slots.next < min(slots.end, capacity); ++slots.next) drop_bounds(&bounds[slots.next]);
-    for (; candidates.next < min(candidates.end, capacity); ++candidates.next)
-        map_candidates[candidates.next] = GN_NO_ID;
-    counts->survivors = survivor_count;
-    counts->candidates = candidate_count;
-    counts->finite = finite_count;
-    counts->looked_at = looked_at;
-    counts->expected = expected;
+static BoundsCounts no_bounds_counts(void) {
+    BoundsCounts counts = {0u, 0u, 0u, 0u, (LaneFloat)(0.0f)};
+    return counts;
 }
 
+// What of GN_LANES triangles may matter; *first is the first of them.
+static LaneInt bound_block(uint block, __constant const Projection* projection, uint triangle_count, uint has_pyramid,
+                           __global const float* vertices, __global const uint* pyramid, uint* first,
+                           BoundsBlock* found, BoundsCounts* counts) {
+    *first = block * GN_LANES;
+    if (*first >= triangle_count) return (LaneInt)(0);  // past the end of the last cluster
+    uint count = min(triangle_count - *first, (uint)GN_LANES);
+    TriangleBlock t = load_triangles(vertices, *first, triangle_count);
+    LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & finite_triangles(&t);
+    counts->looked_at += count;
+    counts->finite += count_lanes(finite);
+    LaneInt survivors = bound_triangles(&t, finite, projection, pyramid, has_pyramid != 0u, found);
+    counts->survivors += count_lanes(survivors);
+    return survivors;
+}
+
+// TriangleBounds, in the order of its members.
+static uint4 lane_bounds(const BoundsBlock* found, uint lane, uint id) {
+    return (uint4)((uint)LANE_OF_INT(found->x0, lane) | (uint)LANE_OF_INT(found->y0, lane) << 16,
+                   (uint)LANE_OF_INT(found->x1, lane) | (uint)LANE_OF_INT(found->y1, lane) << 16,
+                   (uint)LANE_OF_INT(found->z, lane) | (uint)LANE_OF_INT(found->flags, lane) << 16, id);
+}
+
+#ifdef GN_CPU
+// What a work-item's triangles are asked, where those go that may matter, and what it counts.
+typedef struct BoundsWork {
+    __constant const Projection* projection;
+    __global const float* vertices;  // of the first triangle
+    __global const uint* pyramid;
+    __global TriangleBounds* bounds;
+    __global uint* map_candidates;
+    __global FrameCounters* counters;
+    uint triangle_count, capacity, has_pyramid;
+    Claim slots, candidates;
+    BoundsCounts counts;
+} BoundsWork;
+
+static void append_block(BoundsWork* work, uint block) {
+    uint first;
+    BoundsBlock found;
+    LaneInt survivors = bound_block(block, work->projection, work->triangle_count, work->has_pyramid, work->vertices,
+                                    work->pyramid, &first, &found, &work->counts);
+    if (!LANES_ANY(survivors)) return;
+    work->counts.expected +=
+        LANES_SELECT((LaneFloat)(0.0f), found.expected, survivors & LANE_COMPARE(found.flags, !=, (LaneInt)(0)));
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        if (!LANE_OF_INT(survivors, lane)) continue;
+        bool for_map = LANE_OF_INT(found.flags, lane) != 0;
+        work->counts.candidates += for_map;
+        uint slot = claim(&work->slots, &work->counters->slots);
+        if (slot >= work->capacity) continue;
+        *(__global uint4*)&work->bounds[slot] = lane_bounds(&found, lane, first + (uint)lane);
+        if (!for_map) continue;
+        uint place = claim(&work->candidates, &work->counters->map_slots);
+        if (place < work->capacity) work->map_candidates[place] = slot;
+    }
+}
+
+// A CPU takes GN_LANES clusters at a time: of those that are listed, or (else) those of all whose boxes, made on the
+// way, say that they may matter. A box around triangles takes a small part of the time that bounding them one by one
+// does; where less than one in FEW_DROPPED clusters is dropped by it, the next groups go without.
+#define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
+#define FEW_DROPPED 4u
+#define GROUPS_WITHOUT_BOXES 3u
+
+typedef struct ClusterChoice {
+    uint clusters[GN_LANES];
+    uint count;
+} ClusterChoice;
+
+static void choose_all(uint first, uint count, ClusterChoice* choice) {
+    for (uint k = 0; k < count; ++k) choice->clusters[k] = first + k;
+    choice->count = count;
+}
+
+static void choose_listed(__global const uint* clusters, uint first, uint count, ClusterChoice* choice) {
+    for (uint k = 0; k < count; ++k) choice->clusters[k] = clusters[first + k];
+    choice->count = count;
+}
+
+GN_APART void choose_by_boxes(BoundsWork* work, uint first, uint count, ClusterChoice* choice) {
+    ClusterBoxes boxes;
+    make_boxes(work->vertices, work->triangle_count, first, &boxes);
+    LaneInt too_far, present = LANE_COMPARE(boxes.low[0], <=, boxes.high[0]);
+    LaneInt matter =
+        boxes_that_matter(&boxes, present, work->projection, work->pyramid, work->has_pyramid != 0u, &too_far);
+    choice->count = 0;
+    for (uint lane = 0; lane < count; ++lane) {
+        uint cluster = first + lane;
+        if (LANE_OF_INT(matter, lane)) {
+            choice->clusters[choice->count++] = cluster;
+        } else {
+            uint triangles = min(work->triangle_count - cluster * CLUSTER_TRIANGLES, CLUSTER_TRIANGLES);
+            work->counts.looked_at += triangles;
+            work->counts.finite += triangles - (uint)LANE_OF_INT(boxes.not_finite, lane);
+        }
+    }
+}
+
+// Every `step`th group of clusters: where most are dropped others are in view, and work-items that took neighbours
+// would take unlike times.
+GN_APART void bound_clusters(Share share, uint cluster_count, uint has_clusters, __global const uint* clusters,
+                             BoundsWork* work) {
+    uint without_boxes = 0;
+    for (size_t i = share.first; i < share.end; i += share.step) {
+        uint first = (uint)i * GN_LANES, count = min(cluster_count - first, (uint)GN_LANES);
+        ClusterChoice choice;
+        if (has_clusters) {
+            choose_listed(clusters, first, count, &choice);
+        } else if (without_boxes != 0u) {
+            choose_all(first, count, &choice);
+            --without_boxes;
+        } else {
+            choose_by_boxes(work, first, count, &choice);
+            if ((count - choice.count) * FEW_DROPPED < count) without_boxes = GROUPS_WITHOUT_BOXES;
+        }
+        for (uint k = 0; k < choice.count * BLOCKS_OF_CLUSTER; ++k)
+            append_block(work, choice.clusters[k / BLOCKS_OF_CLUSTER] * BLOCKS_OF_CLUSTER + k % BLOCKS_OF_CLUSTER);
+    }
+}
+#endif
+
+// A GPU's work-group keeps what it finds in `found`, BOUNDS_AT_ONCE for each of its items, and claims places for all of
+// it by one atomic: one for each warp takes longer than the pass.
 __kernel void triangle_bounds(__constant const Projection* projection, uint triangle_count, ulong first_float,
                               uint capacity, uint has_clusters, uint has_pyramid, __global const float* vertices,
                               __global const uint* clusters, __global const uint* pyramid,
                               __global TriangleBounds* bounds, __global uint* map_candidates,
-                              __global FrameCounters* counters) {
+                              __global FrameCounters* counters, __local uint4* found) {
     __local uint sum;
-    uint blocks = (triangle_count + GN_LANES - 1u) / GN_LANES;
-    if (has_clusters) blocks = counters->clusters_listed * BLOCKS_OF_CLUSTER;
-    if (projection->active_points == 0u) blocks = 0u;
-    BoundsCounts counts;
-    bound_blocks(share_of(blocks), projection, triangle_count, capacity, has_clusters, has_pyramid,
-                 vertices + first_float, clusters, pyramid, bounds, map_candidates, counters, &counts);
-    uint not_finite = counts.looked_at - counts.finite, outside = counts.finite - counts.survivors;
-    add_in_group(counts.survivors, &sum, &counters->survivors);
-    add_in_group(counts.candidates, &sum, &counters->map_candidates);
+    vertices += first_float;
 #ifdef GN_CPU
+    uint cluster_count = triangle_count / CLUSTER_TRIANGLES + (triangle_count % CLUSTER_TRIANGLES != 0u);
+    if (has_clusters) cluster_count = counters->clusters_listed;
+    if (projection->active_points == 0u) cluster_count = 0u;
+    BoundsWork work;
+    work.projection = projection;
+    work.vertices = vertices;
+    work.pyramid = pyramid;
+    work.bounds = bounds;
+    work.map_candidates = map_candidates;
+    work.counters = counters;
+    work.triangle_count = triangle_count;
+    work.capacity = capacity;
+    work.has_pyramid = has_pyramid;
+    work.slots = work.candidates = no_claim();
+    work.counts = no_bounds_counts();
+    Share share = {get_global_id(0), (cluster_count + GN_LANES - 1u) / GN_LANES, get_global_size(0)};
+    bound_clusters(share, cluster_count, has_clusters, clusters, &work);
+    for (; work.slots.next < min(work.slots.end, capacity); ++work.slots.next) drop_bounds(&bounds[work.slots.next]);
+    for (; work.candidates.next < min(work.candidates.end, capacity); ++work.candidates.next)
+        map_candidates[work.candidates.next] = GN_NO_ID;
+    BoundsCounts counts = work.counts;
     // Cut off at what is enough, here and where the others have counted as much, so that no sum overflows.
     uint enough = texels_worth_a_map(projection->width, projection->height);
     uint texels = (uint)LANES_SUM(LANES_TO_INT(LANES_MIN(counts.expected, (LaneFloat)((float)enough))));
     volatile __global uint* counted = &counters->map_expected;
     if (texels != 0 && GN_LOOK(counted) < enough) atomic_add(counted, min(texels, enough));
+#else
+    uint blocks = has_clusters ? counters->clusters_listed * CLUSTER_TRIANGLES : triangle_count;
+    if (projection->active_points == 0u) blocks = 0u;
+    BoundsCounts counts = no_bounds_counts();
+    __local uint claimed[GROUP_CLAIM_WORDS];
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), many = items * BOUNDS_AT_ONCE;
+    if (item == 0u) claimed[0] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint base = (uint)get_group_id(0) * many; base < blocks; base += (uint)get_num_groups(0) * many) {
+        for (uint i = base + item; i < min(base + many, blocks); i += items) {
+            uint id;
+            BoundsBlock of;
+            uint block = has_clusters ? clusters[i / CLUSTER_TRIANGLES] * CLUSTER_TRIANGLES + i % CLUSTER_TRIANGLES : i;
+            if (bound_block(block, projection, triangle_count, has_pyramid, vertices, pyramid, &id, &of, &counts))
+                found[atomic_inc(&claimed[0])] = lane_bounds(&of, 0u, id);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        uint count = claimed[0], first = claim_for_group(count, claimed, &counters->slots);
+        if (item == 0u) claimed[0] = 0u;
+        for (uint i = item; i < count; i += items) {
+            bool for_map = (found[i].z >> 16 & BOUNDS_FOR_MAP) != 0u;
+            counts.candidates += for_map;
+            if (first + i >= capacity) continue;
+            *(__global uint4*)&bounds[first + i] = found[i];
+            if (!for_map) continue;
+            uint place = claim_places(1u, &counters->map_slots);
+            if (place < capacity) map_candidates[place] = first + i;
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
 #endif
+    uint not_finite = counts.looked_at - counts.finite, outside = counts.finite - counts.survivors;
+    add_in_group(counts.survivors, &sum, &counters->survivors);
+    add_in_group(counts.candidates, &sum, &counters->map_candidates);
     add_in_group(not_finite, &sum, &counters->not_finite);
     add_in_group(outside, &sum, &counters->outside);
 }
@@ -440,7 +561,7 @@ static LaneInt make_records(const TriangleBlock* t, LaneInt lanes, __constant co
     }
     record->margin_edge = margin + 1.0e-30f;
     height_intervals(v, 3, p.sides.straddles, projection, &record->z_low, &record->z_high);
-    if (projection->perspective)
+    if (IS_PERSPECTIVE(*projection))
         set_plane_perspective(record, v, domain, orientation, p.sides.straddles, projection->point_error,
                               projection->height_error);
     else

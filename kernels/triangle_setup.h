@@ -61,6 +61,9 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint tests_high;
 GN_STRUCT_END(FrameCounters, 136)
 
+// Triangles that a GPU's work-item bounds before its group claims places for those that may matter.
+#define BOUNDS_AT_ONCE 4
+
 #ifndef __cplusplus
 // Fewer texels covered than these, and the conservative map is not worth its while.
 static uint texels_worth_a_map(uint width, uint height) { return width * height / 16u; }

@@ -121,7 +121,8 @@ __kernel void bounds_of_boxes(__constant const Projection* projection, uint bloc
                               __global const ClusterBoxes* boxes, __global float* bounds) {
     GN_FOR_EACH(block, blocks) {
         Projected v[8];
-        project_corners(&boxes[block], projection, v);
+        ClusterBoxes taken = boxes[block];
+        project_corners(&taken, projection, v);
         HullSides sides = sides_of_hulls(v, 8, projection);
         Rectangles r;
         LaneInt inside = covered_rectangles(v, 8, projection, &r) & ~sides.behind;

@@ -9,7 +9,7 @@
 #include "support/scene_makers.hpp"
 #include "support/tie_points.hpp"
 
-#include "../host/gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <random>
 
 #include "support/light_scenes.hpp"
 
@@ -105,6 +106,31 @@ TEST(facing, equals_reference) {
     EXPECT_GT(open, 1000u);
     EXPECT_GT(doubtful, 1000u);
     EXPECT_GT(by_integers, 10u);
+}
+
+// So small that the float level knows no sign: where coordinates are equal a CPU knows that products are 0, else the
+// predicate is asked. Not vacuous: all answers occur under each light.
+TEST(facing, knows_zeros_by_equal_coordinates) {
+    const gnomon::Device device = device_with();
+    std::mt19937 random(14);
+    const auto coordinate = [&] { return 0x1p-30f * float(int(random() % 3) - 1); };
+    LightScene scene;
+    for (int i = 0; i < 600; ++i) {
+        for (int k = 0; k < 3; ++k) add(scene.triangles, {coordinate(), coordinate(), coordinate()});
+        add(scene.points, {coordinate(), coordinate(), coordinate()});
+        scene.receivers.push_back(std::uint32_t(i));
+    }
+    scene.eye = Float3{0x1p-29f, 0x3p-30f, -0x1p-28f};
+    for (const Light& light : {Light{1, 0, 0, 0}, Light{-0.0f, 1, -0.0f, 0}, Light{0, 0, -1, 0}, Light{1, 1, 0, 0},
+                               Light{0, 1, -2, 0}, Light{0, 0x1p-30f, -0x1p-30f, 1}}) {
+        scene.light = light;
+        SCOPED_TRACE(light[0] + 10 * light[1] + 100 * light[2] + 1000 * light[3]);
+        const std::vector<float> truth = expected(scene);
+        EXPECT_EQ(run(device, scene).visibility, truth);
+        EXPECT_GT(std::count(truth.begin(), truth.end(), DARK), 100);
+        EXPECT_GT(std::count(truth.begin(), truth.end(), OPEN), 50);
+        EXPECT_GT(std::count(truth.begin(), truth.end(), DOUBTFUL), 10);
+    }
 }
 
 // Triangles are asked once for all points on them where no point can be doubtful; a CPU's blocks of points ask for

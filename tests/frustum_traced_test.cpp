@@ -13,9 +13,9 @@
 #include <optional>
 #include <ostream>
 
+#include <gnomon.hpp>
 #include "../host/cl/session.hpp"
 #include "../host/frustum_traced.hpp"
-#include "gnomon.hpp"
 #include "reference/view.hpp"
 #include "scene/scene.hpp"
 #include "support/scene_makers.hpp"

@@ -15,8 +15,8 @@
 #include <optional>
 #include <thread>
 
+#include <gnomon.hpp>
 #include "cl/true_places.hpp"
-#include "gnomon.hpp"
 #include "support/environment.hpp"
 #include "support/scene_makers.hpp"
 
@@ -222,6 +222,10 @@ TEST_F(EmbedderTest, ContextAndQueueMustBeThereAndInOrder) {
     EXPECT_TRUE(throws<InvalidArgument>([&] { Device(nullptr, queue_); }, {"context and queue", "null"}));
     EXPECT_TRUE(throws<InvalidArgument>([&] { Device(context_, nullptr); }, {"context and queue", "null"}));
     cl_int code;
+    cl_context other = clCreateContext(nullptr, 1, &device_, nullptr, nullptr, &code);
+    ASSERT_EQ(code, CL_SUCCESS);
+    EXPECT_TRUE(throws<InvalidArgument>([&] { Device(other, queue_); }, {"queue", "another OpenCL context"}));
+    clReleaseContext(other);
     cl_command_queue unordered = clCreateCommandQueue(context_, device_, CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &code);
     if (code != CL_SUCCESS) GTEST_SKIP() << "NOT TESTED: this device has no out-of-order queues";
     EXPECT_TRUE(throws<InvalidArgument>([&] { Device(context_, unordered); }, {"out of order", "in-order"}));

@@ -151,4 +151,25 @@ TEST(LitReceivers, AreFoundInMeshesAndNotUnderRoofs) {
     }
 }
 
+// A sample says whether the search is worth its while: of an open floor all triangles are found; where slats above
+// leave only some squares open, hardly any, for they are left to chance.
+TEST(LitReceivers, AreSoughtWhereASampleFindsMany) {
+    const Device device = device_like_a_gpu();
+    const Light light{0, 1, 0, 0};
+    constexpr int side = 64, open_squares = 16;
+    Floats triangles;
+    add_floor(triangles, side, 0);
+    const std::size_t floor = triangles.size() / 9;
+    const std::vector<bool> all = lit_receivers(device, triangles, light, 256);
+    EXPECT_EQ(std::count(all.begin(), all.end(), true), floor);
+
+    const auto add_slat = [&](float z, float end) { add(triangles, {-1, 2, z - .1f}, {-1, 2, z + .1f}, {end, 2, z}); };
+    for (int i = 1; i < side - 1; i += 2) add_slat(static_cast<float>(i), side + 9);  // over the edge of two rows
+    add_slat(side - 1.5f, side + 9);
+    add_slat(side - .5f, side - open_squares);
+    std::vector<bool> few = lit_receivers(device, triangles, light, 256);
+    few.resize(floor);  // without the slats
+    EXPECT_LT(std::count(few.begin(), few.end(), true), open_squares);
+}
+
 }  // namespace

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "reference/visibility.hpp"
 #include "support/scene_makers.hpp"
 

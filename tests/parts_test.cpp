@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "support/scene_makers.hpp"
 
 namespace {

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <optional>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "reference/view.hpp"
 #include "support/environment.hpp"
 #include "support/scene_makers.hpp"

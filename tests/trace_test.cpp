@@ -42,9 +42,11 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
         gnomon::FrameCounters counted = out.counters;
         counted.uncertain = counted.tests_low = counted.tests_high = counted.decided_by_trace = 0;
         session.write(inputs.counters.get(), &counted, sizeof(counted));
-        stages.trace.run(session, first_frame, face, 1, inputs.triangle_inputs(), inputs.point_inputs(),
-                         stages.projection, nullptr, gnomon::list_buffers(stages.bins, stages.setup), nullptr,
-                         inputs.visibility.get(), inputs.counters);
+        stages.trace.run(
+            session,
+            {first_frame, face, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection, nullptr,
+             gnomon::list_buffers(stages.bins, stages.setup), inputs.visibility.get(), inputs.counters},
+            nullptr);
         const auto traced = downloaded<float>(session, inputs.visibility.get(), count);
         session.read(inputs.counters.get(), &counted, sizeof(counted));
         ASSERT_LE(counted.uncertain, stages.trace.capacity());
@@ -277,9 +279,10 @@ TEST(trace, writes_only_its_own) {
     gnomon::FrameCounters counted = out.counters;
     counted.uncertain = 0;
     session.write(inputs.counters.get(), &counted, sizeof(counted));
-    stages.trace.run(session, out.frame, 0, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection,
-                     nullptr, gnomon::list_buffers(stages.bins, stages.setup), nullptr, visibility.get(),
-                     inputs.counters);
+    stages.trace.run(session,
+                     {out.frame, 0, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection, nullptr,
+                      gnomon::list_buffers(stages.bins, stages.setup), visibility.get(), inputs.counters},
+                     nullptr);
     gnomon::run_exact_trace(session, inputs.triangle_inputs(), inputs.point_inputs(), inputs.light, stages.trace,
                             visibility.get(), inputs.counters);
     session.read(inputs.counters.get(), &counted, sizeof(counted));

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::measure {
 namespace {

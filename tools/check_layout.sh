@@ -50,8 +50,8 @@ lines_matching '^kernels/' '^\s*#\s*define\s+\w+\([^)]*\.\.\.' |
     complain 'macros of any number of arguments are not OpenCL C'
 
 # One door to OpenCL.
-lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' | { grep -vE '^host/(cl/|gnomon\.hpp:)' || true; } |
-    complain 'only host/cl and host/gnomon.hpp include OpenCL headers'
+lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' | { grep -vE '^host/(cl/|include/gnomon\.hpp:)' || true; } |
+    complain 'only host/cl and host/include/gnomon.hpp include OpenCL headers'
 
 # One-way flow: kernels know only kernels. Headers shared with C++ may include the standard library for C++ alone.
 lines_matching '^kernels/' '^\s*#\s*include\s*"' |

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 #include "gallery.hpp"
 #include "listings.hpp"
 #include "options.hpp"

@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 #include "byte_sink.hpp"
 
 namespace gnomon::app {

@@ -14,7 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::app {
 namespace {

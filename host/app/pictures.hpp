@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 #include "output_files.hpp"
 
 namespace gnomon::app {

@@ -218,7 +218,9 @@ std::string summary(const Report& report) {
     add_fact(out, "device",
              report.device.name + " (" + report.device.platform + ", " + report.device.driver_version + ")");
     if (!report.device.note.empty()) add_fact(out, "", report.device.note);
-    add_fact(out, "scene", scene_name(options) + ", " + grouped(report.triangles) + " triangles");
+    add_fact(
+        out, "scene",
+        scene_name(options) + ", " + grouped(report.triangles) + (report.triangles == 1 ? " triangle" : " triangles"));
     add_fact(
         out, "camera",
         report.camera.source + ", " + std::to_string(options.size.width) + "x" + std::to_string(options.size.height));

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <iostream>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::app {
 namespace {

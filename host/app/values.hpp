@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::app {
 

@@ -2,7 +2,7 @@
 // What a device says of itself, and what it lacks for gnomon.
 #pragma once
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::cl {
 

@@ -165,7 +165,6 @@ void Session::store_cached(const std::string& key, cl_program program) {
     // A cache that cannot be written costs time, nothing else.
     std::error_code ignored;
     const std::filesystem::path directory = cache_directory();
-    if (directory.empty()) return;
     std::filesystem::create_directories(directory, ignored);
     const std::filesystem::path temporary =
         directory / (key + ".part" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
@@ -211,11 +210,12 @@ cl_program Session::program_of(const std::string& kernel_file) {
     const std::string file = joins ? picture_program : kernel_file;
     if (auto found = programs_.find(file); found != programs_.end()) return found->second;
     const std::string source = source_of(file);
-    const std::string key = caches_binaries_ ? cache_key(source) : "";
-    cl_program program = caches_binaries_ ? load_cached(key) : nullptr;
+    const bool caches = caches_binaries_ && !cache_directory().empty();
+    const std::string key = caches ? cache_key(source) : "";
+    cl_program program = caches ? load_cached(key) : nullptr;
     if (program == nullptr) {
         program = build(file, source);
-        if (caches_binaries_) store_cached(key, program);
+        if (caches) store_cached(key, program);
     }
     programs_.emplace(file, program);
     return program;

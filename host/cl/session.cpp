@@ -85,6 +85,11 @@ Session::Session(const DeviceDescription& description, const DeviceOptions& opti
 
 Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions& options) {
     if (context == nullptr || queue == nullptr) throw InvalidArgument("the OpenCL context and queue must not be null");
+    cl_context context_of_queue = nullptr;
+    check(clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof(context_of_queue), &context_of_queue, nullptr),
+          "asking the queue for its context");
+    if (context_of_queue != context)
+        throw InvalidArgument("the command queue belongs to another OpenCL context than the one given with it");
     cl_device_id device = nullptr;
     check(clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof(device), &device, nullptr),
           "asking the queue for its device");
@@ -156,7 +161,8 @@ void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index
 }
 
 cl_kernel Session::kernel_of(const char* file, const char* name, std::size_t argument_count) {
-    auto found = kernels_.find(name);
+    const std::string key = std::string(file) + ' ' + name;
+    auto found = kernels_.find(key);
     if (found == kernels_.end()) {
         cl_program program = program_of(file);
         cl_kernel kernel = nullptr;
@@ -167,7 +173,7 @@ cl_kernel Session::kernel_of(const char* file, const char* name, std::size_t arg
         });
         cl_uint count = 0;
         clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof(count), &count, nullptr);
-        found = kernels_.emplace(name, CachedKernel{kernel, count}).first;
+        found = kernels_.emplace(key, CachedKernel{kernel, count}).first;
     }
     if (found->second.argument_count != argument_count)
         throw Error(std::string("kernel ") + name + " takes " + std::to_string(found->second.argument_count) +

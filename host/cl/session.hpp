@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <unordered_map>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::cl {
 
@@ -91,8 +91,6 @@ public:
     Range uneven_items(std::size_t items, std::size_t each) const;
     /// Groups of at most 32 items (a GPU's warp) that fill the device: for groups that share out a few dozen things.
     Range small_groups() const;
-    /// As few groups as keep every compute unit busy: for groups that each walk a whole list to find their share.
-    Range few_groups() const { return Range::groups(compute_units() * 4); }
 
     std::uint64_t memory_bytes() const { return memory_bytes_; }
     std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::measure {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 #include "../vectors.hpp"
 
 namespace gnomon::scene {

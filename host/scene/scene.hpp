@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::scene {
 

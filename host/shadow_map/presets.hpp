@@ -2,7 +2,7 @@
 // Named compositions of the shadow-map family: a line each, registered as techniques of their own.
 #pragma once
 
-#include "../gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../setting_values.hpp"
 #include "../vectors.hpp"
-#include "setting_values.hpp"
 
 namespace gnomon {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "rectilinear_warp.hpp"
 
-#include "setting_values.hpp"
+#include "../setting_values.hpp"
 
 namespace gnomon {
 namespace {

@@ -17,8 +17,8 @@
 
 #include "../../kernels/triangle_setup.h"
 #include "../facing.hpp"
+#include "../setting_values.hpp"
 #include "diagnostic.hpp"
-#include "setting_values.hpp"
 
 namespace gnomon {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // On which side of triangles points lie, for GN_LANES pairs at once: exact signs. Most are certain by det3's float
-// level, taken for all lanes; the others go through all levels one by one.
+// level, taken for all lanes, or 0 since all products are; the others go through all levels one by one.
 #ifndef GN_EXACT_DET3_LANES_H
 #define GN_EXACT_DET3_LANES_H
 
@@ -61,6 +61,23 @@ static LaneFloat lanes_det3(const LaneCross* cross, PointBlock w, PointBlock siz
     return value;
 }
 
+#if GN_LANES > 1
+// Equal values for certain, also where a device takes denormals for 0.
+static LaneInt lanes_equal(LaneFloat x, LaneFloat y) {
+    LaneInt a = LANES_AS_INT(x), b = LANES_AS_INT(y);
+    return LANE_COMPARE(a, ==, b) | LANE_COMPARE((a | b) & 0x7FFFFFFF, ==, (LaneInt)(0));
+}
+
+// Where a coordinate of each product is 0, the determinant is, as of axis-aligned geometry under an axis-aligned light.
+static LaneInt lanes_without_products(const TriangleBlock* t, const PointBlock* end, const PointBlock* start) {
+    LaneInt u_x = lanes_equal(t->b.x, t->a.x), u_y = lanes_equal(t->b.y, t->a.y), u_z = lanes_equal(t->b.z, t->a.z);
+    LaneInt v_x = lanes_equal(t->c.x, t->a.x), v_y = lanes_equal(t->c.y, t->a.y), v_z = lanes_equal(t->c.z, t->a.z);
+    return (lanes_equal(end->x, start->x) | ((u_y | v_z) & (u_z | v_y))) &
+           (lanes_equal(end->y, start->y) | ((u_z | v_x) & (u_x | v_z))) &
+           (lanes_equal(end->z, start->z) | ((u_x | v_y) & (u_y | v_x)));
+}
+#endif
+
 // The sides of these lanes, one by one. Adds to *exact how many needed the exact level.
 __attribute__((noinline)) static void settle_sides(const TriangleBlock* t, const PointBlock* end,
                                                    const PointBlock* start, LaneInt lanes, LaneInt* side, uint* exact) {
@@ -82,6 +99,12 @@ static LaneInt lanes_side(const TriangleBlock* t, const LaneCross* normals, cons
     LaneInt side = LANES_SELECT((LaneInt)(-1), (LaneInt)(1), positive);
     LaneInt open = lanes & ~certain;
     if (!LANES_ANY(open)) return side;
+#if GN_LANES > 1
+    LaneInt zero = open & lanes_without_products(t, end, start);
+    side &= ~zero;
+    open &= ~zero;
+    if (!LANES_ANY(open)) return side;
+#endif
     // Copies: what a function that is not inlined gets by pointer, a GPU keeps in memory from where it is made.
     TriangleBlock same = *t;
     PointBlock same_end = *end, same_start = *start;

@@ -10,8 +10,6 @@
 #include "mip_chain.h"
 #include "moments.h"
 
-#define MOST_FILTER_TAPS 33
-
 // Texel i of a view, counted by rows: its place in the map.
 static size_t place_of(__global const MapView* view, uint x, uint y) {
     return view->first_texel + (size_t)y * view->row_stride + x;

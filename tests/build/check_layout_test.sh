@@ -11,14 +11,14 @@ failures=0
 
 make_good_tree() {
     rm -rf "${tree:?}"/*
-    mkdir -p "$tree"/{kernels/exact,host/cl,tests/reference}
+    mkdir -p "$tree"/{kernels/exact,host/cl,host/include,tests/reference}
     printf '%s\n' "$licence" '// The prelude.' '#ifdef __cplusplus' '#include <cstdint>' '#endif' \
         '#ifdef __OPENCL_VERSION__' '#define GN_A 1' '#else' '#include <cmath>' '#endif' >"$tree/kernels/prelude.h"
     printf '%s\n' "$licence" '// Sums.' '#include "prelude.h"' >"$tree/kernels/exact/sum.h"
     printf '%s\n' "$licence" '// A stage.' '#include "exact/sum.h"' 'float half_width, nomad(int);' >"$tree/kernels/stage.cl"
     printf '%s\n' "$licence" '// The door.' '#include <CL/cl.h>' >"$tree/host/cl/session.cpp"
-    printf '%s\n' "$licence" '// The face.' '#include <CL/cl.h>' >"$tree/host/gnomon.hpp"
-    printf '%s\n' '# See `kernels/stage.cl`, [the face](host/gnomon.hpp)' >"$tree/README.md"
+    printf '%s\n' "$licence" '// The face.' '#include <CL/cl.h>' >"$tree/host/include/gnomon.hpp"
+    printf '%s\n' '# See `kernels/stage.cl`, [the face](host/include/gnomon.hpp)' >"$tree/README.md"
     printf '%s\n' "$licence" '// Exact.' >"$tree/tests/reference/exact.hpp"
     printf '%s\n' "$licence" '// Truth.' '#include <gmp.h>' '#include "exact.hpp"' >"$tree/tests/reference/truth.cpp"
 }
@@ -57,12 +57,12 @@ must_catch host/cl/session.cpp 'const char* options = "-cl-unsafe-math-optimizat
 must_catch host/options.cmake 'add_compile_options(-ffast-math)'
 must_catch host/stage.cpp '#include <CL/cl.h>'
 must_catch tests/stage_test.cpp '#  include <CL/opencl.hpp>'
-must_catch kernels/stage.cl '#include "../host/gnomon.hpp"'
+must_catch kernels/stage.cl '#include <gnomon.hpp>'
 must_catch kernels/stage.cl '#include "missing.h"'
 must_catch kernels/stage.cl '#include <math.h>'
 must_catch kernels/prelude.h '#include <cstdint>'
 must_catch tests/reference/truth.cpp '#include "../../kernels/prelude.h"'
-must_catch tests/reference/truth.cpp '#include "gnomon.hpp"'
+must_catch tests/reference/truth.cpp '#include <gnomon.hpp>'
 must_catch tests/reference/truth.cpp '#include <gnomon.hpp>'
 must_catch README.md 'The promise is in `kernels/missing.h`.'
 must_catch README.md '![a picture](docs/missing.png)'

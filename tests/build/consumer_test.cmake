@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# Builds and runs tests/consumer as a user would, in a folder of its own, and compares what the example prints.
+# Builds and runs tests/consumer as a user would, in a folder of its own, and compares what its programs print.
 # cmake -D WAY=installed_static|installed_shared|subproject -D SOURCE_DIR=... -D SCRATCH_DIR=... -P consumer_test.cmake
 # The library is built anew with nothing but its core, so this also shows that the core needs OpenCL alone.
 set(tool_arguments -G "${GENERATOR}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}"
@@ -32,13 +32,17 @@ set(build "${SCRATCH_DIR}/consumer")
 run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}/tests/consumer" -B "${build}" "${where_gnomon_is}")
 run("${CMAKE_COMMAND}" --build "${build}")
 
-execute_process(COMMAND "${build}/example" RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
-if(NOT status EQUAL 0)
-  message(FATAL_ERROR "the example failed (${status}): ${errors}")
-endif()
+function(expect program expected)
+  execute_process(COMMAND "${build}/${program}" RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${program} failed (${status}): ${errors}")
+  endif()
+  string(FIND "${output}" "${expected}" at)
+  if(NOT at EQUAL 0)
+    message(FATAL_ERROR "${program} printed\n${output}instead of\n${expected}")
+  endif()
+endfunction()
+
 # Straight above each point: the roof's middle, its edge (closed, so it blocks), and nothing.
-set(expected "point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light\n")
-string(FIND "${output}" "${expected}" at)
-if(NOT at EQUAL 0)
-  message(FATAL_ERROR "the example printed\n${output}instead of\n${expected}")
-endif()
+expect(example "point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light\n")
+expect(embedding "point 0 is 0.25 bright\npoint 1 is 0.25 bright\npoint 2 is 1.00 bright\n")

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace {
 

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "reference/visibility.hpp"
 #include "require.hpp"
 

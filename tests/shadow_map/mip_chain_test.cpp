@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include <gnomon.hpp>
 #include "../../kernels/shadow_map/moments.h"
-#include "gnomon.hpp"
 #include "support/map_scenes.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 // that settings are refused with.
 #include <gtest/gtest.h>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "support/device.hpp"
 #include "support/scene_makers.hpp"
 

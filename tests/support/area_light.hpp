@@ -2,7 +2,7 @@
 // Truth of soft shadows: an area light is many point lights, each of them decided exactly.
 #pragma once
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "scene_makers.hpp"
 
 namespace support {

@@ -178,17 +178,19 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
                     &stages.farthest_height.open_heights(), scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
-    const gnomon::ListBuffers lists = gnomon::list_buffers(stages.bins, stages.setup);
-    stages.trace.run(session, first_frame, face, 1, triangles, points, stages.projection, map, lists,
-                     scene.facing.blocks(), visibility, scene.counters);
+    const gnomon::TraceInputs inputs{first_frame, face,
+                                     1,           triangles,
+                                     points,      stages.projection,
+                                     map,         gnomon::list_buffers(stages.bins, stages.setup),
+                                     visibility,  scene.counters};
+    stages.trace.run(session, inputs, scene.facing.blocks());
     gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
     session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     const bool setup = stages.setup.fitted(session, out.counters);
     const bool references = stages.bins.fitted(session, out.counters, setup);
     if (!setup || !references) return false;
     if (!stages.trace.fitted(session, points, out.counters)) {
-        stages.trace.run_again(session, first_frame, face, 1, triangles, points, stages.projection, map, lists,
-                               visibility, scene.counters);
+        stages.trace.run_again(session, inputs);
         session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     }
     out.visibility = downloaded<float>(session, visibility, scene.points.count());

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "scene/scene.hpp"
 
 namespace gnomon::bench {

@@ -9,8 +9,8 @@
 #include <string>
 #include <thread>
 
+#include <gnomon.hpp>
 #include "commit.hpp"
-#include "gnomon.hpp"
 #include "peers.hpp"
 
 namespace gnomon::bench {

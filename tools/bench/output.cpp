@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "published.hpp"
 
 namespace gnomon::bench {

@@ -11,7 +11,7 @@
 #include <functional>
 #include <string>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "row.hpp"
 #include "timing.hpp"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "measure/visibility_errors.hpp"
 
 namespace gnomon::bench {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 
 namespace gnomon::bench {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "scenes.hpp"
 
 namespace stress {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "question.hpp"
 #include "reference/bvh.hpp"
 

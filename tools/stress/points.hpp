@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "gnomon.hpp"
+#include <gnomon.hpp>
 #include "question.hpp"
 
 namespace stress {

@@ -143,7 +143,9 @@ public:
     /// the first usable CPU). Throws DeviceNotFound with the list of what there is.
     explicit Device(std::string_view selector = {}, const DeviceOptions& options = {});
     /// Uses the caller's context and queue (both are retained). The queue must be in-order; kernels and copies are
-    /// enqueued on it, and results are there when the queue has come that far.
+    /// enqueued on it, and results are there when the queue has come that far. Whether it profiles is the queue's word,
+    /// not that of `options`. Throws InvalidArgument if the two do not belong together, DeviceNotFound if the queue's
+    /// device cannot be used.
     Device(cl_context context, cl_command_queue queue, const DeviceOptions& options = {});
 
     const DeviceDescription& description() const;
@@ -258,7 +260,7 @@ public:
     }
     const std::optional<PointsCamera>& camera() const { return camera_; }
     /// The caller promises that no point lies on the far side of its receiver as the eye sees it, `triangles` being
-    /// what receivers name: then a prepared light asks less of the receivers. Views made by look() have it set; it
+    /// what receivers name: then less is asked of the receivers, which saves time. Views made by look() have it set; it
     /// lasts until an eye or a camera is set. After a change of the triangles, look again.
     void set_lifted_off(const Triangles& triangles);
     bool is_lifted_off(const Triangles& triangles) const;

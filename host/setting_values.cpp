@@ -18,18 +18,23 @@ Number parsed(std::string_view name, std::string_view text, Number low, Number h
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     // The comparison is false for NaN too.
     if (error == std::errc() && end == text.data() + text.size() && number >= low && number <= high) return number;
-    throw InvalidArgument(std::string(name) + " is a " + kind + " from " + text_of(low) + " to " + text_of(high) +
+    throw InvalidArgument(std::string(name) + " is " + kind + " from " + text_of(low) + " to " + text_of(high) +
                           ", not \"" + std::string(text) + "\"");
 }
 
 }  // namespace
 
 float number_setting(std::string_view name, std::string_view text, double low, double high) {
-    return static_cast<float>(parsed(name, text, low, high, "number"));
+    return static_cast<float>(parsed(name, text, low, high, "a number"));
 }
 
 std::uint32_t whole_setting(std::string_view name, std::string_view text, std::uint32_t low, std::uint32_t high) {
-    return parsed(name, text, low, high, "whole number");
+    return parsed(name, text, low, high, "a whole number");
+}
+
+std::uint32_t whole_or_auto_setting(std::string_view name, std::string_view text, std::uint32_t low,
+                                    std::uint32_t high) {
+    return text == "auto" ? 0 : parsed(name, text, low, high, "auto or a whole number");
 }
 
 std::uint32_t choice_setting(std::string_view name, std::string_view text, std::span<const std::string_view> names) {
