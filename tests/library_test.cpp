@@ -600,8 +600,10 @@ TEST(Memory, WhatWasTakenIsGivenBack) {
     EXPECT_EQ(device.memory_bytes(), 0u);
 }
 
-// The limit is raised step by step: wherever a run ends for want of memory, the error is clear, nothing is
-// lost, and the same objects work as soon as there is enough.
+// The limit is raised step by step: wherever a run ends for want of memory, the error is clear, nothing is lost, and
+// the same objects work as soon as there is enough. How much that is differs from run to run: a list that was too small
+// grows by what was counted, and that hangs on how the threads shared the work (2 % were seen). Twice as much is
+// enough.
 TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
     const Floats scene = support::soup(2000, 0.3f, 5), places = support::random_points(6000, -1, 1, 6);
     const gnomon::Light lamp = gnomon::Light::positional({0.1f, 1.5f, 0.2f});
@@ -625,7 +627,7 @@ TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
     }
     int failures = 0, successes = 0;
     for (int step = 1; step <= 12; ++step) {
-        const std::uint64_t limit = step == 12 ? needed + 100000 : step * needed / 12;
+        const std::uint64_t limit = step == 12 ? 2 * needed : step * needed / 12;
         DeviceOptions options;
         options.memory_limit_bytes = limit;
         const Device device({}, options);
