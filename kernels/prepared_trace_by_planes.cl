@@ -2,9 +2,6 @@
 // As prepared_trace.cl, for lifted points on a GPU: what their receivers' planes leave undecided is a stray, for which
 // prepared_trace has to run.
 #define TRACE_KERNEL prepared_trace_by_planes
-#define TRACE_IN_PLACE 0
-#define TRACE_FACES 1
 #define TRACE_BY_PLANES 1
-#define TRACE_BLOCKS 0
-#define TRACE_BY_ANSWERS 0
-#include "trace_points.h"
+#include "prepared_trace.h"
+#include "trace_kernel.h"
