@@ -29,4 +29,4 @@ gnomon_fuzz_target(scene_fuzz
 gnomon_fuzz_target(library_fuzz
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/fuzz/library_fuzz.cpp
   CORPUS ${CMAKE_CURRENT_LIST_DIR}/fuzz/corpus/library
-  LIBRARIES gnomon::gnomon gnomon_reference)
+  LIBRARIES gnomon_inside gnomon_reference)

@@ -3,17 +3,17 @@
 # oclgrind.
 gnomon_test(frustum_traced_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/frustum_traced_test.cpp
-  LIBRARIES gnomon::gnomon gnomon_scene gnomon_reference)
+  LIBRARIES gnomon_inside gnomon_scene gnomon_reference)
 target_compile_definitions(frustum_traced_test PRIVATE
   GNOMON_SHARED_SCENES="${PROJECT_SOURCE_DIR}/../shared/scenes" GNOMON_SCENES="${PROJECT_SOURCE_DIR}/scenes")
 
 gnomon_test(library_test
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/library_test.cpp
-  LIBRARIES gnomon::gnomon gnomon_reference)
+  LIBRARIES gnomon_inside gnomon_reference)
 target_compile_definitions(library_test PRIVATE GNOMON_KERNELS="${PROJECT_SOURCE_DIR}/kernels")
 
 add_executable(oclgrind_cases ${CMAKE_CURRENT_LIST_DIR}/oclgrind_cases.cpp)
-target_link_libraries(oclgrind_cases PRIVATE gnomon::gnomon gnomon_reference gnomon_build_flags)
+target_link_libraries(oclgrind_cases PRIVATE gnomon_inside gnomon_reference gnomon_build_flags)
 gnomon_oclgrind_test(oclgrind_cases COMMAND oclgrind_cases)
 # The same program on the default device, so that what it expects is known to be right; in memory that is not zero when
 # it is new (a C library setting that PoCL's buffers follow), so that nothing is right only because memory happens to be

@@ -3,7 +3,8 @@
 # grows), with the exact predicates as the judge.
 add_library(gnomon_stage_support STATIC ${CMAKE_CURRENT_LIST_DIR}/support/light_stages.cpp)
 target_include_directories(gnomon_stage_support PUBLIC ${CMAKE_CURRENT_LIST_DIR})
-target_link_libraries(gnomon_stage_support PUBLIC gnomon gnomon_reference GTest::gtest PRIVATE gnomon_build_flags)
+target_link_libraries(gnomon_stage_support
+  PUBLIC gnomon_inside gnomon_reference GTest::gtest PRIVATE gnomon_build_flags)
 
 foreach(stage IN ITEMS bins camera clusters conservative_map decisions facing farthest_height izb light_frame
                       lit_receivers prepared_light samples scan sort trace triangle_setup)

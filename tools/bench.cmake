@@ -44,7 +44,7 @@ add_dependencies(gnomon_bench_parts gnomon_bench_commit)
 target_include_directories(gnomon_bench_parts PUBLIC ${CMAKE_CURRENT_LIST_DIR}
                                               PRIVATE ${bench_generated} ${GNOMON_STB_INCLUDE})
 target_link_libraries(gnomon_bench_parts
-  PUBLIC gnomon_scene gnomon_measure gnomon::gnomon nlohmann_json::nlohmann_json
+  PUBLIC gnomon_scene gnomon_measure gnomon_inside nlohmann_json::nlohmann_json
   PRIVATE gnomon_build_flags gnomon_scene_recipes gnomon_reference Threads::Threads ${GNOMON_STB_LIBRARY}
           $<$<BOOL:${embree_FOUND}>:embree>)
 

@@ -17,7 +17,7 @@ add_library(gnomon_stress STATIC
 )
 target_include_directories(gnomon_stress PUBLIC ${CMAKE_CURRENT_LIST_DIR})
 target_link_libraries(gnomon_stress
-  PUBLIC gnomon::gnomon gnomon_reference
+  PUBLIC gnomon_inside gnomon_reference
   PRIVATE gnomon_build_flags gnomon_scene gnomon_scene_recipes nlohmann_json::nlohmann_json
           $<$<BOOL:${embree_FOUND}>:embree>)
 

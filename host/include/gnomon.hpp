@@ -33,6 +33,18 @@
 #include <string_view>
 #include <vector>
 
+// What the library keeps to itself.
+namespace gnomon {
+namespace cl {
+class Session;
+}
+class Clusters;
+}  // namespace gnomon
+
+// The library is compiled with hidden visibility (host/CMakeLists.txt): a shared one shows what is declared from here
+// on, and nothing else. A pragma, since clang 14 does not hand a namespace's attribute on to its functions.
+#pragma GCC visibility push(default)
+
 namespace gnomon {
 
 /// Three float32 coordinates: world space, in the scene's unit (glTF: metres), +Y up, right-handed.
@@ -128,11 +140,6 @@ struct DeviceOptions {
     /// the environment variable GNOMON_GPU_KERNELS does: for tests and measurements. Same bits.
     bool gpu_kernels = false;
 };
-
-namespace cl {
-class Session;
-}
-class Clusters;
 
 /// A device, its context and in-order queue, and the compiled kernels. Building the kernels is the slow part of a
 /// first start; they are cached on disk for the next one.
@@ -494,3 +501,5 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
                         const Light& light, const Visibility& visibility);
 
 }  // namespace gnomon
+
+#pragma GCC visibility pop

@@ -9,7 +9,7 @@ gnomon_embed_kernels(embed_kernels_test tests/build/nasty.bin tests/build/empty.
 
 # oclgrind's own exit status says nothing, so see that a kernel with a fault does fail a gnomon_oclgrind_test.
 add_executable(faulty_kernel build/faulty_kernel.cpp)
-target_link_libraries(faulty_kernel PRIVATE gnomon::gnomon gnomon_build_flags)
+target_link_libraries(faulty_kernel PRIVATE gnomon_inside gnomon_build_flags)
 gnomon_oclgrind_test(oclgrind_passes_a_good_kernel COMMAND faulty_kernel none)
 foreach(fault out_of_bounds race)
   gnomon_oclgrind_test(oclgrind_catches_${fault} COMMAND faulty_kernel ${fault})

@@ -33,7 +33,7 @@ run("${CMAKE_COMMAND}" ${tool_arguments} -S "${SOURCE_DIR}/tests/consumer" -B "$
 run("${CMAKE_COMMAND}" --build "${build}")
 
 function(expect program expected)
-  execute_process(COMMAND "${build}/${program}" RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+  execute_process(COMMAND "${program}" RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
   if(NOT status EQUAL 0)
     message(FATAL_ERROR "${program} failed (${status}): ${errors}")
   endif()
@@ -44,5 +44,12 @@ function(expect program expected)
 endfunction()
 
 # Straight above each point: the roof's middle, its edge (closed, so it blocks), and nothing.
-expect(example "point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light\n")
-expect(embedding "point 0 is 0.25 bright\npoint 1 is 0.25 bright\npoint 2 is 1.00 bright\n")
+set(example_prints "point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light\n")
+expect("${build}/example" "${example_prints}")
+expect("${build}/embedding" "point 0 is 0.25 bright\npoint 1 is 0.25 bright\npoint 2 is 1.00 bright\n")
+expect("${build}/failures" "InvalidArgument\nDeviceNotFound\nOutOfDeviceMemory\nOpenClError\nError\nruntime_error\n")
+
+if(WAY STREQUAL "installed_shared")
+  file(GLOB_RECURSE library "${prefix}/libgnomon.so")
+  run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${library}" "${prefix}/include/gnomon.hpp")
+endif()

@@ -1,0 +1,32 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Fails if a shared library shows a symbol that the public header does not declare, or lacks one that other programs
+# need to catch its exceptions. usage: exported_symbols.sh LIBRARY HEADER
+#
+# What the compiler made of the standard library's templates for types that the header declares is weak, and shown.
+set -euo pipefail
+library=$1 header=$2
+
+# At the start of a line, so at the namespace's level: members are indented.
+declared=$(sed -n '/visibility push/,/visibility pop/p' "$header" |
+    sed -nE 's/^(class|struct) (\w+) .*\{$/\2/p; s/^[A-Za-z][^(]* (\w+)\(.*/\1/p')
+shown=$(nm -DC --defined-only "$library" | sed -E 's/^[0-9a-f]+ //')  # the symbol's kind, a letter, and its name
+
+awk -v declared="$declared" '
+    BEGIN { split(declared, lines, "\n"); for (i in lines) is_declared[lines[i]] }
+    {
+        stranger = !/^[A-Za-z] ((vtable|typeinfo|typeinfo name) for )?gnomon::/ && !(/^[WVu] / && /std::/)
+        for (rest = $0; match(rest, /gnomon::\(?[A-Za-z_0-9]+/); rest = substr(rest, RSTART + RLENGTH))
+            if (!(substr(rest, RSTART + 8, RLENGTH - 8) in is_declared)) stranger = 1
+        if (stranger) { print "shown, but not declared: " $0; failed = 1 }
+    }
+    END { exit failed }' <<<"$shown"
+
+for class in Error InvalidArgument DeviceNotFound OpenClError OutOfDeviceMemory Technique; do
+    for part in typeinfo vtable; do
+        if ! grep -qx "[A-Za-z] $part for gnomon::$class" <<<"$shown"; then
+            echo "not shown: $part for gnomon::$class"
+            exit 1
+        fi
+    done
+done
