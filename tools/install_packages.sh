@@ -18,6 +18,7 @@ test_packages=(
     libboost-dev libgmp-dev        # exact arithmetic for the references
     oclgrind                       # finds out-of-bounds accesses and races in kernels
     libstb-dev                     # PNG pictures in the benchmark's page
+    pkg-config                     # what is installed is found by it, too
     git                            # check_layout.sh asks it which files are the project's
 )
 ci_packages=(

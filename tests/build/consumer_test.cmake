@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Builds and runs tests/consumer as a user would, in a folder of its own, and compares what its programs print.
+# Builds and runs tests/consumer as a user would, in a folder of its own, and compares what its programs print: through
+# find_package() or as a subproject, and what is installed through pkg-config as well, where PKG_CONFIG is found.
 # cmake -D WAY=installed_static|installed_shared|subproject -D SOURCE_DIR=... -D SCRATCH_DIR=... -P consumer_test.cmake
 # The library is built anew with nothing but its core, so this also shows that the core needs OpenCL alone.
 set(tool_arguments -G "${GENERATOR}" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}"
@@ -52,4 +53,21 @@ expect("${build}/failures" "InvalidArgument\nDeviceNotFound\nOutOfDeviceMemory\n
 if(WAY STREQUAL "installed_shared")
   file(GLOB_RECURSE library "${prefix}/libgnomon.so")
   run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${library}" "${prefix}/include/gnomon.hpp")
+endif()
+
+# The example's own calls are gnomon's alone, so that what it links is what gnomon.pc says.
+if(NOT WAY STREQUAL "subproject" AND PKG_CONFIG)
+  file(GLOB_RECURSE pc "${prefix}/gnomon.pc")
+  cmake_path(GET pc PARENT_PATH pc_dir)
+  set(ENV{PKG_CONFIG_PATH} "${pc_dir}")
+  set(static "")
+  if(WAY STREQUAL "installed_static")
+    set(static --static)
+  endif()
+  execute_process(COMMAND "${PKG_CONFIG}" ${static} --cflags --libs gnomon
+                  OUTPUT_VARIABLE flags COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run("${CXX}" -std=c++20 "${SOURCE_DIR}/tests/consumer/example.cpp" -o "${build}/example_by_pkg_config" ${flags})
+  set(ENV{LD_LIBRARY_PATH} "${pc_dir}/..")
+  expect("${build}/example_by_pkg_config" "${example_prints}")
 endif()
