@@ -21,6 +21,8 @@ public:
     /// BlockBounds of each block of points (kernels/block_bounds.h); null where work-items take single points, or
     /// footprints.
     const cl::Buffer* blocks() const { return has_blocks_ ? &blocks_ : nullptr; }
+    /// On a GPU: how many points floats left unsure, if it was they that were asked, then up to UNSURE_LISTED of these.
+    const cl::Buffer& unsure() const { return unsure_; }
 
 private:
     /// Where points look up which way their receivers face: filled already, or by those who ask first. Null: each asks
@@ -28,8 +30,7 @@ private:
     const cl::Buffer* make_answers(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
                                    const PointInputs& points, const cl::Buffer& counters);
 
-    cl::Buffer frame_bounds_, answers_, blocks_;
-    cl::Buffer unsure_;  ///< on a GPU: points that have to be asked again
+    cl::Buffer frame_bounds_, answers_, blocks_, unsure_;
     bool has_blocks_ = false;
 };
 

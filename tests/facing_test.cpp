@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <random>
@@ -19,6 +20,8 @@ using namespace support;
 struct Answer {
     std::vector<float> visibility;
     gnomon::FrameCounters counters;
+    std::vector<gnomon::PointBounds> bounds{};  ///< of each frame
+    std::uint32_t unsure = 0;                   ///< on a GPU, where floats were asked first
 };
 
 /// The stage, with canaries behind the visibility. With `is_lifted` it is told that no point is doubtful.
@@ -37,6 +40,8 @@ Answer run(const gnomon::Device& device, const LightScene& scene, bool is_lifted
     expect_canaries(session, visibility, count * sizeof(float), "visibility");
     Answer answer{downloaded<float>(session, visibility.get(), count), {}};
     session.read(inputs.counters.get(), &answer.counters, sizeof(answer.counters));
+    answer.bounds = downloaded<gnomon::PointBounds>(session, facing.frame_bounds().get(), scene.light[3] != 0 ? 6 : 1);
+    if (facing.unsure().bytes() != 0) answer.unsure = session.read_value<std::uint32_t>(facing.unsure());
     return answer;
 }
 
@@ -68,6 +73,13 @@ std::vector<float> expected(const LightScene& scene) {
         visibility.push_back(answer);
     }
     return visibility;
+}
+
+/// As expected(), where none is doubtful.
+std::vector<float> expected_of_lifted(const LightScene& scene) {
+    std::vector<float> truth = expected(scene);
+    std::replace(truth.begin(), truth.end(), DOUBTFUL, OPEN);
+    return truth;
 }
 
 /// The oracle's scenes, seen from several eyes: random, at a vertex, at the light, and none.
@@ -155,8 +167,7 @@ TEST(facing, asks_triangles_for_lifted_points) {
                     scene.receivers.push_back(scene.receivers[i]);
                 }
             } while (scene.points.size() / 3 < 2 * scene.triangles.size() / 9);
-            std::vector<float> truth = expected(scene);
-            std::replace(truth.begin(), truth.end(), DOUBTFUL, OPEN);
+            const std::vector<float> truth = expected_of_lifted(scene);
             const Answer answer = run(device, scene, true);
             EXPECT_EQ(answer.visibility, truth);
             away += static_cast<std::uint64_t>(std::count(truth.begin(), truth.end(), 0.0f));
@@ -170,6 +181,101 @@ TEST(facing, asks_triangles_for_lifted_points) {
         if (device.session().is_cpu()) {
             EXPECT_LT(by_integers, by_integers_one_by_one);
         }
+    }
+}
+
+/// Multiples of 2^-8 up to `reach`, so that sums and differences up to 2^16 are exact.
+Float3 exact_vector(reference::Random& random, float reach) {
+    Float3 v = random_vector(random, -reach, reach);
+    for (float& x : v) x = std::round(x * 0x1p8f) * 0x1p-8f;
+    return v;
+}
+
+/// A triangle whose plane goes through the light (or holds its direction), or misses it by so little that floats do not
+/// tell on which side it is. A few have no area, so that eye and light are in theirs.
+void add_in_line_with(Floats& triangles, const Light& light, reference::Random& random) {
+    const Float3 a = exact_vector(random, 0x1p14f);
+    const Float3 side = random.below(16) == 0 ? Float3{0, 0, 0} : exact_vector(random, 0x1p14f);
+    Float3 b, c;
+    for (int k = 0; k < 3; ++k) {
+        b[k] = a[k] + side[k];
+        c[k] = (light[3] != 0 ? 0 : a[k]) + light[k] - side[k];
+    }
+    for (int k = 0; k < 3; ++k)  // the least change, where it is less than 2^-21 of the edge
+        if (std::abs(c[k] - a[k]) >= 0x1p13f) c[k] += 0x1p-8f * float(int(random.below(3)) - 1);
+    add(triangles, a, b, c);
+}
+
+/// A point on each of `count` triangles; of these the last and others, `unsure` in all, are in line with the light or,
+/// a third of them, with the eye. So are those of some absent points, of which nothing must be asked.
+LightScene partly_unsure(std::uint32_t unsure, std::uint32_t count, const Light& light) {
+    LightScene scene{"partly unsure", {}, {}, light};
+    scene.eye = Float3{0x1p14f, -0x3p12f, 0x5p12f};
+    const Light eye = {(*scene.eye)[0], (*scene.eye)[1], (*scene.eye)[2], 1};
+    const Float3 absent = {std::numeric_limits<float>::quiet_NaN(), 0, 0};
+    reference::Random random(41);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        // As evenly as it goes: where i unsure / count comes to the next whole number.
+        const bool is_unsure = std::uint64_t(i + 1) * unsure / count != std::uint64_t(i) * unsure / count;
+        const bool is_absent = !is_unsure && i % 16 == 0;
+        if (is_unsure || is_absent)
+            add_in_line_with(scene.triangles, i % 3 == 0 ? eye : light, random);
+        else
+            for (int k = 0; k < 3; ++k) add(scene.triangles, exact_vector(random, 0x1p14f));
+        const bool is_at_lamp = light[3] != 0 && i % 16 == 1;
+        const Float3 p = exact_vector(random, 0x1p14f);
+        add(scene.points, is_absent ? absent : is_at_lamp ? Float3{light[0], light[1], light[2]} : p);
+        scene.receivers.push_back(i);
+    }
+    return scene;
+}
+
+/// What a grid of the open points alone is fitted to: their number, and their extent across the light's direction. (The
+/// other bounds have margins that hang on who takes which points together.)
+std::vector<std::uint32_t> extents(const std::vector<gnomon::PointBounds>& bounds) {
+    std::vector<std::uint32_t> words;
+    for (const gnomon::PointBounds& of : bounds)
+        words.insert(words.end(), {of.highest[0], of.highest[1], of.minus_lowest[0], of.minus_lowest[1], of.count});
+    return words;
+}
+std::vector<std::uint32_t> extents_of_open(const gnomon::Device& device, const LightScene& scene,
+                                           const std::vector<float>& truth) {
+    LightScene open{"open points alone", scene.triangles, {}, scene.light};
+    for (std::size_t i = 0; i < truth.size(); ++i)
+        if (truth[i] == OPEN) add(open.points, vertex(scene.points, i));
+    return extents(run(device, open).bounds);
+}
+
+// A GPU asks floats first, and lists the points of which they are unsure, up to a number; beyond it, all points are
+// looked through for them. Not vacuous: as many points are unsure as the scene is made to have, and there are dark and
+// open ones among them, which only integers tell apart.
+TEST(facing, settles_what_floats_leave_unsure) {
+    constexpr std::uint32_t few = 1000, listed = UNSURE_LISTED, many = listed + listed / 8;
+    gnomon::DeviceOptions options;
+    options.gpu_kernels = true;
+    for (const std::uint32_t group : FEW_WORK_GROUP_SIZES) {
+        options.work_group_size = group;
+        const gnomon::Device device({}, options);
+        for (const Light& light : {Light{0x1p13f, 0x7p12f, -0x3p12f, 0}, Light{-0x1p12f, 0x1p14f, 0x3p11f, 1}})
+            for (const auto& [unsure, count] : {std::pair{0u, few},
+                                                {1u, few},
+                                                {few / 3, few},
+                                                {few, few},
+                                                {listed, many},
+                                                {listed + 1, many},
+                                                {many, many}}) {
+                SCOPED_TRACE(std::to_string(unsure) + " of " + std::to_string(count) +
+                             ", w = " + std::to_string(light[3]) + ", work-groups of " + std::to_string(group));
+                const LightScene scene = partly_unsure(unsure, count, light);
+                const std::vector<float> truth = expected_of_lifted(scene);
+                const Answer answer = run(device, scene, true);
+                EXPECT_EQ(answer.unsure, unsure);
+                EXPECT_TRUE(answer.visibility == truth);
+                EXPECT_EQ(answer.counters.facing_away, std::count(truth.begin(), truth.end(), DARK));
+                EXPECT_EQ(answer.counters.absent, std::count_if(scene.points.begin(), scene.points.end(),
+                                                                [](float x) { return std::isnan(x); }));
+                EXPECT_EQ(extents(answer.bounds), extents_of_open(device, scene, truth));
+            }
     }
 }
 
