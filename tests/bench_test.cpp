@@ -19,6 +19,7 @@
 #include "bench/peers.hpp"
 #include "bench/published.hpp"
 #include "bench/tables.hpp"
+#include "support/leak_tracer.hpp"
 
 namespace gnomon::bench {
 namespace {
@@ -45,7 +46,8 @@ protected:
     std::string path(const char* name) const { return (folder_ / name).string(); }
     int run(const std::string& arguments) const {
         const std::string command = GNOMON_BENCH " " + arguments + " >" + path("stdout") + " 2>" + path("stderr");
-        return std::system(command.c_str());
+        const int status = std::system(command.c_str());
+        return support::leak_tracer_crashed(errors()) ? std::system(command.c_str()) : status;
     }
     std::string errors() const { return text_in(path("stderr")); }
     Json json(const char* name) const { return Json::parse(text_in(path(name))); }

@@ -27,6 +27,8 @@
 #include <thread>
 #include <vector>
 
+#include "support/leak_tracer.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,7 +103,8 @@ protected:
     }
 
     Outcome run(const Arguments& arguments, const RunOptions& options = {}) const {
-        return finish(start(arguments, options));
+        const Outcome outcome = finish(start(arguments, options));
+        return support::leak_tracer_crashed(outcome.err) ? finish(start(arguments, options)) : outcome;
     }
 
     /// `gnomon render` that must succeed without a word.
