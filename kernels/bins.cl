@@ -174,8 +174,8 @@ __kernel void bins_order(__global const uint4* listed, __global uint4* entries, 
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     for (size_t base = get_group_id(0) * items; base < count; base += get_num_groups(0) * items) {
         uint place = (uint)base + item, last = (uint)min(base + items, (size_t)count) - 1u, first = 0, end = 0;
-        uint low =
-            (uint)base - LIST_RUN;  // place i has its height at i - low; it may wrap around, as i - low then does
+        // Place i has its height at i - low. Where low wraps around below 0, i - low does so back.
+        uint low = (uint)base - LIST_RUN;
         uint4 mine;
         if (place <= last) {
             mine = listed[place];

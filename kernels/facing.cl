@@ -201,6 +201,9 @@ static void list_unsure(__global uint* unsure, uint point) {
     uint place = atomic_inc(&unsure[0]);
     if (place < UNSURE_LISTED) unsure[1 + place] = point;
 }
+
+// Else there are more of them than the list holds, and all points must be looked through.
+static bool all_unsure_are_listed(__global const uint* unsure) { return unsure[0] <= UNSURE_LISTED; }
 #endif
 
 // Inlined for each kind of run (below): a CPU's compiler leaves out what an argument that is a constant rules out, and
@@ -212,7 +215,7 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
     GN_FOR_EACH_OF(at, share) {
         size_t block = at;
 #if GN_LANES == 1
-        if (way == ASKS_THE_UNSURE && to.unsure[0] <= UNSURE_LISTED)
+        if (way == ASKS_THE_UNSURE && all_unsure_are_listed(to.unsure))
             block = to.unsure[1 + at];
         else if (way == ASKS_THE_UNSURE && load_lanes(to.visibility, layout, block) != VISIBILITY_UNSURE)
             continue;
@@ -378,7 +381,7 @@ __attribute__((always_inline)) static void decide_facing(
     start_bounds(&bounds, 0u);
     Share share = share_of(block_count(layout));
 #if GN_LANES == 1
-    if (way == ASKS_THE_UNSURE && unsure[0] <= UNSURE_LISTED) share = share_of(unsure[0]);
+    if (way == ASKS_THE_UNSURE && all_unsure_are_listed(unsure)) share = share_of(unsure[0]);
 #endif
     if (way == ASKS_EACH)
         face_asked(layout, light_frame, opens, has_footprints, has_blocks, triangle_count, &to, &bounds, &counts,

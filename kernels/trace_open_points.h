@@ -7,6 +7,7 @@
 
 #if GN_LANES == 1
 
+// Lists made for one run have no slots by triangle: no entry is passed over.
 static uint own_slot(const TracePoints* to, size_t point) { return GN_NO_ID; }
 
 // The next point's state is asked for while one is looked at: most are not open.
