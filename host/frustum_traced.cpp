@@ -4,7 +4,7 @@
 //
 //   facing            one pass over the points: those that face away are decided, the others are open
 //   light_frame       grid fitted to the open points; one for a direction, six for a position
-//   farthest_height   how far from the light they reach, per bin
+//   receiver_depth_pyramid   how far from the light they reach, per bin
 //   clusters          where they are kept: those that can matter
 //   triangle_setup    triangles that can matter, each with a float filter
 //   conservative_map  where one triangle covers a whole texel
@@ -27,9 +27,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "exact_trace.hpp"
-#include "setting_values.hpp"
-#include "statistics.hpp"
+#include "api/setting_values.hpp"
+#include "api/statistics.hpp"
+#include "trace/exact_trace.hpp"
 
 namespace gnomon {
 
@@ -46,8 +46,8 @@ struct FrustumTraced::Run {
     std::uint64_t tests = 0;
     std::uint64_t frames = 0, grown = 0, maps = 0;
     FrameCounters facing{};
-    bool counts_facing = false;  ///< what facing counted is still to be read, with what the frame counts
-    std::uint64_t strays = 0;    ///< points that a prepared light was of no use for
+    bool counts_facing = false;         ///< what facing counted is still to be read, with what the frame counts
+    std::uint64_t fallback_points = 0;  ///< points that a prepared light was of no use for
 
     bool has_open_points() const { return facing.absent + facing.facing_away < points.layout.count; }
 };
@@ -72,12 +72,12 @@ void mark_skipped(Statistics& statistics, std::string_view stage, const std::str
 // scene's triangles. Measured on an H200 with 1024, 2048, 4096 and 8192: Sponza at 2K .22, .146 and .130 ms for 60, 163
 // and 544 MB; at 4K the city of 6.5 million triangles .83 -> .52 (4096) for 697 -> 1340 MB, pipes of 12.8 million 2.65
 // -> 1.05 (4096) -> .87 (8192) for 1.8, 3.3 and 5.4 GB. A lamp has six frames.
-std::uint32_t prepared_size(std::size_t triangle_count, std::uint64_t device_bytes, bool is_lamp) {
+std::uint32_t prepared_size(std::size_t triangle_count, std::uint64_t device_bytes, bool is_point_light) {
     std::uint32_t size = 8192;
     if (triangle_count < 1u << 23 || device_bytes < 64ull << 30) size = 4096;
     if (triangle_count < 1u << 20 || device_bytes < 16ull << 30) size = 2048;
     if (triangle_count < 1u << 17) size = 1024;
-    return is_lamp ? std::max(size / 2, 1024u) : size;
+    return is_point_light ? std::max(size / 2, 1024u) : size;
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ FrameGrid FrustumTraced::grid(std::size_t triangle_count, std::size_t point_coun
     return binned(session, size);
 }
 
-FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count, bool is_lamp) const {
+FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count, bool is_point_light) const {
     // Finer than a run's own, since making them no longer counts, and since the frame holds all triangles and not those
     // of a view.
     const cl::Session& session = device_.session();
@@ -103,7 +103,7 @@ FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count, bool is_lamp)
     std::uint32_t most_bins = largest_map;
     if (!session.is_cpu()) {
         if (map_size_ == 0)
-            grid.size = prepared_size(triangle_count, session.description().global_memory_bytes, is_lamp);
+            grid.size = prepared_size(triangle_count, session.description().global_memory_bytes, is_point_light);
     } else {
         // Counted on Sponza: of 256, 512, 1024 and 2048 texels and 128, 256 and 512 bins this leaves a trace the fewest
         // tests (a tenth to a quarter fewer than 512), but for 2048, where making the map takes five times as long. A
@@ -162,7 +162,7 @@ std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint fra
     Statistics& statistics = run.statistics;
     const LightFrame& light_frame = run.light_frame;
     const cl::Buffer* map = lists_.run(session, statistics, light_frame, frames_.projection(), run.triangles,
-                                       list_settings(run.points, frame), farthest_height_, counters_);
+                                       list_settings(run.points, frame), receiver_depth_pyramid_, counters_);
     run.map = map;
     return decide_by_lists(run, frame);
 }
@@ -197,23 +197,23 @@ std::optional<FrameCounters> FrustumTraced::decide_by_lists(Run& run, cl_uint fr
         cl::StageTimer timer(session, statistics, "trace");
         trace_.run(session, inputs, frames_.blocks());
     }
-    if (decisions_)
-        decisions_->trace(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility);
+    if (provenance_)
+        provenance_->trace(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility);
     if (run.points.footprints == nullptr) {
         cl::StageTimer timer(session, statistics, "exact_trace");
         run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     }
-    if (decisions_)
-        decisions_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
+    if (provenance_)
+        provenance_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
     FrameCounters counted = session.read_value<FrameCounters>(counters_);
     if (run.counts_facing) run.facing = counted;
     run.counts_facing = false;
     if (!lists_.fitted(session, counted)) return {};
     if (run.points.footprints != nullptr) return counted;
     if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
-        if (decisions_) decisions_->second_look(session, light_frame, frame, run.points, run.visibility);
+        if (provenance_) provenance_->queue_overflow(session, light_frame, frame, run.points, run.visibility);
         cl::StageTimer timer(session, statistics, "trace");
-        trace_.run_again(session, inputs);
+        trace_.run_queue_overflow(session, inputs);
         counted = session.read_value<FrameCounters>(counters_);
     }
     return counted;
@@ -223,9 +223,9 @@ void FrustumTraced::run_frame(Run& run, cl_uint frame) {
     ++run.frames;
     if (!run.counts_facing) clear(run.session, counters_);
     {
-        cl::StageTimer timer(run.session, run.statistics, "farthest_height");
-        farthest_height_.run(run.session, run.light_frame, frame, 1, run.points, frames_.projection(), frames_.blocks(),
-                             run.visibility);
+        cl::StageTimer timer(run.session, run.statistics, "receiver_depth_pyramid");
+        receiver_depth_pyramid_.run(run.session, run.light_frame, frame, 1, run.points, frames_.projection(),
+                                    frames_.blocks(), run.visibility);
     }
     std::optional<FrameCounters> counted;
     while (!(counted = run_frame_once(run, frame))) {
@@ -248,17 +248,17 @@ bool FrustumTraced::run_prepared(Run& run) {
                              run.points,       prepared_->projections(),
                              prepared_->map(), prepared_->lists(),
                              run.visibility,   counters_};
-    const bool by_answers =
+    const bool cached_facing =
         session.is_cpu() && frame_count == 1 && Facing::can_look_up(run.points) && run.points.layout.point_stride == 1;
-    const auto trace = [&](bool by_planes) {
+    const auto trace = [&](bool plane_side) {
         clear(session, counters_);
         {
             cl::StageTimer timer(session, run.statistics, "trace");
-            if (by_answers)
-                trace_.run_prepared_by_answers(session, inputs, prepared_->domains(),
-                                               frames_.no_answers(session, run.triangles));
+            if (cached_facing)
+                trace_.run_prepared_cached_facing(session, inputs, prepared_->domains(),
+                                                  frames_.no_answers(session, run.triangles));
             else
-                trace_.run_prepared(session, inputs, prepared_->receivers(), by_planes);
+                trace_.run_prepared(session, inputs, prepared_->receivers(), plane_side);
         }
         {
             cl::StageTimer timer(session, run.statistics, "exact_trace");
@@ -266,20 +266,20 @@ bool FrustumTraced::run_prepared(Run& run) {
         }
         return session.read_value<FrameCounters>(counters_);
     };
-    const bool by_planes = !session.is_cpu() && run.points.layout.is_lifted != 0;
-    FrameCounters counted = trace(by_planes);
-    if (by_planes && counted.strays != 0) counted = trace(false);
-    run.strays = counted.strays;
-    if (counted.strays != 0) return false;
+    const bool plane_side = !session.is_cpu() && run.points.layout.is_lifted != 0;
+    FrameCounters counted = trace(plane_side);
+    if (plane_side && counted.fallback_points != 0) counted = trace(false);
+    run.fallback_points = counted.fallback_points;
+    if (counted.fallback_points != 0) return false;
     if (!trace_.fitted(session, run.points, counted)) {
         cl::StageTimer timer(session, run.statistics, "trace");
-        trace_.run_again(session, inputs);
+        trace_.run_queue_overflow(session, inputs);
         counted = session.read_value<FrameCounters>(counters_);
     }
     run.frames = frame_count;
     run.facing = counted;
     add(run, counted);
-    for (const char* stage : {"light_frame", "farthest_height", "triangle_setup", "conservative_map", "bins"})
+    for (const char* stage : {"light_frame", "receiver_depth_pyramid", "triangle_setup", "conservative_map", "bins"})
         run.statistics.stages.push_back({stage, 0, 0, "prepared"});
     run.statistics.stages.push_back({"facing", 0, 0, "decided by the trace"});
     return true;
@@ -289,7 +289,7 @@ bool FrustumTraced::run_prepared(Run& run) {
 // (On a CPU it costs nothing, and where no point is open the rest need not run.)
 void FrustumTraced::run_one_frame(Run& run) {
     frames_.fit_one(run.session, run.statistics, run.light_frame, run.triangles, run.points, run.visibility, counters_);
-    if (decisions_) decisions_->facing(run.session, run.points, run.visibility);
+    if (provenance_) provenance_->facing(run.session, run.points, run.visibility);
     const std::size_t stages = run.statistics.stages.size();
     run.counts_facing = true;
     run_frame(run, 0);
@@ -304,7 +304,7 @@ void FrustumTraced::run_unprepared(Run& run) {
         return run_one_frame(run);
     run.facing = frames_.decide_facing(session, run.statistics, run.light_frame, run.triangles, run.points,
                                        run.visibility, counters_);
-    if (decisions_) decisions_->facing(session, run.points, run.visibility);
+    if (provenance_) provenance_->facing(session, run.points, run.visibility);
     if (run.triangles.count == 0 || !run.has_open_points()) return;
     frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) { run_frame(run, frame); });
 }
@@ -357,12 +357,13 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
             visibility};
     settled_.reset();
     counters_.reserve(session, sizeof(FrameCounters));
-    const bool is_prepared = !decisions_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
+    const bool is_prepared = !provenance_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
                              prepared_->is_of(triangles, light);
     const bool used_prepared = points.layout.count != 0 && is_prepared && run_prepared(run);
     if (points.layout.count != 0 && !used_prepared) run_unprepared(run);
     const bool has_one_frame = frame_count_of(run.light_frame) == 1 && run.frames == 1;
-    if (points.footprints != nullptr && has_one_frame && run.total.strays == 0 && traversal_ == Traversal::points)
+    if (points.footprints != nullptr && has_one_frame && run.total.fallback_points == 0 &&
+        traversal_ == Traversal::points)
         settled_ = SettledLists{run.light_frame, run.map};
 
     Statistics& s = run.statistics;
@@ -407,7 +408,7 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
                 {"orientations_by_integers", std::uint64_t(t.setup_exact) + run.facing.facing_exact},
                 {"lists_grown", run.grown},
                 {"prepared", used_prepared},
-                {"prepared_strays", run.strays}};
+                {"prepared_fallback_points", run.fallback_points}};
     s.device_memory_bytes = memory.peak_bytes();
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
@@ -420,14 +421,14 @@ std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const T
     if (traversal_ == Traversal::triangles)
         throw InvalidArgument("the diagnostic \"decided\" watches traversal=points: leave traversal=triangles out");
     struct Watch {
-        explicit Watch(std::optional<Decisions>& decisions) : decisions_(decisions) { decisions_.emplace(); }
-        ~Watch() { decisions_.reset(); }
-        std::optional<Decisions>& decisions_;
-    } const watch(decisions_);
+        explicit Watch(std::optional<Provenance>& provenance) : provenance_(provenance) { provenance_.emplace(); }
+        ~Watch() { provenance_.reset(); }
+        std::optional<Provenance>& provenance_;
+    } const watch(provenance_);
     const Visibility visibility(device_, points.count());
     run(triangles, points, light, visibility);
     if (points.count() == 0) return {};
-    return decision_colors(decisions_->read(device_.session(), points.count()), visibility.read());
+    return provenance_colors(provenance_->read(device_.session(), points.count()), visibility.read());
 }
 
 Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light) {

@@ -6,10 +6,10 @@
 #include <array>
 #include <optional>
 
-#include "decisions.hpp"
-#include "light_frames.hpp"
-#include "prepared_light.hpp"
-#include "settle.hpp"
+#include "prepared/prepared_light.hpp"
+#include "receivers/light_frames.hpp"
+#include "samples/settle.hpp"
+#include "trace/provenance.hpp"
 
 namespace gnomon {
 
@@ -41,7 +41,7 @@ private:
 
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
     FrameGrid grid(std::size_t triangle_count, std::size_t point_count) const;
-    FrameGrid prepared_grid(std::size_t triangle_count, bool is_lamp) const;
+    FrameGrid prepared_grid(std::size_t triangle_count, bool is_point_light) const;
     bool draws_map(const PointInputs& points) const;
     ListSettings list_settings(const PointInputs& points, cl_uint frame) const;
     bool goes_by_last_map(const PointInputs& points) const;
@@ -67,12 +67,12 @@ private:
 
     /// On a GPU, by frame: runs that are to do without a map since the last one decided too little. Only a matter of
     /// time.
-    std::array<std::uint32_t, LAMP_FRAMES> runs_without_map_{};
+    std::array<std::uint32_t, POINT_LIGHT_FRAMES> runs_without_map_{};
 
     cl::Buffer counters_;
     LightFrames frames_;
-    FarthestHeight farthest_height_;
-    TriangleLists lists_;
+    ReceiverDepthPyramid receiver_depth_pyramid_;
+    OccluderLists lists_;
     Izb izb_;
     Trace trace_;
     /// What the lists below were made for, if that were footprints, and they serve for all of their samples.
@@ -81,7 +81,7 @@ private:
         const cl::Buffer* map;
     };
     std::optional<SettledLists> settled_;
-    std::optional<Decisions> decisions_;  ///< while a run is watched
+    std::optional<Provenance> provenance_;  ///< while a run is watched
     std::unique_ptr<PreparedLight> prepared_;
 };
 

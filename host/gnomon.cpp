@@ -4,17 +4,17 @@
 
 #include <functional>
 
+#include "api/inputs.hpp"
 #include "cl/description.hpp"
 #include "cl/session.hpp"
-#include "conservative_map_alone.hpp"
+#include "exact/self_check.hpp"
 #include "frustum_traced.hpp"
-#include "inputs.hpp"
-#include "self_check.hpp"
-#include "shadow_map/presets.hpp"
-#include "shadow_map/shadow_map.hpp"
-#include "shadow_map/virtual_map.hpp"
-#include "shadow_volumes.hpp"
-#include "sub_pixel_shadow_map.hpp"
+#include "techniques/conservative_map_alone.hpp"
+#include "techniques/shadow_map/presets.hpp"
+#include "techniques/shadow_map/shadow_map.hpp"
+#include "techniques/shadow_map/virtual_map.hpp"
+#include "techniques/shadow_volumes.hpp"
+#include "techniques/sub_pixel_shadow_map.hpp"
 
 namespace gnomon {
 

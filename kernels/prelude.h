@@ -31,58 +31,58 @@
 
 // for (i over [0, n)) shared out over all work-items: neighbours on a GPU (coalesced), pieces on a CPU (cached).
 #ifdef GN_CPU
-#define GN_PIECE(n) (((size_t)(n) + get_global_size(0) - 1) / get_global_size(0))
+#define GN_CHUNK(n) (((size_t)(n) + get_global_size(0) - 1) / get_global_size(0))
 #define GN_FOR_EACH(i, n)                                                                 \
-    for (size_t i = get_global_id(0) * GN_PIECE(n),                                       \
-                i##_end = min((size_t)(get_global_id(0) + 1) * GN_PIECE(n), (size_t)(n)); \
+    for (size_t i = get_global_id(0) * GN_CHUNK(n),                                       \
+                i##_end = min((size_t)(get_global_id(0) + 1) * GN_CHUNK(n), (size_t)(n)); \
          i < i##_end; ++i)
 #else
 #define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
 #endif
 
 // What a work-item takes of [0, n), as GN_FOR_EACH shares it out; and the loop over it.
-typedef struct Share {
+typedef struct ItemRange {
     size_t first, end, step;
-} Share;
-static Share share_of(size_t n) {
+} ItemRange;
+static ItemRange item_range(size_t n) {
 #ifdef GN_CPU
-    Share share = {get_global_id(0) * GN_PIECE(n), min((size_t)(get_global_id(0) + 1) * GN_PIECE(n), n), 1};
+    ItemRange items = {get_global_id(0) * GN_CHUNK(n), min((size_t)(get_global_id(0) + 1) * GN_CHUNK(n), n), 1};
 #else
-    Share share = {get_global_id(0), n, get_global_size(0)};
+    ItemRange items = {get_global_id(0), n, get_global_size(0)};
 #endif
-    return share;
+    return items;
 }
 #ifdef GN_CPU
-#define GN_FOR_EACH_OF(i, share) for (size_t i = (share).first; i < (share).end; ++i)
+#define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; ++i)
 #else
-#define GN_FOR_EACH_OF(i, share) for (size_t i = (share).first; i < (share).end; i += (share).step)
+#define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; i += (items).step)
 #endif
 
 // A function for a kernel's work. PoCL compiles three times what it inlines into a kernel, once for each way to call
 // that; it inlines whatever asks for ids or meets a barrier, but this only once it has to.
 #ifdef GN_CPU
-#define GN_APART __attribute__((noinline)) static
+#define GN_NOINLINE_ON_CPU __attribute__((noinline)) static
 #else
-#define GN_APART static
+#define GN_NOINLINE_ON_CPU static
 #endif
 
 // A function for the innermost loops. PoCL's compiler keeps what is called from several places apart, and then passes
 // its blocks of 16 lanes through memory.
 #ifdef GN_CPU
-#define GN_WITHIN __attribute__((always_inline)) static
+#define GN_INLINE_ON_CPU __attribute__((always_inline)) static
 #else
-#define GN_WITHIN static
+#define GN_INLINE_ON_CPU static
 #endif
 
 // Begins a kernel over n items that needs no barrier; its body takes the items of `share`. `parameters`: a macro that
 // stands for them all; `names`: `share` and theirs, in brackets. (OpenCL C has no macros of any number of arguments.)
-#define GN_KERNEL_OF_ITEMS(name, n, parameters, names)      \
-    GN_APART void name##_of_items(Share share, parameters); \
-    __kernel void name(parameters) {                        \
-        Share share = share_of(n);                          \
-        name##_of_items names;                              \
-    }                                                       \
-    GN_APART void name##_of_items(Share share, parameters)
+#define GN_KERNEL_OF_ITEMS(name, n, parameters, names)                    \
+    GN_NOINLINE_ON_CPU void name##_of_items(ItemRange items, parameters); \
+    __kernel void name(parameters) {                                      \
+        ItemRange items = item_range(n);                                  \
+        name##_of_items names;                                            \
+    }                                                                     \
+    GN_NOINLINE_ON_CPU void name##_of_items(ItemRange items, parameters)
 
 // Order-preserving map of floats to unsigned integers (no NaN), so that integer atomics find float minima.
 static uint float_to_key(float x) {
@@ -93,10 +93,10 @@ static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key 
 
 // A look at a word (volatile) that others change by atomics, only to save an atomic that would change nothing: what it
 // sees may be stale, and the atomic decides. oclgrind calls every such look a race; for its runs it is an atomic too.
-#ifdef GN_ATOMIC_LOOKS
-#define GN_LOOK(address) atomic_or(address, 0u)
+#ifdef GN_ATOMIC_RELAXED_LOADS
+#define GN_RELAXED_LOAD(address) atomic_or(address, 0u)
 #else
-#define GN_LOOK(address) (*(address))
+#define GN_RELAXED_LOAD(address) (*(address))
 #endif
 
 // Where a CPU's compiler can say so: these bytes will be wanted soon. Changes no value.

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "../scene/scene.hpp"
 #include "options.hpp"
+#include "scene/scene.hpp"
 
 namespace gnomon::app {
 

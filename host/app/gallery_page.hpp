@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "../measure/visibility_errors.hpp"
+#include "measure/visibility_errors.hpp"
 
 namespace gnomon::app {
 

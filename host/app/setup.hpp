@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "../scene/scene.hpp"
 #include "options.hpp"
+#include "scene/scene.hpp"
 
 namespace gnomon::app {
 

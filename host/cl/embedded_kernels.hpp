@@ -8,7 +8,7 @@
 namespace gnomon {
 
 struct EmbeddedKernel {
-    std::string_view path;  ///< "kernels/izb.cl"
+    std::string_view path;  ///< "kernels/techniques/izb.cl"
     std::string_view text;
 };
 std::span<const EmbeddedKernel> embedded_kernels();

@@ -12,7 +12,7 @@
 
 #include "embedded_kernels.hpp"
 #include "session.hpp"
-#include "true_places.hpp"
+#include "source_locations.hpp"
 
 namespace gnomon::cl {
 namespace {
@@ -21,9 +21,16 @@ namespace {
 // anew, and .05 s to find in its cache what it has compiled; and it compiles of a program only the kernels that are
 // launched. A GPU's compiler makes all of them at once.
 constexpr const char* picture_program = "*.cl";
-constexpr std::array picture_files = {
-    "triangle_setup.cl",  "bins.cl",  "camera.cl",      "facing.cl", "light_frame.cl",
-    "farthest_height.cl", "trace.cl", "exact_trace.cl", "shade.cl",  "conservative_map.cl"};
+constexpr std::array picture_files = {"occluders/triangle_setup.cl",
+                                      "occluders/bins.cl",
+                                      "camera/camera.cl",
+                                      "receivers/facing.cl",
+                                      "receivers/light_frame.cl",
+                                      "receivers/receiver_depth_pyramid.cl",
+                                      "trace/trace.cl",
+                                      "trace/exact_trace.cl",
+                                      "camera/shade.cl",
+                                      "occluders/conservative_map.cl"};
 
 // Empty where it is not set.
 std::string environment(const char* variable) {
@@ -45,15 +52,7 @@ std::string text_of(const std::string& file) {
     throw Error("no kernel file named " + path + " was built in");
 }
 
-// As a C++ compiler looks for it: beside the file that includes it, else in kernels/.
-std::string path_of(const std::string& file, const std::string& included) {
-    const auto beside = (std::filesystem::path(file).parent_path() / included).lexically_normal().generic_string();
-    for (const EmbeddedKernel& kernel : embedded_kernels())
-        if (kernel.path == "kernels/" + beside) return beside;
-    return included;
-}
-
-// Pastes each header where it is first included.
+// Pastes each header where it is first included; its path starts from kernels/.
 void paste(const std::string& file, const std::string& text, std::set<std::string>& pasted, std::string& out) {
     std::istringstream lines(text);
     out += "#line 1 \"kernels/" + file + "\"\n";
@@ -61,8 +60,7 @@ void paste(const std::string& file, const std::string& text, std::set<std::strin
     for (int number = 1; std::getline(lines, line); ++number) {
         constexpr std::string_view include = "#include \"";
         if (line.starts_with(include)) {
-            const std::string header =
-                path_of(file, line.substr(include.size(), line.find('"', include.size()) - include.size()));
+            const std::string header = line.substr(include.size(), line.find('"', include.size()) - include.size());
             if (pasted.insert(header).second) paste(header, text_of(header), pasted, out);
             out += "#line " + std::to_string(number + 1) + " \"kernels/" + file + "\"\n";
         } else {
@@ -102,9 +100,14 @@ std::string build_log(cl_program program, cl_device_id device) {
 
 }  // namespace
 
-std::string Session::source_of(const std::string& program) const {
+std::string Session::source_of(const std::string& program, const std::string& defines) const {
     std::set<std::string> pasted;
     std::string source;
+    std::istringstream macros(defines);
+    for (std::string macro; macros >> macro;) {
+        std::replace(macro.begin(), macro.end(), '=', ' ');
+        source += "#define " + macro + '\n';
+    }
     if (program == picture_program) {
         for (const char* file : picture_files) paste(file, text_of(file), pasted, source);
         return source;
@@ -194,7 +197,7 @@ cl_program Session::build(const std::string& file, const std::string& source) {
         attempt("compiling kernels/" + file,
                 [&] { return clBuildProgram(program, 1, &description_.device_id, options.c_str(), nullptr, nullptr); });
     } catch (const OpenClError& error) {
-        const std::string log = with_true_places(build_log(program, description_.device_id), source);
+        const std::string log = with_source_locations(build_log(program, description_.device_id), source);
         clReleaseProgram(program);
         if (error.code() != CL_BUILD_PROGRAM_FAILURE && error.code() != CL_INVALID_BUILD_OPTIONS) throw;
         const std::string extra = environment("GNOMON_BUILD_OPTIONS");
@@ -204,12 +207,14 @@ cl_program Session::build(const std::string& file, const std::string& source) {
     return program;
 }
 
-cl_program Session::program_of(const std::string& kernel_file) {
+cl_program Session::program_of(const Kernel& kernel) {
     const bool joins =
-        is_cpu_ && std::find(picture_files.begin(), picture_files.end(), kernel_file) != picture_files.end();
-    const std::string file = joins ? picture_program : kernel_file;
-    if (auto found = programs_.find(file); found != programs_.end()) return found->second;
-    const std::string source = source_of(file);
+        is_cpu_ && *kernel.defines == '\0' &&
+        std::find(picture_files.begin(), picture_files.end(), std::string_view(kernel.file)) != picture_files.end();
+    const std::string file = joins ? picture_program : kernel.file;
+    const std::string key_here = file + ' ' + kernel.defines;
+    if (auto found = programs_.find(key_here); found != programs_.end()) return found->second;
+    const std::string source = source_of(file, kernel.defines);
     const bool caches = caches_binaries_ && !cache_directory().empty();
     const std::string key = caches ? cache_key(source) : "";
     cl_program program = caches ? load_cached(key) : nullptr;
@@ -217,7 +222,7 @@ cl_program Session::program_of(const std::string& kernel_file) {
         program = build(file, source);
         if (caches) store_cached(key, program);
     }
-    programs_.emplace(file, program);
+    programs_.emplace(key_here, program);
     return program;
 }
 

@@ -160,15 +160,16 @@ void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index
     if (code != CL_SUCCESS) check(code, "setting argument " + std::to_string(index) + " of kernel " + name);
 }
 
-cl_kernel Session::kernel_of(const char* file, const char* name, std::size_t argument_count) {
-    const std::string key = std::string(file) + ' ' + name;
+cl_kernel Session::kernel_of(const Kernel& which, std::size_t argument_count) {
+    const auto& [file, name, defines] = which;
+    const std::string key = std::string(file) + ' ' + name + ' ' + defines;
     auto found = kernels_.find(key);
     if (found == kernels_.end()) {
-        cl_program program = program_of(file);
+        cl_program program = program_of(which);
         cl_kernel kernel = nullptr;
         attempt(std::string("making kernel ") + name + " of " + file, [&] {
             cl_int code;
-            kernel = clCreateKernel(program, name, &code);
+            kernel = clCreateKernel(program, which.name, &code);
             return code;
         });
         cl_uint count = 0;
@@ -220,8 +221,8 @@ void Session::fill_all(std::span<const Fill> fills) {
     for (const Fill& f : fills) most = std::max(most, f.bytes / sizeof(cl_uint));
     const auto of = [&](std::size_t i) { return i < fills.size() ? fills[i] : Fill{fills[0].buffer, 0, 0}; };
     const auto words = [&](std::size_t i) { return cl_ulong(of(i).bytes / sizeof(cl_uint)); };
-    launch("fill.cl", "fill_buffers", Range::items(most), words(0), of(0).word, of(0).buffer, words(1), of(1).word,
-           of(1).buffer, words(2), of(2).word, of(2).buffer, words(3), of(3).word, of(3).buffer);
+    launch("lists/fill.cl", "fill_buffers", Range::items(most), words(0), of(0).word, of(0).buffer, words(1),
+           of(1).word, of(1).buffer, words(2), of(2).word, of(2).buffer, words(3), of(3).word, of(3).buffer);
 }
 
 void Session::copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first,

@@ -56,6 +56,14 @@ struct Fill {
     std::size_t bytes;
 };
 
+/// Kernel `name` of kernels/<file>. `defines`: macros that the program's text begins with, separated by spaces, so that
+/// one text gives several programs; GN_A or GN_A=1.
+struct Kernel {
+    const char* file;
+    const char* name;
+    const char* defines = "";
+};
+
 /// How many work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of `local` items if not 0).
 struct Range {
     enum class Kind { items, groups } kind;
@@ -99,20 +107,24 @@ public:
     void begin_run() { run_peak_bytes_ = memory_bytes_; }
     void forget_peak() { peak_memory_bytes_ = run_peak_bytes_ = memory_bytes_; }
 
-    /// Enqueues kernel `name` of kernels/<file>. Arguments: Buffer, cl_mem, LocalBytes or plain values, all of them.
+    /// Enqueues a kernel. Arguments: Buffer, cl_mem, LocalBytes or plain values, all of them.
+    template <typename... Arguments>
+    void launch(const Kernel& which, Range range, const Arguments&... arguments) {
+        cl_kernel kernel = kernel_of(which, sizeof...(Arguments));
+        cl_uint index = 0;
+        (set_argument(kernel, which.name, index++, arguments), ...);
+        enqueue(kernel, which.name, range);
+    }
     template <typename... Arguments>
     void launch(const char* file, const char* name, Range range, const Arguments&... arguments) {
-        cl_kernel kernel = kernel_of(file, name, sizeof...(Arguments));
-        cl_uint index = 0;
-        (set_argument(kernel, name, index++, arguments), ...);
-        enqueue(kernel, name, range);
+        launch(Kernel{file, name}, range, arguments...);
     }
 
     void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes);
     /// Several buffers, which a GPU fills by one launch.
     template <std::size_t count>
     void fill(const Fill (&fills)[count]) {
-        static_assert(count <= 4, "kernels/fill.cl fills four buffers at most");
+        static_assert(count <= 4, "kernels/lists/fill.cl fills four buffers at most");
         fill_all(fills);
     }
     /// From byte `from_first` of one buffer to byte `to_first` of another.
@@ -150,9 +162,9 @@ private:
     }
     cl_mem allocate(std::size_t bytes);
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
-    std::string source_of(const std::string& program) const;
-    cl_kernel kernel_of(const char* file, const char* name, std::size_t argument_count);
-    cl_program program_of(const std::string& kernel_file);
+    std::string source_of(const std::string& program, const std::string& defines) const;
+    cl_kernel kernel_of(const Kernel& which, std::size_t argument_count);
+    cl_program program_of(const Kernel& kernel);
     cl_program build(const std::string& file, const std::string& source);
     cl_program load_cached(const std::string& key);
     void store_cached(const std::string& key, cl_program program);

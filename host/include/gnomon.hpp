@@ -419,9 +419,9 @@ public:
     /// triangles or another light go on as ever, and leave this alone. The caller promises not to change the triangles'
     /// buffer until forget(), another prepare() or the technique's end, each of which frees what was kept (as does
     /// set()); till then it counts in device_memory_bytes of every run. Points far outside the triangles' bounds, and
-    /// points far below their own receiver, make a run go on as if nothing were prepared; the count prepared_strays
-    /// says how many there were. A technique that can keep nothing does nothing, as most. Returns what was done.
-    /// Throws as run() does, and has nothing prepared then.
+    /// points far below their own receiver, make a run go on as if nothing were prepared; the count
+    /// prepared_fallback_points says how many there were. A technique that can keep nothing does nothing, as most.
+    /// Returns what was done. Throws as run() does, and has nothing prepared then.
     virtual Statistics prepare(const Triangles& triangles, const Light& light);
     /// Frees what prepare() kept.
     virtual void forget() {}

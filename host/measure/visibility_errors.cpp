@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility_errors.hpp"
+#include "measure/visibility_errors.hpp"
 
 #include <algorithm>
 #include <array>

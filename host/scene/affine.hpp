@@ -9,7 +9,7 @@
 #include <limits>
 
 #include <gnomon.hpp>
-#include "../vectors.hpp"
+#include "api/vectors.hpp"
 
 namespace gnomon::scene {
 

@@ -24,7 +24,7 @@ inline std::vector<gnomon::Light> square_sun(float tangent, int samples) {
     return lights;
 }
 
-/// Share of the lights that each point sees.
+/// ItemRange of the lights that each point sees.
 inline std::vector<double> area_visibility(const gnomon::Device& device, const gnomon::Triangles& triangles,
                                            const gnomon::Points& points, const std::vector<gnomon::Light>& lights) {
     const auto exact = gnomon::make_technique("frustum-traced", device);

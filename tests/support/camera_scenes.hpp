@@ -3,8 +3,8 @@
 // far from the origin, from inside, with triangles behind and across the eye.
 #pragma once
 
-#include "../../host/camera.hpp"
-#include "../../kernels/camera.h"
+#include "camera/camera.hpp"
+#include "kernels/camera/camera.h"
 #include "reference/stages/exact_ray.hpp"
 #include "scene_makers.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "../../host/cl/session.hpp"
+#include "cl/session.hpp"
 
 namespace support {
 

@@ -51,7 +51,7 @@ std::vector<ListedPoint> read_points(Session& session, const LightStages& stages
     return points;
 }
 
-/// Coordinate `word` of entry `lane` of a block of entries (kernels/bin_lists.h: lane by lane, coordinate by
+/// Coordinate `word` of entry `lane` of a block of entries (kernels/occluders/bin_lists.h: lane by lane, coordinate by
 /// coordinate).
 std::uint16_t entry_word(const std::vector<std::uint16_t>& entries, std::size_t block, std::uint32_t word,
                          std::uint32_t lane, std::uint32_t lanes) {
@@ -161,21 +161,21 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     stages.projection.reserve(session, sizeof(gnomon::Projection));
     session.write(stages.projection.get(), &out.projection, sizeof(out.projection));
     out.visibility_before = downloaded<float>(session, visibility, scene.points.count());
-    stages.farthest_height.run(session, first_frame, face, 1, points, stages.projection, scene.facing.blocks(),
-                               visibility);
-    const Buffer* pyramid = &stages.farthest_height.pyramid();
+    stages.receiver_depth_pyramid.run(session, first_frame, face, 1, points, stages.projection, scene.facing.blocks(),
+                                      visibility);
+    const Buffer* pyramid = &stages.receiver_depth_pyramid.pyramid();
     const Buffer* clusters = stages.clusters.run(session, stages.projection, triangles, pyramid, scene.counters);
     stages.setup.run_bounds(session, stages.projection, triangles, clusters, pyramid, scene.counters);
     if (settings.with_map) {
-        stages.setup.run_map_tiles(session, stages.projection, triangles, stages.farthest_height.pyramid(),
+        stages.setup.run_map_tiles(session, stages.projection, triangles, stages.receiver_depth_pyramid.pyramid(),
                                    scene.counters);
-        stages.map.run(session, out.frame, stages.projection, stages.setup, stages.farthest_height.pyramid(),
+        stages.map.run(session, out.frame, stages.projection, stages.setup, stages.receiver_depth_pyramid.pyramid(),
                        settings.cover_test, scene.counters);
     }
     const Buffer* map = settings.with_map ? &stages.map.map() : nullptr;
-    stages.farthest_height.run_open_heights(session, first_frame, 1, stages.projection, map);
+    stages.receiver_depth_pyramid.run_open_heights(session, first_frame, 1, stages.projection, map);
     stages.bins.run(session, stages.projection, triangles, bin_count, stages.setup,
-                    &stages.farthest_height.open_heights(), scene.counters);
+                    &stages.receiver_depth_pyramid.open_heights(), scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
     const gnomon::TraceInputs inputs{first_frame, face,
@@ -190,7 +190,7 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     const bool references = stages.bins.fitted(session, out.counters, setup);
     if (!setup || !references) return false;
     if (!stages.trace.fitted(session, points, out.counters)) {
-        stages.trace.run_again(session, inputs);
+        stages.trace.run_queue_overflow(session, inputs);
         session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     }
     out.visibility = downloaded<float>(session, visibility, scene.points.count());
@@ -216,9 +216,11 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
         while (!run_stages_once(session, stages, uploaded_scene, settings, out)) {
         }
         if (out.projection.active_points == 0) continue;
-        out.pyramid = downloaded<std::uint32_t>(session, stages.farthest_height.pyramid().get(), pyramid_cells(frame));
-        out.doubtful = downloaded<std::uint32_t>(session, stages.farthest_height.doubtful().get(), bin_count);
-        out.open_heights = downloaded<std::uint32_t>(session, stages.farthest_height.open_heights().get(), bin_count);
+        out.pyramid =
+            downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.pyramid().get(), pyramid_cells(frame));
+        out.doubtful = downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.doubtful().get(), bin_count);
+        out.open_heights =
+            downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.open_heights().get(), bin_count);
         out.triangles = read_triangles(session, stages, out.counters, out.projection);
         if (settings.with_map)
             out.map = downloaded<std::uint32_t>(session, stages.map.map().get(), frame.width * frame.height);

@@ -7,14 +7,14 @@
 #include <optional>
 #include <vector>
 
-#include "../../host/clusters.hpp"
-#include "../../host/conservative_map.hpp"
-#include "../../host/exact_trace.hpp"
-#include "../../host/facing.hpp"
-#include "../../host/farthest_height.hpp"
-#include "../../host/izb.hpp"
 #include "device.hpp"
+#include "occluders/clusters.hpp"
+#include "occluders/conservative_map.hpp"
+#include "receivers/facing.hpp"
+#include "receivers/receiver_depth_pyramid.hpp"
 #include "reference/predicates.hpp"
+#include "techniques/izb.hpp"
+#include "trace/exact_trace.hpp"
 
 namespace support {
 
@@ -40,7 +40,7 @@ struct BinRange {
     bool contains(std::uint32_t x, std::uint32_t y) const { return x0 <= x && x <= x1 && y0 <= y && y <= y1; }
 };
 
-/// The bins of a triangle's quantised bounds (kernels/bin_lists.h), and whether they are empty.
+/// The bins of a triangle's quantised bounds (kernels/occluders/bin_lists.h), and whether they are empty.
 BinRange bins_of(const gnomon::TriangleBounds& bounds, const gnomon::Projection& projection);
 bool is_dropped(const gnomon::TriangleBounds& bounds);
 
@@ -54,9 +54,9 @@ struct SetUpTriangle {
 struct FrameOutput {
     gnomon::LightFrame frame;  ///< as face_of() makes it
     gnomon::Projection projection;
-    std::vector<std::uint32_t> pyramid;                  ///< farthest_height, base level first
-    std::vector<std::uint32_t> doubtful;                 ///< farthest_height, per bin
-    std::vector<std::uint32_t> open_heights;             ///< farthest_height after the map, per bin
+    std::vector<std::uint32_t> pyramid;                  ///< receiver_depth_pyramid, base level first
+    std::vector<std::uint32_t> doubtful;                 ///< receiver_depth_pyramid, per bin
+    std::vector<std::uint32_t> open_heights;             ///< receiver_depth_pyramid after the map, per bin
     std::vector<SetUpTriangle> triangles;                ///< triangle_setup, by id
     std::vector<std::uint32_t> map;                      ///< conservative_map, as keys; empty if not run
     std::vector<ListedPoint> points;                     ///< izb, by id
@@ -75,7 +75,7 @@ struct StageSettings {
     std::uint32_t first_capacity = 0;  ///< 0: the stages' own
 };
 
-/// Visibility of a point that is still to be decided (kernels/point_blocks.h).
+/// Visibility of a point that is still to be decided (kernels/simd/point_blocks.clh).
 inline bool is_open(float visibility) { return visibility >= 2.0f; }
 inline bool is_doubtful(float visibility) { return visibility == 3.0f; }
 /// Visibility as a run leaves it, from that of its last frame: points of frames that did not run stay lit.
@@ -100,7 +100,7 @@ public:
 
 struct LightStages {
     gnomon::LightFrameFit light_frame;
-    gnomon::FarthestHeight farthest_height;
+    gnomon::ReceiverDepthPyramid receiver_depth_pyramid;
     gnomon::ClusterCull clusters;
     gnomon::TriangleSetup setup;
     gnomon::ConservativeMap map;

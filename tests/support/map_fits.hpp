@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "../../host/shadow_map/projection.hpp"
-#include "../../host/vectors.hpp"
+#include "api/vectors.hpp"
 #include "device.hpp"
 #include "scene_makers.hpp"
+#include "techniques/shadow_map/projection.hpp"
 
 namespace support {
 

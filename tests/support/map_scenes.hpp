@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Views of shadow maps made by hand, and what is true of them in double: where the ray of a texel's centre runs and
-// what it meets. Shares nothing with the kernels but the contract (kernels/shadow_map/map_view.h).
+// what it meets. Shares nothing with the kernels but the contract (kernels/techniques/shadow_map/map_view.h).
 #pragma once
 
 #include <functional>
 #include <limits>
 
-#include "../../host/shadow_map/depth_pass.hpp"
 #include "device.hpp"
 #include "scene_makers.hpp"
+#include "techniques/shadow_map/depth_pass.hpp"
 
 namespace support {
 

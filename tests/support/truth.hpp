@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The exact answers to what a triangle's record claims of a point (kernels/triangle_setup.h), and the real map behind a
-// projection's floats.
+// The exact answers to what a triangle's record claims of a point (kernels/occluders/triangle_setup.h), and the real
+// map behind a projection's floats.
 #pragma once
 
-#include "../../kernels/projection.h"
+#include "kernels/simd/projection.h"
 #include "light_stages.hpp"
 #include "reference/stages/grid_map.hpp"
 
@@ -42,7 +42,7 @@ inline ExactPair exact_pair(const reference::Triangle& t, const reference::Float
     return pair;
 }
 
-/// What the projection's floats stand for (kernels/projection.h), for a light's frame.
+/// What the projection's floats stand for (kernels/simd/projection.h), for a light's frame.
 inline reference::GridMap real_map(const gnomon::Projection& p) {
     const reference::Float3 center{p.center[0], p.center[1], p.center[2]};
     if (p.perspective != 0) {

@@ -200,7 +200,7 @@ Table growth_table(const Rows& rows, bool in_points) {
 
 Table memory_table(const Rows& rows) {
     Table table{"",
-                "Share: of the aim, 64 bytes per point (pixel) and 48 bytes per triangle.",
+                "ItemRange: of the aim, 64 bytes per point (pixel) and 48 bytes per triangle.",
                 {"view", "size", "triangles", "MB", "bytes per point", "share of 64 per point + 48 per triangle"},
                 {}};
     for (const Row* row : rows) {

@@ -34,7 +34,7 @@ inline std::uint64_t missing_triangles(const Scene& scene, std::uint64_t wanted)
     return count < wanted ? wanted - count : 0;
 }
 
-// Decisions about edges and planes (edge_scenes.cpp).
+// Provenance about edges and planes (edge_scenes.cpp).
 Scene make_empty(const Request&);
 Scene make_single_triangle(const Request&);
 Scene make_two_triangles_one_edge(const Request&);

@@ -66,12 +66,12 @@ std::vector<std::uint8_t> EmbreeScene::shadowed(std::span<const float> points, s
     const auto ask = [&](std::size_t i) -> std::uint8_t {
         RTCRay ray{};
         ray.org_x = points[3 * i], ray.org_y = points[3 * i + 1], ray.org_z = points[3 * i + 2];
-        const bool is_lamp = light[3] != 0;
-        ray.dir_x = is_lamp ? light[0] - ray.org_x : light[0];
-        ray.dir_y = is_lamp ? light[1] - ray.org_y : light[1];
-        ray.dir_z = is_lamp ? light[2] - ray.org_z : light[2];
+        const bool is_point_light = light[3] != 0;
+        ray.dir_x = is_point_light ? light[0] - ray.org_x : light[0];
+        ray.dir_y = is_point_light ? light[1] - ray.org_y : light[1];
+        ray.dir_z = is_point_light ? light[2] - ray.org_z : light[2];
         ray.tnear = static_cast<float>(offset / std::hypot(double(ray.dir_x), double(ray.dir_y), double(ray.dir_z)));
-        ray.tfar = is_lamp ? 1 : std::numeric_limits<float>::infinity();
+        ray.tfar = is_point_light ? 1 : std::numeric_limits<float>::infinity();
         ray.mask = 0xFFFFFFFFu;
         ray.id = receivers.empty() ? reference::NO_RECEIVER : receivers[i];
         for (const float x : {ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z})

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rays whose direction is an exact sum of float vectors (kernels/camera.h says such sums are the camera's rays), and
-// what they meet, by the definition alone: a long double filter, then integers.
+// Rays whose direction is an exact sum of float vectors (kernels/camera/camera.h says such sums are the camera's rays),
+// and what they meet, by the definition alone: a long double filter, then integers.
 //
 // The filter: each entry of a determinant has a relative error of at most 2^-62, each of the six products of three
 // meets at most 8 roundings, so the error is below 2^-58 of the permanent (predicates.hpp has the full argument).

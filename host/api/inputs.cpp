@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT
+// Triangles, points and visibility buffers: uploading, wrapping, and what the kernels are told of them.
+#include "api/inputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gnomon {
+namespace {
+
+constexpr std::size_t largest_index = std::numeric_limits<cl_uint>::max();
+
+std::shared_ptr<void> retained(const Device& device, cl_mem memory, const char* what) {
+    if (memory == nullptr) throw InvalidArgument(std::string("the ") + what + " buffer must not be null");
+    cl_context context = nullptr;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_CONTEXT, sizeof(context), &context, nullptr),
+              "asking a buffer for its context");
+    if (context != device.context())
+        throw InvalidArgument(std::string("the ") + what + " buffer belongs to another OpenCL context than the device");
+    cl::check(clRetainMemObject(memory), std::string("retaining the ") + what + " buffer");
+    return {memory, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
+}
+
+std::size_t size_of(cl_mem memory) {
+    std::size_t bytes = 0;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr), "asking a buffer for its size");
+    return bytes;
+}
+
+// `first` is the caller's word: the sum of both may be beyond what a size can say.
+void require_floats(cl_mem memory, std::size_t floats, const char* what, std::size_t first = 0) {
+    const std::size_t held = size_of(memory) / sizeof(float);
+    if (first <= held && floats <= held - first) return;
+    throw InvalidArgument(std::string("the ") + what + " buffer holds " + std::to_string(size_of(memory)) +
+                          " bytes, fewer than the " + std::to_string(floats * sizeof(float)) + " its layout needs" +
+                          (first != 0 ? " after the first " + std::to_string(first) + " floats" : ""));
+}
+
+std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size_t bytes) {
+    cl::Buffer buffer(device.session(), bytes);
+    device.session().write(buffer.get(), data, bytes);
+    return shared_buffer(device, std::move(buffer));
+}
+
+/// Bytes [first, end) of a buffer that has no parent (a sub-buffer counts as part of its parent).
+struct Extent {
+    cl_mem root;
+    std::size_t first, end;
+};
+Extent extent_of(cl_mem memory, std::size_t first_float, std::size_t end_float) {
+    cl_mem parent = nullptr;
+    std::size_t offset = 0;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_ASSOCIATED_MEMOBJECT, sizeof(parent), &parent, nullptr),
+              "asking a buffer for its parent");
+    if (parent != nullptr)
+        cl::check(clGetMemObjectInfo(memory, CL_MEM_OFFSET, sizeof(offset), &offset, nullptr),
+                  "asking a buffer for its offset");
+    return {parent != nullptr ? parent : memory, offset + first_float * sizeof(float),
+            offset + end_float * sizeof(float)};
+}
+bool overlap(const Extent& a, const Extent& b) { return a.root == b.root && a.first < b.end && b.first < a.end; }
+
+// What a run writes must not be what it reads.
+void require_apart(const Triangles& triangles, const Points& points, const Visibility& visibility) {
+    const std::size_t count = points.count();
+    if (count == 0) return;
+    const Extent written = extent_of(visibility.buffer(), 0, count);
+    const PointLayout& at = points.layout();
+    const std::size_t end = at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1;
+    const std::size_t first = triangles.first_float();
+    const char* what = nullptr;
+    if (overlap(written, extent_of(points.positions(), at.first, end))) what = "positions";
+    if (points.receivers() != nullptr && overlap(written, extent_of(points.receivers(), 0, count))) what = "receivers";
+    if (triangles.count() != 0 && overlap(written, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
+        what = "triangles";
+    if (what != nullptr)
+        throw InvalidArgument(std::string("the visibility buffer overlaps the ") + what +
+                              ", which the run reads while it writes: give visibility memory of its own");
+}
+
+void require_count(std::size_t count, const char* what) {
+    if (count >= largest_index)
+        throw InvalidArgument(std::to_string(count) + " " + what + " are too many: ids are 32 bits wide");
+}
+
+}  // namespace
+
+// ---- Triangles ------------------------------------------------------------------------------------------------------
+
+Triangles Triangles::upload(const Device& device, std::span<const float> vertices) {
+    if (vertices.size() % 9 != 0)
+        throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+    require_count(vertices.size() / 9, "triangles");
+    Triangles triangles;
+    triangles.buffer_ = uploaded(device, vertices.data(), vertices.size_bytes());
+    triangles.count_ = vertices.size() / 9;
+    return triangles;
+}
+
+Triangles Triangles::wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float) {
+    require_count(count, "triangles");
+    Triangles triangles;
+    triangles.buffer_ = retained(device, vertices, "triangle");
+    require_floats(vertices, 9 * count, "triangle", first_float);
+    triangles.count_ = count;
+    triangles.first_float_ = first_float;
+    return triangles;
+}
+
+cl_mem Triangles::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
+
+// ---- Points ---------------------------------------------------------------------------------------------------------
+
+Points Points::upload(const Device& device, std::span<const float> positions,
+                      std::span<const std::uint32_t> receivers) {
+    if (positions.size() % 3 != 0)
+        throw InvalidArgument("points take 3 floats each, and " + std::to_string(positions.size()) + " were given");
+    require_count(positions.size() / 3, "points");
+    if (!receivers.empty() && receivers.size() != positions.size() / 3)
+        throw InvalidArgument("there are " + std::to_string(receivers.size()) + " receivers for " +
+                              std::to_string(positions.size() / 3) + " points: give one each, or none at all");
+    Points points;
+    points.count_ = positions.size() / 3;
+    points.positions_ = uploaded(device, positions.data(), positions.size_bytes());
+    if (!receivers.empty()) points.receivers_ = uploaded(device, receivers.data(), receivers.size_bytes());
+    return points;
+}
+
+void Points::set_lifted_off(const Triangles& triangles) {
+    lifted_off_ = triangles.buffer_;
+    lifted_off_first_float_ = triangles.first_float();
+}
+
+bool Points::is_lifted_off(const Triangles& triangles) const {
+    const std::shared_ptr<void> buffer = lifted_off_.lock();
+    return eye_ && buffer != nullptr && buffer.get() == triangles.buffer() &&
+           lifted_off_first_float_ == triangles.first_float();
+}
+
+Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
+                    cl_mem receivers) {
+    require_count(count, "points");
+    if (layout.first > largest_index || layout.point_stride > largest_index || layout.coordinate_stride > largest_index)
+        throw InvalidArgument("the point layout's offset and strides must fit 32 bits");
+    Points points;
+    points.count_ = count;
+    points.layout_ = layout;
+    points.positions_ = retained(device, positions, "point");
+    if (count != 0)
+        require_floats(positions, layout.first + (count - 1) * layout.point_stride + 2 * layout.coordinate_stride + 1,
+                       "point");
+    if (receivers != nullptr) {
+        points.receivers_ = retained(device, receivers, "receiver");
+        require_floats(receivers, count, "receiver");
+    }
+    return points;
+}
+
+cl_mem Points::positions() const { return static_cast<cl_mem>(positions_.get()); }
+cl_mem Points::receivers() const { return static_cast<cl_mem>(receivers_.get()); }
+
+PointsOnHost read(const Device& device, const Points& points) {
+    cl::Session& session = device.session();
+    const std::size_t count = points.count();
+    PointsOnHost host{std::vector<float>(3 * count), std::vector<std::uint32_t>(count, no_receiver)};
+    if (count == 0) return host;
+    const PointLayout& at = points.layout();
+    std::vector<float> floats(at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1);
+    session.read(points.positions(), floats.data(), floats.size() * sizeof(float));
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            host.position[3 * i + c] = floats[at.first + i * at.point_stride + c * at.coordinate_stride];
+    if (points.receivers() != nullptr) session.read(points.receivers(), host.receiver.data(), count * sizeof(cl_uint));
+    return host;
+}
+
+// ---- Visibility -----------------------------------------------------------------------------------------------------
+
+Visibility::Visibility(const Device& device, std::size_t count)
+    : device_(device),
+      buffer_(shared_buffer(device, cl::Buffer(device.session(), count * sizeof(float)))),
+      count_(count) {}
+
+Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
+    : device_(device), buffer_(retained(device, buffer, "visibility")), count_(count) {
+    require_floats(buffer, count, "visibility");
+}
+
+cl_mem Visibility::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
+
+std::vector<float> Visibility::read() const {
+    std::vector<float> values(count_);
+    device_.session().read(buffer(), values.data(), values.size() * sizeof(float));
+    return values;
+}
+
+// ---- For the stages -------------------------------------------------------------------------------------------------
+
+std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer) {
+    struct Owned {
+        Device device;
+        cl::Buffer buffer;
+    };
+    auto owned = std::make_shared<Owned>(Owned{device, std::move(buffer)});
+    return {owned, owned->buffer.get()};
+}
+
+void require_light(const Light& light) {
+    const auto& [x, y, z, w] = light.xyzw;
+    const bool is_finite = std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
+    const bool is_direction = w == 0 && (x != 0 || y != 0 || z != 0);
+    if (!is_finite || !(is_direction || w == 1))
+        throw InvalidArgument(
+            "the light must be finite, and either a direction other than 0,0,0 (w = 0) or a position (w = 1)");
+}
+
+void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility) {
+    require_light(light);
+    if (points.eye())
+        for (const float c : *points.eye())
+            if (!std::isfinite(c)) throw InvalidArgument("the eye of the points must be finite numbers");
+    if (visibility.count() < points.count())
+        throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
+                              std::to_string(points.count()) + " points");
+    require_apart(triangles, points, visibility);
+}
+
+void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
+                        std::span<const Visibility> visibilities) {
+    if (lights.size() != visibilities.size())
+        throw InvalidArgument("each light needs a visibility of its own: there are " + std::to_string(lights.size()) +
+                              " lights and " + std::to_string(visibilities.size()) + " visibilities");
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        require_run(triangles, points, lights[i], visibilities[i]);
+        for (std::size_t j = 0; j < i; ++j)
+            if (visibilities[i].buffer() == visibilities[j].buffer())
+                throw InvalidArgument("lights " + std::to_string(j) + " and " + std::to_string(i) +
+                                      " have the same visibility: give each its own");
+    }
+}
+
+TriangleInputs triangle_inputs(const Triangles& triangles) {
+    return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count()), triangles.clusters()};
+}
+
+PointInputs point_inputs(const Points& points) {
+    PointsLayout layout{};
+    layout.first = static_cast<cl_uint>(points.layout().first);
+    layout.point_stride = static_cast<cl_uint>(points.layout().point_stride);
+    layout.coordinate_stride = static_cast<cl_uint>(points.layout().coordinate_stride);
+    layout.count = static_cast<cl_uint>(points.count());
+    layout.has_receivers = points.receivers() != nullptr;
+    layout.has_eye = points.eye().has_value();
+    if (points.eye()) std::copy(points.eye()->begin(), points.eye()->end(), layout.eye);
+    if (const auto& picture = points.camera())
+        if (picture->width % 4 == 0 && points.count() % (std::size_t(picture->width) * 4) == 0)
+            layout.picture_width = picture->width;
+    return {layout, points.positions(), points.receivers() != nullptr ? points.receivers() : points.positions()};
+}
+
+}  // namespace gnomon

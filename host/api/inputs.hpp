@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+// A run's inputs as the kernels take them.
+#pragma once
+
+#include "cl/session.hpp"
+#include "kernels/simd/points.h"
+
+namespace gnomon {
+
+/// The kernels' float4.
+struct Float4 {
+    float x, y, z, w;
+};
+inline Float4 float4_of(const std::array<float, 4>& v) { return {v[0], v[1], v[2], v[3]}; }
+
+/// A buffer of gnomon's own that lives as long as anyone holds it, and its device with it; points to the cl_mem.
+std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer);
+
+/// Throws InvalidArgument unless the light is one that Light's makers could have made (its xyzw is public).
+void require_light(const Light& light);
+
+/// Throws InvalidArgument unless a technique can run on these: a light, a finite eye, if any, and a visibility buffer
+/// that is large enough and overlaps no input. Every technique's run begins with it.
+void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility);
+
+/// The same for Technique::run_lights(), which also needs a visibility of its own for each light.
+void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
+                        std::span<const Visibility> visibilities);
+
+class Clusters;
+
+struct TriangleInputs {
+    cl_mem vertices;
+    cl_ulong first_float;
+    cl_uint count;
+    const Clusters* clusters;  ///< null if none are kept
+};
+TriangleInputs triangle_inputs(const Triangles& triangles);
+
+struct PointInputs {
+    PointsLayout layout;
+    cl_mem positions;
+    cl_mem receivers;             ///< any buffer if there are none
+    cl_mem footprints = nullptr;  ///< kernels/receivers/footprint.h, around the points; null: points are points
+    bool face_light = false;      ///< known of all points, and that their receivers do not shadow them
+};
+PointInputs point_inputs(const Points& points);
+
+/// A projection on the device.
+struct ProjectionInput {
+    ProjectionInput(const cl::Buffer& on_device, bool directional = false)
+        : buffer(on_device), is_directional(directional) {}
+    const cl::Buffer& buffer;
+    bool is_directional;  ///< known to be parallel
+};
+
+}  // namespace gnomon

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// Scenes of which the device holds only a part at a time: look_in_parts() and run_in_parts() of gnomon.hpp.
+//
+// The bits are those of the whole, since both answers are made of the parts' answers:
+// - A point is in shadow exactly if it is for some part: the contract asks for one triangle that blocks. Its receiver
+//   is excluded, and can face away from the light, in the part that holds it; in the others the point has none.
+// - What a pixel sees is the first of all triangles in one order that only depends on the pixel (nearer first, the
+//   smaller id among equals). So of the triangles looked at so far only those that are seen can matter, and each next
+//   part is looked at together with these. Ids rise in such a list as in the scene, so equals stay in order.
+//
+// How much fits is found out by trying: a part that ends with OutOfDeviceMemory is halved. Nothing is assumed of what a
+// technique needs, and every failed try leaves everything usable.
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+
+#include "api/inputs.hpp"
+#include "api/statistics.hpp"
+#include "cl/session.hpp"
+
+namespace gnomon {
+namespace {
+
+using Ids = std::vector<std::uint32_t>;
+
+/// Smaller parts than this are not tried: what does not fit then is not the parts.
+constexpr std::size_t smallest_part = 256;
+
+std::vector<float> gathered(std::span<const float> vertices, std::span<const std::uint32_t> ids) {
+    std::vector<float> part;
+    part.reserve(ids.size() * 9);
+    for (const std::uint32_t id : ids) {
+        const auto triangle = vertices.subspan(9 * std::size_t(id), 9);
+        part.insert(part.end(), triangle.begin(), triangle.end());
+    }
+    return part;
+}
+
+// ---- Views ----------------------------------------------------------------------------------------------------------
+
+/// Of the triangles `ids` that were looked at, those that are seen.
+Ids seen_of(const Device& device, const View& view, const Ids& ids) {
+    Ids receivers(view.points.count());
+    device.session().read(view.points.receivers(), receivers.data(), receivers.size() * sizeof(std::uint32_t));
+    std::vector<bool> is_seen(ids.size(), false);
+    for (const std::uint32_t receiver : receivers)
+        if (receiver != no_receiver) is_seen[receiver] = true;
+    Ids seen;
+    for (std::size_t i = 0; i < ids.size(); ++i)
+        if (is_seen[i]) seen.push_back(ids[i]);
+    return seen;
+}
+
+// ---- Shadows --------------------------------------------------------------------------------------------------------
+
+/// Points that no part so far has put into shadow.
+struct OpenPoints {
+    std::vector<float> positions;  ///< 3 each
+    Ids receivers;                 ///< positions in the whole scene, or no_receiver
+    Ids places;                    ///< where their answers belong
+
+    std::size_t count() const { return places.size(); }
+};
+
+OpenPoints all_open(const Device& device, const Points& points, std::span<const std::uint32_t> ids) {
+    PointsOnHost host = read(device, points);
+    OpenPoints open{std::move(host.position), std::move(host.receiver), Ids(points.count())};
+    if (!ids.empty())
+        for (std::uint32_t& receiver : open.receivers) receiver = receiver < ids.size() ? ids[receiver] : no_receiver;
+    std::iota(open.places.begin(), open.places.end(), 0u);
+    return open;
+}
+
+/// A part of the scene's triangles, on the device.
+struct Part {
+    Triangles triangles;
+    std::size_t first;  ///< id of its first triangle in the whole scene
+};
+
+/// Visibility of the open points [first, first + count) by one part.
+std::vector<float> visible(const Device& device, Technique& technique, const Part& part, const OpenPoints& open,
+                           std::size_t first, std::size_t count, const std::optional<Float3>& eye, const Light& light,
+                           Statistics& statistics) {
+    Ids receivers(open.receivers.begin() + std::ptrdiff_t(first),
+                  open.receivers.begin() + std::ptrdiff_t(first + count));
+    for (std::uint32_t& receiver : receivers) {
+        const bool is_here = receiver >= part.first && receiver - part.first < part.triangles.count();
+        receiver = is_here ? std::uint32_t(receiver - part.first) : no_receiver;
+    }
+    Points points = Points::upload(device, std::span(open.positions).subspan(3 * first, 3 * count), receivers);
+    if (eye) points.set_eye(*eye);
+    const Visibility visibility(device, count);
+    const Statistics run = technique.run(part.triangles, points, light, visibility);
+    statistics.device_memory_bytes = std::max(statistics.device_memory_bytes, run.device_memory_bytes);
+    add_stages(statistics, run);
+    return visibility.read();
+}
+
+/// Takes those in shadow out of the open points, and notes them in `visibility`.
+void close_points(OpenPoints& open, std::span<const float> answers, std::vector<float>& visibility) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        visibility[open.places[i]] = std::min(visibility[open.places[i]], answers[i]);
+        if (answers[i] == 0) continue;
+        std::copy_n(&open.positions[3 * i], 3, &open.positions[3 * kept]);
+        open.receivers[kept] = open.receivers[i];
+        open.places[kept++] = open.places[i];
+    }
+    open.positions.resize(3 * kept);
+    open.receivers.resize(kept);
+    open.places.resize(kept);
+}
+
+}  // namespace
+
+ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices, const Camera& camera,
+                          std::uint32_t width, std::uint32_t height) {
+    if (vertices.size() % 9 != 0)
+        throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+    const std::size_t total = vertices.size() / 9;
+    Ids seen;  // of the triangles before `first`
+    for (std::size_t first = 0, part = total;;) {
+        const std::size_t count = std::min(part, total - first);
+        Ids ids = seen;
+        for (std::size_t id = first; id < first + count; ++id) ids.push_back(std::uint32_t(id));
+        try {
+            Triangles triangles = Triangles::upload(device, gathered(vertices, ids));
+            View view = look(device, triangles, camera, width, height);
+            first += count;
+            if (first == total) return {std::move(view), std::move(triangles), std::move(ids)};
+            seen = seen_of(device, view, ids);
+        } catch (const OutOfDeviceMemory&) {
+            if (count <= smallest_part) throw;
+            part = (count + 1) / 2;
+        }
+    }
+}
+
+Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
+                        std::span<const float> vertices, const Points& points, std::span<const std::uint32_t> ids,
+                        const Light& light, const Visibility& visibility) {
+    if (vertices.size() % 9 != 0)
+        throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+    const auto start = std::chrono::steady_clock::now();
+    require_run(Triangles(), points, light, visibility);
+    Statistics statistics;
+    OpenPoints open = all_open(device, points, ids);
+    std::vector<float> answers(points.count(), 1.0f);
+    std::unique_ptr<Technique> technique = make();
+    const std::size_t total = vertices.size() / 9;
+    std::size_t triangle_part = total, point_part = std::max<std::size_t>(open.count(), 1), parts = 0;
+    for (std::size_t first = 0; first < total;) {
+        const std::size_t count = std::min(triangle_part, total - first);
+        try {
+            const Part part{Triangles::upload(device, vertices.subspan(9 * first, 9 * count)), first};
+            std::vector<float> found;
+            while (found.size() < open.count()) {
+                const std::size_t some = std::min(point_part, open.count() - found.size());
+                const auto more =
+                    visible(device, *technique, part, open, found.size(), some, points.eye(), light, statistics);
+                found.insert(found.end(), more.begin(), more.end());
+            }
+            close_points(open, found, answers);
+            first += count;
+            ++parts;
+        } catch (const OutOfDeviceMemory&) {
+            if (std::max(count, point_part) <= smallest_part) throw;
+            (count >= point_part ? triangle_part : point_part) = (std::max(count, point_part) + 1) / 2;
+            technique.reset();  // what it kept of the failed try would stand in the way
+            technique = make();
+        }
+    }
+    device.session().write(visibility.buffer(), answers.data(), answers.size() * sizeof(float));
+    statistics.counts = {{"points", points.count()},
+                         {"points_in_shadow", std::uint64_t(std::count(answers.begin(), answers.end(), 0.0f))},
+                         {"triangles", total},
+                         {"parts", parts}};
+    statistics.total_wall_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return statistics;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "api/statistics.hpp"
+
+#include <algorithm>
+
+namespace gnomon {
+
+void add_stages(Statistics& total, const Statistics& run) {
+    for (const StageStatistics& stage : run.stages) {
+        const auto found =
+            std::find_if(total.stages.begin(), total.stages.end(), [&](const auto& s) { return s.name == stage.name; });
+        if (found == total.stages.end()) {
+            total.stages.push_back(stage);
+            continue;
+        }
+        found->device_ms += stage.device_ms;
+        found->wall_ms += stage.wall_ms;
+        if (stage.skipped.empty()) found->skipped.clear();
+    }
+}
+
+void merge_stages(Statistics& statistics) {
+    Statistics merged;
+    add_stages(merged, statistics);
+    statistics.stages = std::move(merged.stages);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "api/variants.hpp"
+
+namespace gnomon {
+namespace {
+
+enum DeviceFamily { any_device, cpu, gpu };
+enum LightKind { any_light, directional };
+
+struct Variant {
+    Task task;
+    DeviceFamily family;
+    LightKind light;
+    cl::Kernel kernel;
+};
+
+// On a GPU a program without perspective keeps fewer registers, so that more work-items run at once: the H200's first
+// launches of a frame gained .389 -> .350 ms for Sponza. On a CPU one program for both compiles sooner.
+constexpr const char* directional_only = "GN_DIRECTIONAL_ONLY";
+
+// For each task the first row that fits is taken.
+constexpr Variant variants[] = {
+    {Task::cull_clusters, gpu, directional, {"occluders/clusters.cl", "cull_clusters", directional_only}},
+    {Task::cull_clusters, any_device, any_light, {"occluders/clusters.cl", "cull_clusters"}},
+    {Task::decide_facing_cached, gpu, directional, {"receivers/facing.cl", "facing_looked_up", directional_only}},
+    {Task::decide_facing_cached, any_device, any_light, {"receivers/facing.cl", "facing_looked_up"}},
+    {Task::decide_facing_each, gpu, directional, {"receivers/facing.cl", "facing", directional_only}},
+    {Task::decide_facing_each, any_device, any_light, {"receivers/facing.cl", "facing"}},
+    {Task::decide_facing_exactly, gpu, directional, {"receivers/facing.cl", "facing_exact_fallback", directional_only}},
+    {Task::decide_facing_exactly, any_device, any_light, {"receivers/facing.cl", "facing_exact_fallback"}},
+    {Task::decide_facing_filtered, gpu, directional, {"receivers/facing.cl", "facing_filter", directional_only}},
+    {Task::decide_facing_filtered, any_device, any_light, {"receivers/facing.cl", "facing_filter"}},
+    {Task::decide_facing_footprints, gpu, directional, {"receivers/facing.cl", "facing_looked_up_around", directional_only}},
+    {Task::decide_facing_footprints, any_device, any_light, {"receivers/facing.cl", "facing_looked_up_around"}},
+    {Task::decide_facing_picture, cpu, directional, {"receivers/facing.cl", "facing_picture_directional"}},
+    {Task::decide_facing_triangles, gpu, directional, {"receivers/facing.cl", "triangles_away", directional_only}},
+    {Task::decide_facing_triangles, any_device, any_light, {"receivers/facing.cl", "triangles_away"}},
+    {Task::make_receiver_depths, gpu, directional, {"receivers/receiver_depth_pyramid.cl", "receiver_depth_pyramid", directional_only}},
+    {Task::make_receiver_depths, any_device, any_light, {"receivers/receiver_depth_pyramid.cl", "receiver_depth_pyramid"}},
+    {Task::make_triangle_bounds, gpu, directional, {"occluders/triangle_setup.cl", "triangle_bounds", directional_only}},
+    {Task::make_triangle_bounds, any_device, any_light, {"occluders/triangle_setup.cl", "triangle_bounds"}},
+    {Task::make_triangle_tiles, gpu, directional, {"occluders/triangle_setup.cl", "triangle_tiles", directional_only}},
+    {Task::make_triangle_tiles, any_device, any_light, {"occluders/triangle_setup.cl", "triangle_tiles"}},
+    {Task::trace, any_device, any_light, {"trace/trace.cl", "trace"}},
+    {Task::trace_prepared, any_device, any_light, {"prepared/prepared_trace.cl", "prepared_trace"}},
+    {Task::trace_prepared_cached_facing, cpu, directional, {"prepared/prepared_trace_cached_facing.cl", "prepared_trace_cached_facing"}},
+    {Task::trace_prepared_plane_side, gpu, any_light, {"prepared/prepared_trace_plane_side.cl", "prepared_trace_plane_side"}},
+    {Task::trace_queue_overflow, any_device, any_light, {"trace/trace_queue_overflow.cl", "trace_queue_overflow"}},
+};
+
+bool fits(const Variant& row, Task task, bool is_cpu, bool is_directional) {
+    return row.task == task && (row.family == any_device || (row.family == cpu) == is_cpu) &&
+           (row.light == any_light || is_directional);
+}
+
+}  // namespace
+
+const cl::Kernel& variant(const cl::Session& session, Task task, bool is_directional) {
+    for (const Variant& row : variants)
+        if (fits(row, task, session.is_cpu(), is_directional)) return row.kernel;
+    throw Error("no kernel is made for this task on this device");
+}
+
+}  // namespace gnomon

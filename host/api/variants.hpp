@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// The one place that says which kernel runs when, and why (the table is in variants.cpp).
+#pragma once
+
+#include "cl/session.hpp"
+
+namespace gnomon {
+
+/// What a kernel is to do. Several kernels can do it: which one is right depends on the device and on the light.
+enum class Task {
+    cull_clusters,
+    decide_facing_cached,
+    decide_facing_each,
+    decide_facing_exactly,
+    decide_facing_filtered,
+    decide_facing_footprints,
+    decide_facing_picture,
+    decide_facing_triangles,
+    make_receiver_depths,
+    make_triangle_bounds,
+    make_triangle_tiles,
+    trace,
+    trace_prepared,
+    trace_prepared_cached_facing,
+    trace_prepared_plane_side,
+    trace_queue_overflow,
+};
+
+/// The kernel for this task on this device. `is_directional`: every projection and light frame of the launch is
+/// parallel.
+const cl::Kernel& variant(const cl::Session& session, Task task, bool is_directional);
+
+}  // namespace gnomon

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: MIT
+#include "camera/camera.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "api/vectors.hpp"
+#include "kernels/camera/camera.h"
+
+namespace gnomon {
+namespace {
+
+// A double as the sum of two floats, to 48 bits. The volatile is needed: g++ 12 at -O2 and above vectorizes the loop
+// and drops the rounding of double(float(v)), so that `low` became 0 (seen here: two pixels of Sponza moved by 600
+// ulp).
+void append_split(std::vector<float>& rays, const Double3& v) {
+    std::array<float, 3> high, low;
+    for (int i = 0; i < 3; ++i) {
+        volatile float rounded = static_cast<float>(v[i]);
+        high[i] = rounded;
+        low[i] = static_cast<float>(v[i] - double(high[i]));
+    }
+    rays.insert(rays.end(), high.begin(), high.end());
+    rays.insert(rays.end(), low.begin(), low.end());
+}
+
+double determinant(const Camera& camera) { return dot(camera.right, cross(camera.up, camera.forward)); }
+
+// A camera filled by hand: axes of about unit length that span space, and an angle that a picture can have.
+void require_camera(const Camera& camera) {
+    for (const float c : camera.eye)
+        if (!std::isfinite(c)) throw InvalidArgument("the camera's eye must be finite numbers");
+    for (const Double3& axis : {camera.right, camera.up, camera.forward}) {
+        const double length = std::sqrt(dot(axis, axis));
+        if (!(length > 0.5 && length < 2)) throw InvalidArgument("the camera's axes must be unit vectors");
+    }
+    if (!(std::fabs(determinant(camera)) > 0.01))
+        throw InvalidArgument("the camera's right, up and forward must not lie in one plane");
+    if (!(camera.fov_y_radians > 0 && camera.fov_y_radians < 3.14159265358979))
+        throw InvalidArgument("the camera's vertical field of view must lie between 0 and 180 degrees");
+}
+
+void set_row(float* row, double a, const Double3& u, double b, const Double3& v) {
+    for (int i = 0; i < 3; ++i) row[i] = static_cast<float>(a * u[i] + b * v[i]);
+    row[3] = 0.0f;
+}
+
+// A pixel's side at distance 1. Pixels are square: aspect tan(fov / 2) / half the width is the same.
+double pixel_size(const Camera& camera, std::uint32_t height) {
+    return std::tan(camera.fov_y_radians / 2) / (height / 2.0);
+}
+
+constexpr std::uint32_t largest_side = 16384;
+
+Float4 float4_of_point(const Float3& p) { return {p[0], p[1], p[2], 0.0f}; }
+
+}  // namespace
+
+RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    RayAxes axes{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        axes.right[i] = std::bit_cast<std::uint64_t>(camera.right[i]);
+        axes.up[i] = std::bit_cast<std::uint64_t>(camera.up[i]);
+        axes.forward[i] = std::bit_cast<std::uint64_t>(camera.forward[i]);
+    }
+    axes.pixel = std::bit_cast<std::uint64_t>(pixel_size(camera, height));
+    axes.half_width = std::bit_cast<std::uint64_t>(width / 2.0);
+    axes.half_height = std::bit_cast<std::uint64_t>(height / 2.0);
+    return axes;
+}
+
+Projection camera_projection(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    const double half_width = width / 2.0, half_height = height / 2.0;
+    const double pixel = pixel_size(camera, height);
+
+    Projection p{};
+    std::copy(camera.eye.begin(), camera.eye.end(), p.center);
+    std::copy(camera.eye.begin(), camera.eye.end(), p.light);
+    p.light[3] = 1.0f;
+    // With d = a right + b up + c forward:  X = a / (pixel c) + half_width,  Y = half_height - b / (pixel c),  W = c.
+    // a, b, c by the dual basis, so that axes need not be orthogonal.
+    const double volume = determinant(camera);
+    const Double3 dual_right = scaled(cross(camera.up, camera.forward), 1 / volume);
+    const Double3 dual_up = scaled(cross(camera.forward, camera.right), 1 / volume);
+    const Double3 dual_forward = scaled(cross(camera.right, camera.up), 1 / volume);
+    set_row(p.row_x, 1 / pixel, dual_right, half_width, dual_forward);
+    set_row(p.row_y, -1 / pixel, dual_up, half_height, dual_forward);
+    set_row(p.row_z, 1, dual_forward, 0, dual_forward);
+    // The rows hold the duals of right, -up and forward, and the dual basis has the basis's orientation.
+    p.handedness = volume > 0 ? -1.0f : 1.0f;
+    p.width = width;
+    p.height = height;
+    p.bin_log2 = CAMERA_TILE_LOG2;
+    p.bins_x = (width + (1u << p.bin_log2) - 1) >> p.bin_log2;
+    p.bins_y = (height + (1u << p.bin_log2) - 1) >> p.bin_log2;
+    p.perspective = 1;
+    p.active_points = 1;
+    p.z_scale = 0.0f;
+    return p;
+}
+
+PictureRays picture_rays(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    const double half_width = width / 2.0, half_height = height / 2.0;
+    const double pixel = pixel_size(camera, height);
+    PictureRays picture{};
+    for (int i = 0; i < 3; ++i) {
+        picture.corner[i] = static_cast<float>(camera.forward[i] - half_width * pixel * camera.right[i] +
+                                               half_height * pixel * camera.up[i]);
+        picture.step_x[i] = static_cast<float>(pixel * camera.right[i]);
+        picture.step_y[i] = static_cast<float>(-pixel * camera.up[i]);
+    }
+    return picture;
+}
+
+std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
+    const double half_width = width / 2.0, half_height = height / 2.0;
+    const double pixel = pixel_size(camera, height);
+    // Exact: sums of small multiples of 1 / SAMPLE_UNITS.
+    const double sample_x = 0.5 + double(offset.x) / SAMPLE_UNITS, sample_y = 0.5 + double(offset.y) / SAMPLE_UNITS;
+    std::vector<float> rays;
+    rays.reserve((std::size_t(width) + height) * RAY_FLOATS);
+    for (std::uint32_t x = 0; x < width; ++x) {
+        Double3 column;
+        for (int i = 0; i < 3; ++i)
+            column[i] = camera.forward[i] + (x + sample_x - half_width) * pixel * camera.right[i];
+        append_split(rays, column);
+    }
+    for (std::uint32_t y = 0; y < height; ++y) {
+        Double3 row;
+        for (int i = 0; i < 3; ++i) row[i] = (half_height - (y + sample_y)) * pixel * camera.up[i];
+        append_split(rays, row);
+    }
+    return rays;
+}
+
+CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
+    return {camera_projection(camera, width, height), camera_rays(camera, width, height, offset),
+            picture_rays(camera, width, height)};
+}
+
+void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    triangles_ = triangle_inputs(triangles);
+    camera_ = camera;
+    width_ = width;
+    height_ = height;
+    picture_ = picture_rays(camera, width, height);
+    fitted_ = false;
+    projection_.reserve(session_, sizeof(Projection));
+    counters_.reserve(session_, sizeof(FrameCounters));
+    const Projection projection = camera_projection(camera, width, height);
+    session_.write(projection_.get(), &projection, sizeof(projection));
+}
+
+void CameraStage::make_lists(Statistics& statistics) {
+    session_.fill(counters_, 0, sizeof(FrameCounters));
+    {
+        cl::StageTimer timer(session_, statistics, "camera_setup");
+        const cl::Buffer* clusters = clusters_.run(session_, projection_, triangles_, nullptr, counters_);
+        setup_.run_bounds(session_, projection_, triangles_, clusters, nullptr, counters_);
+    }
+    {
+        cl::StageTimer timer(session_, statistics, "camera_bins");
+        bins_.run(session_, projection_, triangles_, tiles_x() * tiles_y(), setup_, nullptr, counters_);
+    }
+}
+
+bool CameraStage::check_lists(Statistics& statistics) {
+    FrameCounters counted;
+    session_.read(counters_.get(), &counted, sizeof(counted));
+    statistics.counts = {{"pixels", std::size_t(width_) * height_},
+                         {"triangles", triangles_.count},
+                         {"clusters", triangles_.clusters != nullptr ? triangles_.clusters->count() : 0},
+                         {"clusters_outside", counted.clusters_outside},
+                         {"triangles_not_finite", counted.not_finite},
+                         {"triangles_edge_on", counted.edge_on},
+                         {"triangles_outside", counted.outside},
+                         {"triangles_kept", counted.survivors - counted.edge_on},
+                         {"references", counted.references}};
+    const bool setup = setup_.fitted(session_, counted);
+    return bins_.fitted(session_, counted, setup) && setup;
+}
+
+void CameraStage::fit_lists(Statistics& statistics) {
+    while (!fitted_) {
+        make_lists(statistics);
+        fitted_ = check_lists(statistics);
+    }
+}
+
+void CameraStage::find_receivers(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out,
+                                 Statistics& statistics) {
+    cl::StageTimer timer(session_, statistics, "camera_visibility");
+    const std::size_t pixels = std::size_t(width_) * height_;
+    const std::array<float, 2> moved{float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS};
+    session_.launch("camera/camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1),
+                    projection_, picture_, triangles_.first_float, moved, cl_uint(out.first),
+                    cl_uint(pixel_receivers != nullptr), triangles_.vertices, rays_, setup_.records(), setup_.bounds(),
+                    bins_.ranges(), bins_.entries(), counters_,
+                    pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers);
+}
+
+void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
+    const std::vector<float> rays = camera_rays(camera_, width_, height_, offset);
+    rays_.reserve(session_, rays.size() * sizeof(float));
+    session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
+    if (triangles_.count == 0) {
+        session_.fill(out.receivers, no_receiver, out.count * sizeof(cl_uint));
+    } else if (fitted_) {
+        find_receivers(offset, pixel_receivers, out, statistics);
+    }
+    // Lists grow until they fit; the receivers are then those of the last pass.
+    while (triangles_.count != 0 && !fitted_) {
+        make_lists(statistics);
+        find_receivers(offset, pixel_receivers, out, statistics);
+        fitted_ = check_lists(statistics);
+    }
+    cl::StageTimer timer(session_, statistics, "camera_points");
+    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), width_,
+                    height_, cl_uint(out.first), cl_uint(out.count), float4_of_point(camera_.eye),
+                    triangles_.first_float, triangles_.vertices, rays_, out.receivers, out.positions);
+}
+
+View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
+          std::uint32_t height) {
+    if (width == 0 || height == 0 || width > largest_side || height > largest_side)
+        throw InvalidArgument("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
+                              " pixels: each side must be from 1 to " + std::to_string(largest_side));
+    require_camera(camera);
+    cl::Session& session = device.session();
+    const auto start = std::chrono::steady_clock::now();
+    const std::uint64_t before = session.memory_bytes();
+    session.begin_run();
+    const std::size_t pixels = std::size_t(width) * height;
+    cl::Buffer positions(session, pixels * 3 * sizeof(float)), visible(session, pixels * sizeof(cl_uint));
+    View view;
+    view.width = width;
+    view.height = height;
+    CameraStage stage(device);
+    stage.aim(triangles, camera, width, height);
+    stage.run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
+    view.points = Points(shared_buffer(device, std::move(positions)), {0, 1, pixels}, pixels,
+                         shared_buffer(device, std::move(visible)));
+    view.points.set_camera(camera, width, height);
+    view.points.set_lifted_off(triangles);
+    session.finish();
+    view.statistics.device_memory_bytes = session.run_peak_bytes() - before;
+    view.statistics.total_wall_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return view;
+}
+
+Points lift(const Device& device, const Triangles& triangles, const Points& points, const Float3& eye) {
+    for (const float c : eye)
+        if (!std::isfinite(c)) throw InvalidArgument("the eye to lift points towards must be finite numbers");
+    if (points.receivers() == nullptr) throw InvalidArgument("points without receivers have no plane to be lifted off");
+    cl::Session& session = device.session();
+    const TriangleInputs inputs = triangle_inputs(triangles);
+    const PointInputs at = point_inputs(points);
+    cl::Buffer positions(session, points.count() * 3 * sizeof(float));
+    if (points.count() != 0)
+        session.launch("camera/camera.cl", "lift_points", cl::Range::items(points.count()), at.layout,
+                       float4_of_point(eye), inputs.first_float, inputs.count, inputs.vertices, at.positions,
+                       at.receivers, positions);
+    Points lifted(shared_buffer(device, std::move(positions)), {}, points.count(), points.shared_receivers());
+    lifted.set_eye(eye);
+    return lifted;
+}
+
+cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view) {
+    cl::Session& session = device.session();
+    const TriangleInputs inputs = triangle_inputs(triangles);
+    cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
+    session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()),
+                   cl_uint(view.points.count()), float4_of_point(*view.points.eye()), inputs.first_float,
+                   inputs.vertices, view.points.receivers(), normals);
+    return normals;
+}
+
+ViewOnHost read(const Device& device, const Triangles& triangles, const View& view) {
+    PointsOnHost points = read(device, view.points);
+    ViewOnHost host{std::move(points.position), {}, std::move(points.receiver)};
+    const cl::Buffer normals = camera_normals(device, triangles, view);
+    host.normal.resize(host.position.size());
+    device.session().read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
+    for (std::size_t i = 0; i < host.receiver.size(); ++i)
+        if (host.receiver[i] == no_receiver) std::fill_n(&host.position[3 * i], 3, 0.0f);
+    return host;
+}
+
+}  // namespace gnomon

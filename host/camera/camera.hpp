@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Stage camera: visibility buffer and shading points (kernels/camera/camera.h, kernels/camera/camera.cl). look(),
+// read() and lift() of gnomon.hpp are its face; samples.cpp runs it for many samples per pixel.
+#pragma once
+
+#include "api/inputs.hpp"
+#include "kernels/camera/camera.h"
+#include "kernels/simd/projection.h"
+#include "occluders/bins.hpp"
+#include "occluders/clusters.hpp"
+
+namespace gnomon {
+
+/// The camera as kernels take it: a projection to pixels and the table of exact rays through one sample of each pixel.
+struct CameraTables {
+    Projection projection;
+    std::vector<float> rays;  ///< RAY_FLOATS per column, then per row
+    PictureRays picture;      ///< through any place of the picture, whatever the offset
+};
+RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height);
+Projection camera_projection(const Camera& camera, std::uint32_t width, std::uint32_t height);
+PictureRays picture_rays(const Camera& camera, std::uint32_t width, std::uint32_t height);
+std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset);
+CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset = {});
+
+/// Where the points of one sample of every pixel go: from `first` on in buffers for `count` points.
+struct PointSlice {
+    const cl::Buffer& positions;  ///< x of all points, then y, then z
+    const cl::Buffer& receivers;
+    std::size_t first, count;
+};
+
+/// A camera over a scene: its lists of triangles per tile are made once and serve every sample.
+class CameraStage {
+public:
+    explicit CameraStage(const Device& device) : session_(device.session()) {}
+    /// What it looks at from now on, as often as there is something new: the lists keep their room.
+    void aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
+    /// Writes receivers and points of the sample at `offset` in every pixel. A sample whose ray meets the receiver of
+    /// its pixel takes that one; with pixel_receivers null, and otherwise, the nearest. Adds to `statistics`.
+    void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
+
+    /// Makes the lists of triangles per tile, once. Adds to `statistics`.
+    void fit_lists(Statistics& statistics);
+    const cl::Buffer& projection() const { return projection_; }
+    const PictureRays& picture() const { return picture_; }
+    const TriangleSetup& setup() const { return setup_; }
+    const Bins& bins() const { return bins_; }
+    std::uint32_t tiles_x() const { return (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
+    std::uint32_t tiles_y() const { return (height_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
+
+private:
+    bool check_lists(Statistics& statistics);
+    void find_receivers(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
+    void make_lists(Statistics& statistics);
+
+    cl::Session& session_;
+    TriangleInputs triangles_{};
+    Camera camera_;
+    std::uint32_t width_ = 0, height_ = 0;
+    PictureRays picture_{};
+    cl::Buffer projection_, rays_, counters_;
+    ClusterCull clusters_;
+    TriangleSetup setup_;
+    Bins bins_;
+    bool fitted_ = false;
+};
+
+/// Unit geometric normals facing the camera, 3 floats per pixel, packed; sky: 0.
+cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view);
+
+}  // namespace gnomon

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Start-up check of a device's arithmetic. See self_check.hpp.
+#include "exact/self_check.hpp"
+
+#include <array>
+
+#include "kernels/exact/self_check.h"
+
+namespace gnomon {
+namespace {
+
+constexpr std::array<const char*, SELF_CHECK_FAULTS> clauses = {
+    "rounds a * b + c once where it must round twice",
+    "reorders sums of floats",
+    "does not round floats to nearest even",
+    "rounds fma() twice",
+    "changes denormal floats when it only moves them",
+    "computes wrongly with 64-bit integers",
+    "orders unsigned integers wrongly in atomic_min or atomic_max",
+    "gets a sign of the exact predicate wrong",
+    "rounds a * b + c of doubles once where it must round twice",
+    "reorders sums of doubles",
+    "does not round doubles to nearest even",
+    "loses denormal floats when it makes them doubles",
+    "rounds doubles to wrong denormal floats",
+};
+
+std::string joined(const std::vector<std::string>& clauses_found) {
+    std::string text;
+    for (std::size_t i = 0; i < clauses_found.size(); ++i)
+        text += (i == 0 ? "" : i + 1 < clauses_found.size() ? ", " : " and ") + clauses_found[i];
+    return text;
+}
+
+}  // namespace
+
+ArithmeticFaults check_arithmetic(cl::Session& session) {
+    SelfCheckResult result{};
+    result.least_key = ~0u;
+    const std::array<uint, 4> kept = {0x00000001u, 0x807FFFFFu, 0x7F7FFFFFu, 0};  // bits of floats
+    cl::Buffer results(session, sizeof(result)), floats(session, sizeof(kept));
+    session.write(results.get(), &result, sizeof(result));
+    session.write(floats.get(), kept.data(), sizeof(kept));
+    session.launch("exact/self_check.cl", "self_check", cl::Range::groups(1), results, floats);
+    session.read(results.get(), &result, sizeof(result));
+    session.take_device_ms();  // no stage's time
+    // Keys of minus and plus the largest float.
+    if (result.least_key != 0x00800000u || result.greatest_key != 0xFF7FFFFFu) result.faults |= 1u << FAULT_KEYS;
+
+    ArithmeticFaults faults;
+    for (std::size_t i = 0; i < clauses.size(); ++i)
+        if (result.faults >> i & 1u)
+            (FAULT_REFUSED >> i & 1u ? faults.everywhere : faults.in_double).push_back(clauses[i]);
+    return faults;
+}
+
+std::shared_ptr<cl::Session> open_checked(
+    const DeviceOptions& options, const std::function<std::shared_ptr<cl::Session>(const DeviceOptions&)>& open) {
+    std::shared_ptr<cl::Session> session = open(options);
+    ArithmeticFaults faults = check_arithmetic(*session);
+    if (faults.everywhere.empty() && !faults.in_double.empty()) {
+        const std::string note = "double precision is not used: the device " + joined(faults.in_double);
+        DeviceOptions without_double = options;
+        without_double.hide_fp64 = true;
+        session = open(without_double);
+        session->set_note(note);
+        faults = check_arithmetic(*session);
+    }
+    if (!faults.everywhere.empty())
+        throw DeviceNotFound("the device " + session->description().name + " cannot be used, since it " +
+                             joined(faults.everywhere) +
+                             ", so that shadows would not be exact: update its driver or choose another device");
+    session->forget_peak();
+    return session;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Stage sort: keys and their values in the order of the keys (kernels/lists/sort.h).
+#pragma once
+
+#include "lists/scan.hpp"
+
+namespace gnomon {
+
+class Sort {
+public:
+    /// Puts the first `count` keys and values in order. The buffers may change places with others as large.
+    void run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values);
+
+private:
+    Scan scan_;
+    cl::Buffer counts_, places_, other_keys_, other_values_;
+};
+
+}  // namespace gnomon

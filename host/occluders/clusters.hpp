@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Stage clusters: which clusters of a kept mesh can matter to a projection (kernels/occluders/clusters.h).
+#pragma once
+
+#include "api/inputs.hpp"
+#include "kernels/occluders/clusters.h"
+
+namespace gnomon {
+
+/// Clusters of a mesh, kept by Triangles::keep_clusters(): in the order of the caller's buffer, or where neighbours
+/// there are not neighbours in space, in an order along a space-filling curve.
+class Clusters {
+public:
+    Clusters(const Device& device, const TriangleInputs& triangles);
+
+    cl_uint count() const { return count_; }
+    const cl::Buffer& boxes() const { return boxes_; }
+    bool is_reordered() const { return numbers_.get() != nullptr; }
+    /// Where reordered: a copy of the vertices in the clusters' order, and the number of the triangle in each place.
+    const cl::Buffer& vertices() const { return vertices_; }
+    const cl::Buffer& numbers() const { return numbers_; }
+
+private:
+    void reorder(const TriangleInputs& triangles, const ClusterGrid& grid, double area);
+
+    Device device_;  ///< lives as long as the boxes
+    cl_uint count_;
+    cl::Buffer boxes_, vertices_, numbers_;
+};
+
+/// The triangles as clusters have them, and as the setup takes them: `numbers` is null if a triangle's place is its
+/// number.
+struct OrderedTriangles {
+    cl_mem vertices;
+    cl_ulong first_float;
+    const cl::Buffer* numbers;
+};
+OrderedTriangles ordered_triangles(const TriangleInputs& triangles);
+
+class ClusterCull {
+public:
+    /// Lists the clusters that can matter, for triangle_setup, and counts them and the triangles of all others in
+    /// `counters`; null if no clusters are kept. `pyramid` (receiver_depth_pyramid) may be null: then nothing is
+    /// dropped for being too far.
+    const cl::Buffer* run(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
+                          const cl::Buffer* pyramid, const cl::Buffer& counters);
+
+private:
+    cl::Buffer listed_;
+};
+
+}  // namespace gnomon

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Stage conservative_map: per texel, a height below which points are in shadow for certain
+// (kernels/occluders/conservative_map.cl).
+#pragma once
+
+#include "occluders/triangle_setup.hpp"
+#include "receivers/light_frame.hpp"
+
+namespace gnomon {
+
+enum class CoverTest { tight, circle };
+inline constexpr std::string_view cover_test_names[] = {"tight", "circle"};
+
+class ConservativeMap {
+public:
+    /// `pyramid` (receiver_depth_pyramid) tells which bins hold points, and how far they lie.
+    void run(cl::Session& session, const LightFrame& frame, const cl::Buffer& projection, const TriangleSetup& setup,
+             const cl::Buffer& pyramid, CoverTest cover_test, const cl::Buffer& counters);
+    /// After the triangles' bounds: leaves word in the projection if the map would decide too little. Then run() draws
+    /// nothing, and no stage looks at it.
+    void judge(cl::Session& session, const cl::Buffer& projection, const cl::Buffer& counters);
+    const cl::Buffer& map() const { return map_; }
+
+private:
+    cl::Buffer map_;
+};
+
+}  // namespace gnomon

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "occluders/triangle_setup.hpp"
+
+#include "api/variants.hpp"
+#include "kernels/lists/append.h"
+#include "occluders/clusters.hpp"
+
+namespace gnomon {
+void add_counters(FrameCounters& total, const FrameCounters& frame) {
+    // The struct is 32-bit counters and nothing else.
+    auto* sums = reinterpret_cast<uint*>(&total);
+    const auto* terms = reinterpret_cast<const uint*>(&frame);
+    for (std::size_t i = 0; i < sizeof(FrameCounters) / sizeof(uint); ++i) sums[i] += terms[i];
+}
+
+void GrowingList::reserve(cl::Session& session, std::uint64_t entries) {
+    if (entries <= capacity_) return;
+    capacity_ = 0;  // stays so if the next line throws
+    buffer_.reserve(session, entries * entry_bytes_);
+    capacity_ = static_cast<std::uint32_t>(entries);
+}
+
+bool GrowingList::fitted(cl::Session& session, std::uint64_t wanted, const char* what) {
+    if (wanted <= capacity_) return true;
+    if (wanted >= APPEND_OVERFLOW)
+        throw OutOfDeviceMemory(std::string("listing more than 2^32 ") + what, CL_MEM_OBJECT_ALLOCATION_FAILURE,
+                                "set a smaller map-size");
+    reserve(session, std::min<std::uint64_t>(wanted + wanted / 4, APPEND_OVERFLOW));
+    return false;
+}
+
+void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
+                               const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters) {
+    // A work-item of a CPU may leave most of a block unused.
+    const std::size_t unused =
+        session.is_cpu() ? session.many_groups() * session.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
+    const std::uint64_t likely = std::min<std::uint64_t>(triangles.count + unused + 1, first_capacity_);
+    bounds_.reserve(session, likely);
+    // As many as there are bounds, also where an earlier run failed between these lists; of tiles one each.
+    for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
+    const cl_uint has_clusters = clusters != nullptr, has_pyramid = pyramid != nullptr;
+    const OrderedTriangles ordered = ordered_triangles(triangles);
+    session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional),
+                   cl::Range::items(triangles.count / session.lanes() + 1), projection.buffer, triangles.count,
+                   ordered.first_float, capacity(), has_clusters, has_pyramid, ordered.vertices,
+                   clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
+                   counters, cl::LocalBytes{session.work_group_size() * BOUNDS_AT_ONCE * sizeof(TriangleBounds)});
+}
+
+void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& projection,
+                                  const TriangleInputs& triangles, const cl::Buffer* heights, const GrowingList& tiles,
+                                  cl_uint for_map, const PairBuffers* pairs, const cl::Buffer& counters) {
+    const OrderedTriangles ordered = ordered_triangles(triangles);
+    const cl_uint has_heights = heights != nullptr, has_numbers = ordered.numbers != nullptr;
+    const cl_uint lists_pairs = pairs != nullptr, pair_capacity = pairs != nullptr ? pairs->capacity : 0;
+    session.launch(variant(session, Task::make_triangle_tiles, projection.is_directional), cl::Range::items(capacity()),
+                   projection.buffer, ordered.first_float, capacity(), tiles.capacity(), has_numbers, has_heights,
+                   for_map, lists_pairs, pair_capacity, ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(),
+                   heights ? *heights : bounds(), bounds(), records(), map_candidates_.buffer(), tiles.buffer(),
+                   pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
+                   cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)},
+                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)});
+}
+
+void TriangleSetup::run_map_tiles(cl::Session& session, const ProjectionInput& projection,
+                                  const TriangleInputs& triangles, const cl::Buffer& pyramid,
+                                  const cl::Buffer& counters) {
+    run_tiles_for(session, projection, triangles, &pyramid, map_tiles_, 1, nullptr, counters);
+}
+
+void TriangleSetup::run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
+                              const cl::Buffer* heights, const PairBuffers* pairs, const cl::Buffer& counters) {
+    run_tiles_for(session, projection, triangles, heights, tiles_, 0, pairs, counters);
+}
+
+bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {
+    const std::uint32_t slots = std::max(counted.slots, counted.map_slots);
+    const bool bounds = bounds_.fitted(session, slots, "triangles");
+    if (!bounds) {
+        records_.reserve(session, capacity());
+        map_candidates_.reserve(session, capacity());
+    }
+    // Where not all triangles were seen the tiles are guessed, so that all lists grow at once.
+    const std::uint32_t tiles = bounds ? counted.tiles : std::max(counted.tiles, slots);
+    const bool map_fitted = map_tiles_.fitted(session, counted.map_tiles, "(triangle, tile) pairs");
+    const bool tiles_fitted = tiles_.fitted(session, tiles, "(triangle, tile) pairs");
+    return bounds && map_fitted && tiles_fitted;
+}
+
+}  // namespace gnomon

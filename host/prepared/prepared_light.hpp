@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Prepared light: what depends on the triangles and the light alone, kept while the points change
+// (kernels/prepared/prepared_light.h).
+#pragma once
+
+#include "kernels/prepared/prepared_light.h"
+#include "occluders/occluder_lists.hpp"
+#include "trace/trace.hpp"
+
+namespace gnomon {
+
+class PreparedLight {
+public:
+    /// Makes everything. `grid` and `settings` as for a run; `first_capacity`: of growing lists, 0: their own. Throws
+    /// as a run does, and is then of no use.
+    PreparedLight(cl::Session& session, Statistics& statistics, const Triangles& triangles, const Light& light,
+                  const FrameGrid& grid, const ListSettings& settings, std::uint32_t first_capacity);
+
+    /// False if the grid cannot tell these triangles apart: then nothing is kept, and every run makes its own lists.
+    bool is_usable() const { return is_usable_; }
+    bool is_of(const Triangles& triangles, const Light& light) const;
+
+    const LightFrame& light_frame() const { return light_frame_; }
+    const cl::Buffer& domains() const { return domains_; }
+    const cl::Buffer& projections() const { return light_frame_fit_.projections(); }
+    const cl::Buffer* map() const { return draws_map_ ? &map_ : nullptr; }
+    ReceiverBuffers receivers() const { return {domains_, planes_, largest_coordinate_, lit_, slots_}; }
+    ListBuffers lists() const { return {ranges_, entries_, records_, bounds_}; }
+    std::uint64_t bytes() const;
+    const FrameCounters& counted() const { return counted_; }  ///< over the frames
+
+private:
+    bool fit(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
+    void keep_planes(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
+    void seek_unshadowed_triangles(cl::Session& session, const TriangleInputs& triangles, cl_uint step);
+    void find_unshadowed_triangles(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
+    void keep(cl::Session& session, Statistics& statistics, const OccluderLists& lists, const FrameCounters& counted,
+              cl_uint frame);
+
+    Triangles triangles_;  ///< held, so that no other buffer can take its place
+    Light light_;
+    LightFrame light_frame_;
+    bool draws_map_, is_usable_ = false;
+    LightFrameFit light_frame_fit_;
+    cl::Buffer domains_, planes_, largest_coordinate_, lit_, slots_, ranges_, map_, entries_, records_, bounds_;
+    cl_uint entries_kept_ = 0, records_kept_ = 0;  ///< entries in units of BinEntries
+    FrameCounters counted_{};
+};
+
+}  // namespace gnomon

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "receivers/light_frames.hpp"
+
+namespace gnomon {
+
+void LightFrames::start_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
+                               const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
+                               const cl::Buffer& counters) {
+    cl::StageTimer timer(session, statistics, "facing");
+    facing_.run(session, light_frame, triangles, points, visibility, counters);
+}
+
+void LightFrames::start_fit(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
+    cl::StageTimer timer(session, statistics, "light_frame");
+    light_frame_.run(session, light_frame, facing_.frame_bounds());
+}
+
+FrameCounters LightFrames::decide_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
+                                         const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
+                                         const cl::Buffer& counters) {
+    start_facing(session, statistics, light_frame, triangles, points, visibility, counters);
+    return session.read_value<FrameCounters>(counters);
+}
+
+void LightFrames::fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
+                          const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
+                          const cl::Buffer& counters) {
+    start_facing(session, statistics, light_frame, triangles, points, visibility, counters);
+    start_fit(session, statistics, light_frame);
+    has_one_ = true;
+}
+
+void LightFrames::for_each(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
+                           const std::function<void(cl_uint frame)>& use) {
+    start_fit(session, statistics, light_frame);
+    has_one_ = false;
+    std::array<Projection, POINT_LIGHT_FRAMES> projections;
+    const cl_uint frame_count = frame_count_of(light_frame);
+    session.read(light_frame_.projections().get(), projections.data(), frame_count * sizeof(Projection));
+    projection_.reserve(session, sizeof(Projection));
+    for (cl_uint frame = 0; frame < frame_count; ++frame) {
+        if (projections[frame].active_points == 0) continue;
+        session.copy(light_frame_.projections(), frame * sizeof(Projection), projection_, 0, sizeof(Projection));
+        use(frame);
+    }
+}
+
+}  // namespace gnomon

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// Several samples per pixel: patterns, batches, and the mean.
+#include "samples/samples.hpp"
+
+#include <algorithm>
+
+#include "api/statistics.hpp"
+#include "camera/camera.hpp"
+#include "kernels/camera/camera.h"
+#include "samples/settled_samples.hpp"
+
+namespace gnomon {
+namespace {
+
+// Of points, visibility and what tracing needs for them: about half a gigabyte.
+constexpr std::size_t largest_batch = std::size_t{1} << 23;
+
+// Direct3D's standard patterns, in its sixteenths of a pixel.
+constexpr std::array<SampleOffset, 4> direct3d_4 = {{{-2, -6}, {6, -2}, {-6, 2}, {2, 6}}};
+constexpr std::array<SampleOffset, 8> direct3d_8 = {
+    {{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}}};
+constexpr std::array<SampleOffset, 16> direct3d_16 = {{{1, 1},
+                                                       {-1, -3},
+                                                       {-3, 2},
+                                                       {4, -1},
+                                                       {-5, -2},
+                                                       {2, 5},
+                                                       {5, 3},
+                                                       {3, -5},
+                                                       {-2, 6},
+                                                       {0, -7},
+                                                       {-4, -6},
+                                                       {-6, 4},
+                                                       {-8, 0},
+                                                       {7, -4},
+                                                       {6, 7},
+                                                       {-7, -8}}};
+
+template <std::size_t N>
+constexpr std::array<SampleOffset, N> from_sixteenths(std::array<SampleOffset, N> pattern) {
+    for (SampleOffset& offset : pattern) offset = {offset.x * SAMPLE_UNITS / 16, offset.y * SAMPLE_UNITS / 16};
+    return pattern;
+}
+
+// Hammersley's points in base 2, in the middle of their strata: ((i + 1/2) / 32, (reversed bits of i + 1/2) / 32).
+constexpr std::array<SampleOffset, 32> hammersley_32() {
+    std::array<SampleOffset, 32> pattern{};
+    for (int i = 0; i < 32; ++i) {
+        int reversed = 0;
+        for (int bit = 0; bit < 5; ++bit) reversed |= (i >> bit & 1) << (4 - bit);
+        pattern[static_cast<std::size_t>(i)] = {2 * i + 1 - 32, 2 * reversed + 1 - 32};
+    }
+    return pattern;
+}
+
+constexpr std::array<SampleOffset, 1> pattern_1{};
+constexpr auto pattern_4 = from_sixteenths(direct3d_4);
+constexpr auto pattern_8 = from_sixteenths(direct3d_8);
+constexpr auto pattern_16 = from_sixteenths(direct3d_16);
+constexpr auto pattern_32 = hammersley_32();
+
+void add_counts(Statistics& total, const Statistics& batch) {
+    for (const auto& [name, count] : batch.counts) {
+        const auto found = std::find_if(total.counts.begin(), total.counts.end(),
+                                        [&name = name](const auto& entry) { return entry.first == name; });
+        if (found == total.counts.end())
+            total.counts.emplace_back(name, count);
+        else
+            found->second += count;
+    }
+}
+
+// For techniques that settle nothing, or for `sink` alone (technique null): every sample of every pixel a point.
+Statistics run_every_sample(Technique* technique, const Device& device, const Triangles& triangles, const View& view,
+                            const Light& light, std::span<const SampleOffset> pattern, const Visibility& mean,
+                            const SampleSink& sink, std::size_t points_at_once) {
+    cl::Session& session = device.session();
+    const std::uint64_t before = session.memory_bytes();
+    const std::size_t pixels = view.points.count();
+    const Camera& camera = view.points.camera()->camera;
+    const std::size_t batch = std::clamp<std::size_t>(points_at_once / pixels, 1, pattern.size());
+    CameraStage stage(device);
+    stage.aim(triangles, camera, view.width, view.height);
+    const cl::Buffer positions(session, batch * pixels * 3 * sizeof(float)),
+        receivers(session, batch * pixels * sizeof(cl_uint));
+    const Visibility visibility(device, batch * pixels);
+
+    Statistics total;
+    for (std::size_t first = 0; first < pattern.size(); first += batch) {
+        const std::size_t count = std::min(batch, pattern.size() - first), points_count = count * pixels;
+        Statistics part;
+        for (std::size_t i = 0; i < count; ++i)
+            stage.run(pattern[first + i], view.points.receivers(), {positions, receivers, i * pixels, points_count},
+                      part);
+        add_stages(total, part);
+        Points points = Points::wrap(device, positions.get(), {0, 1, points_count}, points_count, receivers.get());
+        points.set_camera(camera, view.width, view.height);
+        if (sink) sink(points);
+        if (technique == nullptr) continue;
+        const Statistics shadow = technique->run(triangles, points, light, visibility);
+        add_stages(total, shadow);
+        add_counts(total, shadow);
+        const bool is_last = first + count == pattern.size();
+        {
+            cl::StageTimer timer(session, total, "samples_mean");
+            session.launch("samples/samples.cl", "samples_mean", cl::Range::items(pixels), cl_uint(pixels),
+                           cl_uint(count), cl_uint(first == 0),
+                           is_last ? 1.0f / static_cast<float>(pattern.size()) : 1.0f, visibility.buffer(),
+                           mean.buffer());
+        }
+        total.device_memory_bytes =
+            std::max(total.device_memory_bytes, session.memory_bytes() - before + shadow.device_memory_bytes);
+    }
+    return total;
+}
+
+}  // namespace
+
+std::span<const SampleOffset> sample_pattern(std::uint32_t samples) {
+    switch (samples) {
+        case 1:
+            return pattern_1;
+        case 4:
+            return pattern_4;
+        case 8:
+            return pattern_8;
+        case 16:
+            return pattern_16;
+        case 32:
+            return pattern_32;
+        default:
+            throw InvalidArgument("a pixel has 1, 4, 8, 16 or 32 samples, not " + std::to_string(samples));
+    }
+}
+
+Statistics run_samples_in_batches(Technique& technique, const Device& device, const Triangles& triangles,
+                                  const View& view, const Light& light, std::uint32_t samples, const Visibility& mean,
+                                  const SampleSink& sink, std::size_t points_at_once) {
+    const std::span<const SampleOffset> pattern = sample_pattern(samples);
+    if (!view.points.camera()) throw InvalidArgument("samples need a view that a camera has made");
+    const std::size_t pixels = view.points.count();
+    if (mean.count() < pixels)
+        throw InvalidArgument("the visibility buffer holds " + std::to_string(mean.count()) + " of " +
+                              std::to_string(pixels) + " pixels");
+    const auto start = std::chrono::steady_clock::now();
+    Statistics total;
+    auto* settling = dynamic_cast<SettlesFootprints*>(&technique);
+    if (settling != nullptr && samples > 1 && triangles.count() != 0) {
+        if (sink) run_every_sample(nullptr, device, triangles, view, light, pattern, mean, sink, points_at_once);
+        total = run_settled_samples(*settling, device, triangles, view, light, pattern, mean, points_at_once);
+    } else {
+        total = run_every_sample(&technique, device, triangles, view, light, pattern, mean, sink, points_at_once);
+    }
+    device.session().finish();
+    merge_stages(total);
+    total.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return total;
+}
+
+Statistics run_samples(Technique& technique, const Device& device, const Triangles& triangles, const View& view,
+                       const Light& light, std::uint32_t samples, const Visibility& mean, const SampleSink& sink) {
+    return run_samples_in_batches(technique, device, triangles, view, light, samples, mean, sink, largest_batch);
+}
+
+}  // namespace gnomon

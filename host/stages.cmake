@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: MIT
+# Every stage of gnomon, by wing, in the order in which data flows: a wing includes itself and the wings above it.
+# A name stands for all files that carry it:
+#   kernels/<wing>/<name>.h .clh .cl    host/<wing>/<name>.cpp    tests/<wing>/<name>_test.cpp
+# A new stage is one name here. A file that no name stands for is an error, and so is a name without a file.
+set(GNOMON_KERNELS kernels/prelude.h)
+set(GNOMON_SOURCES)
+set(GNOMON_TEST_SOURCES)
+
+macro(gnomon_wing wing)
+  set(wing_files)
+  foreach(name IN ITEMS ${ARGN})
+    set(name_files)
+    foreach(file IN ITEMS kernels/${wing}/${name}.h kernels/${wing}/${name}.clh kernels/${wing}/${name}.cl
+                          host/${wing}/${name}.cpp tests/${wing}/${name}_test.cpp)
+      if(EXISTS "${PROJECT_SOURCE_DIR}/${file}")
+        list(APPEND name_files ${file})
+      endif()
+    endforeach()
+    if(NOT name_files)
+      message(FATAL_ERROR "host/stages.cmake names ${wing}/${name}, and no file has that name")
+    endif()
+    list(APPEND wing_files ${name_files})
+  endforeach()
+  file(GLOB wing_found CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/kernels/${wing}/*.*"
+       "${PROJECT_SOURCE_DIR}/host/${wing}/*.cpp" "${PROJECT_SOURCE_DIR}/tests/${wing}/*_test.cpp")
+  list(REMOVE_ITEM wing_found ${wing_files})
+  if(wing_found)
+    message(FATAL_ERROR "host/stages.cmake has no name for ${wing_found}")
+  endif()
+  foreach(file IN LISTS wing_files)
+    if(file MATCHES "^kernels/")
+      list(APPEND GNOMON_KERNELS ${file})
+    elseif(file MATCHES "^host/")
+      list(APPEND GNOMON_SOURCES ${file})
+    else()
+      list(APPEND GNOMON_TEST_SOURCES ${file})
+    endif()
+  endforeach()
+endmacro()
+
+# The ground: OpenCL, and what implements gnomon.hpp.
+gnomon_wing(cl description program session source_locations)
+gnomon_wing(api errors inputs light_and_camera parts setting_values statistics variants
+            library faults regressions)
+
+gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
+gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks blocks_lanes predicates self_check)
+gnomon_wing(lists append fill group_scan scan sort)
+gnomon_wing(receivers light_frame footprint block_bounds receivers facing_cache facing
+            receiver_depth_pyramid light_frames)
+gnomon_wing(occluders triangle_setup bin_lists record_blocks bin_test hull_bounds clusters cluster_boxes pair_lists
+            tile_bins bins conservative_map
+            occluder_lists)
+gnomon_wing(camera camera camera_rays shading_point shade)
+gnomon_wing(trace trace coarse_test trace_points trace_blocks trace_rounds trace_open_points trace_kernel trace_queue_overflow
+            exact_trace provenance)
+gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_trace_cached_facing
+            prepared_trace_plane_side)
+gnomon_wing(samples samples neighbour_receivers clearance settle settled_samples)
+gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb trace_triangles
+            frustum_traced)
+gnomon_wing(techniques/shadow_map map_view projection polyhedron homography partition planned_view footprint
+            map_views depth_pass caster lookup depth_lookup mip_chain moments moment_lookup visibility_bounds prefilter
+            point_light_perspective rectilinear_warp virtual_map stored_map presets shadow_map soft_shadow
+            diagnostic diagnostic_colors)

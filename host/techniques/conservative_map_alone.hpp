@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Technique conservative-map: the exact pipeline up to its conservative map, and nothing after it: a lower bound of the
+// shadow (kernels/occluders/conservative_map_alone.cl).
+#pragma once
+
+#include "occluders/conservative_map.hpp"
+#include "receivers/receiver_depth_pyramid.hpp"
+#include "techniques/framed_technique.hpp"
+
+namespace gnomon {
+
+class ConservativeMapAlone final : public FramedTechnique {
+public:
+    explicit ConservativeMapAlone(const Device& device) : FramedTechnique(device) {}
+    void set(std::string_view name, std::string_view value) override;
+
+    static TechniqueDescription describe();
+
+private:
+    FrameGrid grid() const override { return binned(device_.session(), map_size_); }
+    void run_frame(Run& run, cl_uint frame) override;
+    void begin_counts() override { map_candidates_ = map_texels_ = 0; }
+    void add_counts(Run& run) const override;
+    /// False if the lists of triangles were too short, which are longer now.
+    bool list_triangles(Run& run);
+
+    CoverTest cover_test_ = CoverTest::tight;
+    std::uint32_t map_size_ = 1024;
+
+    std::uint64_t map_candidates_ = 0, map_texels_ = 0;  ///< in this run
+    ReceiverDepthPyramid receiver_depth_pyramid_;
+    ConservativeMap map_;
+};
+
+}  // namespace gnomon

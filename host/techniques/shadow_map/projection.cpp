@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+#include "techniques/shadow_map/projection.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "api/setting_values.hpp"
+#include "api/vectors.hpp"
+
+namespace gnomon {
+namespace {
+
+// Two entries come before the views: the scene's box, and camera depths (FIRST_VIEW of projection.cl).
+constexpr std::size_t first_view = 2;
+
+// In the order of their values in projection.h.
+constexpr std::string_view projections[] = {"uniform", "psm", "lispsm", "logpsm"};
+constexpr std::string_view fits[] = {"receivers", "frustum", "casters", "sphere", "quantised"};
+constexpr std::string_view partitions[] = {"single", "depth", "faces", "auto"};
+constexpr std::string_view ranges[] = {"points", "planes", "auto"};
+constexpr std::string_view switches[] = {"off", "on"};
+constexpr std::string_view storages[] = {"array", "atlas"};
+
+// The choice's position, none for its last name, "auto".
+std::optional<cl_uint> choice_or_auto(std::string_view name, std::string_view value,
+                                      std::span<const std::string_view> names) {
+    const cl_uint position = choice_setting(name, value, names);
+    return position + 1 == names.size() ? std::nullopt : std::optional(position);
+}
+
+cl_uint view_count(const ViewPlan& plan, cl_uint cascades) {
+    if (plan.partition == PARTITION_SINGLE) return 1;
+    return plan.partition == PARTITION_DEPTH ? cascades : 6;
+}
+
+void store(float* to, const Double3& v, double extra) {
+    for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(v[i]);
+    to[3] = static_cast<float>(extra);
+}
+
+void store_camera(const PointsCamera& from, ViewPlan& plan) {
+    const double tangent = std::tan(from.camera.fov_y_radians / 2);
+    std::copy(from.camera.eye.begin(), from.camera.eye.end(), plan.eye);
+    plan.eye[3] = 1;
+    store(plan.right, from.camera.right, tangent * from.width / std::max(from.height, 1u));
+    store(plan.up, from.camera.up, tangent);
+    store(plan.forward, from.camera.forward, 0);
+}
+
+// Entries 0 and 1: rows whose bounds are the scene's box and the points' camera depths.
+std::array<PlannedView, first_view> measures(const ViewPlan& plan) {
+    std::array<PlannedView, first_view> planned{};
+    for (PlannedView& view : planned) {
+        view.row_w[3] = 1;
+        for (int axis = 0; axis < 2; ++axis) view.limit_low[axis] = -HUGE_VALF, view.limit_high[axis] = HUGE_VALF;
+        view.hold_near = -HUGE_VALF;
+        view.hold_far = HUGE_VALF;
+        view.face = NO_FACE;
+    }
+    planned[0].row_u[0] = planned[0].row_v[1] = planned[0].row_depth[2] = 1;
+    std::copy(plan.eye, plan.eye + 3, planned[1].origin);
+    std::copy(plan.forward, plan.forward + 3, planned[1].row_depth);
+    return planned;
+}
+
+// The triangles' vertices as points, so that one kernel bounds both.
+PointInputs vertices_of(const TriangleInputs& triangles) {
+    PointsLayout layout{};
+    layout.first = static_cast<cl_uint>(triangles.first_float);
+    layout.point_stride = 3;
+    layout.coordinate_stride = 1;
+    layout.count = triangles.count * 3;
+    return {layout, triangles.vertices, triangles.vertices};
+}
+
+// Texel centres of all views, before the tables of warps.
+std::size_t centre_floats(const ViewPlan& plan) {
+    return std::size_t(plan.view_count) * 2 * MOST_SIDES * plan.map_size;
+}
+
+bool warps_faces(const ViewPlan& plan) {
+    return plan.partition == PARTITION_CUBE && plan.projection == PROJECTION_LISPSM && plan.fit == FIT_RECEIVERS;
+}
+
+MapSet map_set(const ViewPlan& plan) {
+    MapSet set{};
+    const cl_uint even = plan.map_size * plan.map_size;
+    set.view_count = plan.view_count;
+    set.texels_per_view = even;
+    set.texels = plan.view_count * even;
+    if (plan.atlas_columns != 0)
+        set.texels = (plan.view_count + plan.atlas_columns - 1) / plan.atlas_columns * plan.atlas_columns * even;
+    if (plan.shares_resolution != 0) {
+        set.texels += plan.view_count * LEAST_SIDE * MOST_SIDES * plan.map_size;
+        set.texels_per_view = set.texels;
+    }
+    set.has_camera = plan.eye[3] != 0;
+    std::copy(plan.eye, plan.eye + 3, set.eye);
+    std::copy(plan.forward, plan.forward + 3, set.camera_forward);
+    std::copy(plan.light, plan.light + 3, set.light);
+    return set;
+}
+
+}  // namespace
+
+bool ViewFit::set(std::string_view name, std::string_view value) {
+    constexpr float largest = 1e30f;
+    if (name == "projection")
+        projection_ = choice_setting(name, value, projections);
+    else if (name == "fit")
+        fit_ = choice_setting(name, value, fits);
+    else if (name == "partition")
+        partition_ = choice_or_auto(name, value, partitions);
+    else if (name == "depth-range")
+        range_ = choice_or_auto(name, value, ranges);
+    else if (name == "cascades")
+        cascades_ = whole_setting(name, value, 1, MOST_VIEWS);
+    else if (name == "lambda")
+        lambda_ = number_setting(name, value, 0, 1);
+    else if (name == "overlap")
+        overlap_ = number_setting(name, value, 0, 1);
+    else if (name == "blend")
+        blends_ = choice_setting(name, value, switches) != 0;
+    else if (name == "near")
+        near_plane_ = number_setting(name, value, 0, largest);
+    else if (name == "far")
+        far_plane_ = number_setting(name, value, 0, largest);
+    else if (name == "slide-back")
+        slide_back_ = number_setting(name, value, 0, largest);
+    else if (name == "share-texels")
+        shares_resolution_ = choice_setting(name, value, switches) != 0;
+    else if (name == "share-v")
+        alpha_ = number_setting(name, value, 0.05, 0.95);
+    else if (name == "self-similar")
+        is_self_similar_ = choice_setting(name, value, switches) != 0;
+    else if (name == "storage")
+        is_atlas_ = choice_setting(name, value, storages) != 0;
+    else
+        return warp_.set(name, value);
+    return true;
+}
+
+std::vector<SettingDescription> ViewFit::settings() {
+    std::vector<SettingDescription> settings{
+        {"projection", "uniform", "uniform, psm, lispsm or logpsm: how texels are laid over the light's rays"},
+        {"fit", "receivers", "receivers, frustum, casters, sphere (does not swim) or quantised: what a view holds"},
+        {"partition", "auto",
+         "auto, single, depth or faces (of the view frustum): how views are shared out; lamps: cube faces"},
+        {"depth-range", "auto", "points (as far as shading points reach), planes (near to far) or auto"},
+        {"cascades", "1", "slices of camera depth, 1 to 8"},
+        {"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"},
+        {"overlap", "0.02", "each slice holds this share more at both ends, for filters, 0 to 1"},
+        {"blend", "off", "on or off: each slice blends into the next one within its overlap"},
+        {"near", "0", "near plane of the slices, world units; 0: a thousandth of far"},
+        {"far", "0", "far plane of the slices, world units; 0: the scene's diagonal"},
+        {"slide-back", "0", "psm: move the camera back by so much, world units"},
+        {"share-texels", "off", "on or off: share texels out to views and axes by their error"},
+        {"share-v", "0.5", "share-texels: how much goes along the view, 0.05 to 0.95; 0.5 is even"},
+        {"self-similar", "off", "on or off: slices repeat the first one's fit (lambda 1, fit frustum)"},
+        {"storage", "array", "array or atlas: views one after the other, or side by side"}};
+    for (SettingDescription& setting : RectilinearWarp::settings()) settings.push_back(std::move(setting));
+    return settings;
+}
+
+ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
+    ViewPlan plan{};
+    const bool is_point_light = !inputs.light.is_directional();
+    std::copy(inputs.light.xyzw.begin(), inputs.light.xyzw.end(), plan.light);
+    if (inputs.camera) store_camera(*inputs.camera, plan);
+    plan.projection = inputs.camera ? projection_ : PROJECTION_UNIFORM;
+    plan.fit = inputs.camera || fit_ == FIT_CASTERS ? fit_ : FIT_RECEIVERS;
+    plan.partition = partition_.value_or(cascades_ > 1 ? PARTITION_DEPTH : PARTITION_SINGLE);
+    if (!inputs.camera) plan.partition = PARTITION_SINGLE;
+    const bool follows_view = plan.projection == PROJECTION_PSM || plan.projection == PROJECTION_LOGPSM;
+    if (is_point_light && plan.partition != PARTITION_FACES)
+        plan.partition = follows_view ? PARTITION_FACES : PARTITION_CUBE;
+    plan.range = range_.value_or(RANGE_POINTS);
+    if (plan.fit == FIT_SPHERE || plan.fit == FIT_QUANTISED) plan.range = RANGE_PLANES;
+    plan.near_plane = near_plane_;
+    plan.far_plane = far_plane_;
+    plan.lambda = lambda_;
+    plan.alpha = alpha_;
+    plan.overlap = overlap_;
+    plan.slide_back = slide_back_;
+    plan.blends = blends_ && plan.partition == PARTITION_DEPTH;
+    plan.map_size = size;
+    plan.keeps_casters = inputs.keeps_casters;
+    plan.view_count = view_count(plan, cascades_);
+    plan.self_similar = is_self_similar_ && plan.partition == PARTITION_DEPTH && plan.fit == FIT_FRUSTUM;
+    if (plan.self_similar != 0) plan.lambda = 1;
+    plan.shares_resolution = shares_resolution_ && plan.view_count > 1;
+    if (is_atlas_ && plan.shares_resolution == 0)
+        while (plan.atlas_columns * plan.atlas_columns < plan.view_count) ++plan.atlas_columns;
+    return plan;
+}
+
+std::string ViewFit::limits(const FitInputs& inputs) const {
+    if (!inputs.camera &&
+        (projection_ != PROJECTION_UNIFORM || cascades_ > 1 || fit_ != FIT_RECEIVERS || warp_.is_on()))
+        return "the points have no camera: one uniform view is fitted to them";
+    if (!inputs.light.is_directional() && projection_ == PROJECTION_LISPSM && partition_ != PARTITION_FACES &&
+        fit_ != FIT_RECEIVERS)
+        return "lispsm warps the faces around a lamp where they are fitted to the receivers: set fit=receivers";
+    return {};
+}
+
+void ViewFit::run_bounds(cl::Session& session, const ViewPlan& plan, cl_uint first, cl_uint count, bool only_open,
+                         const PointInputs& points, cl_mem visibility) {
+    session.launch("techniques/shadow_map/projection.cl", "projection_bounds", cl::Range::groups(session.many_groups()),
+                   plan, first, count, cl_uint(only_open), points.layout, points.positions, visibility, planned_,
+                   bounds_, cl::LocalBytes{sizeof(KeyBounds)});
+}
+
+// The views' rows, rectangles and texels, from the bounds.
+void ViewFit::run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views) {
+    map_views.set = map_set(plan);
+    map_views.views.reserve(session, plan.view_count * sizeof(MapView));
+    map_views.tables.reserve(session,
+                             (centre_floats(plan) + RectilinearWarp::table_floats(plan.view_count)) * sizeof(float));
+    session.launch("techniques/shadow_map/projection.cl", "projection_fit", cl::Range::items(plan.view_count), plan,
+                   bounds_, planned_, map_views.views);
+    if (plan.shares_resolution != 0)
+        session.launch("techniques/shadow_map/projection.cl", "projection_share", cl::Range::groups(1), plan, planned_,
+                       map_views.views);
+}
+
+void ViewFit::run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views) {
+    if (warp_.looks_from_light()) {
+        ViewPlan small = plan;
+        small.map_size = WARP_PIECES;
+        small.shares_resolution = small.atlas_columns = 0;
+        run_fit(session, small, small_views_);
+        fill_centres(session, small_views_);
+    }
+    warp_.run(session, plan, inputs, bounds_, small_views_, static_cast<cl_uint>(centre_floats(plan)), map_views);
+}
+
+void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views) {
+    if (warp_.is_on() && projection_ == PROJECTION_LOGPSM)
+        throw InvalidArgument("logpsm warps its map already: set warp=off, or projection=uniform, psm or lispsm");
+    const ViewPlan plan = plan_of(inputs, size);
+    const std::size_t entries = first_view + plan.view_count;
+    planned_.reserve(session, entries * sizeof(PlannedView));
+    bounds_.reserve(session, entries * sizeof(KeyBounds));
+    session.fill(bounds_, 0xFFFFFFFFu, entries * sizeof(KeyBounds));
+    const auto measured = measures(plan);
+    session.write(planned_.get(), measured.data(), sizeof(measured));
+
+    run_bounds(session, plan, 0, 1, false, vertices_of(inputs.triangles), inputs.visibility);
+    if (inputs.camera) run_bounds(session, plan, 1, 1, true, inputs.points, inputs.visibility);
+    session.launch("techniques/shadow_map/projection.cl", "projection_plan", cl::Range::items(plan.view_count), plan,
+                   bounds_, planned_);
+    run_bounds(session, plan, first_view, plan.view_count, true, inputs.points, inputs.visibility);
+    if (warps_faces(plan)) {
+        point_light_perspective_.run(session, plan, inputs, planned_, bounds_);
+        run_bounds(session, plan, first_view, plan.view_count, true, inputs.points, inputs.visibility);
+    }
+    run_fit(session, plan, map_views);
+    if (warp_.is_on() && inputs.camera) run_warp(session, plan, inputs, map_views);
+    fill_centres(session, map_views);
+}
+
+}  // namespace gnomon

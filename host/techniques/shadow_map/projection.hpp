@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Stage projection: projection x partition, the views of a shadow map fitted to the shading points
+// (kernels/techniques/shadow_map/projection.h, kernels/techniques/shadow_map/partition.h).
+#pragma once
+
+#include "kernels/techniques/shadow_map/projection.h"
+#include "techniques/shadow_map/point_light_perspective.hpp"
+#include "techniques/shadow_map/rectilinear_warp.hpp"
+
+namespace gnomon {
+
+class ViewFit {
+public:
+    /// True if the setting is one of the fit's; throws InvalidArgument if its value is none.
+    bool set(std::string_view name, std::string_view value);
+    static std::vector<SettingDescription> settings();
+    /// Fills map_views, texel centres included, with views of size x size texels each (or that many in all, shared out
+    /// by error). Nothing is read back.
+    void run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views);
+    /// What run() would make of these inputs: empty, or why it cannot do what the settings ask for and what it does
+    /// instead.
+    std::string limits(const FitInputs& inputs) const;
+
+private:
+    ViewPlan plan_of(const FitInputs& inputs, std::uint32_t size) const;
+    void run_bounds(cl::Session& session, const ViewPlan& plan, cl_uint first, cl_uint count, bool only_open,
+                    const PointInputs& points, cl_mem visibility);
+
+    cl_uint projection_ = PROJECTION_UNIFORM, fit_ = FIT_RECEIVERS;
+    std::optional<cl_uint> partition_, range_;  ///< none: chosen by the light and the other settings
+    cl_uint cascades_ = 1;
+    bool shares_resolution_ = false, is_self_similar_ = false, is_atlas_ = false, blends_ = false;
+    float lambda_ = 0.5f, alpha_ = 0.5f, overlap_ = 0.02f, near_plane_ = 0, far_plane_ = 0, slide_back_ = 0;
+    void run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views);
+    void run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);
+
+    PointLightPerspective point_light_perspective_;
+    RectilinearWarp warp_;
+    MapViews small_views_;  ///< for the warp's analysis from the light
+    cl::Buffer planned_, bounds_;
+};
+
+}  // namespace gnomon

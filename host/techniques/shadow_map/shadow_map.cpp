@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT
+// The pipeline of shadow maps:
+//
+//   facing      points that face away are decided
+//   fit         projection x partition: views fitted to the others
+//   depth_pass  the nearest caster per texel
+//   moments     the stored quantity, where it is more than depth
+//   prefilter   its means over neighbourhoods
+//   lookup      visibility of the points that face the light
+#include "techniques/shadow_map/shadow_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "api/setting_values.hpp"
+#include "kernels/simd/frame_counters.h"
+#include "receivers/facing.hpp"
+#include "techniques/shadow_map/diagnostic.hpp"
+
+namespace gnomon {
+namespace {
+
+constexpr std::uint32_t largest_size = 16384;
+
+// In the order of the constants they stand for.
+constexpr std::string_view store_names[] = {"depth", "variance", "layered", "convolution", "exponential",
+                                            "evsm2", "evsm4",    "ewgf",    "moments"};
+constexpr std::string_view lookup_names[] = {"hard", "pcf", "bilinear", "gaussian", "twelve", "pcss"};
+constexpr std::string_view prefilter_names[] = {"none", "gaussian", "summed-area", "mip"};
+constexpr std::string_view bias_names[] = {"scaled", "adaptive", "dual"};
+constexpr std::string_view switch_names[] = {"off", "on"};
+constexpr std::string_view bits_names[] = {"64", "128"};
+
+struct Setting {
+    SettingDescription description;
+    void (*set)(ShadowMapSettings&, std::string_view name, std::string_view value);
+};
+
+// One line per setting: what set() and describe() know of it.
+const std::vector<Setting>& settings_table() {
+    using S = ShadowMapSettings;
+    using Text = std::string_view;
+    static const std::vector<Setting> table{
+        {{"size", "2048", "texels per side of each view, 16 to 16384"},
+         [](S& s, Text n, Text v) { s.size = whole_setting(n, v, 16, largest_size); }},
+        {{"store", "depth",
+          "what a texel holds: depth, variance, layered, convolution, exponential, evsm2, evsm4, ewgf or moments"},
+         [](S& s, Text n, Text v) { s.store = choice_setting(n, v, store_names); }},
+        {{"prefilter", "none",
+          "none, gaussian, summed-area (a box) or mip (as wide as a pixel is there): filters what is stored; not for "
+          "depth"},
+         [](S& s, Text n, Text v) { s.prefilter = static_cast<Prefilter>(choice_setting(n, v, prefilter_names)); }},
+        {{"filter-width", "5",
+          "texels across the prefilter (mip: needs none), 1 to 33; odd for the Gaussian (sigma = width / 4.5)"},
+         [](S& s, Text n, Text v) { s.filter_width = whole_setting(n, v, 1, MOST_TAPS); }},
+        {{"lookup", "hard",
+          "of depths: hard, pcf (mean of taps^2 texels), bilinear, gaussian (both smooth), twelve or pcss"},
+         [](S& s, Text n, Text v) { s.lookup = choice_setting(n, v, lookup_names); }},
+        {{"taps", "3", "texels across the lookup's kernel, 1 to 33"},
+         [](S& s, Text n, Text v) { s.taps = whole_setting(n, v, 1, MOST_TAPS); }},
+        {{"softness", "1.5", "of lookup twelve: the deviation of its taps in texels, 0 to 100"},
+         [](S& s, Text n, Text v) { s.softness = number_setting(n, v, 0, 100); }},
+        {{"light-size", "0.01", "of lookup pcss: a position's size in world units; the tangent of a direction's angle"},
+         [](S& s, Text n, Text v) { s.light_size = number_setting(n, v, 0, 1e6); }},
+        {{"bias", "scaled",
+          "scaled by the caster's slope, adaptive (the receiver's plane at each texel) or dual (between two layers)"},
+         [](S& s, Text n, Text v) { s.bias = static_cast<S::Bias>(choice_setting(n, v, bias_names)); }},
+        {{"constant-bias", "0.0001",
+          "subtracted from the receiver's depth, 0 to 1; 1 is the map's depth range: the receivers' (pcss: to the "
+          "casters)"},
+         [](S& s, Text n, Text v) { s.constant_bias = number_setting(n, v, 0, 1); }},
+        {{"slope-bias", "1.5", "of bias scaled: times the caster's depth per texel, 0 to 100"},
+         [](S& s, Text n, Text v) { s.slope_bias = number_setting(n, v, 0, 100); }},
+        {{"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"},
+         [](S& s, Text n, Text v) { s.slope_limit = number_setting(n, v, 0, 1); }},
+        {{"dual-limit", "0.05", "of bias dual: most depth behind the first layer, above 0 to 1"},
+         [](S& s, Text n, Text v) { s.dual_limit = number_setting(n, v, 1e-7, 1); }},
+        {{"layers", "4", "of store layered: layers of depth, 1 to 16"},
+         [](S& s, Text n, Text v) { s.layers = whole_setting(n, v, 1, 16); }},
+        {{"terms", "16", "of store convolution: terms of the Fourier series, 1 to 16"},
+         [](S& s, Text n, Text v) { s.terms = whole_setting(n, v, 1, 16); }},
+        {{"exponent", "40",
+          "of stores exponential, evsm2, evsm4 and ewgf: c of exp(c z), 0.1 to 42; exponential to 80"},
+         [](S& s, Text n, Text v) { s.exponent = number_setting(n, v, 0.1, 80); }},
+        {{"negative-exponent", "5", "of store evsm4: c of -exp(-c z), 0.1 to 42"},
+         [](S& s, Text n, Text v) { s.negative_exponent = number_setting(n, v, 0.1, 42); }},
+        {{"bleeding", "0", "visibility below this becomes 0, the rest is stretched: against light bleeding, 0 to 0.99"},
+         [](S& s, Text n, Text v) { s.bleeding = number_setting(n, v, 0, 0.99); }},
+        {{"moment-bias", "auto",
+          "of moments: share of a constant mixed in, 0 to 1; of the others: least deviation of depth; auto: the "
+          "store's"},
+         [](S& s, Text n, Text v) {
+             s.moment_bias = v == "auto" ? std::nullopt : std::optional(number_setting(n, v, 0, 1));
+         }},
+        {{"bits", "128", "of store moments: 64 or 128 bits of memory per texel"},
+         [](S& s, Text n, Text v) { s.half_bits = choice_setting(n, v, bits_names) == 0; }},
+        {{"edges-only", "off", "of store variance: on filters only where the four texels around a point disagree"},
+         [](S& s, Text n, Text v) { s.edges_only = choice_setting(n, v, switch_names) == 1; }},
+    };
+    return table;
+}
+
+// Twelve points distributed like a Gaussian of deviation 1: radii at the middles of twelve equal shares of its
+// probability, angles turned by the golden one. (Document 004 does not give its values.)
+std::array<float, 24> gaussian_offsets() {
+    std::array<float, 24> offsets{};
+    for (int i = 0; i < 12; ++i) {
+        const double radius = std::sqrt(-2 * std::log(1 - (i + 0.5) / 12));
+        const double angle = i * 2.39996322972865332;
+        offsets[2 * i] = static_cast<float>(radius * std::cos(angle));
+        offsets[2 * i + 1] = static_cast<float>(radius * std::sin(angle));
+    }
+    return offsets;
+}
+
+}  // namespace
+
+void ShadowMap::require_consistent() const {
+    const ShadowMapSettings& s = settings_;
+    const std::string store(store_names[s.store]);
+    const bool is_depth = s.store == STORE_DEPTH;
+    if (is_depth && s.prefilter != Prefilter::none)
+        throw InvalidArgument(
+            "depths must not be filtered before they are compared: set prefilter=none, or a store "
+            "other than depth");
+    if (!is_depth && s.lookup != LOOKUP_HARD)
+        throw InvalidArgument("lookup=" + std::string(lookup_names[s.lookup]) + " compares depths, and store=" + store +
+                              " holds none: set lookup=hard, and filter by prefilter");
+    if (!is_depth && s.bias == ShadowMapSettings::Bias::adaptive)
+        throw InvalidArgument("bias=adaptive compares depths texel by texel, and store=" + store +
+                              " holds none: set bias=scaled");
+    if (s.prefilter == Prefilter::gaussian && s.filter_width % 2 == 0)
+        throw InvalidArgument("filter-width is odd where prefilter=gaussian, not " + std::to_string(s.filter_width));
+    const bool unit_range = s.store == STORE_VARIANCE || s.store == STORE_LAYERED || s.store == STORE_CONVOLUTION ||
+                            s.store == STORE_MOMENTS;
+    if (s.prefilter == Prefilter::summed_area && !unit_range)
+        throw InvalidArgument("sums of store=" + store +
+                              " would lose its precision: set prefilter=gaussian, or store=variance or moments");
+    const bool squares = s.store == STORE_EVSM2 || s.store == STORE_EVSM4 || s.store == STORE_EWGF;
+    if (squares && s.exponent > 42)
+        throw InvalidArgument("the squares of store=" + store + " overflow beyond exponent=42: set a smaller one");
+}
+
+StorePlan ShadowMap::store_plan() const {
+    const ShadowMapSettings& s = settings_;
+    StorePlan plan{};
+    plan.store = s.store;
+    plan.layers = s.layers;
+    plan.terms = s.terms;
+    plan.exponent = s.exponent;
+    plan.negative_exponent = s.negative_exponent;
+    plan.receiver_bias = s.constant_bias;
+    plan.bleeding = s.bleeding;
+    plan.half_bits = s.half_bits && s.store == STORE_MOMENTS;
+    plan.edges_only = s.edges_only && s.store == STORE_VARIANCE;
+    // Peters and Klein 2015 for moments; the others: what rounding of their squares needs.
+    const float own_bias = s.store != STORE_MOMENTS ? (s.store <= STORE_LAYERED ? 1e-3f : 1e-4f)
+                           : s.half_bits            ? 3e-5f
+                                                    : 3e-7f;
+    plan.moment_bias = s.moment_bias.value_or(own_bias);
+    switch (s.store) {
+        case STORE_LAYERED:
+            plan.planes = 2 * s.layers;
+            break;
+        case STORE_CONVOLUTION:
+            plan.planes = 2 * s.terms;
+            break;
+        case STORE_EXPONENTIAL:
+            plan.planes = 1;
+            break;
+        case STORE_EVSM4:
+        case STORE_MOMENTS:
+            plan.planes = 4;
+            break;
+        default:
+            plan.planes = 2;
+            break;
+    }
+    return plan;
+}
+
+LookupPlan ShadowMap::lookup_plan(const TriangleInputs& triangles) const {
+    LookupPlan plan{};
+    plan.lookup = settings_.lookup;
+    plan.taps = settings_.taps;
+    plan.adaptive = settings_.bias == ShadowMapSettings::Bias::adaptive;
+    plan.receiver_bias = settings_.constant_bias;
+    plan.softness = settings_.softness;
+    plan.light_size = settings_.light_size;
+    plan.triangle_count = triangles.count;
+    return plan;
+}
+
+void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
+    cl::Session& session = device_.session();
+    const ShadowMapSettings& s = settings_;
+    {
+        cl::StageTimer timer(session, statistics, "fit");
+        fit_.run(session, inputs, s.size, map_views_);
+    }
+    if (const std::string limits = fit_.limits(inputs); !limits.empty())
+        statistics.stages.push_back({"fit_along_view", 0, 0, limits});
+    {
+        cl::StageTimer timer(session, statistics, "depth_pass");
+        DepthBias bias;
+        if (s.bias == ShadowMapSettings::Bias::scaled && s.store == STORE_DEPTH) bias.slope = s.slope_bias;
+        bias.slope_limit = s.slope_limit;
+        if (s.bias == ShadowMapSettings::Bias::dual) bias.dual_limit = s.dual_limit;
+        depths_.run(session, inputs.triangles, map_views_, bias, s.store == STORE_VARIANCE || s.store == STORE_LAYERED);
+    }
+    if (s.store == STORE_DEPTH) {
+        cl::StageTimer timer(session, statistics, "lookup");
+        const auto offsets = gaussian_offsets();
+        offsets_.reserve(session, sizeof(offsets));
+        session.write(offsets_.get(), offsets.data(), sizeof(offsets));
+        session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup",
+                       cl::Range::items(inputs.points.layout.count), lookup_plan(inputs.triangles), map_views_.set,
+                       inputs.points.layout, inputs.triangles.first_float, inputs.points.positions,
+                       inputs.points.receivers, inputs.triangles.vertices, map_views_.views, map_views_.tables,
+                       depths_.keys(), offsets_, inputs.visibility);
+        return;
+    }
+    StorePlan plan = store_plan();
+    {
+        cl::StageTimer timer(session, statistics, "moments");
+        stored_.fill(session, map_views_, depths_, plan);
+    }
+    // A footprint is a pixel's: without a camera or receivers there is none.
+    const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
+    const bool lacks_footprints = s.prefilter == Prefilter::mip && !has_footprints;
+    {
+        cl::StageTimer timer(session, statistics, "prefilter");
+        stored_.prefilter(session, map_views_, lacks_footprints ? Prefilter::none : s.prefilter, s.filter_width, plan);
+    }
+    if (lacks_footprints) statistics.stages.back().skipped = "mip needs points of a camera: looked up unfiltered";
+    if (s.prefilter == Prefilter::none) statistics.stages.back().skipped = "switched off";
+    cl::StageTimer timer(session, statistics, "lookup");
+    session.launch(
+        "techniques/shadow_map/moment_lookup.cl", "moment_lookup", cl::Range::items(inputs.points.layout.count), plan,
+        inputs.camera ? pixel_steps(*inputs.camera) : PixelSteps{}, map_views_.set, inputs.points.layout,
+        inputs.triangles.first_float, inputs.triangles.count, inputs.points.positions, inputs.points.receivers,
+        inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), stored_.planes(),
+        plan.mips != 0 ? stored_.mips() : stored_.planes(), inputs.visibility);
+}
+
+Statistics ShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
+                          const Visibility& visibility) {
+    require_run(triangles, points, light, visibility);
+    require_consistent();
+    const auto start = std::chrono::steady_clock::now();
+    cl::Session& session = device_.session();
+    const cl::RunMemory memory(session, kept_bytes_);
+    FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
+    inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // it measures how far they are
+    Statistics statistics;
+    map_views_.set = {};
+    const FrameCounters facing =
+        run_facing(session, statistics, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
+    if (points.count() != 0) {
+        if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
+            run_stages(inputs, statistics);
+        else
+            statistics.stages.push_back({"depth_pass", 0, 0, "no point faces the light, or there are no triangles"});
+    }
+    statistics.counts = {{"points", points.count()},
+                         {"points_absent", facing.absent},
+                         {"points_facing_away", facing.facing_away},
+                         {"triangles", triangles.count()},
+                         {"map_views", map_views_.set.view_count},
+                         {"map_texels", map_views_.set.texels}};
+    session.finish();
+    statistics.device_memory_bytes = memory.peak_bytes();
+    statistics.total_wall_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return statistics;
+}
+
+std::vector<std::uint8_t> ShadowMap::diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                              const Light& light) {
+    const auto all = map_diagnostics();
+    const auto asked = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.name == name; });
+    if (asked == all.end()) return Technique::diagnose(name, triangles, points, light);
+    const Visibility visibility(device_, points.count());
+    run(triangles, points, light, visibility);  // leaves its views behind
+    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+                           points.camera()};
+    const auto diagnostic = static_cast<cl_uint>(asked - all.begin());
+    return opaque_bytes(run_map_diagnostic(device_.session(), diagnostic, inputs, map_views_).colors);
+}
+
+void ShadowMap::set(std::string_view name, std::string_view value) {
+    for (const Setting& setting : settings_table())
+        if (setting.description.name == name) return setting.set(settings_, name, value);
+    if (fit_.set(name, value)) return;
+    std::string names;
+    for (const SettingDescription& setting : describe().settings) names += (names.empty() ? "" : ", ") + setting.name;
+    throw InvalidArgument(name_ + " has no setting \"" + std::string(name) + "\": it has " + names);
+}
+
+TechniqueDescription ShadowMap::describe() {
+    TechniqueDescription description{
+        "shadow-map",
+        "shadow map of any composition: projection x partition x store x prefilter x lookup",
+        false,
+        {},
+        {}};
+    for (const Setting& setting : settings_table()) description.settings.push_back(setting.description);
+    for (SettingDescription& setting : ViewFit::settings()) description.settings.push_back(std::move(setting));
+    description.diagnostics.assign(map_diagnostics().begin(), map_diagnostics().end());
+    return description;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Technique shadow-map: projection x partition x stored quantity x prefilter x lookup, each a setting of its own.
+// The order of the stages is in shadow_map.cpp; named compositions are in presets.cpp.
+#pragma once
+
+#include "kernels/techniques/shadow_map/lookup.h"
+#include "techniques/shadow_map/projection.hpp"
+#include "techniques/shadow_map/stored_map.hpp"
+
+namespace gnomon {
+
+/// What is set of a shadow map beside its fit. Depths are in units of the map's depth: 0 to 1 over the receivers.
+struct ShadowMapSettings {
+    enum class Bias : std::uint32_t { scaled, adaptive, dual };
+
+    std::uint32_t size = 2048;
+    std::uint32_t store = STORE_DEPTH;
+    Prefilter prefilter = Prefilter::none;
+    std::uint32_t filter_width = 5;
+    std::uint32_t lookup = LOOKUP_HARD;
+    std::uint32_t taps = 3;
+    float softness = 1.5f;
+    float light_size = 0.01f;
+    Bias bias = Bias::scaled;
+    float constant_bias = 1e-4f, slope_bias = 1.5f, slope_limit = 0.05f, dual_limit = 0.05f;
+    std::uint32_t layers = 4, terms = 16;
+    float exponent = 40, negative_exponent = 5;
+    float bleeding = 0;
+    std::optional<float> moment_bias;  ///< none: the store's own
+    bool half_bits = false, edges_only = false;
+};
+
+class ShadowMap final : public Technique {
+public:
+    /// `name`: of the preset, for what errors say.
+    explicit ShadowMap(const Device& device, std::string name = "shadow-map")
+        : device_(device), name_(std::move(name)) {}
+    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
+                   const Visibility& visibility) override;
+    void set(std::string_view name, std::string_view value) override;
+    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                       const Light& light) override;
+
+    static TechniqueDescription describe();
+
+private:
+    /// Throws InvalidArgument where settings contradict each other.
+    void require_consistent() const;
+    StorePlan store_plan() const;
+    LookupPlan lookup_plan(const TriangleInputs& triangles) const;
+    void run_stages(const FitInputs& inputs, Statistics& statistics);
+
+    Device device_;
+    std::string name_;
+    ShadowMapSettings settings_;
+    ViewFit fit_;
+    std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
+    cl::Buffer counters_, offsets_;
+    MapViews map_views_;
+    DepthMap depths_;
+    StoredMap stored_;
+};
+
+}  // namespace gnomon

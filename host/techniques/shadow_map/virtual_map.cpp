@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+// The pipeline of virtual shadow maps:
+//
+//   facing   points that face away are decided
+//   fit      views fitted to the others, as shadow-map's
+//   request  each point asks for the page under it, at its pixel's level
+//   pages    a prefix sum gives every requested page its place
+//   draw     the nearest caster per texel of these pages
+//   lookup   visibility of the points that face the light
+//
+// Several lights: facing, fit, request and lookup for each, pages and draw once for all.
+#include "techniques/shadow_map/virtual_map.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "api/setting_values.hpp"
+#include "kernels/simd/frame_counters.h"
+#include "receivers/facing.hpp"
+#include "techniques/shadow_map/diagnostic.hpp"
+
+namespace gnomon {
+namespace {
+
+constexpr const char* file = "techniques/shadow_map/virtual_map.cl";
+
+// From one page on, each the double of the one before.
+constexpr std::string_view sizes[] = {"128", "256", "512", "1024", "2048", "4096", "8192", "16384"};
+
+// Texels are counted in 32 bits.
+constexpr std::uint32_t most_pages = 0xFFFFFFFFu / PAGE_TEXELS;
+
+}  // namespace
+
+VirtualPlan VirtualShadowMap::plan_of(const FitInputs& inputs, std::uint32_t view_count) const {
+    VirtualPlan plan{};
+    plan.pages_across = size_ / PAGE_SIZE;
+    plan.levels = static_cast<cl_uint>(std::bit_width(plan.pages_across));
+    plan.entries_per_view = (4 * plan.pages_across * plan.pages_across - 1) / 3;
+    plan.view_count = view_count;
+    if (inputs.camera)
+        plan.pixel_size = static_cast<float>(2 * std::tan(inputs.camera->camera.fov_y_radians / 2) /
+                                             std::max(inputs.camera->height, 1u));
+    plan.detail = detail_;
+    plan.level = level_;
+    plan.receiver_bias = constant_bias_;
+    return plan;
+}
+
+void VirtualShadowMap::request(LightRun& run, const VirtualPlan& plan) {
+    cl::Session& session = device_.session();
+    const MapViews& views = light_views_[run.index];
+    const PointInputs& points = run.inputs.points;
+    session.launch(file, "virtual_map_levels", cl::Range::items(views.set.view_count * plan.levels), plan,
+                   run.first_view, views.set.view_count, views.views, level_views_.views);
+    session.launch(file, "virtual_map_request", cl::Range::items(points.layout.count), plan, run.first_view,
+                   first_point(run), views.set, points.layout, points.positions, run.inputs.visibility, views.views,
+                   views.tables, requested_, point_entries_, counters_);
+    const VirtualCounters before = counted_;
+    session.read(counters_.get(), &counted_, sizeof(counted_));
+    run.outside = counted_.points_outside - before.points_outside;
+    run.pages = counted_.pages_requested - before.pages_requested;
+}
+
+void VirtualShadowMap::allocate(const VirtualPlan& plan) {
+    cl::Session& session = device_.session();
+    const cl_uint entries = plan.view_count * plan.entries_per_view;
+    page_of_.reserve(session, (std::size_t(entries) + 1) * sizeof(cl_uint));
+    scan_.run(session, entries, 1, requested_, page_of_);
+    const cl_uint pages = counted_.pages_requested;
+    if (pages > most_pages)
+        throw InvalidArgument("the points ask for " + std::to_string(pages) + " pages of a virtual map of size " +
+                              std::to_string(size_) + ", and there can be " + std::to_string(most_pages) +
+                              ": set a smaller size or detail");
+    pages_.reserve(session, pages * sizeof(MapView));
+    touched_.reserve(session, pages * sizeof(cl_uint));
+    session.fill(touched_, 0, pages * sizeof(cl_uint));
+    // A little more than the texels: the last are read in groups of lanes.
+    const std::size_t bytes = (std::size_t(pages) * PAGE_TEXELS + session.lanes()) * sizeof(cl_uint);
+    keys_.reserve(session, bytes);
+    session.fill(keys_, EMPTY_KEY, bytes);
+    session.launch(file, "virtual_map_pages", cl::Range::items(entries), plan, level_views_.views, requested_, page_of_,
+                   pages_);
+}
+
+void VirtualShadowMap::draw(const TriangleInputs& triangles, const VirtualPlan& plan) {
+    cl::Session& session = device_.session();
+    DepthPass pass{};
+    pass.pass = PASS_NEAREST;
+    pass.triangle_count = triangles.count;
+    pass.slope_bias = slope_bias_;
+    pass.slope_limit = slope_limit_;
+    // A minimum stays one when triangles are drawn twice: after growing, all are drawn again.
+    for (;;) {
+        pairs_.reserve(session, std::size_t(pair_capacity_) * 2 * sizeof(cl_uint));
+        pass.chunk_capacity = pair_capacity_;
+        session.launch(file, "virtual_map_small", cl::Range::items(triangles.count), plan, pass, triangles.first_float,
+                       triangles.vertices, level_views_.views, level_views_.tables, requested_, page_of_, pages_,
+                       touched_, keys_, counters_, pairs_);
+        session.launch(file, "virtual_map_large", session.small_groups(), plan, pass, triangles.first_float,
+                       triangles.vertices, level_views_.tables, page_of_, pages_, keys_, counters_, pairs_);
+        session.read(counters_.get(), &counted_, sizeof(counted_));
+        if (counted_.pairs <= pair_capacity_) return;
+        pair_capacity_ = counted_.pairs + counted_.pairs / 4;
+        counted_.pairs = 0;
+        session.write(counters_.get(), &counted_, sizeof(counted_));
+    }
+}
+
+std::uint64_t VirtualShadowMap::pages_drawn(std::uint64_t first, std::uint64_t count) const {
+    if (count == 0) return 0;
+    std::vector<cl_uint> touched(first + count);
+    device_.session().read(touched_.get(), touched.data(), touched.size() * sizeof(cl_uint));
+    return std::uint64_t(std::count(touched.begin() + std::ptrdiff_t(first), touched.end(), 1u));
+}
+
+cl_ulong VirtualShadowMap::first_point(const LightRun& run) {
+    return cl_ulong(run.index) * run.inputs.points.layout.count;
+}
+
+void VirtualShadowMap::run_stages(std::vector<LightRun*>& runs) {
+    cl::Session& session = device_.session();
+    cl_uint view_count = 0;
+    for (LightRun* run : runs) {
+        cl::StageTimer timer(session, run->statistics, "fit");
+        fit_.run(session, run->inputs, size_, light_views_[run->index]);
+        run->first_view = view_count;
+        view_count += light_views_[run->index].set.view_count;
+    }
+    const FitInputs& any = runs.front()->inputs;
+    const VirtualPlan plan = plan_of(any, view_count);
+    const std::size_t entries = std::size_t(plan.view_count) * plan.entries_per_view;
+    level_views_.set = light_views_[runs.front()->index].set;
+    level_views_.set.view_count = plan.view_count * plan.levels;
+    level_views_.views.reserve(session, level_views_.set.view_count * sizeof(MapView));
+    level_views_.tables.reserve(session, std::size_t(plan.view_count) * 4 * size_ * sizeof(cl_float));
+    requested_.reserve(session, entries * sizeof(cl_uint));
+    point_entries_.reserve(session, light_views_.size() * any.points.layout.count * sizeof(cl_uint));
+    session.fill(requested_, 0, entries * sizeof(cl_uint));
+    session.fill(counters_, 0, sizeof(VirtualCounters));
+    for (LightRun* run : runs) {
+        cl::StageTimer timer(session, run->statistics, "request");
+        request(*run, plan);
+    }
+    Statistics& shared = runs.front()->statistics;
+    {
+        cl::StageTimer timer(session, shared, "pages");
+        fill_centres(session, level_views_);
+        allocate(plan);
+    }
+    {
+        cl::StageTimer timer(session, shared, "draw");
+        draw(any.triangles, plan);
+    }
+    for (LightRun* run : runs) {
+        if (run != runs.front())
+            run->statistics.stages.push_back({"draw", 0, 0, "in one pass with the first light that is drawn"});
+        cl::StageTimer timer(session, run->statistics, "lookup");
+        session.launch(file, "virtual_map_lookup", cl::Range::items(any.points.layout.count), plan, first_point(*run),
+                       any.points.layout, any.points.positions, level_views_.tables, point_entries_, page_of_, pages_,
+                       keys_, run->inputs.visibility);
+    }
+}
+
+Statistics VirtualShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
+                                 const Visibility& visibility) {
+    return run_lights(triangles, points, std::span(&light, 1), std::span(&visibility, 1)).front();
+}
+
+std::vector<Statistics> VirtualShadowMap::run_lights(const Triangles& triangles, const Points& points,
+                                                     std::span<const Light> lights,
+                                                     std::span<const Visibility> visibilities) {
+    require_run_lights(triangles, points, lights, visibilities);
+    const auto start = std::chrono::steady_clock::now();
+    cl::Session& session = device_.session();
+    const cl::RunMemory memory(session, kept_bytes_);
+    light_views_.resize(lights.size());
+    counted_ = {};
+    static_assert(sizeof(VirtualCounters) <= sizeof(FrameCounters));
+    std::vector<LightRun> runs;
+    std::vector<LightRun*> drawn;
+    runs.reserve(lights.size());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        LightRun& run = runs.emplace_back(LightRun{
+            {triangle_inputs(triangles), point_inputs(points), visibilities[i].buffer(), lights[i], points.camera()}});
+        run.index = i;
+        light_views_[i].set = {};
+        const FrameCounters facing = run_facing(session, run.statistics, run.inputs.triangles, run.inputs.points,
+                                                lights[i], run.inputs.visibility, counters_);
+        run.absent = facing.absent;
+        run.facing_away = facing.facing_away;
+        if (points.count() == 0) continue;
+        if (triangles.count() != 0 && run.absent + run.facing_away < points.count())
+            drawn.push_back(&run);
+        else
+            run.statistics.stages.push_back({"draw", 0, 0, "no point faces the light, or there are no triangles"});
+    }
+    if (!drawn.empty()) run_stages(drawn);
+    session.finish();
+
+    std::vector<Statistics> all;
+    std::uint64_t first_page = 0;
+    const double total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    for (LightRun& run : runs) {
+        const std::uint64_t view_count = light_views_[run.index].set.view_count;
+        Statistics& s = run.statistics;
+        s.counts = {{"points", points.count()},
+                    {"points_absent", run.absent},
+                    {"points_facing_away", run.facing_away},
+                    {"points_outside", run.outside},
+                    {"triangles", triangles.count()},
+                    {"map_views", view_count},
+                    {"map_texels", run.pages * PAGE_TEXELS},
+                    {"virtual_texels", view_count * size_ * size_},
+                    {"pages_requested", run.pages},
+                    {"pages_drawn", pages_drawn(first_page, run.pages)}};
+        first_page += run.pages;
+        s.device_memory_bytes = memory.peak_bytes();  // of the pool
+        // The time of the whole is shared out evenly: most of it serves all.
+        s.total_wall_ms = total_ms / double(runs.size());
+        all.push_back(std::move(s));
+    }
+    return all;
+}
+
+std::vector<std::uint8_t> VirtualShadowMap::diagnose(std::string_view name, const Triangles& triangles,
+                                                     const Points& points, const Light& light) {
+    if (name != "page") return Technique::diagnose(name, triangles, points, light);
+    cl::Session& session = device_.session();
+    const std::size_t count = points.count();
+    // Where no point faces the light the run asks for no page.
+    point_entries_.reserve(session, count * sizeof(cl_uint));
+    session.fill(point_entries_, NO_PAGE, count * sizeof(cl_uint));
+    const Visibility visibility(device_, count);
+    run(triangles, points, light, visibility);  // leaves its pages behind
+    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+                           points.camera()};
+    const cl::Buffer colors(session, 3 * count * sizeof(float));
+    session.launch(file, "virtual_map_page_colors", cl::Range::items(count),
+                   plan_of(inputs, light_views_.front().set.view_count), inputs.points.layout, inputs.points.positions,
+                   point_entries_, colors);
+    std::vector<float> drawn(3 * count);
+    session.read(colors.get(), drawn.data(), drawn.size() * sizeof(float));
+    return opaque_bytes(drawn);
+}
+
+void VirtualShadowMap::set(std::string_view name, std::string_view value) {
+    if (name == "size")
+        size_ = PAGE_SIZE << choice_setting(name, value, sizes);
+    else if (name == "detail")
+        detail_ = number_setting(name, value, 0.01, 100);
+    else if (name == "level")
+        level_ = whole_setting(name, value, 0, std::size(sizes) - 1);
+    else if (name == "constant-bias")
+        constant_bias_ = number_setting(name, value, 0, 1);
+    else if (name == "slope-bias")
+        slope_bias_ = number_setting(name, value, 0, 100);
+    else if (name == "slope-limit")
+        slope_limit_ = number_setting(name, value, 0, 1);
+    else
+        throw InvalidArgument("virtual-shadow-map has no setting \"" + std::string(name) +
+                              "\": it has size, detail, level, constant-bias, slope-bias and slope-limit");
+}
+
+TechniqueDescription VirtualShadowMap::describe() {
+    return {
+        "virtual-shadow-map",
+        "virtual shadow map (Olsson et al. 2014): only the pages that points ask for, at their pixels' resolution",
+        false,
+        {{"size", "16384", "texels per side of each view's finest level: a power of two from 128 to 16384"},
+         {"detail", "1", "texels per pixel side that a point asks for, 0.01 to 100"},
+         {"level", "0", "of points without a camera: level they ask for, 0 (finest) to 7"},
+         {"constant-bias", "0.0001", "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range"},
+         {"slope-bias", "1.5", "times the caster's depth per texel, 0 to 100"},
+         {"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}},
+        {{"page",
+          "a colour for each level, red the finest, lighter and darker page by page; black where none serves"}}};
+}
+
+}  // namespace gnomon

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Technique virtual-shadow-map: a large shadow map of which only the pages that shading points ask for exist
+// (kernels/techniques/shadow_map/virtual_map.h).
+#pragma once
+
+#include "kernels/techniques/shadow_map/virtual_map.h"
+#include "lists/scan.hpp"
+#include "techniques/shadow_map/depth_pass.hpp"
+#include "techniques/shadow_map/projection.hpp"
+
+namespace gnomon {
+
+class VirtualShadowMap final : public Technique {
+public:
+    explicit VirtualShadowMap(const Device& device) : device_(device) {}
+    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
+                   const Visibility& visibility) override;
+    /// All lights' pages lie in one pool, drawn in one pass.
+    std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
+                                       std::span<const Visibility> visibilities) override;
+    void set(std::string_view name, std::string_view value) override;
+    /// "page": which page serves each point. Of any points, not only a camera's.
+    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                       const Light& light) override;
+
+    static TechniqueDescription describe();
+
+private:
+    /// A light, what its points still need, and where its views and points stand among those of all lights.
+    struct LightRun {
+        FitInputs inputs;
+        Statistics statistics{};
+        std::uint64_t facing_away = 0, absent = 0, outside = 0, pages = 0;
+        std::size_t index = 0;
+        cl_uint first_view = 0;
+    };
+
+    VirtualPlan plan_of(const FitInputs& inputs, std::uint32_t view_count) const;
+    static cl_ulong first_point(const LightRun& run);
+    /// Views, requests, pages, drawing and lookup for the lights that some point faces.
+    void run_stages(std::vector<LightRun*>& runs);
+    void request(LightRun& run, const VirtualPlan& plan);
+    /// Makes a physical page of every entry that was asked for.
+    void allocate(const VirtualPlan& plan);
+    void draw(const TriangleInputs& triangles, const VirtualPlan& plan);
+    /// How many of the pages [first, first + count) some caster's rectangle met.
+    std::uint64_t pages_drawn(std::uint64_t first, std::uint64_t count) const;
+
+    Device device_;
+    std::uint32_t size_ = 16384, level_ = 0;
+    float detail_ = 1;
+    float constant_bias_ = 1e-4f, slope_bias_ = 1.5f, slope_limit_ = 0.05f;  // as shadow-map's
+    std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
+
+    ViewFit fit_;
+    Scan scan_;
+    std::vector<MapViews> light_views_;  ///< of each light
+    MapViews level_views_;
+    cl::Buffer counters_, requested_, page_of_, point_entries_, pages_, touched_, keys_, pairs_;
+    std::uint32_t pair_capacity_ = 1u << 12;
+    VirtualCounters counted_{};
+};
+
+}  // namespace gnomon

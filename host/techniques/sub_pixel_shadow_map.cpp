@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "techniques/sub_pixel_shadow_map.hpp"
+
+#include "api/setting_values.hpp"
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::string_view off_on[] = {"off", "on"};
+
+}  // namespace
+
+bool SubPixelShadowMap::list_triangles(Run& run) {
+    cl::Session& session = device_.session();
+    cl::StageTimer timer(session, run.statistics, "triangle_setup");
+    session.fill(counters_, 0, sizeof(FrameCounters));
+    setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
+    setup_.run_tiles(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
+    return setup_.fitted(session, session.read_value<FrameCounters>(counters_));
+}
+
+void SubPixelShadowMap::draw(Run& run) {
+    cl::Session& session = device_.session();
+    const std::size_t bytes = std::size_t(run.light_frame.width) * run.light_frame.height * sizeof(cl_uint);
+    heights_.reserve(session, bytes);
+    ids_.reserve(session, bytes);
+    session.fill(heights_, 0, bytes);
+    session.fill(ids_, GN_NO_ID, bytes);
+    session.fill(map_counters_, 0, sizeof(SubPixelCounters));
+    for (const cl_uint stores_ids : {0u, 1u})
+        session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw",
+                       cl::Range::items(setup_.tiles().capacity()), frames_.projection(), setup_.tiles().capacity(),
+                       stores_ids, setup_.records(), setup_.bounds(), setup_.tiles().buffer(), counters_, heights_,
+                       ids_, map_counters_);
+}
+
+void SubPixelShadowMap::decide_points(Run& run, cl_uint frame) {
+    cl::Session& session = device_.session();
+    const cl_uint reach = neighbours_;
+    session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
+                   cl::Range::items(run.points.layout.count / session.lanes() + 1), run.light_frame, frame,
+                   run.points.layout, frames_.projection(), reach, run.triangles.first_float, run.points.positions,
+                   run.points.receivers, run.triangles.vertices, ids_, run.visibility, map_counters_);
+}
+
+void SubPixelShadowMap::run_frame(Run& run, cl_uint frame) {
+    cl::Session& session = device_.session();
+    while (!list_triangles(run)) ++run.grown;
+    {
+        cl::StageTimer timer(session, run.statistics, "sub_pixel_draw");
+        draw(run);
+    }
+    {
+        cl::StageTimer timer(session, run.statistics, "sub_pixel_lookup");
+        decide_points(run, frame);
+    }
+    const auto map = session.read_value<SubPixelCounters>(map_counters_);
+    texels_ += std::uint64_t(run.light_frame.width) * run.light_frame.height;
+    texels_with_triangle_ += map.texels;
+    run.in_shadow += map.in_shadow;
+}
+
+void SubPixelShadowMap::begin_counts() {
+    map_counters_.reserve(device_.session(), sizeof(SubPixelCounters));
+    texels_ = texels_with_triangle_ = 0;
+}
+
+void SubPixelShadowMap::add_counts(Run& run) const {
+    run.statistics.counts.emplace_back("texels", texels_);
+    run.statistics.counts.emplace_back("texels_with_triangle", texels_with_triangle_);
+}
+
+void SubPixelShadowMap::set(std::string_view name, std::string_view value) {
+    if (name == "neighbours")
+        neighbours_ = choice_setting(name, value, off_on) == 1;
+    else if (name == "map-size")
+        map_size_ = whole_setting(name, value, 16, 8192);
+    else
+        throw InvalidArgument("sub-pixel has no setting \"" + std::string(name) + "\": it has neighbours and map-size");
+}
+
+TechniqueDescription SubPixelShadowMap::describe() {
+    return {"sub-pixel",
+            "sub-pixel shadow mapping (Lecocq et al. 2014): the map stores triangles, which lookups test exactly",
+            false,
+            {{"neighbours", "on", "on or off: ask the triangles of the 8 texels around the point's as well"},
+             {"map-size", "1024", "texels per side of the light's grid, 16 to 8192"}}};
+}
+
+}  // namespace gnomon

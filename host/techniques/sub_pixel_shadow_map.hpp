@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Technique sub-pixel: a shadow map of triangles instead of depths (kernels/techniques/sub_pixel_shadow_map.h).
+#pragma once
+
+#include "kernels/techniques/sub_pixel_shadow_map.h"
+#include "techniques/framed_technique.hpp"
+
+namespace gnomon {
+
+class SubPixelShadowMap final : public FramedTechnique {
+public:
+    explicit SubPixelShadowMap(const Device& device) : FramedTechnique(device) {}
+    void set(std::string_view name, std::string_view value) override;
+
+    static TechniqueDescription describe();
+
+private:
+    FrameGrid grid() const override { return {map_size_, 0}; }
+    void run_frame(Run& run, cl_uint frame) override;
+    void begin_counts() override;
+    void add_counts(Run& run) const override;
+    /// False if the lists of triangles were too short, which are longer now.
+    bool list_triangles(Run& run);
+    void draw(Run& run);
+    void decide_points(Run& run, cl_uint frame);
+
+    bool neighbours_ = true;
+    std::uint32_t map_size_ = 1024;
+
+    std::uint64_t texels_ = 0, texels_with_triangle_ = 0;  ///< in this run
+    cl::Buffer map_counters_;
+    cl::Buffer heights_, ids_;  ///< per texel
+};
+
+}  // namespace gnomon

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Contract of clusters: CLUSTER_TRIANGLES triangles that follow each other, in the scene or in an order of the
+// clusters' own, with a box around those that are finite. A box is exact: its sides are coordinates of vertices,
+// compared as integers, so that neither rounding nor flushed denormals can move them. While the vertices do not change,
+// boxes are kept; a projection then lists the clusters that can matter to it, and the vertices of all others are never
+// read.
+#ifndef GN_CLUSTERS_H
+#define GN_CLUSTERS_H
+
+#include "prelude.h"
+
+#define CLUSTER_TRIANGLES 64u
+#define CLUSTER_BOX_BYTES 28
+
+// How triangles are put in order: by Morton's code of the middles of their boxes, CLUSTER_CODE_BITS of each coordinate,
+// as (x / 2 - origin) scale. Speed alone hangs on it. Triangles that are not finite come last.
+#define CLUSTER_CODE_BITS 10u
+GN_STRUCT_BEGIN(ClusterGrid)
+    float origin[3];
+    float scale;
+GN_STRUCT_END(ClusterGrid, 16)
+
+#ifndef __cplusplus
+
+#include "simd/lanes.clh"
+
+// GN_LANES clusters lie together, coordinate by coordinate.
+typedef struct ClusterBoxes {
+    LaneFloat low[3], high[3];  // low > high: no finite triangle, or past the last cluster
+    LaneInt not_finite;         // triangles with a NaN or infinite vertex
+} ClusterBoxes;
+typedef char ClusterBoxes_has_size[sizeof(ClusterBoxes) == GN_LANES * CLUSTER_BOX_BYTES ? 1 : -1];
+
+#endif
+#endif

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+// Prepared light: fits a light's frames to the triangles, and keeps of the stages' lists what a trace needs.
+//
+// Why a point outside the triangles' bounds is lit. Parallel: the raw grid coordinates of light_frame.h are off by at
+// most 4u M (M the largest world coordinate) and what underflow takes, those of vertices and of points alike; a
+// triangle's lie between its vertices'. The bounds are moved out by PREPARED_PADDING M of the vertices, and a point
+// counts as outside by PREPARED_PADDING times the sum of its own coordinates. A point whose coordinate along the
+// light's axis is greater than every vertex' has all triangles on the far side: that is exact. Perspective: a face's
+// triangles are those with a vertex at W > 0. If all its vertices have W > 0 its ratios lie between theirs (off by 8u),
+// else they may be any; a face has points up to 1 alone. A triangle with W < 0 at all vertices lies behind, and W of a
+// point is greater than 0 once it is above SMALLEST_W, far above what underflow could make of any other.
+#define TRACE_BY_PLANES 0
+#include "occluders/bin_lists.h"
+#include "occluders/triangle_setup.h"
+#include "prepared/prepared_facing.clh"
+
+// ---- Bounds of the triangles ----------------------------------------------------------------------------------------
+
+typedef struct TriangleValues {
+    float lowest[BOUNDED_VALUES], highest[BOUNDED_VALUES];
+    uint count;
+} TriangleValues;
+
+static void include_value(TriangleValues* values, int i, float low, float high) {
+    values->lowest[i] = fmin(values->lowest[i], low);
+    values->highest[i] = fmax(values->highest[i], high);
+}
+
+static float coordinate(float3 v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
+
+static void include_parallel(TriangleValues* values, LightFrame frame, const float3* vertices) {
+    for (int i = 0; i < 3; ++i) {
+        float3 v = vertices[i];
+        float z = coordinate(v, frame.axis_z);
+        float x = coordinate(v, frame.axis_x) - frame.shear_x * z, y = coordinate(v, frame.axis_y) - frame.shear_y * z;
+        include_value(values, 0, x, x);
+        include_value(values, 1, y, y);
+        include_value(values, 2, v.x, v.x);
+        include_value(values, 3, v.y, v.y);
+        include_value(values, 4, v.z, v.z);
+    }
+    ++values->count;
+}
+
+// Nothing of a triangle that lies outside one of the face's sides by this can be seen from a point of the face.
+#define FACE_SIDE (1.0f + 64.0f * GN_U)
+
+static void include_perspective(TriangleValues* values, LightFrame frame, const float3* vertices) {
+    float3 lamp = (float3)(frame.light[0], frame.light[1], frame.light[2]);
+    bool behind = true, in_front = true;
+    float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, nearest = INFINITY, farthest = -INFINITY;
+    for (int i = 0; i < 3; ++i) {
+        float3 d = vertices[i] - lamp;
+        float w = coordinate(d, frame.axis_z) * frame.sign_z;
+        float x = coordinate(d, frame.axis_x) / w, y = coordinate(d, frame.axis_y) / w;
+        behind = behind && w < 0.0f;
+        in_front = in_front && w > SMALLEST_W && fabs(x) <= FLT_MAX && fabs(y) <= FLT_MAX;
+        low[0] = fmin(low[0], x);
+        low[1] = fmin(low[1], y);
+        high[0] = fmax(high[0], x);
+        high[1] = fmax(high[1], y);
+        nearest = fmin(nearest, w);
+        farthest = fmax(farthest, w);
+    }
+    if (behind) return;
+    for (int i = 0; i < 2; ++i) {
+        if (in_front && (low[i] > FACE_SIDE || high[i] < -FACE_SIDE)) return;
+    }
+    for (int i = 0; i < 2; ++i)
+        include_value(values, i, in_front ? fmax(low[i], -1.0f) : -1.0f, in_front ? fmin(high[i], 1.0f) : 1.0f);
+    include_value(values, 4, fmax(nearest, SMALLEST_W), fmax(farthest, SMALLEST_W));
+    ++values->count;
+}
+
+static void raise_bound(volatile __global uint* highest, float value) {
+    uint key = float_to_key(value);
+    if (key > GN_RELAXED_LOAD(highest)) atomic_max(highest, key);
+}
+
+// The bounds are zeroed before.
+__kernel void prepared_bounds(LightFrame light_frame, ulong first_float, uint triangle_count,
+                              __global const float* vertices, volatile __global uint* frame_bounds) {
+    for (uint face = 0; face < frame_count_of(light_frame); ++face) {
+        LightFrame frame = face_of(light_frame, face);
+        TriangleValues values;
+        values.count = 0;
+        for (int i = 0; i < BOUNDED_VALUES; ++i) {
+            values.lowest[i] = INFINITY;
+            values.highest[i] = -INFINITY;
+        }
+        GN_FOR_EACH(i, triangle_count) {
+            Triangle t = load_triangle(vertices + first_float, i);
+            if (!is_finite_triangle(t)) continue;
+            float3 corners[3] = {t.a, t.b, t.c};
+            if (frame.perspective)
+                include_perspective(&values, frame, corners);
+            else
+                include_parallel(&values, frame, corners);
+        }
+        if (values.count == 0) continue;
+        volatile __global uint* words = frame_bounds + face * BOUNDS_WORDS;
+        for (int i = 0; i < BOUNDED_VALUES; ++i) {
+            raise_bound(&words[i], values.highest[i]);
+            raise_bound(&words[BOUNDED_VALUES + i], -values.lowest[i]);
+        }
+        atomic_add(&words[2 * BOUNDED_VALUES], values.count);
+    }
+}
+
+// ---- Domains --------------------------------------------------------------------------------------------------------
+
+// How far beyond the triangles points may lie, in parts of the largest extent; and how much farther from a lamp. More
+// of the first costs precision, of the second nothing.
+#define ROOM_AROUND 0.25f
+#define ROOM_BEYOND 1024.0f
+// Of a lamp's heights, 1 / W, those beyond this many times the least are not told apart by the lists' 16 bits.
+#define HEIGHT_RANGE 0x1p16f
+
+static void set_bound(__global PointBounds* bounds, int i, float low, float high) {
+    bounds->highest[i] = float_to_key(high);
+    bounds->minus_lowest[i] = float_to_key(-low);
+}
+
+static void make_parallel(LightFrame frame, const float* low, const float* high, __global PointBounds* bounds,
+                          PreparedDomain* domain) {
+    float largest = 0.0f, extent = 0.0f;
+    for (int i = 2; i < 5; ++i) {
+        largest = fmax(largest, fmax(fabs(low[i]), fabs(high[i])));
+        extent = fmax(extent, high[i] - low[i]);
+    }
+    float room = ROOM_AROUND * extent + 2.0f * PREPARED_PADDING * largest + PREPARED_UNDERFLOW;
+    for (int i = 0; i < 3; ++i) {
+        domain->world_low[i] = low[2 + i] - room;
+        domain->world_high[i] = high[2 + i] + room;
+        set_bound(bounds, 2 + i, domain->world_low[i], domain->world_high[i]);
+    }
+    domain->top = frame.sign_z > 0.0f ? high[2 + frame.axis_z] : -low[2 + frame.axis_z];
+    // A point of this box that is not lit lies at most its margin, three times the padding, beyond the lit bounds.
+    float beyond = 4.0f * PREPARED_PADDING * (largest + room) + 4.0f * PREPARED_UNDERFLOW;
+    for (int i = 0; i < 2; ++i) {
+        domain->lit_low[i] = low[i] - (PREPARED_PADDING * largest + PREPARED_UNDERFLOW);
+        domain->lit_high[i] = high[i] + (PREPARED_PADDING * largest + PREPARED_UNDERFLOW);
+        set_bound(bounds, i, domain->lit_low[i] - beyond, domain->lit_high[i] + beyond);
+    }
+}
+
+static void make_perspective(const float* low, const float* high, __global PointBounds* bounds,
+                             PreparedDomain* domain) {
+    // Where even the triangles reach beyond LARGEST_EXTENT the fit finds the frame indistinct.
+    float farthest = fmax(high[4], fmin(ROOM_BEYOND * high[4], 0.5f * LARGEST_EXTENT));
+    domain->world_low[2] = SMALLEST_W / unit_of_farthest(farthest);
+    domain->world_high[2] = farthest;
+    set_bound(bounds, 4, fmax(low[4], fmax(high[4] / HEIGHT_RANGE, 2.0f * domain->world_low[2])), farthest);
+    for (int i = 0; i < 2; ++i) {
+        domain->lit_low[i] = low[i] - PREPARED_PADDING;
+        domain->lit_high[i] = high[i] + PREPARED_PADDING;
+        set_bound(bounds, i, domain->lit_low[i], domain->lit_high[i]);
+    }
+}
+
+// Takes the triangles' bounds of each frame and makes of them its domain, and the bounds that the light frame is to be
+// fitted to.
+__kernel void prepared_domains(LightFrame light_frame, __global PointBounds* frame_bounds,
+                               __global PreparedDomain* domains) {
+    GN_FOR_EACH(face, frame_count_of(light_frame)) {
+        __global PointBounds* bounds = &frame_bounds[face];
+        float low[BOUNDED_VALUES], high[BOUNDED_VALUES];
+        for (int i = 0; i < BOUNDED_VALUES; ++i) {
+            low[i] = -key_to_float(bounds->minus_lowest[i]);
+            high[i] = key_to_float(bounds->highest[i]);
+        }
+        PreparedDomain domain;
+        for (int i = 0; i < 2; ++i) domain.lit_low[i] = domain.lit_high[i] = 0.0f;
+        for (int i = 0; i < 3; ++i) domain.world_low[i] = domain.world_high[i] = 0.0f;
+        domain.top = INFINITY;
+        domain.has_triangles = bounds->count != 0u;
+        if (!domain.has_triangles) {
+            domain.world_low[2] = SMALLEST_W;
+            domain.world_high[2] = FLT_MAX;
+        } else if (light_frame.perspective) {
+            make_perspective(low, high, bounds, &domain);
+        } else {
+            make_parallel(light_frame, low, high, bounds, &domain);
+        }
+        domains[face] = domain;
+    }
+}
+
+// ---- Lists ----------------------------------------------------------------------------------------------------------
+
+static bool is_used(__global const BinEntries* entries, uint lane) {
+    __global BinEntries* at = (__global BinEntries*)entries;
+    return ENTRY_LANE(at, x0, lane) <= ENTRY_LANE(at, x1, lane);
+}
+
+// Gives each record that a list names its place, from `first_record` on, in about the order of the lists: what is
+// looked at together lies together. places[slot] is GN_NO_ID before.
+__kernel void prepared_places(uint entry_count, uint first_record, __global const BinEntries* entries,
+                              __global uint* places, __global uint* kept_count) {
+    GN_FOR_EACH(i, entry_count) {
+        for (uint lane = 0; lane < GN_LANES; ++lane) {
+            if (!is_used(&entries[i], lane)) continue;
+            uint slot = ENTRY_SLOT(&entries[i], lane);
+            if (atomic_cmpxchg(&places[slot], GN_NO_ID, 0u) == GN_NO_ID)
+                atomic_xchg(&places[slot], first_record + atomic_inc(kept_count));
+        }
+    }
+}
+
+__kernel void prepared_records(uint slot_count, __global const uint* places, __global const TriangleRecord* records,
+                               __global const TriangleBounds* bounds, __global TriangleRecord* kept_records,
+                               __global TriangleBounds* kept_bounds) {
+    GN_FOR_EACH(slot, slot_count) {
+        uint place = places[slot];
+        if (place == GN_NO_ID) continue;
+        kept_records[place] = records[slot];
+        kept_bounds[place] = bounds[slot];
+    }
+}
+
+// Of a frame's records, `count` from `first` on, the slot by their triangle's id. Of a triangle that is in several of a
+// lamp's frames the last one counts.
+__kernel void prepared_slots(uint first, uint count, __global const TriangleBounds* bounds, __global uint* slots) {
+    GN_FOR_EACH(i, count) slots[bounds[first + i].id] = first + (uint)i;
+}
+
+// Copies a frame's entries, from `first_entry` on, with the records' new places.
+__kernel void prepared_entries(uint entry_count, uint first_entry, __global const BinEntries* entries,
+                               __global const uint* places, __global BinEntries* kept_entries) {
+    GN_FOR_EACH(i, entry_count) {
+        __global BinEntries* kept = &kept_entries[first_entry + i];
+        *kept = entries[i];
+        for (uint lane = 0; lane < GN_LANES; ++lane)
+            if (is_used(&entries[i], lane)) ((__global uint*)&kept->slot)[lane] = places[ENTRY_SLOT(&entries[i], lane)];
+    }
+}
+
+__kernel void prepared_ranges(uint bin_count, uint first_bin, uint first_entry, __global const uint2* ranges,
+                              __global uint2* kept_ranges) {
+    GN_FOR_EACH(i, bin_count) kept_ranges[first_bin + i] = ranges[i] + first_entry;
+}
+
+// ---- Receivers ------------------------------------------------------------------------------------------------------
+
+// `largest_coordinate`: of all finite triangles, as bits; 0 before.
+__kernel void prepared_planes(LightFrame light_frame, ulong first_float, uint triangle_count,
+                              __global const float* vertices, __global float4* planes,
+                              volatile __global uint* largest_coordinate) {
+    PointBlock light = same_point(light_frame.light[0], light_frame.light[1], light_frame.light[2]);
+    PointBlock zero = same_point(0.0f, 0.0f, 0.0f);
+    LaneInt largest = (LaneInt)(0);
+    uint exact = 0;
+    GN_FOR_EACH(block, triangle_count / GN_LANES + (triangle_count % GN_LANES != 0u)) {
+        size_t first = block * GN_LANES;
+        TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
+        LaneInt size = largest_triangle_bits(&t), finite = finite_triangles(&t);
+        LaneCross normals = triangle_normals(&t);
+        LaneInt sides = lanes_side(&t, &normals, &light, light_frame.light[3] != 0.0f ? &t.a : &zero, finite, &exact);
+        PlaneBlock kept = planes_towards_light(&t, &normals, sides);
+        for (uint lane = 0; lane < min((uint)(triangle_count - first), (uint)GN_LANES); ++lane)
+            planes[first + lane] = (float4)(lane_point(kept.n, (int)lane), LANE_OF_FLOAT(kept.minus_offset, lane));
+        largest = max(largest, size & finite);
+    }
+    uint bits = (uint)LANES_MAXIMUM(largest);
+    if (bits > GN_RELAXED_LOAD(largest_coordinate)) atomic_max(largest_coordinate, bits);
+}

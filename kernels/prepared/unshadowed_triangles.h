@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Contract of lit receivers: triangles of which a prepared light knows that nothing shadows them. A point on one needs
+// neither map nor list.
+//
+// Of each triangle R a bit is kept: set only if no other triangle can block any point in R's interior
+// (unshadowed_triangles.cl). Let P be a point with receiver R, lifted (on R's plane or on its light's side, exactly),
+// and strictly within R as the light sees it: P = Q + t D, t >= 0, Q in R's interior, D towards the light. P's ray is
+// part of Q's, so what would block P would block Q: P is lit, wherever on its ray it is. A triangle in whose plane Q
+// lies has no other point on the ray, so that the contract's exception for such Q takes nothing away.
+//
+// Within R: the three edges' determinants of blocks(), by det3's float level alone, which is certain but for points a
+// millionth of R's size from an edge. Those are asked as ever.
+#ifndef GN_UNSHADOWED_TRIANGLES_H
+#define GN_UNSHADOWED_TRIANGLES_H
+
+#include "simd/points.h"
+
+// Triangles' bits in a word, and how many work-items share out a triangle's bins.
+#define UNSHADOWED_WORD_BITS 32u
+#define UNSHADOWED_TEAM 32u
+
+#ifndef __cplusplus
+
+#include "exact/det3.clh"
+
+static uint lit_bit(uint id) { return 1u << (id % UNSHADOWED_WORD_BITS); }
+
+static bool is_lit_receiver(__global const uint* lit, uint id) {
+    return (lit[id / UNSHADOWED_WORD_BITS] & lit_bit(id)) != 0u;
+}
+
+// A direction's light alone.
+static bool is_certainly_within(Triangle t, float3 p, float3 towards_light) {
+    const float3 zero = (float3)(0.0f);
+    int ab, bc, ca;
+    bool certain = det3_sign_float(t.a, p, t.b, p, towards_light, zero, &ab) &
+                   det3_sign_float(t.b, p, t.c, p, towards_light, zero, &bc) &
+                   det3_sign_float(t.c, p, t.a, p, towards_light, zero, &ca);
+    return certain && ab == bc && bc == ca;
+}
+
+#endif
+#endif

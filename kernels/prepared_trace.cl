@@ -1,6 +1,0 @@
-// SPDX-License-Identifier: MIT
-// The first look under a prepared light, at all points: facing is decided on the way (prepared_facing.h).
-#define TRACE_KERNEL prepared_trace
-#define TRACE_BY_PLANES 0
-#include "prepared_trace.h"
-#include "trace_kernel.h"

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// What the open points of a block span in the light's frame. The facing stage says it of blocks of several points, so
+// that later stages need not load points that they can settle as a block.
+#ifndef GN_BLOCK_BOUNDS_H
+#define GN_BLOCK_BOUNDS_H
+
+#include "receivers/light_frame.h"
+
+GN_STRUCT_BEGIN(BlockBounds)
+    // Of grid_values(), with the height (z towards the light; of a lamp -W) in the place of z: the least, and minus the
+    // greatest.
+    float x, minus_x, y, minus_y, height, minus_height;
+    uint frame;  // that all open points are in, or BLOCK_*
+    uint flags;  // BLOCK_ALL_OPEN, BLOCK_DOUBTFUL
+GN_STRUCT_END(BlockBounds, 32)
+
+#define BLOCK_IN_NO_FRAME 0xFFFFFFFFu  // no point is open
+#define BLOCK_IN_FRAMES 0xFFFFFFFEu    // the open points are in several: nothing is said of them
+#define BLOCK_ALL_OPEN 1u              // every lane
+#define BLOCK_DOUBTFUL 2u              // some of them are
+
+#ifndef __cplusplus
+
+static float8 least_of_two(float8 a, float8 b) { return select(b, a, a < b); }
+
+// As facing keeps them: in the order of BlockBounds, two more that mean nothing.
+#if GN_LANES == 1
+// `lanes` is set.
+static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
+    return (float8)(low.x, -high.x, low.y, -high.y, low.z, -high.z, INFINITY, INFINITY);
+}
+#else
+// Least values of eights: a transposition halves the work of each step, where eight reductions one by one would not.
+static float8 least_of_pairs(float8 a, float8 b) {
+    float8 low = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);
+    float8 high = (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7);
+    return least_of_two(low, high);  // a b a b, twice
+}
+static float8 least_of_fours(float8 ab, float8 cd) {
+    float8 low = (float8)(ab.s01, cd.s01, ab.s45, cd.s45), high = (float8)(ab.s23, cd.s23, ab.s67, cd.s67);
+    return least_of_two(low, high);  // a b c d, twice
+}
+static float8 least_half(float16 v) { return least_of_two(v.lo, v.hi); }
+
+static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
+    LaneFloat none = (LaneFloat)(INFINITY);
+    float8 x =
+        least_of_pairs(least_half(LANES_SELECT(none, low.x, lanes)), least_half(LANES_SELECT(none, -high.x, lanes)));
+    float8 y =
+        least_of_pairs(least_half(LANES_SELECT(none, low.y, lanes)), least_half(LANES_SELECT(none, -high.y, lanes)));
+    float8 z =
+        least_of_pairs(least_half(LANES_SELECT(none, low.z, lanes)), least_half(LANES_SELECT(none, -high.z, lanes)));
+    float8 xy = least_of_fours(x, y), zz = least_of_fours(z, z);
+    float8 low_halves = (float8)(xy.lo, zz.lo), high_halves = (float8)(xy.hi, zz.hi);
+    return least_of_two(low_halves, high_halves);
+}
+#endif
+
+// Of points in a direction's frame, of these grid values.
+static BlockBounds bounds_of_block(LightFrame frame, PointBlock values, LaneInt lanes) {
+    values.z *= frame.sign_z;
+    float8 span = span_of_lanes(values, values, lanes);
+    BlockBounds bounds = {span.s0, span.s1, span.s2, span.s3, span.s4, span.s5, 0u, 0u};
+    return bounds;
+}
+
+// World coordinates that belong to grid coordinates from low to high under these z: x = grid x + shear z. The grid
+// coordinates are off by 4u M, the products and sums here by less.
+static void world_bounds(float low, float high, float shear, float z_low, float z_high, float* world_low,
+                         float* world_high) {
+    float margin = 16.0f * GN_U * (fmax(fabs(low), fabs(high)) + fmax(fabs(z_low), fabs(z_high)));
+    *world_low = low + fmin(shear * z_low, shear * z_high) - margin;
+    *world_high = high + fmax(shear * z_low, shear * z_high) + margin;
+}
+
+// How a frame's projection takes grid values to its grid.
+typedef struct BlockGrid {
+    float origin_x, scale_x, offset_x, origin_y, scale_y, offset_y;
+    float origin_height, unit;
+    float error;  // in texels
+    bool perspective, indistinct;
+} BlockGrid;
+
+// Where a block's points are in the grid, all errors included: texels, and heights as the projection computes them.
+typedef struct BlockBox {
+    uint x0, y0, x1, y1;
+    float z0, z1;
+} BlockBox;
+
+// The error. With X the projection's real map (light_frame.cl), every point's computed place is within point_error of
+// X. Made here from grid values instead: they are off by 4u M (M the largest world coordinate; 8u for ratios), so is
+// origin, the difference and the sum round once each. All that is below 16u M scale, for which block_error has 32u M
+// scale (of ratios below 10u scale, which point_error has), and u times the place's magnitudes, which point_error has
+// ten times. So block_error = 2 point_error + 32u M scale; see light_frame.cl.
+static BlockGrid block_grid(LightFrame light_frame, __constant const Projection* projection, uint face) {
+    LightFrame frame = face_of(light_frame, face);
+    BlockGrid grid;
+    grid.perspective = IS_PERSPECTIVE(frame) != 0u;
+    grid.indistinct = projection->indistinct != 0u;
+    grid.error = projection->block_error;
+    grid.unit = fabs(projection->row_z[frame.axis_z]);  // a power of two, of a lamp
+    float z = projection->center[frame.axis_z];
+    if (IS_PERSPECTIVE(frame)) {
+        grid.scale_x = projection->row_x[frame.axis_x] / grid.unit;
+        grid.scale_y = projection->row_y[frame.axis_y] / grid.unit;
+        grid.offset_x = projection->row_x[frame.axis_z] * frame.sign_z / grid.unit;
+        grid.offset_y = projection->row_y[frame.axis_z] * frame.sign_z / grid.unit;
+        grid.origin_x = grid.origin_y = grid.origin_height = 0.0f;
+    } else {
+        grid.scale_x = projection->row_x[frame.axis_x];
+        grid.scale_y = projection->row_y[frame.axis_y];
+        grid.offset_x = projection->row_x[3];
+        grid.offset_y = projection->row_y[3];
+        grid.origin_x = projection->center[frame.axis_x] - frame.shear_x * z;
+        grid.origin_y = projection->center[frame.axis_y] - frame.shear_y * z;
+        grid.origin_height = frame.sign_z * z;
+    }
+    return grid;
+}
+
+// A computed height: parallel the same operation as project_points(), which is monotone; of a lamp a quotient, which
+// may be off by 3 ulp, as theirs.
+static float height_of_block(const BlockGrid* grid, float height, float error) {
+    if (!grid->perspective) return height - grid->origin_height;
+    return 1.0f / (grid->unit * -height) * (1.0f + error);
+}
+
+static BlockBox block_box(const BlockGrid* grid, __constant const Projection* projection, const BlockBounds* block) {
+    BlockBox box;
+    float x0 = fma(grid->scale_x, block->x - grid->origin_x, grid->offset_x) - grid->error;
+    float x1 = fma(grid->scale_x, -block->minus_x - grid->origin_x, grid->offset_x) + grid->error;
+    float y0 = fma(grid->scale_y, block->y - grid->origin_y, grid->offset_y) - grid->error;
+    float y1 = fma(grid->scale_y, -block->minus_y - grid->origin_y, grid->offset_y) + grid->error;
+    box.x0 = texel_index(x0, projection->width);
+    box.y0 = texel_index(y0, projection->height);
+    box.x1 = texel_index(x1, projection->width);
+    box.y1 = texel_index(y1, projection->height);
+    box.z0 = height_of_block(grid, block->height, -16.0f * GN_U);
+    box.z1 = height_of_block(grid, -block->minus_height, 16.0f * GN_U);
+    return box;
+}
+
+#endif
+#endif

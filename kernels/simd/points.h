@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Shading points as the caller or the camera stage lays them out, and triangles as nine floats each.
+#ifndef GN_POINTS_H
+#define GN_POINTS_H
+
+#include "prelude.h"
+
+// Coordinate c of point i: positions[first + i * point_stride + c * coordinate_stride].
+GN_STRUCT_BEGIN(PointsLayout)
+    uint first;
+    uint point_stride;
+    uint coordinate_stride;
+    uint count;
+    uint has_receivers;  // 0: the receivers buffer is a dummy
+    uint has_eye;        // 1: points facing away from the light are decided by that
+    float eye[2 + 1];
+    uint picture_width;  // a multiple of 4: the points are whole rows of pictures, each a multiple of 4 rows; else 0
+    uint is_lifted;  // 1: the camera stage made them of these triangles: with an eye, and none is doubtful (facing.cl)
+    uint padding;
+GN_STRUCT_END(PointsLayout, 48)
+
+// What the facing stage does with points that do not face away: they are lit, or open, and their bounds are taken.
+#define FACING_DECIDES 0u
+#define FACING_BOUNDS 1u
+
+// On a GPU: points that floats do not decide, listed up to so many.
+#define UNDECIDED_CAPACITY 65536u
+
+#ifndef __cplusplus
+
+static float3 load_point(__global const float* positions, PointsLayout layout, size_t i) {
+    size_t at = layout.first + i * layout.point_stride;
+    return (float3)(positions[at], positions[at + layout.coordinate_stride],
+                    positions[at + 2 * (size_t)layout.coordinate_stride]);
+}
+
+static float3 eye_of(PointsLayout layout) { return (float3)(layout.eye[0], layout.eye[1], layout.eye[2]); }
+
+// An absent point (NaN or infinite): the sky of a view, or a caller's hole.
+static bool is_present(float3 p) { return GN_FINITE(p.x) && GN_FINITE(p.y) && GN_FINITE(p.z); }
+
+typedef struct Triangle {
+    float3 a, b, c;
+} Triangle;
+
+static Triangle load_triangle(__global const float* vertices, size_t id) {
+    __global const float* v = vertices + 9 * id;
+    Triangle triangle;
+    triangle.a = (float3)(v[0], v[1], v[2]);
+    triangle.b = (float3)(v[3], v[4], v[5]);
+    triangle.c = (float3)(v[6], v[7], v[8]);
+    return triangle;
+}
+
+static bool is_finite_triangle(Triangle t) { return is_present(t.a) && is_present(t.b) && is_present(t.c); }
+
+#endif
+#endif

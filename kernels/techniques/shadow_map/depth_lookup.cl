@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Lookups that compare depths: hard, percentage-closer filters, soft shadows by blocker search (contract: lookup.h).
+//
+//   visibility = sum of weight_i [depth_i >= receiver_i - receiver_bias] / sum of weight_i
+// receiver_i is the point's depth or, with adaptive bias, the depth at texel i's centre of the receiver's plane where
+// that is nearer (Dou, Yan, Kerzner, Dai, Wyman 2014; survey 138): a flat receiver then never shadows itself, whatever
+// the angle, and the only bias left is for rounding.
+#include "techniques/shadow_map/lookup.h"
+
+static float tap(const LookupPlan* plan, const Receiver* r, __global const float* depths, int x, int y) {
+    float depth = r->depth;
+    if (plan->adaptive && r->has_plane) {
+        __global const float* columns = r->tables + r->view->centres_first;
+        uint column = (uint)clamp(x, 0, (int)r->view->width - 1), row = (uint)clamp(y, 0, (int)r->view->height - 1);
+        depth = fmin(depth, plane_depth(r, (float2)(columns[column], columns[r->view->width + row])));
+    }
+    return depths[texel_at(r, x, y)] >= depth - plan->receiver_bias ? 1.0f : 0.0f;
+}
+
+static float lookup_hard(const LookupPlan* plan, const Receiver* r, __global const float* depths, float2 at) {
+    return tap(plan, r, depths, (int)floor(at.x), (int)floor(at.y));
+}
+
+// taps x taps points a texel apart, each the texel it lies in.
+static float lookup_pcf(const LookupPlan* plan, const Receiver* r, __global const float* depths) {
+    float sum = 0.0f, first = -0.5f * (float)(plan->taps - 1);
+    for (uint y = 0; y < plan->taps; ++y)
+        for (uint x = 0; x < plan->taps; ++x)
+            sum += lookup_hard(plan, r, depths, r->at_texels + first + (float2)(x, y));
+    return sum / (float)(plan->taps * plan->taps);
+}
+
+// Weights of taps + 1 texels along an axis: each of the kernel's taps is a bilinear lookup, and so a share of two
+// texels. As in Gruen's filter (2010), equal texels of neighbouring taps are read once.
+static void smooth_weights(const LookupPlan* plan, float fraction, float* weights) {
+    float sigma = (float)plan->taps / 4.5f, middle = 0.5f * (float)(plan->taps - 1);
+    float before = 0.0f;
+    for (uint i = 0; i < plan->taps; ++i) {
+        float from_middle = ((float)i - middle) / sigma;
+        float w = plan->lookup == LOOKUP_GAUSSIAN ? exp(-0.5f * from_middle * from_middle) : 1.0f;
+        weights[i] = before + w * (1.0f - fraction);
+        before = w * fraction;
+    }
+    weights[plan->taps] = before;
+}
+
+static float lookup_smooth(const LookupPlan* plan, const Receiver* r, __global const float* depths) {
+    float2 corner = r->at_texels - 0.5f * (float)plan->taps, whole = floor(corner), fraction = corner - whole;
+    float columns[MOST_TAPS + 1], rows[MOST_TAPS + 1];
+    smooth_weights(plan, fraction.x, columns);
+    smooth_weights(plan, fraction.y, rows);
+    float sum = 0.0f, all = 0.0f;
+    for (uint y = 0; y <= plan->taps; ++y)
+        for (uint x = 0; x <= plan->taps; ++x) {
+            float weight = columns[x] * rows[y];
+            if (weight == 0.0f) continue;
+            sum += weight * tap(plan, r, depths, (int)whole.x + (int)x, (int)whole.y + (int)y);
+            all += weight;
+        }
+    return sum / all;
+}
+
+static float lookup_twelve(const LookupPlan* plan, const Receiver* r, __global const float* depths,
+                           __constant const float2* offsets) {
+    float sum = 0.0f;
+    for (int i = 0; i < 12; ++i) sum += lookup_hard(plan, r, depths, r->at_texels + plan->softness * offsets[i]);
+    return sum / 12.0f;
+}
+
+// Grid of taps x taps points over `width` texels: mean visibility, and of the blockers their number and mean depth.
+static float grid_of_taps(const LookupPlan* plan, const Receiver* r, __global const float* depths, float2 width,
+                          uint* blockers, float* blocker_depth) {
+    float lit = 0.0f, depth = 0.0f;
+    uint found = 0;
+    for (uint y = 0; y < plan->taps; ++y)
+        for (uint x = 0; x < plan->taps; ++x) {
+            float2 at = r->at_texels + width * (((float2)(x, y) + 0.5f) / (float)plan->taps - 0.5f);
+            float visible = lookup_hard(plan, r, depths, at);
+            lit += visible;
+            if (visible != 0.0f) continue;
+            ++found;
+            depth += depths[texel_at(r, (int)floor(at.x), (int)floor(at.y))];
+        }
+    *blockers = found;
+    *blocker_depth = found != 0 ? depth / (float)found : 0.0f;
+    return lit / (float)(plan->taps * plan->taps);
+}
+
+// Penumbra of a position: (d_receiver - d_blocker) / d_blocker times the light's size; of a direction: their distance
+// times the tangent of the angle. Both as wide as seen at the receiver; the search looks as far as a blocker half-way
+// could reach (position), or one at depth 0 (direction).
+static float lookup_pcss(const LookupPlan* plan, const Receiver* r, __global const float* depths) {
+    __global const MapView* view = r->view;
+    float world_per_depth = 1.0f / length((float3)(view->row_depth[0], view->row_depth[1], view->row_depth[2]));
+    bool positional = view->front_depth > -INFINITY;
+    float2 texels = texels_per_length(r);
+    float reach = positional ? plan->light_size : plan->light_size * fmax(r->depth, 0.0f) * world_per_depth;
+    uint blockers;
+    float blocker_depth, ignored_depth;
+    grid_of_taps(plan, r, depths, reach * texels, &blockers, &blocker_depth);
+    if (blockers == 0) return 1.0f;
+    float gap = fmax(r->depth - blocker_depth, 0.0f);
+    float penumbra = plan->light_size *
+                     (positional ? gap / fmax(blocker_depth - view->front_depth, 1.0e-6f) : gap * world_per_depth);
+    return grid_of_taps(plan, r, depths, fmax(fmin(penumbra, reach) * texels, 1.0f), &blockers, &ignored_depth);
+}
+
+static float lookup_in_view(const LookupPlan* plan, const Receiver* r, __global const float* depths,
+                            __constant const float2* offsets) {
+    switch (plan->lookup) {
+        case LOOKUP_HARD:
+            return lookup_hard(plan, r, depths, r->at_texels);
+        case LOOKUP_PCF:
+            return lookup_pcf(plan, r, depths);
+        case LOOKUP_BILINEAR:
+        case LOOKUP_GAUSSIAN:
+            return lookup_smooth(plan, r, depths);
+        case LOOKUP_TWELVE:
+            return lookup_twelve(plan, r, depths, offsets);
+        case LOOKUP_PCSS:
+            return lookup_pcss(plan, r, depths);
+    }
+    return 1.0f;
+}
+
+__kernel void depth_lookup(LookupPlan plan, MapSet set, PointsLayout layout, ulong first_float,
+                           __global const float* positions, __global const uint* receivers,
+                           __global const float* vertices, __global const MapView* views, __global const float* tables,
+                           __global const float* depths, __constant const float2* offsets, __global float* visibility) {
+    GN_FOR_EACH(i, layout.count) {
+        float3 p, a, b;
+        uint index;
+        if (!is_looked_up(set, layout, positions, visibility, views, i, &p, &index)) continue;
+        bool has_plane = plan.adaptive && layout.has_receivers && receivers[i] < plan.triangle_count &&
+                         plane_tangents(load_triangle(vertices + first_float, receivers[i]), &a, &b);
+        float items = share_of_next(set, views, index, p), lit = 0.0f;
+        for (uint next = 0; next <= (items > 0.0f ? 1u : 0u); ++next) {
+            Receiver r;
+            make_receiver(views + index + next, tables, p, &r);
+            r.has_plane = has_plane;
+            if (has_plane) {
+                r.tangent_a = homogeneous_direction(r.view, a);
+                r.tangent_b = homogeneous_direction(r.view, b);
+            }
+            lit += (next ? items : 1.0f - items) * lookup_in_view(&plan, &r, depths, offsets);
+        }
+        visibility[i] = lit;
+    }
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Contract of the depth pass: which triangle is nearest to the light at each texel's centre.
+//
+// A texel's key is the depth (map_view.h) of the nearest caster that covers its centre, biased and clamped to [0, 1],
+// as the bits of the float: they order like the numbers, so that an atomic minimum finds it in any order. An empty
+// texel holds EMPTY_KEY, depth 1: no receiver is farther.
+//
+// Coverage: a triangle covers a centre P if its three edge functions there have the same sign or are 0. With vertices
+// h = (u w, v w, w) and a the vertex of an edge (a, b) with the larger |w|,
+//   e(P) = a_w ((b_x - a_u b_w) (P_v - a_v) - (b_y - a_v b_w) (P_u - a_u)),
+// which is the triple product (a, b, P): no clipping, whatever the signs of w (Olano and Greer 1997), and differences
+// are taken before products, so that small triangles keep their shape. a and b are ordered by their values alone, so
+// two triangles that share an edge compute the same number with opposite signs, and a centre between them is covered by
+// at least one: no cracks. Both faces cast; triangles edge-on to the light cast nothing.
+//
+// Depth at P: (sum of e_i d_i) / (sum of e_i), a convex combination: never outside the triangle's own range.
+#ifndef GN_DEPTH_PASS_H
+#define GN_DEPTH_PASS_H
+
+#include "techniques/shadow_map/map_view.h"
+
+#define EMPTY_KEY 0x3F800000u  // the bits of 1.0f
+
+// What a pass writes.
+#define PASS_NEAREST 0u  // the key of the nearest caster
+#define PASS_SECOND 1u   // the nearest key after the first one (dual depth layers)
+#define PASS_SLOPE 2u    // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits (moment bias)
+
+// A triangle whose bounding rectangle has more texels than this is split into chunks of tiles.
+#define SMALL_TEXELS 256u
+#define TILE_LOG2 4u
+#define CHUNK_TILES 64u
+
+GN_STRUCT_BEGIN(DepthPass)
+    uint pass;
+    uint chunk_capacity;
+    uint triangle_count;
+    float slope_bias;   // times max(|dz/dx|, |dz/dy|), depth per texel (survey slide 21)
+    float slope_limit;  // the slope-scaled part is at most this
+    uint padding[3];
+GN_STRUCT_END(DepthPass, 32)
+
+#endif

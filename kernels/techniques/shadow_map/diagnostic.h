@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// Contract of the shadow maps' diagnostics: pictures of how a map's texels lie over what the camera sees.
+//
+//   aliasing  texels per pixel, max(|ds + dt|, |ds - dt|) with ds, dt the steps through the map from a pixel to the
+//   next
+//             along x and y, in the colours of the survey (slides 54, 65): green is one texel to a pixel; yellow, red,
+//             black is too coarse by 3.25, 7.75 and more; light blue, blue, black is finer than needed by as much
+//   grid      the map's texels as lines on the scene, an eighth of a texel or a pixel wide, the wider of the two (59;
+//             thesis 6.8); evenly grey where a pixel is wider than a texel
+//   views     a colour per view (cascade, side, cube face); black where no view serves
+//   depth     the map's depth of what is seen, black nearest to the light
+//   warp      a checkerboard of WARP_CELLS x WARP_CELLS equal shares of the map's texels: small where the map is dense.
+//             In the colours of aliasing: how many times denser, per side, the warp (map_view.h) makes texels than
+//             they would be without it; green where it leaves them as they are
+// Steps are those of footprint.h. Points without a camera or a receiver, and the sky, are drawn in SKY.
+#ifndef GN_SHADOW_DIAGNOSTIC_H
+#define GN_SHADOW_DIAGNOSTIC_H
+
+#include "techniques/shadow_map/footprint.h"
+
+#define DIAGNOSTIC_ALIASING 0u
+#define DIAGNOSTIC_GRID 1u
+#define DIAGNOSTIC_VIEWS 2u
+#define DIAGNOSTIC_DEPTH 3u
+#define DIAGNOSTIC_WARP 4u
+#define WARP_CELLS 32.0f
+
+GN_STRUCT_BEGIN(DiagnosticPlan)
+    PixelSteps steps;
+    uint diagnostic;
+    uint padding[3];
+GN_STRUCT_END(DiagnosticPlan, 80)
+
+#endif

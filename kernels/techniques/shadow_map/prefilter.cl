@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// Prefilters, shared by all stored quantities: a plane of a shadow map is filtered before it is looked up.
+//
+//   gaussian     separable, `taps` (odd) texels with weights exp(-d^2 / (2 sigma^2)), sigma = taps / 4.5; a view's
+//                border texels are repeated beyond it
+//   summed area  S(x, y) = sum of the texels up to (x, y): any box is four lookups (Crow 1984; Lauritzen 2007). In
+//                fixed point modulo 2^32, so that no precision is lost however large the map is: a box whose own sum
+//                is below 2^32 comes out exact. For quantities in [0, 1]; those in [-1, 1] are moved there.
+//   mip          a chain of halves (mip_chain.h); the lookup chooses the level by the pixel's footprint
+#include "techniques/shadow_map/mip_chain.clh"
+#include "techniques/shadow_map/moments.h"
+
+// Texel i of a view, counted by rows: its place in the map.
+static size_t place_of(__global const MapView* view, uint x, uint y) {
+    return view->first_texel + (size_t)y * view->row_stride + x;
+}
+
+static void gaussian(uint half_bits, MapSet set, uint planes, uint taps, uint axis, __constant const float* weights,
+                     __global const MapView* views, __global const void* input, __global void* output) {
+    for (uint v = 0; v < set.view_count; ++v) {
+        __global const MapView* view = views + v;
+        uint texels = view->width * view->height;
+        if (texels == 0) continue;
+        int last = (int)(axis == 0u ? view->width : view->height) - 1, half_taps = (int)taps / 2;
+        size_t step = axis == 0u ? 1 : view->row_stride;
+        GN_FOR_EACH(i, (size_t)texels * planes) {
+            uint texel = (uint)(i % texels), x = texel % view->width, y = texel / view->width;
+            size_t plane = i / texels * set.texels;
+            int along = (int)(axis == 0u ? x : y);
+            size_t line = plane + place_of(view, axis == 0u ? 0 : x, axis == 0u ? y : 0);
+            float sum = 0.0f;
+            if (along >= half_taps && along + half_taps <= last) {
+                size_t first = line + (size_t)(along - half_taps) * step;
+                for (uint t = 0; t < taps; ++t) sum += weights[t] * load_number(half_bits, input, first + t * step);
+            } else {
+                for (uint t = 0; t < taps; ++t) {
+                    size_t at = line + (size_t)clamp(along - half_taps + (int)t, 0, last) * step;
+                    sum += weights[t] * load_number(half_bits, input, at);
+                }
+            }
+            store_number(half_bits, output, plane + place_of(view, x, y), sum);
+        }
+    }
+}
+
+// One axis: 0 along x, 1 along y.
+__kernel void prefilter_gaussian(StorePlan plan, MapSet set, uint taps, uint axis, __constant const float* weights,
+                                 __global const MapView* views, __global const void* input, __global void* output) {
+    if (plan.half_bits)
+        gaussian(1u, set, plan.planes, taps, axis, weights, views, input, output);
+    else
+        gaussian(0u, set, plan.planes, taps, axis, weights, views, input, output);
+}
+
+// Rows first, turning numbers into fixed point; then columns in place.
+__kernel void prefilter_sum_rows(StorePlan plan, MapSet set, __global const MapView* views, __global const void* input,
+                                 __global uint* output) {
+    float low = is_signed(&plan) ? -1.0f : 0.0f, scale_in = is_signed(&plan) ? 0.5f : 1.0f;
+    for (uint v = 0; v < set.view_count; ++v) {
+        __global const MapView* view = views + v;
+        GN_FOR_EACH(i, (size_t)view->height * plan.planes) {
+            size_t first = i / view->height * set.texels + place_of(view, 0, (uint)(i % view->height));
+            uint sum = 0;
+            for (uint x = 0; x < view->width; ++x) {
+                float number = load_number(plan.half_bits, input, first + x);
+                sum += (uint)rint(clamp((number - low) * scale_in, 0.0f, 1.0f) * plan.summed_scale);
+                output[first + x] = sum;
+            }
+        }
+    }
+}
+
+__kernel void prefilter_sum_columns(StorePlan plan, MapSet set, __global const MapView* views, __global uint* sums) {
+    for (uint v = 0; v < set.view_count; ++v) {
+        __global const MapView* view = views + v;
+        GN_FOR_EACH(i, (size_t)view->width * plan.planes) {
+            size_t first = i / view->width * set.texels + place_of(view, (uint)(i % view->width), 0);
+            uint sum = 0;
+            for (uint y = 0; y < view->height; ++y) {
+                sum += sums[first + (size_t)y * view->row_stride];
+                sums[first + (size_t)y * view->row_stride] = sum;
+            }
+        }
+    }
+}
+
+// Shares of the texels 2 i, 2 i + 1 and 2 i + 2 of a line of `fine` in texel i of its half. Of an odd line 2 m + 1, m
+// texels take (2 m + 1) / m each.
+static float3 shares_of_half(uint i, uint fine) {
+    uint half_line = fine / 2u;
+    if (fine % 2u == 0u) return (float3)(0.5f, 0.5f, 0.0f);
+    return (float3)((float)(half_line - i), (float)half_line, (float)(i + 1u)) / (float)fine;
+}
+
+static float mean_below(uint half_bits, __global const void* numbers, size_t plane, MipLevel fine, uint x, uint y) {
+    float3 across = shares_of_half(x, fine.width), down = shares_of_half(y, fine.height);
+    float columns[3] = {across.x, across.y, across.z}, rows[3] = {down.x, down.y, down.z};
+    float sum = 0.0f;
+    for (uint j = 0; j < 2u + fine.height % 2u; ++j)
+        for (uint i = 0; i < 2u + fine.width % 2u; ++i) {
+            size_t at = plane + fine.first + (size_t)(2u * y + j) * fine.row_stride + 2u * x + i;
+            sum += columns[i] * rows[j] * load_number(half_bits, numbers, at);
+        }
+    return sum;
+}
+
+// One level, from the one before: `input` is the map for level 1, else the chain itself.
+__kernel void prefilter_mip(StorePlan plan, MapSet set, uint level, __global const MapView* views,
+                            __global const void* input, __global void* mips) {
+    for (uint v = 0; v < set.view_count; ++v) {
+        MipLevel coarse = mip_level(views + v, level), fine = mip_level(views + v, level - 1u);
+        uint texels = coarse.width * coarse.height;
+        if (texels == 0) continue;
+        GN_FOR_EACH(i, (size_t)texels * plan.planes) {
+            uint texel = (uint)(i % texels), x = texel % coarse.width, y = texel / coarse.width;
+            size_t plane = i / texels * set.texels;
+            store_number(plan.half_bits, mips, plane + coarse.first + (size_t)y * coarse.row_stride + x,
+                         mean_below(plan.half_bits, input, plane, fine, x, y));
+        }
+    }
+}

@@ -1,0 +1,449 @@
+// SPDX-License-Identifier: MIT
+// Places the views of a shadow map (projection.h) over the shading points, on the device from beginning to end:
+//   projection_bounds  of the scene, of the points' camera depths, of the points of each view
+//   projection_plan    slices and homographies, one work-item per view
+//   projection_fit     the rectangle, the depth range and the texels of each view
+#include "simd/points.h"
+#include "techniques/shadow_map/partition.h"
+#include "techniques/shadow_map/planned_view.clh"
+
+// ---- Bounds ---------------------------------------------------------------------------------------------------------
+
+static void include_place(__local uint* least, float4 place) {
+    float values[4] = {place.x, place.y, place.z, place.w};
+    for (int i = 0; i < 4; ++i) {
+        atomic_min(&least[i], float_to_key(values[i]));
+        atomic_min(&least[i + 4], float_to_key(-values[i]));
+    }
+}
+
+// Bounds of the points of planned[first] to planned[first + count - 1]. Bounds start as all ones.
+__kernel void projection_bounds(ViewPlan plan, uint first, uint count, uint only_open, PointsLayout layout,
+                                __global const float* positions, __global const float* visibility,
+                                __global const PlannedView* planned, __global KeyBounds* bounds, __local uint* shared) {
+    for (uint index = first; index < first + count; ++index) {
+        __global const PlannedView* view = planned + index;
+        // A view that is off has no points; it is not skipped, since every item must come to the barriers.
+        uint points = view->is_off ? 0u : layout.count;
+        float4 low = (float4)(INFINITY), high = (float4)(-INFINITY);
+        GN_FOR_EACH(i, points) {
+            if (only_open && visibility[i] != 1.0f) continue;
+            float3 p = load_point(positions, layout, i);
+            float4 place;
+            if (!is_present(p) || !place_in_view(&plan, view, p, &place)) continue;
+            low = fmin(low, place);
+            high = fmax(high, place);
+        }
+        for (size_t i = get_local_id(0); i < 8; i += get_local_size(0)) shared[i] = 0xFFFFFFFFu;
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (low.x <= high.x) {
+            include_place(shared, low);
+            include_place(shared, high);
+        }
+        barrier(CLK_LOCAL_MEM_FENCE);
+        for (size_t i = get_local_id(0); i < 8; i += get_local_size(0)) atomic_min(&bounds[index].least[i], shared[i]);
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}
+
+// ---- Plan -----------------------------------------------------------------------------------------------------------
+
+typedef struct Place {
+    float3 origin, box_low, box_high;  // the box is relative to the origin, and a little larger than the scene
+    float diagonal;
+} Place;
+
+// Everything is placed relative to the middle of the scene, so that offsets stay small far from the world's origin.
+static Place place_of_scene(KeyBounds scene) {
+    Place place;
+    place.origin = place.box_low = place.box_high = (float3)(0.0f);
+    place.diagonal = 1.0f;
+    if (is_empty(&scene)) return place;
+    float3 low = (float3)(least_of(&scene, 0), least_of(&scene, 1), least_of(&scene, 2));
+    float3 high = (float3)(greatest_of(&scene, 0), greatest_of(&scene, 1), greatest_of(&scene, 2));
+    place.origin = 0.5f * low + 0.5f * high;
+    float3 extent = high - low;
+    place.diagonal = fmax(sqrt(dot3(extent, extent)), 1.0e-18f);
+    float3 margin = (float3)(1.0e-4f * place.diagonal);
+    place.box_low = low - place.origin - margin;
+    place.box_high = high - place.origin + margin;
+    return place;
+}
+
+static ViewPlan relative_to(ViewPlan plan, float3 origin) {
+    float o[3] = {origin.x, origin.y, origin.z};
+    for (int i = 0; i < 3; ++i) {
+        plan.eye[i] -= o[i];
+        if (plan.light[3] != 0.0f) plan.light[i] -= o[i];
+    }
+    return plan;
+}
+
+// Depths the slices share out. Points behind the camera are no reason to begin there.
+static float2 depth_range(const ViewPlan* plan, KeyBounds depths, float diagonal) {
+    float far_depth = plan->far_plane > 0.0f ? plan->far_plane : diagonal;
+    float near_depth = plan->near_plane > 0.0f ? plan->near_plane : 1.0e-3f * far_depth;
+    if (plan->range == RANGE_POINTS && !is_empty(&depths) && greatest_of(&depths, 2) > 0.0f) {
+        far_depth = greatest_of(&depths, 2) * 1.00001f;
+        near_depth = fmax(least_of(&depths, 2) * 0.99999f, 1.0e-5f * far_depth);
+    }
+    return (float2)(near_depth, fmax(far_depth, near_depth * 1.001f));
+}
+
+static void make_slice(const ViewPlan* plan, float2 range, uint i, PlannedView* view) {
+    bool is_sliced = plan->partition == PARTITION_DEPTH;
+    uint m = is_sliced ? plan->view_count : 1, at = is_sliced ? i : 0;
+    view->near_depth = split_depth(range.x, range.y, plan->lambda, at, m);
+    view->far_depth = split_depth(range.x, range.y, plan->lambda, at + 1, m);
+    float reach = plan->overlap * (view->far_depth - view->near_depth);
+    view->hold_near = at == 0 ? -INFINITY : view->near_depth - reach;
+    view->hold_far = at + 1 == m ? INFINITY : view->far_depth + reach;
+}
+
+// The slice with its overlap, as far as it lies before the camera. The first and the last end where they end, unless
+// slices are to be alike.
+static float2 widened_slice(const ViewPlan* plan, const PlannedView* view) {
+    float reach = plan->overlap * (view->far_depth - view->near_depth);
+    bool is_first = view->hold_near == -INFINITY, is_last = view->hold_far == INFINITY;
+    float2 slice = (float2)(view->near_depth, view->far_depth);
+    if (!is_first || plan->self_similar) slice.x = fmax(slice.x - reach, 1.0e-3f * slice.x);
+    if (!is_last || plan->self_similar) slice.y += reach;
+    return slice;
+}
+
+// What a slice can hold: itself inside the scene's box. Slices that are to repeat each other are left whole.
+static void make_slice_body(const ViewPlan* plan, const PlannedView* view, Place place, Polyhedron* body) {
+    float2 slice = widened_slice(plan, view);
+    if (!plan->self_similar) {
+        make_view_volume(plan, slice.x, slice.y, place.box_low, place.box_high, body);
+        return;
+    }
+    for (body->count = 0; body->count < 8; ++body->count)
+        body->vertices[body->count] = (float4)(slice_corner(plan, slice.x, slice.y, body->count), 1.0f);
+}
+
+// The homography along the view for a directional light, or the plain one where the view gives no direction.
+static Homography along_the_view(const ViewPlan* plan, Place place, PlannedView* view) {
+    bool follows = has_camera(plan) && plan->fit != FIT_SPHERE && plan->fit != FIT_QUANTISED;
+    LightAxes axes = make_axes(plan, follows);
+    Homography h = orthographic(axes);
+    // Forms that grow with the scene's box have no use for the view; fits against swimming need even texels.
+    if (!follows || plan->fit == FIT_CASTERS || plan->projection == PROJECTION_UNIFORM) return h;
+    float2 slice = widened_slice(plan, view);
+    if (plan->projection == PROJECTION_PSM) {
+        Homography perspective;
+        return perspective_shadow_map(plan, slice.x, slice.y, &perspective) ? perspective : h;
+    }
+    float sine = view_light_sine(plan);
+    if (sine < 0.02f) return h;
+    Polyhedron body;
+    make_slice_body(plan, view, place, &body);
+    float y_least = INFINITY, y_greatest = -INFINITY, z_near = slice.y, z_far = slice.x;
+    for (int i = 0; i < body.count; ++i) {
+        float y = dot3(axes.y, body.vertices[i].xyz);
+        float z = dot3(to_float3(plan->forward), body.vertices[i].xyz - to_float3(plan->eye));
+        y_least = fmin(y_least, y), y_greatest = fmax(y_greatest, y);
+        z_near = fmin(z_near, z), z_far = fmax(z_far, z);
+    }
+    z_near = fmax(z_near, slice.x);
+    float n = plan->projection == PROJECTION_LISPSM
+                  ? lispsm_distance(z_near, z_far, sine)
+                  : logpsm_distance(plan, axes, &body, y_least, y_greatest - y_least, z_near);
+    view->takes_logarithm = plan->projection == PROJECTION_LOGPSM;
+    return light_space_perspective(plan, axes, y_least, n);
+}
+
+static void plan_view(const ViewPlan* plan, Place place, uint i, PlannedView* view) {
+    for (int axis = 0; axis < 2; ++axis) view->limit_low[axis] = -INFINITY, view->limit_high[axis] = INFINITY;
+    view->origin[0] = place.origin.x, view->origin[1] = place.origin.y, view->origin[2] = place.origin.z;
+    view->takes_logarithm = view->is_front_only = view->is_off = 0;
+    view->face = NO_FACE;
+    Homography h;
+    if (plan->partition == PARTITION_FACES) {
+        view->is_off = !frustum_side(plan, i, view->near_depth, view->far_depth, view, &h);
+    } else if (plan->partition == PARTITION_CUBE) {
+        h = cube_face(plan, i);
+        for (int axis = 0; axis < 2; ++axis)
+            view->limit_low[axis] = -1.0f - SIDE_RIM, view->limit_high[axis] = 1.0f + SIDE_RIM;
+        view->is_front_only = 1;
+        set_row(view->row_depth, h.w);
+    } else {
+        h = along_the_view(plan, place, view);
+        set_row(view->row_depth, (float4)(-to_light(plan), 0.0f));
+    }
+    set_row(view->row_u, h.u);
+    set_row(view->row_v, h.v);
+    set_row(view->row_w, h.w);
+}
+
+// Slices of a logarithmic split are copies of the first, scaled about the eye, and so are their maps (thesis, eq. 6.2
+// and 6.3): at p the first view's form has the value it has at eye + (p - eye) scale.
+static float4 scaled_about(float4 row, float3 eye, float scale) {
+    return (float4)(row.xyz * scale, row.w + (1.0f - scale) * dot3(row.xyz, eye));
+}
+
+static void repeat_first_view(const ViewPlan* plan, const PlannedView* first, PlannedView* view) {
+    float scale = first->near_depth / view->near_depth;
+    float3 eye = to_float3(plan->eye);
+    set_row(view->row_u, scaled_about(vload4(0, first->row_u), eye, scale));
+    set_row(view->row_v, scaled_about(vload4(0, first->row_v), eye, scale));
+    set_row(view->row_w, scaled_about(vload4(0, first->row_w), eye, scale));
+}
+
+__kernel void projection_plan(ViewPlan world_plan, __global const KeyBounds* bounds, __global PlannedView* planned) {
+    Place place = place_of_scene(bounds[0]);
+    ViewPlan plan = relative_to(world_plan, place.origin);
+    float2 range = depth_range(&plan, bounds[1], place.diagonal);
+    GN_FOR_EACH(i, plan.view_count) {
+        PlannedView view;
+        make_slice(&plan, range, i, &view);
+        plan_view(&plan, place, i, &view);
+        if (plan.self_similar) {
+            PlannedView first;
+            make_slice(&plan, range, 0, &first);
+            plan_view(&plan, place, 0, &first);
+            repeat_first_view(&plan, &first, &view);
+        }
+        planned[FIRST_VIEW + i] = view;
+    }
+}
+
+// ---- Fit ------------------------------------------------------------------------------------------------------------
+
+typedef struct Rectangle {
+    float low_u, high_u, low_v, high_v;
+} Rectangle;
+
+static Rectangle bounds_of_vertices(const PlannedView* view, const float4* vertices, int count) {
+    Rectangle r = {INFINITY, -INFINITY, INFINITY, -INFINITY};
+    float4 row_u = vload4(0, view->row_u), row_v = vload4(0, view->row_v), row_w = vload4(0, view->row_w);
+    for (int i = 0; i < count; ++i) {
+        float w = dot4(row_w, vertices[i]);
+        float u = dot4(row_u, vertices[i]) / w, v = dot4(row_v, vertices[i]) / w;
+        r.low_u = fmin(r.low_u, u), r.high_u = fmax(r.high_u, u);
+        r.low_v = fmin(r.low_v, v), r.high_v = fmax(r.high_v, v);
+    }
+    return r;
+}
+
+static Rectangle bounds_of_box(const PlannedView* view, Place place) {
+    float4 corners[8];
+    for (int i = 0; i < 8; ++i) corners[i] = (float4)(box_corner(place.box_low, place.box_high, i), 1.0f);
+    return bounds_of_vertices(view, corners, 8);
+}
+
+// A little room at the rim, so that rounding leaves every point inside: half a texel, and no less than floats tell
+// apart with ease; of v = 1/w, which must stay positive, a share of itself.
+static float rim(float low, float high, uint size) {
+    return fmax(0.5f * (high - low) / (float)size, 1.0e-5f * fmax(fabs(low), fabs(high)) + 1.0e-18f);
+}
+
+static Rectangle with_rim(Rectangle r, const PlannedView* view, uint size) {
+    float rim_u = rim(r.low_u, r.high_u, size), rim_v = rim(r.low_v, r.high_v, size);
+    r.low_u -= rim_u, r.high_u += rim_u;
+    if (view->takes_logarithm)
+        r.low_v *= 0.9999f, r.high_v *= 1.0001f;
+    else
+        r.low_v -= rim_v, r.high_v += rim_v;
+    return r;
+}
+
+// A square of half width `half_width` and one texel of room, its centre on the grid of its own texels, which is
+// anchored at the origin: moved or turned, the camera moves the square by whole texels alone.
+static Rectangle snapped_square(float center_u, float center_v, float half_width, uint size) {
+    float wide = half_width * (float)size / (float)(size - 2);
+    float texel = 2.0f * wide / (float)size;
+    float u = floor(center_u / texel) * texel, v = floor(center_v / texel) * texel;
+    Rectangle r = {u - wide, u + wide, v - wide, v + wide};
+    return r;
+}
+
+// The slice's bounding sphere (survey 76): centre on the view's axis, as far from the near corners as from the far ones
+// or, where that is beyond the far end, in it. Its radius knows nothing of where the camera is or looks.
+static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view) {
+    float2 slice = widened_slice(plan, view);
+    float n = slice.x, f = slice.y;
+    float k2 = plan->right[3] * plan->right[3] + plan->up[3] * plan->up[3];
+    float z = fmin(0.5f * (n + f) * (1.0f + k2), f);
+    float radius = sqrt((f - z) * (f - z) + k2 * f * f);
+    float4 center = (float4)(to_float3(plan->eye) + to_float3(plan->forward) * z, 1.0f);
+    return snapped_square(dot4(vload4(0, view->row_u), center), dot4(vload4(0, view->row_v), center), radius,
+                          plan->map_size);
+}
+
+// The slice's bounds, their size rounded up to 64ths of the scene's (survey 79: scale by 64 levels, offset to texels).
+static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view, Place place) {
+    float2 depths = widened_slice(plan, view);
+    float4 corners[8];
+    for (int i = 0; i < 8; ++i) corners[i] = (float4)(slice_corner(plan, depths.x, depths.y, i), 1.0f);
+    Rectangle slice = bounds_of_vertices(view, corners, 8), scene = bounds_of_box(view, place);
+    float level = 0.5f * fmax(scene.high_u - scene.low_u, scene.high_v - scene.low_v) / 64.0f;
+    float half_width = 0.5f * fmax(slice.high_u - slice.low_u, slice.high_v - slice.low_v);
+    return snapped_square(0.5f * (slice.low_u + slice.high_u), 0.5f * (slice.low_v + slice.high_v),
+                          ceil(half_width / level) * level, plan->map_size);
+}
+
+static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view, Place place, const Polyhedron* body,
+                                  KeyBounds points) {
+    if (plan->fit == FIT_RECEIVERS || !has_camera(plan)) {
+        Rectangle r = {least_of(&points, 0), greatest_of(&points, 0), least_of(&points, 1), greatest_of(&points, 1)};
+        return with_rim(r, view, plan->map_size);
+    }
+    if (plan->partition == PARTITION_FACES || plan->partition == PARTITION_CUBE) {
+        Rectangle r = {view->limit_low[0], view->limit_high[0], view->limit_low[1], view->limit_high[1]};
+        return r;
+    }
+    if (plan->fit == FIT_SPHERE) return bounds_of_sphere(plan, view);
+    if (plan->fit == FIT_QUANTISED) return quantised_bounds(plan, view, place);
+    if (plan->fit == FIT_CASTERS) return with_rim(bounds_of_box(view, place), view, plan->map_size);
+    return with_rim(bounds_of_vertices(view, body->vertices, body->count), view, plan->map_size);
+}
+
+// Of the scene's box.
+static float2 depths_of_box(const PlannedView* view, Place place) {
+    float2 depths = (float2)(INFINITY, -INFINITY);
+    for (int i = 0; i < 8; ++i) {
+        float depth = dot4(vload4(0, view->row_depth), (float4)(box_corner(place.box_low, place.box_high, i), 1.0f));
+        depths = (float2)(fmin(depths.x, depth), fmax(depths.y, depth));
+    }
+    return depths;
+}
+
+// Depths the map keeps apart: those of the receivers or, where the map must not follow the camera, of the whole scene.
+// Casters nearer than that are clamped to depth 0; a lookup that measures how far they are has them kept apart.
+static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, Place place, KeyBounds points) {
+    float low = least_of(&points, 2), high = greatest_of(&points, 2);
+    float2 box = depths_of_box(view, place);
+    if (plan->fit >= FIT_CASTERS && plan->partition <= PARTITION_DEPTH)
+        low = box.x, high = box.y;
+    else if (plan->keeps_casters)
+        low = fmin(low, view->is_front_only ? fmax(box.x, 0.0f) : box.x);
+    float range = fmax(high - low, 1.0e-3f * fmax(fabs(low), fabs(high)) + 1.0e-18f);
+    return (float2)(low - NEAR_MARGIN * range, high + FAR_MARGIN * range);
+}
+
+// Unit-cube clipping (Kozlov 2004; survey 41): the rectangle becomes [0, 1], in homogeneous rows.
+static float4 unit_row(float4 row, float4 row_w, float low, float high) { return (row - row_w * low) / (high - low); }
+
+// Largest ratios of a texel of unit resolution to a pixel over the vertices. A texel is 1 / |gradient| wide, a pixel in
+// proportion to the camera depth: so this is the thesis's R_s and R_t (eq. 4.5) but for factors all views share.
+static void measure_errors(const ViewPlan* plan, const MapView* map, const float4* vertices, int count, float* error_u,
+                           float* error_v) {
+    float4 row_u = vload4(0, map->row_u), row_v = vload4(0, map->row_v), row_w = vload4(0, map->row_w);
+    *error_u = *error_v = 0.0f;
+    for (int i = 0; i < count; ++i) {
+        float w = dot4(row_w, vertices[i]);
+        float u = dot4(row_u, vertices[i]) / w, v = dot4(row_v, vertices[i]) / w;
+        float3 along_u = (row_u.xyz - row_w.xyz * u) / w, along_v = (row_v.xyz - row_w.xyz * v) / w;
+        float slope = 1.0f;
+        if (map->warp == WARP_LOGARITHMIC)
+            slope =
+                map->log_strength / ((1.0f + map->log_strength * clamp(v, 0.0f, 1.0f)) * log(1.0f + map->log_strength));
+        float z = dot3(to_float3(plan->forward), vertices[i].xyz - to_float3(plan->eye));
+        *error_u = fmax(*error_u, 1.0f / (sqrt(dot3(along_u, along_u)) * z));
+        *error_v = fmax(*error_v, 1.0f / (slope * sqrt(dot3(along_v, along_v)) * z));
+    }
+}
+
+static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i, Rectangle r, float2 depths) {
+    MapView map;
+    float4 row_w = vload4(0, view->row_w), one = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
+    set_row(map.row_u, unit_row(vload4(0, view->row_u), row_w, r.low_u, r.high_u));
+    set_row(map.row_v, unit_row(vload4(0, view->row_v), row_w, r.low_v, r.high_v));
+    set_row(map.row_w, row_w);
+    set_row(map.row_depth, unit_row(vload4(0, view->row_depth), one, depths.x, depths.y));
+    for (int axis = 0; axis < 3; ++axis) map.origin[axis] = view->origin[axis];
+    map.front_depth = view->is_front_only ? -depths.x / (depths.y - depths.x) : -INFINITY;
+    bool is_sliced = plan->partition == PARTITION_DEPTH;
+    map.select_near = is_sliced && i != 0 ? view->near_depth : -INFINITY;
+    map.select_far = is_sliced && i + 1 != plan->view_count ? view->far_depth : INFINITY;
+    map.log_strength = view->takes_logarithm ? r.high_v / r.low_v - 1.0f : 0.0f;
+    map.warp = map.log_strength > 1.0e-3f ? WARP_LOGARITHMIC : WARP_NONE;
+    map.blend_from = map.select_far;
+    map.face = view->face;
+    map.warp_size = map.forward_first = 0;
+    map.centres_first = i * 2 * MOST_SIDES * plan->map_size;
+    map.width = map.height = plan->map_size;
+    map.row_stride = plan->map_size;
+    map.first_texel = i * plan->map_size * plan->map_size;
+    if (plan->atlas_columns != 0) {
+        map.row_stride = plan->atlas_columns * plan->map_size;
+        map.first_texel =
+            (i / plan->atlas_columns) * map.row_stride * plan->map_size + (i % plan->atlas_columns) * plan->map_size;
+    }
+    return map;
+}
+
+// What a side of the view frustum holds at its corners, for its errors.
+static int side_vertices(const ViewPlan* plan, const PlannedView* view, uint side, float4* vertices) {
+    // Sides of slice_corner's numbering, in the order of frustum_side.
+    const int sides[6] = {1, 0, 3, 2, 5, 4};
+    for (int i = 0; i < 4; ++i)
+        vertices[i] =
+            (float4)(slice_corner(plan, view->near_depth, view->far_depth, side_corners[sides[side]][i]), 1.0f);
+    return 4;
+}
+
+static void make_body(const ViewPlan* plan, const PlannedView* view, Place place, uint i, Polyhedron* body) {
+    body->count = 0;
+    if (!has_camera(plan) || plan->partition == PARTITION_CUBE) return;
+    if (plan->partition == PARTITION_FACES)
+        body->count = side_vertices(plan, view, i, body->vertices);
+    else
+        make_slice_body(plan, view, place, body);
+}
+
+__kernel void projection_fit(ViewPlan world_plan, __global const KeyBounds* bounds, __global PlannedView* planned,
+                             __global MapView* maps) {
+    Place place = place_of_scene(bounds[0]);
+    ViewPlan plan = relative_to(world_plan, place.origin);
+    GN_FOR_EACH(i, plan.view_count) {
+        PlannedView view = planned[FIRST_VIEW + i];
+        KeyBounds points = bounds[FIRST_VIEW + i];
+        Polyhedron body;
+        make_body(&plan, &view, place, i, &body);
+        bool is_off = view.is_off || is_empty(&points);
+        MapView map;
+        if (is_off) {
+            Rectangle unit = {0.0f, 1.0f, 0.0f, 1.0f};
+            map = map_view_of(&plan, &view, i, unit, (float2)(0.0f, 1.0f));
+            map.width = map.height = 0;
+        } else {
+            map = map_view_of(&plan, &view, i, fitted_rectangle(&plan, &view, place, &body, points),
+                              fitted_depths(&plan, &view, place, points));
+            if (plan.blends && i + 1 < plan.view_count)
+                map.blend_from = fmax(planned[FIRST_VIEW + i + 1].hold_near, view.near_depth);
+        }
+        float error_u = is_off ? 0.0f : 1.0f, error_v = error_u;
+        if (!is_off && body.count != 0) measure_errors(&plan, &map, body.vertices, body.count, &error_u, &error_v);
+        planned[FIRST_VIEW + i].error_u = error_u;
+        planned[FIRST_VIEW + i].error_v = error_v;
+        maps[i] = map;
+    }
+}
+
+// ---- Shares of resolution -------------------------------------------------------------------------------------------
+
+// With T texels in all, view i gets sigma_i T, sigma_i = R_s R_t / sum of R_s R_t, of them along its sides
+//   r_s = sqrt((1 - alpha) / alpha  R_s / R_t  sigma T),  r_t = sqrt(alpha / (1 - alpha)  R_t / R_s  sigma T)
+// (thesis, eq. 6.1). For alpha = 0.5 that is r_s = c R_s, r_t = c R_t with one c for all: the errors R_s / r_s and
+// R_t / r_t are the same for every view and both axes, and the largest is as small as T allows. One work-item.
+__kernel void projection_share(ViewPlan plan, __global const PlannedView* planned, __global MapView* maps) {
+    if (get_global_id(0) != 0) return;
+    float sum = 0.0f;
+    for (uint i = 0; i < plan.view_count; ++i) sum += planned[FIRST_VIEW + i].error_u * planned[FIRST_VIEW + i].error_v;
+    float texels = (float)plan.view_count * (float)plan.map_size * (float)plan.map_size;
+    float bias = sqrt((1.0f - plan.alpha) / plan.alpha), most = (float)(MOST_SIDES * plan.map_size);
+    uint first = 0;
+    for (uint i = 0; i < plan.view_count; ++i) {
+        float error_u = planned[FIRST_VIEW + i].error_u, error_v = planned[FIRST_VIEW + i].error_v;
+        __global MapView* map = maps + i;
+        map->first_texel = first;
+        if (map->width == 0) continue;
+        float even = sqrt(texels / sum);
+        map->width = (uint)clamp(even * error_u * bias, (float)LEAST_SIDE, most);
+        map->height = (uint)clamp(even * error_v / bias, (float)LEAST_SIDE, most);
+        map->row_stride = map->width;
+        first += map->width * map->height;
+    }
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// Contract of the projections of shadow maps: how a map's texels are laid over the rays of its light.
+//
+// Light rays are points of a projective plane, so every linear projection of a shadow map is a homography of that
+// plane: three rows u, v, w that vanish on the light (its position, or its direction at infinity). Consequences, relied
+// on everywhere:
+//   - u, v and w are the same for a point and for all that can shade it, so casters beside or behind the camera need no
+//     clipping, no "virtual camera" and no reversed depth order, which perspective shadow maps are known for (Kozlov
+//     2004; survey, slides 38-39);
+//   - a homography maps no two rays to one place, so the sign of w does not matter.
+// Depth (map_view.h) is a row of its own, affine in world space: distance along the light, or along a face's axis.
+//
+// The families differ in the homography alone:
+//   uniform  w = 1: orthographic (a direction); w = distance along a face's axis (a position, one of six faces)
+//   psm      the light's perspective view of the camera's post-perspective cube (Stamminger and Drettakis 2002, in
+//            Kozlov's practical form of 2004)
+//   lispsm   w = y - y_c, y across the light along the view; the line y = y_c lies n = (z_n + sqrt(z_n z_f)) /
+//            sin(gamma) before the view volume (Wimmer, Scherzer, Purgathofer 2004; survey 42-51)
+//            around a lamp, on each face of the cube, the same in the face's own coordinates: direction and line of
+//            least error are searched for (point_light_perspective.h)
+//   logpsm   for directions: as lispsm, with y_c of least storage, and v taken logarithmically (Lloyd et al. 2008;
+//   thesis, chapter 6);
+//            with face partitions w = z_e of the point where the ray leaves the view volume
+//   rtw      uniform, then a table per axis that moves texels to where they matter (Rosen 2012; survey 89-96)
+// Units: world units; u and v in [0, 1] over the map, depth in [0, 1] over the receivers.
+// Limits: psm, lispsm and logpsm need the camera of the points (else views are uniform); a positional light is served
+// by the six faces of a cube around it (uniform, lispsm) or by the sides of the view frustum (psm, logpsm). Faces are
+// warped where they are fitted to the receivers.
+#ifndef GN_SHADOW_PROJECTION_H
+#define GN_SHADOW_PROJECTION_H
+
+#include "techniques/shadow_map/map_view.h"
+
+#define PROJECTION_UNIFORM 0u
+#define PROJECTION_PSM 1u
+#define PROJECTION_LISPSM 2u
+#define PROJECTION_LOGPSM 3u
+
+// What a view's rectangle is fitted to.
+#define FIT_RECEIVERS 0u  // the shading points of the view: the tightest
+#define FIT_FRUSTUM 1u    // the slice of the view frustum, cut by the bounding box of the scene
+#define FIT_CASTERS 2u    // the bounding box of the scene: the same for every camera
+#define FIT_SPHERE 3u     // the slice's bounding sphere, its centre snapped to texels: no swimming (survey 71-77)
+#define FIT_QUANTISED 4u  // the slice's bounds, scale and offset quantised: hardly any swimming (survey 78-79)
+
+#define PARTITION_SINGLE 0u  // one view
+#define PARTITION_DEPTH 1u   // view_count slices of camera depth
+#define PARTITION_FACES 2u   // one view per side of the view frustum that rays leave through (a direction)
+#define PARTITION_CUBE 3u    // six faces around a positional light
+
+#define RANGE_POINTS 0u  // the slices share out the depths that the points have (sample distribution, survey 85-88)
+#define RANGE_PLANES 1u  // the slices share out near_plane to far_plane
+
+#define MOST_VIEWS 8u
+// Sides of a view that shares texels with others: at most so many times the side of an even share.
+#define MOST_SIDES 4u
+// And at least so many texels; the map has room for a row of that height of every view beside its even shares.
+#define LEAST_SIDE 16u
+
+// Depth range of the receivers: a thirty-second of it is kept free before the nearest, so that a caster clamped to the
+// near plane stays before every receiver by more than any bias; and behind the farthest, so that the surfaces that
+// points were lifted off are in the map.
+#define NEAR_MARGIN 0.03125f
+#define FAR_MARGIN 0.03125f
+
+// A run's settings and camera: host to device, by value.
+GN_STRUCT_BEGIN(ViewPlan)
+    float light[4];               // homogeneous: w = 0 minus the direction of travel, w = 1 the position
+    float eye[4];                 // w = 1: there is a camera; 0: none, and nothing below to has_camera is read
+    float right[4], up[4];        // unit axes; right[3], up[3]: the tangents of half the field of view along them
+    float forward[4];             // unit axis
+    float near_plane, far_plane;  // of RANGE_PLANES; 0: from the scene's diagonal
+    float lambda;                 // split scheme: 0 uniform, 1 logarithmic
+    float alpha;                  // share of resolution that goes to v: 0.5 is even (thesis, eq. 6.1)
+    float overlap;                // each slice is widened by this share of itself, at both ends, for filters
+    float slide_back;             // psm: the camera is moved back by this, world units (survey 38)
+    uint projection, fit, partition, range;
+    uint view_count;
+    uint map_size;           // texels per side of a square view; total texels are view_count map_size^2
+    uint shares_resolution;  // 1: texels are shared out by error (thesis 6.4)
+    uint atlas_columns;      // views side by side in one picture of that many columns; 0: one after the other
+    uint self_similar;       // 1: depth slices of lambda 1 repeat the first one's fit (thesis, eq. 6.2-6.3)
+    uint keeps_casters;      // 1: depths before the receivers are kept apart too, as far as the scene's box reaches
+    uint blends;             // 1: slices blend into the next one within its overlap
+GN_STRUCT_END(ViewPlan, 148)
+
+// Least values over points, as float_to_key: of u, v, depth and w, then of their negatives. All ones: no point.
+GN_STRUCT_BEGIN(KeyBounds)
+    uint least[8];
+GN_STRUCT_END(KeyBounds, 32)
+
+// A view before its rectangle is fitted: written by partition_plan, read by projection_bounds and projection_fit. Rows
+// are those of map_view.h but for scale and offset.
+GN_STRUCT_BEGIN(PlannedView)
+    float row_u[4], row_v[4], row_w[4], row_depth[4];  // of (p_world - origin, 1)
+    float origin[3];
+    uint takes_logarithm;               // 1: v is spaced by the logarithm of w
+    float limit_low[2], limit_high[2];  // u and v that belong to the view: what lies beyond is another's
+    float near_depth, far_depth;        // the slice, along the camera's forward axis
+    float hold_near, hold_far;          // camera depths of the points the view is to hold: the slice and its overlap
+    float error_u, error_v;             // largest ratio of a texel of unit resolution to a pixel (thesis, R_s and R_t)
+    uint is_front_only;                 // 1: only points with depth > 0 (in front of a positional light)
+    uint is_off;                        // 1: no light leaves the view volume through this side
+    uint face;                          // holds what is seen through this face of the cube; NO_FACE: by the limits
+GN_STRUCT_END(PlannedView, 132)
+
+#endif

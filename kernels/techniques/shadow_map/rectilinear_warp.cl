@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// Rectilinear texture warping (rectilinear_warp.h): the importance of each cell of each view, then the views' tables.
+#include "simd/points.h"
+#include "techniques/shadow_map/homography.clh"
+#include "techniques/shadow_map/rectilinear_warp.h"
+
+#define CELLS (WARP_PIECES * WARP_PIECES)
+
+static float camera_depth(const ViewPlan* plan, float3 p) {
+    return dot3(p - to_float3(plan->eye), to_float3(plan->forward));
+}
+
+// Importance of a surface by its distance and its direction; normal of any length and sign, 0 if there is none.
+static float surface_importance(const ViewPlan* plan, const WarpPlan* warp, float3 p, float3 normal, float farthest) {
+    float importance = 1.0f;
+    if (warp->functions & IMPORTANCE_DISTANCE) importance *= 1.0f - clamp(camera_depth(plan, p) / farthest, 0.0f, 1.0f);
+    if (warp->functions & IMPORTANCE_NORMAL) {
+        float3 view = p - to_float3(plan->eye);
+        float size = sqrt(dot3(normal, normal) * dot3(view, view));
+        if (size > 0.0f) importance *= 1.0f + NORMAL_GAIN * fabs(dot3(normal, view)) / size;
+    }
+    return importance;
+}
+
+static uint cell_at(float3 uv) {
+    float2 at = clamp(uv.xy * (float)WARP_PIECES, 0.0f, (float)(WARP_PIECES - 1));
+    return (uint)at.y * WARP_PIECES + (uint)at.x;
+}
+
+__kernel void rectilinear_clear(uint count, __global uint* importance) { GN_FOR_EACH(i, count) importance[i] = 0; }
+
+// Importances are positive, so their bits order like they do.
+__kernel void rectilinear_backward(ViewPlan plan, WarpPlan warp, MapSet set, PointsLayout layout, ulong first_float,
+                                   __global const float* positions, __global const uint* receivers,
+                                   __global const float* vertices, __global const float* visibility,
+                                   __global const MapView* views, __global const KeyBounds* bounds,
+                                   __global uint* importance) {
+    KeyBounds depths = bounds[1];
+    float farthest = greatest_of(&depths, 2);
+    GN_FOR_EACH(i, layout.count) {
+        if (visibility[i] != 1.0f) continue;
+        float3 p = load_point(positions, layout, i);
+        if (!is_present(p)) continue;
+        uint view = select_view(set, views, p);
+        if (view == NO_VIEW) continue;
+        float3 normal = (float3)(0.0f);
+        if (layout.has_receivers && receivers[i] != GN_NO_ID) {
+            Triangle t = load_triangle(vertices + first_float, receivers[i]);
+            normal = cross3(t.b - t.a, t.c - t.a);
+        }
+        float mine = surface_importance(&plan, &warp, p, normal, farthest);
+        atomic_max(&importance[view * CELLS + cell_at(map_uv(views + view, p))], as_uint(mine));
+    }
+}
+
+// ---- Forward: a small map of the light ------------------------------------------------------------------------------
+
+// The point at (u, v, depth), by Cramer's rule: (row_u - u row_w) . q = 0, (row_v - v row_w) . q = 0,
+// row_depth . q = depth.
+static float3 point_at(__global const MapView* view, float u, float v, float depth) {
+    float3 a = (float3)(view->row_u[0] - u * view->row_w[0], view->row_u[1] - u * view->row_w[1],
+                        view->row_u[2] - u * view->row_w[2]);
+    float3 b = (float3)(view->row_v[0] - v * view->row_w[0], view->row_v[1] - v * view->row_w[1],
+                        view->row_v[2] - v * view->row_w[2]);
+    float3 c = (float3)(view->row_depth[0], view->row_depth[1], view->row_depth[2]);
+    float3 right =
+        (float3)(u * view->row_w[3] - view->row_u[3], v * view->row_w[3] - view->row_v[3], depth - view->row_depth[3]);
+    float3 bc = cross3(b, c), ca = cross3(c, a), ab = cross3(a, b);
+    return (bc * right.x + ca * right.y + ab * right.z) / dot3(a, bc) + view_origin(view);
+}
+
+static bool is_in_view(const ViewPlan* plan, float3 p) {
+    float3 from_eye = p - to_float3(plan->eye);
+    float z = camera_depth(plan, p);
+    float x = dot3(from_eye, to_float3(plan->right));
+    float y = dot3(from_eye, to_float3(plan->up));
+    return z > 0.0f && fabs(x) <= z * plan->right[3] && fabs(y) <= z * plan->up[3];
+}
+
+static float depth_of(__global const float* depths, __global const MapView* view, int x, int y) {
+    int2 at = clamp((int2)(x, y), 0, (int)WARP_PIECES - 1);
+    return depths[view->first_texel + (uint)at.y * view->row_stride + (uint)at.x];
+}
+
+// Does depth jump here? Across each pair of opposite neighbours a plane changes evenly; what is more is a jump.
+static bool is_edge(__global const float* depths, __global const MapView* view, int x, int y) {
+    const int2 ways[4] = {(int2)(1, 0), (int2)(0, 1), (int2)(1, 1), (int2)(1, -1)};
+    float here = depth_of(depths, view, x, y);
+    for (int i = 0; i < 4; ++i) {
+        float before = depth_of(depths, view, x - ways[i].x, y - ways[i].y);
+        float after = depth_of(depths, view, x + ways[i].x, y + ways[i].y);
+        if (fabs(after - 2.0f * here + before) > EDGE_JUMP) return true;
+    }
+    return false;
+}
+
+static float forward_importance(const ViewPlan* plan, const WarpPlan* warp, __global const MapView* view,
+                                __global const float* depths, int x, int y, float farthest) {
+    float here = depth_of(depths, view, x, y);
+    if (here >= 1.0f) return 0.0f;  // the light sees nothing there
+    float cell = 1.0f / (float)WARP_PIECES, u = ((float)x + 0.5f) * cell, v = ((float)y + 0.5f) * cell;
+    float3 p = point_at(view, u, v, here);
+    if ((warp->functions & IMPORTANCE_VIEW) && !is_in_view(plan, p)) return 0.0f;
+    float3 across = point_at(view, u + cell, v, depth_of(depths, view, x + 1, y)) - p;
+    float3 along = point_at(view, u, v + cell, depth_of(depths, view, x, y + 1)) - p;
+    return surface_importance(plan, warp, p, cross3(across, along), farthest);
+}
+
+// `views` and `depths` are the small map's.
+__kernel void rectilinear_forward(ViewPlan plan, WarpPlan warp, __global const MapView* views,
+                                  __global const float* depths, __global const KeyBounds* bounds,
+                                  __global uint* importance) {
+    KeyBounds points = bounds[1];
+    float farthest = greatest_of(&points, 2);
+    GN_FOR_EACH(i, (size_t)plan.view_count * CELLS) {
+        __global const MapView* view = views + i / CELLS;
+        if (view->width == 0) continue;
+        uint cell = (uint)(i % CELLS);
+        int x = (int)(cell % WARP_PIECES), y = (int)(cell / WARP_PIECES);
+        float mine = warp.analysis == ANALYSIS_HYBRID ? as_float(importance[i])
+                                                      : forward_importance(&plan, &warp, view, depths, x, y, farthest);
+        if ((warp.functions & IMPORTANCE_EDGE) && is_edge(depths, view, x, y)) mine *= 1.0f + EDGE_GAIN;
+        importance[i] = as_uint(mine);
+    }
+}
+
+// ---- Tables ---------------------------------------------------------------------------------------------------------
+
+static float blurred(__local const float* lines, int line) {
+    float sum = 0.0f, weights = 0.0f;
+    for (int step = -BLUR_REACH; step <= BLUR_REACH; ++step) {
+        float weight = exp(-0.5f * (float)(step * step) / (BLUR_SIGMA * BLUR_SIGMA));
+        sum += weight * lines[clamp(line + step, 0, (int)WARP_PIECES - 1)];
+        weights += weight;
+    }
+    return sum / weights;
+}
+
+// Work-group g: view g / 2, axis g % 2. `lines` holds 2 WARP_PIECES floats.
+__kernel void rectilinear_tables(WarpPlan warp, __global const uint* importance, __global MapView* views,
+                                 __global float* tables, __local float* lines) {
+    uint view = (uint)get_group_id(0) / 2, axis = (uint)get_group_id(0) % 2;
+    __global const uint* cells = importance + view * CELLS;
+    for (uint line = (uint)get_local_id(0); line < WARP_PIECES; line += (uint)get_local_size(0)) {
+        uint largest = 0;
+        for (uint i = 0; i < WARP_PIECES; ++i)
+            largest = max(largest, cells[axis == 0u ? i * WARP_PIECES + line : line * WARP_PIECES + i]);
+        lines[line] = as_float(largest);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint line = (uint)get_local_id(0); line < WARP_PIECES; line += (uint)get_local_size(0))
+        lines[WARP_PIECES + line] = blurred(lines, (int)line);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) != 0) return;
+
+    __local float* shares = lines + WARP_PIECES;
+    float largest = 0.0f, sum = 0.0f;
+    for (uint i = 0; i < WARP_PIECES; ++i) largest = fmax(largest, shares[i]);
+    // Nothing is important where no point is: then all is.
+    float least = largest > 0.0f ? LEAST_IMPORTANCE * largest : 1.0f;
+    for (uint i = 0; i < WARP_PIECES; ++i) {
+        shares[i] = fmax(shares[i], least);
+        sum += shares[i];
+    }
+    uint first = warp.tables_first + view * 2 * (WARP_PIECES + 1);
+    __global float* table = tables + first + axis * (WARP_PIECES + 1);
+    float before = 0.0f;
+    for (uint i = 0; i < WARP_PIECES; ++i) {
+        table[i] = before / sum;
+        before += shares[i];
+    }
+    table[WARP_PIECES] = 1.0f;
+    if (axis != 0) return;
+    views[view].warp = WARP_RECTILINEAR;
+    views[view].warp_size = WARP_PIECES;
+    views[view].forward_first = first;
+}

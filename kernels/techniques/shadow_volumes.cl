@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: MIT
+// Shadow volumes: each casting triangle's shadow is a half-open prism, and a point is in shadow if it lies inside one.
+// Inside-ness is counted along the pixel's ray: entering a volume is +1, leaving it -1 (Crow 1977; with a stencil
+// buffer Heidmann 1991, z-fail Bilodeau and Songy 1999 and Carmack 2000).
+//
+// Sides that two neighbouring triangles share are drawn only where they do not cancel (document 002). That is decided
+// per edge by a sum: each casting triangle, turned so that it faces the light, adds +1 or -1 for the direction in which
+// it runs along the edge; the sum is the number of sides to draw there (Bergeron 1986; Kim et al. 2008, "A shadow
+// volume algorithm for opaque and transparent non-manifold casters"). So open and non-manifold meshes need no care, and
+// no adjacency is stored: edges meet in a hash table, by their vertices' positions.
+#include "exact/blocks.clh"
+#include "receivers/facing.clh"
+#include "techniques/shadow_volumes.h"
+
+// ---- Edges ----------------------------------------------------------------------------------------------------------
+
+static float3 vector_of(const float* v) { return (float3)(v[0], v[1], v[2]); }
+static float4 light_of(VolumeView view) { return (float4)(view.light[0], view.light[1], view.light[2], view.light[3]); }
+
+// The triangle with its winding turned towards the light; false if it casts no shadow.
+static bool casting_triangle(Triangle t, VolumeView view, Triangle* facing) {
+    if (!is_finite_triangle(t)) return false;
+    int level = DET3_BY_FLOAT;
+    int side = side_of_light(t, light_of(view), &level);
+    if (side == 0 || (side < 0 && view.both_faces == 0u)) return false;
+    *facing = t;
+    if (side < 0) facing->b = t.c, facing->c = t.b;
+    return true;
+}
+
+static float3 corner_of(Triangle t, uint i) { return i == 0u ? t.a : i == 1u ? t.b : t.c; }
+
+// Bits of a position, with one zero: -0 and 0 are the same place.
+static uint3 place_of(float3 v) { return as_uint3(v + 0.0f); }
+
+static bool is_before(float3 u, float3 v) {
+    uint3 a = place_of(u), b = place_of(v);
+    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+}
+
+static bool is_same_place(float3 u, float3 v) { return all(place_of(u) == place_of(v)); }
+
+// Murmur3's finaliser over the six coordinates.
+static uint mixed(uint hash, uint word) {
+    hash = (hash ^ word) * 0x85EBCA6Bu;
+    hash = (hash ^ (hash >> 13)) * 0xC2B2AE35u;
+    return hash ^ (hash >> 16);
+}
+
+static uint hash_of_edge(float3 u, float3 v) {
+    uint3 a = place_of(u), b = place_of(v);
+    uint hash = mixed(mixed(mixed(0u, a.x), a.y), a.z);
+    return mixed(mixed(mixed(hash, b.x), b.y), b.z);
+}
+
+// Edge 3 id + i of the triangle soup, its ends in their canonical order.
+static void load_edge(__global const float* vertices, uint edge, float3* first, float3* second) {
+    Triangle t = load_triangle(vertices, edge / 3u);
+    float3 u = corner_of(t, edge % 3u), v = corner_of(t, (edge % 3u + 1u) % 3u);
+    bool in_order = is_before(u, v);
+    *first = in_order ? u : v;
+    *second = in_order ? v : u;
+}
+
+// The slot of an edge, which is any one of the edges between the same two places.
+static uint slot_of_edge(uint edge, uint slot_mask, __global const float* vertices, __global uint* slot_edges) {
+    float3 u, v;
+    load_edge(vertices, edge, &u, &v);
+    uint slot = hash_of_edge(u, v) & slot_mask;
+    for (;;) {
+        uint there = atomic_cmpxchg(&slot_edges[slot], GN_NO_ID, edge);
+        if (there == GN_NO_ID || there == edge) return slot;
+        float3 other_u, other_v;
+        load_edge(vertices, there, &other_u, &other_v);
+        if (is_same_place(u, other_u) && is_same_place(v, other_v)) return slot;
+        slot = (slot + 1u) & slot_mask;
+    }
+}
+
+// Sums up the sides of every edge. Without cancellation each edge of each triangle keeps a slot of its own.
+__kernel void shadow_volumes_edges(VolumeView view, uint triangle_count, ulong first_float, uint slot_mask, uint cancel,
+                                   __global const float* vertices_all, __global uint* slot_edges,
+                                   __global int* slot_weights, __global VolumeCounters* counters) {
+    __global const float* vertices = vertices_all + first_float;
+    float3 eye = vector_of(view.eye);
+    uint casting = 0, edges = 0, around_eye = 0;
+    GN_FOR_EACH(id, triangle_count) {
+        Triangle t = load_triangle(vertices, id), facing;
+        if (!casting_triangle(t, view, &facing)) continue;
+        ++casting;
+        int level = DET3_BY_FLOAT;
+        if (view.z_fail == 0u && blocks(t, eye, light_of(view), &level)) ++around_eye;
+        bool turned = !is_same_place(facing.b, t.b);
+        for (uint i = 0; i < 3u; ++i) {
+            float3 u = corner_of(t, i), v = corner_of(t, (i + 1u) % 3u);
+            if (is_same_place(u, v)) continue;
+            ++edges;
+            uint edge = 3u * (uint)id + i;
+            int direction = is_before(u, v) != turned ? 1 : -1;
+            uint slot = cancel ? slot_of_edge(edge, slot_mask, vertices, slot_edges) : edge;
+            if (!cancel) slot_edges[slot] = edge;
+            atomic_add(&slot_weights[slot], direction);
+        }
+    }
+    if (casting != 0) atomic_add(&counters->casting, casting);
+    if (edges != 0) atomic_add(&counters->edges, edges);
+    if (around_eye != 0) atomic_add(&counters->eye_inside, around_eye);
+}
+
+// ---- Sides ----------------------------------------------------------------------------------------------------------
+
+// An edge of a cone of rays: det(u, v, ray), computed from the canonical order of u and v, so that the two sides that
+// share it get the same value with opposite signs, and a ray exactly on it belongs to one of them.
+static void set_cone_edge(VolumeSide* side, uint i, float3 u, float3 v, VolumeView view) {
+    bool in_order = is_before(u, v);
+    float3 normal = in_order ? cross(u, v) : cross(v, u);
+    if (!in_order) normal = -normal;
+    side->edge_x[i] = dot(normal, vector_of(view.right));
+    side->edge_y[i] = dot(normal, vector_of(view.up));
+    side->edge_0[i] = dot(normal, vector_of(view.forward));
+    if (in_order) side->flags |= 1u << i;
+}
+
+static void negate_edge(VolumeSide* side, uint i) {
+    side->edge_x[i] = -side->edge_x[i];
+    side->edge_y[i] = -side->edge_y[i];
+    side->edge_0[i] = -side->edge_0[i];
+}
+
+// The cone of three vectors from the eye, all in the plane n . x = n . start; n points out of the volume.
+static VolumeSide make_side(float3 u, float3 v, float3 w, float3 n, float3 start, int weight, VolumeView view) {
+    VolumeSide side;
+    side.flags = 0;
+    set_cone_edge(&side, 0, u, v, view);
+    set_cone_edge(&side, 1, v, w, view);
+    set_cone_edge(&side, 2, w, u, view);
+    // Turned so that the inside is where all three are positive.
+    if (dot(cross(u, v), w) < 0.0f) {
+        for (uint i = 0; i < 3u; ++i) negate_edge(&side, i);
+        side.flags ^= 7u;
+    }
+    side.plane_x = dot(n, vector_of(view.right));
+    side.plane_y = dot(n, vector_of(view.up));
+    side.plane_0 = dot(n, vector_of(view.forward));
+    side.plane_start = dot(n, start);
+    side.weight = weight;
+    side.cap_of = GN_NO_ID;
+    return side;
+}
+
+// From a point towards infinity, away from the light.
+static float3 away_from_light(float3 a, float3 eye, VolumeView view) {
+    float3 light = vector_of(view.light);
+    return view.light[3] != 0.0f ? (a + eye) - light : -light;
+}
+
+// Two records per slot: a directional light's side is one cone, a positional light's two.
+__kernel void shadow_volumes_sides(VolumeView view, uint slot_count, ulong first_float,
+                                   __global const float* vertices_all, __global const uint* slot_edges,
+                                   __global const int* slot_weights, __global uint* cursor, __global VolumeSide* sides,
+                                   uint capacity) {
+    float3 eye = vector_of(view.eye);
+    GN_FOR_EACH(slot, slot_count) {
+        int weight = slot_edges[slot] == GN_NO_ID ? 0 : slot_weights[slot];
+        if (weight == 0) continue;
+        float3 a, b;
+        load_edge(vertices_all + first_float, slot_edges[slot], &a, &b);
+        a -= eye;
+        b -= eye;
+        float3 c_a = away_from_light(a, eye, view), c_b = away_from_light(b, eye, view);
+        // Seen from the light the triangle lies to the left of a -> b, so this points out of its volume.
+        float3 n = cross(c_a, b - a);
+        bool two = view.light[3] != 0.0f;
+        uint at = atomic_add(cursor, two ? 2u : 1u);
+        if (at + (two ? 2u : 1u) > capacity) continue;
+        sides[at] = make_side(a, b, c_a, n, a, weight, view);
+        if (two) sides[at + 1] = make_side(b, c_b, c_a, n, a, weight, view);
+    }
+}
+
+// Caps, which z-fail needs: the triangle itself and, for a positional light, its shadow at infinity.
+__kernel void shadow_volumes_caps(VolumeView view, uint triangle_count, ulong first_float,
+                                  __global const float* vertices_all, __global uint* cursor, __global VolumeSide* sides,
+                                  uint capacity) {
+    float3 eye = vector_of(view.eye);
+    uint each = view.light[3] != 0.0f ? 2u : 1u;
+    GN_FOR_EACH(id, triangle_count) {
+        Triangle t;
+        if (!casting_triangle(load_triangle(vertices_all + first_float, id), view, &t)) continue;
+        float3 a = t.a - eye, b = t.b - eye, c = t.c - eye;
+        uint at = atomic_add(cursor, each);
+        if (at + each > capacity) continue;
+        sides[at] = make_side(a, b, c, cross(b - a, c - a), a, 1, view);
+        sides[at].cap_of = (uint)id;
+        if (each == 1u) continue;
+        float3 u = away_from_light(a, eye, view), v = away_from_light(b, eye, view), w = away_from_light(c, eye, view);
+        sides[at + 1] = make_side(u, v, w, -cross(v - u, w - u), u, 1, view);
+        sides[at + 1].flags |= VOLUME_AT_INFINITY;
+    }
+}
+
+// ---- Tiles ----------------------------------------------------------------------------------------------------------
+
+// Nearest and farthest view depth of each tile's points; (inf, -inf) where there are none.
+__kernel void shadow_volumes_depths(VolumeView view, PointsLayout layout, __global const float* positions,
+                                    __global float2* tile_depths) {
+    float3 eye = vector_of(view.eye);
+    // The view depth of x is forward_unit . x with ray's forward component 1: given by the cross product of the axes.
+    float3 axis = cross(vector_of(view.right), vector_of(view.up));
+    float scale = 1.0f / dot(axis, vector_of(view.forward));
+    GN_FOR_EACH(tile, view.tiles_x * view.tiles_y) {
+        uint x0 = (uint)(tile % view.tiles_x) * VOLUME_TILE, y0 = (uint)(tile / view.tiles_x) * VOLUME_TILE;
+        float2 range = (float2)(INFINITY, -INFINITY);
+        for (uint y = y0; y < min(y0 + VOLUME_TILE, view.height); ++y)
+            for (uint x = x0; x < min(x0 + VOLUME_TILE, view.width); ++x) {
+                float3 p = load_point(positions, layout, (size_t)y * view.width + x);
+                if (!is_present(p)) continue;
+                float depth = dot(axis, p - eye) * scale;
+                range = (float2)(fmin(range.x, depth), fmax(range.y, depth));
+            }
+        tile_depths[tile] = range;
+    }
+}
+
+// Least and greatest value of a linear function over a rectangle (x0, y0, x1, y1).
+static float2 range_over(float slope_x, float slope_y, float constant_term, float4 rectangle) {
+    float x_low = slope_x > 0.0f ? rectangle.x : rectangle.z, x_high = slope_x > 0.0f ? rectangle.z : rectangle.x;
+    float y_low = slope_y > 0.0f ? rectangle.y : rectangle.w, y_high = slope_y > 0.0f ? rectangle.w : rectangle.y;
+    return (float2)(fma(slope_x, x_low, fma(slope_y, y_low, constant_term)),
+                    fma(slope_x, x_high, fma(slope_y, y_high, constant_term)));
+}
+
+#define MISSED 0
+#define PARTLY 1
+#define WHOLLY 2
+
+static int cone_over(__global const VolumeSide* side, float4 rectangle) {
+    int result = WHOLLY;
+    for (int i = 0; i < 3; ++i) {
+        float2 range = range_over(side->edge_x[i], side->edge_y[i], side->edge_0[i], rectangle);
+        if (range.y < 0.0f) return MISSED;
+        if (range.x <= 0.0f) result = PARTLY;
+    }
+    return result;
+}
+
+// The eye counts as outside of the half-space n . x <= n . a only if its own n . x - n . a = -(n . a) is positive.
+static bool is_eye_outside(__global const VolumeSide* side) { return side->plane_start < 0.0f; }
+
+static bool is_at_infinity(__global const VolumeSide* side) { return (side->flags & VOLUME_AT_INFINITY) != 0u; }
+
+// Is the side's plane between the eye and each (WHOLLY), none (MISSED) or some (PARTLY) of a tile's points? Near the
+// plane, where single precision could err, it is PARTLY.
+static int plane_over(__global const VolumeSide* side, float4 rectangle, float2 depths) {
+    if (is_at_infinity(side)) return MISSED;
+    float2 slope = range_over(side->plane_x, side->plane_y, side->plane_0, rectangle);
+    float low = fmin(slope.x * depths.x, slope.x * depths.y);
+    float high = fmax(slope.y * depths.x, slope.y * depths.y);
+    float margin = 32.0f * GN_U * (fmax(fabs(low), fabs(high)) + fabs(side->plane_start));
+    bool all_outside = low - margin > side->plane_start, all_inside = high + margin <= side->plane_start;
+    if (!all_outside && !all_inside) return PARTLY;
+    return all_outside == is_eye_outside(side) ? MISSED : WHOLLY;
+}
+
+// What crossing the side adds to the count. z-pass: entered before the point +1, left -1. z-fail: the opposite, beyond;
+// `slope` is n . ray.
+static int crossing_of(VolumeView view, __global const VolumeSide* side, float slope) {
+    if (view.z_fail) return slope < 0.0f ? -side->weight : side->weight;
+    return is_eye_outside(side) ? side->weight : -side->weight;
+}
+
+static float4 tile_rectangle(VolumeView view, uint x, uint y, uint side) {
+    return (float4)((float)(x * side) + 0.5f, (float)(y * side) + 0.5f, (float)min((x + 1u) * side, view.width) - 0.5f,
+                    (float)min((y + 1u) * side, view.height) - 0.5f);
+}
+
+// One work-item per (side of the slice, block of tiles): settles whole tiles, queues the others.
+__kernel void shadow_volumes_tiles(VolumeView view, uint first_side, uint side_count, __global const VolumeSide* sides,
+                                   __global const float2* tile_depths, __global int* tile_counts, __global uint2* pairs,
+                                   __global uint* pair_count, __global VolumeCounters* counters) {
+    uint block_count = view.blocks_x * view.blocks_y;
+    uint whole = 0;
+    GN_FOR_EACH(i, (size_t)side_count * block_count) {
+        uint index = first_side + (uint)(i / block_count), block = (uint)(i % block_count);
+        __global const VolumeSide* side = &sides[index];
+        uint block_x = block % view.blocks_x, block_y = block / view.blocks_x;
+        if (cone_over(side, tile_rectangle(view, block_x, block_y, VOLUME_TILE * VOLUME_BLOCK)) == MISSED) continue;
+        for (uint y = block_y * VOLUME_BLOCK; y < min((block_y + 1u) * VOLUME_BLOCK, view.tiles_y); ++y)
+            for (uint x = block_x * VOLUME_BLOCK; x < min((block_x + 1u) * VOLUME_BLOCK, view.tiles_x); ++x) {
+                uint tile = y * view.tiles_x + x;
+                float2 depths = tile_depths[tile];
+                if (!(depths.x <= depths.y)) continue;
+                float4 rectangle = tile_rectangle(view, x, y, VOLUME_TILE);
+                int cone = cone_over(side, rectangle);
+                if (cone == MISSED) continue;
+                int before = plane_over(side, rectangle, depths);
+                if (before == (view.z_fail ? WHOLLY : MISSED)) continue;
+                float2 slope = range_over(side->plane_x, side->plane_y, side->plane_0, rectangle);
+                bool one_way = view.z_fail == 0u || slope.x >= 0.0f || slope.y < 0.0f;
+                if (cone == WHOLLY && before != PARTLY && one_way) {
+                    atomic_add(&tile_counts[tile], crossing_of(view, side, slope.x));
+                    ++whole;
+                } else {
+                    pairs[atomic_inc(pair_count)] = (uint2)(index, tile);
+                }
+            }
+    }
+    if (whole != 0) atomic_add(&counters->tiles_whole, whole);
+}
+
+// ---- Pixels ---------------------------------------------------------------------------------------------------------
+
+static bool is_in_cone(__global const VolumeSide* side, float x, float y) {
+    for (uint i = 0; i < 3u; ++i) {
+        float e = fma(side->edge_x[i], x, fma(side->edge_y[i], y, side->edge_0[i]));
+        if (e < 0.0f || (e == 0.0f && (side->flags & (1u << i)) == 0u)) return false;
+    }
+    return true;
+}
+
+// One work-item per row of a queued tile.
+__kernel void shadow_volumes_pixels(VolumeView view, PointsLayout layout, __global const float* positions,
+                                    __global const uint* receivers, __global const VolumeSide* sides,
+                                    __global const uint2* pairs, __global const uint* pair_count,
+                                    __global int* pixel_counts, __global VolumeCounters* counters) {
+    float3 eye = vector_of(view.eye);
+    float3 axis = cross(vector_of(view.right), vector_of(view.up));
+    float scale = 1.0f / dot(axis, vector_of(view.forward));
+    uint written = 0;
+    GN_FOR_EACH(i, (size_t)*pair_count * VOLUME_TILE) {
+        uint2 pair = pairs[i / VOLUME_TILE];
+        __global const VolumeSide* side = &sides[pair.x];
+        uint x0 = (pair.y % view.tiles_x) * VOLUME_TILE;
+        uint y = (pair.y / view.tiles_x) * VOLUME_TILE + (uint)(i % VOLUME_TILE);
+        if (y >= view.height) continue;
+        for (uint x = x0; x < min(x0 + VOLUME_TILE, view.width); ++x) {
+            float pixel_x = (float)x + 0.5f, pixel_y = (float)y + 0.5f;
+            if (!is_in_cone(side, pixel_x, pixel_y)) continue;
+            size_t pixel = (size_t)y * view.width + x;
+            float3 p = load_point(positions, layout, pixel);
+            if (!is_present(p)) continue;
+            float slope = fma(side->plane_x, pixel_x, fma(side->plane_y, pixel_y, side->plane_0));
+            float depth = dot(axis, p - eye) * scale;
+            bool is_outside = slope * depth > side->plane_start;
+            bool is_own_cap = layout.has_receivers && side->cap_of != GN_NO_ID && receivers[pixel] == side->cap_of;
+            bool crossed_before = !is_at_infinity(side) && !is_own_cap && is_outside != is_eye_outside(side);
+            if (crossed_before == (view.z_fail != 0u)) continue;
+            atomic_add(&pixel_counts[pixel], crossing_of(view, side, slope));
+            ++written;
+        }
+    }
+    if (written == 0) return;
+    uint before = atomic_add(&counters->pixels_written_low, written);
+    if (before + written < before) atomic_inc(&counters->pixels_written_high);
+}
+
+// A point is in shadow if it faces away or lies in a volume. Absent points are lit.
+__kernel void shadow_volumes_resolve(VolumeView view, PointsLayout layout, ulong first_float, uint triangle_count,
+                                     __global const float* positions, __global const uint* receivers,
+                                     __global const float* vertices, __global const int* tile_counts,
+                                     __global const int* pixel_counts, __global const VolumeCounters* counters,
+                                     __global float* visibility) {
+    GN_FOR_EACH(pixel, layout.count) {
+        visibility[pixel] = 1.0f;
+        if (!is_present(load_point(positions, layout, pixel))) continue;
+        int level = DET3_BY_FLOAT;
+        bool has_receiver = layout.has_receivers && receivers[pixel] < triangle_count;
+        uint tile = (uint)(pixel / view.width) / VOLUME_TILE * view.tiles_x + (uint)(pixel % view.width) / VOLUME_TILE;
+        if ((has_receiver && faces_away(load_triangle(vertices + first_float, receivers[pixel]), light_of(view),
+                                        vector_of(view.eye), &level)) ||
+            tile_counts[tile] + pixel_counts[pixel] + (int)counters->eye_inside != 0)
+            visibility[pixel] = 0.0f;
+    }
+}

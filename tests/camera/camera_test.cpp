@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+// Stage camera: what a view sees against the exact rays, triangle by triangle; what it promises of its points against
+// the reference's judge.
+#include "camera/camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <iostream>
+#include <limits>
+
+#include "reference/predicates.hpp"
+#include "reference/view.hpp"
+#include "support/camera_scenes.hpp"
+#include "support/device.hpp"
+
+namespace {
+
+using namespace support;
+
+gnomon::ViewOnHost look(const gnomon::Device& device, const CameraScene& scene) {
+    const gnomon::Triangles triangles = gnomon::Triangles::upload(device, scene.triangles);
+    return read(device, triangles, gnomon::look(device, triangles, scene.camera(), scene.width, scene.height));
+}
+
+struct Tally {
+    std::uint64_t pixels = 0, sky = 0, contested = 0;
+};
+
+/// Of two hits nearer to each other than 2^-28 of their depth either may win (kernels/camera/camera.h).
+constexpr long double SAME_DEPTH = 0x1p-28L;
+
+/// Every pixel: the sky only if the exact ray meets nothing, else a triangle it meets, no farther than the nearest.
+void check_nearest(const CameraScene& scene, const std::vector<std::uint32_t>& seen, Tally& tally) {
+    SCOPED_TRACE(scene.name);
+    const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), scene.width, scene.height);
+    for (std::uint32_t y = 0; y < scene.height; ++y)
+        for (std::uint32_t x = 0; x < scene.width; ++x) {
+            const auto met = reference::meetings(exact_ray(tables, x, y), scene.triangles);
+            const std::uint32_t id = seen[std::size_t(y) * scene.width + x];
+            ++tally.pixels;
+            tally.sky += met.empty();
+            ASSERT_EQ(id == gnomon::no_receiver, met.empty()) << "pixel " << x << ", " << y;
+            if (met.empty()) continue;
+            const auto claimed = std::find_if(met.begin(), met.end(), [&](const auto& m) { return m.id == id; });
+            ASSERT_NE(claimed, met.end()) << "pixel " << x << ", " << y << " misses triangle " << id;
+            EXPECT_LE(claimed->parameter, met[0].parameter * (1 + SAME_DEPTH))
+                << "pixel " << x << ", " << y << " sees triangle " << id << " behind " << met[0].id;
+            tally.contested += met.size() > 1 && met[1].parameter <= met[0].parameter * (1 + SAME_DEPTH);
+        }
+}
+
+// Not vacuous: thousands of pixels see triangles, and hundreds lie exactly on an edge or a vertex of several.
+TEST(camera, equals_reference) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    for (const CameraScene& scene : camera_scenes()) check_nearest(scene, look(device, scene).receiver, tally);
+    std::cout << tally.pixels << " pixels, " << tally.sky << " of sky, " << tally.contested << " with equal hits\n";
+    EXPECT_GT(tally.pixels - tally.sky, 5000u);
+    EXPECT_GT(tally.contested, 200u);
+}
+
+// From inside a closed mesh no ray escapes, whatever the tessellation and however the rays hit its edges. Not vacuous:
+// a single triangle left out of the mesh lets some through.
+TEST(camera, closed_meshes_have_no_cracks) {
+    const gnomon::Device device = device_with();
+    for (const int subdivisions : {0, 2, 4})
+        for (const Float3& eye : {Float3{0, 0, 0}, Float3{0.5f, 0.25f, -0.125f}, Float3{0, 0.7f, 0}}) {
+            CameraScene scene{
+                "inside", icosphere(subdivisions, 1), eye, {eye[0], eye[1], eye[2] - 1}, {0, 1, 0}, 90, 64, 64};
+            const auto seen = look(device, scene).receiver;
+            ASSERT_EQ(std::count(seen.begin(), seen.end(), gnomon::no_receiver), 0);
+            const std::size_t missing = seen[32 * 64 + 32];
+            scene.triangles.erase(scene.triangles.begin() + std::ptrdiff_t(9 * missing),
+                                  scene.triangles.begin() + std::ptrdiff_t(9 * missing + 9));
+            const auto holed = look(device, scene).receiver;
+            EXPECT_GT(std::count(holed.begin(), holed.end(), gnomon::no_receiver), 0);
+        }
+}
+
+// Every pixel's ray runs exactly through a corner of six triangles, so every pixel is covered six times, by closed
+// triangles, and by none if edges were open. Not vacuous: that it is so is checked with the exact rays.
+TEST(camera, watertight_where_corners_are_pixel_centres) {
+    const gnomon::Device device = device_with();
+    for (const std::uint32_t height : {1u, 2u, 16u, 32u})
+        for (const std::uint32_t width : {1u, 15u, 16u, 17u, 33u}) {
+            const CameraScene scene = lattice_view(width, height);
+            SCOPED_TRACE(scene.name);
+            const auto seen = look(device, scene).receiver;
+            EXPECT_EQ(std::count(seen.begin(), seen.end(), gnomon::no_receiver), 0);
+            const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), width, height);
+            EXPECT_EQ(reference::meetings(exact_ray(tables, width - 1, 0), scene.triangles).size(), 6u);
+        }
+}
+
+// Copies of one triangle hit at bit-equal depth: the smaller id is seen. Not vacuous: each pixel has three copies, and
+// the copies come in falling order of size of their lists' slots as well.
+TEST(camera, smallest_of_coincident_ids_is_seen) {
+    const gnomon::Device device = device_with();
+    const Floats ball = icosphere(1, 1);
+    CameraScene scene{"copies", ball, {0.3f, 0.4f, 2}, {0, 0, 0}, {0, 1, 0}, 50, 48, 48};
+    const auto once = look(device, scene).receiver;
+    append(scene.triangles, ball);
+    append(scene.triangles, ball);
+    EXPECT_EQ(look(device, scene).receiver, once);
+    EXPECT_LT(std::count(once.begin(), once.end(), gnomon::no_receiver), 48 * 48 / 2);
+}
+
+// Not vacuous: the order decides in which sequence a pixel meets its triangles; where hits are not equal the same one
+// must win.
+TEST(camera, order_free) {
+    const gnomon::Device device = device_with();
+    Tally tally;
+    for (const CameraScene& scene : camera_scenes()) {
+        CameraScene shuffled = scene;
+        const auto order = shuffled_order(scene.triangles.size() / 9, 121);
+        for (std::size_t i = 0; i < scene.triangles.size(); ++i)
+            shuffled.triangles[i] = scene.triangles[9 * order[i / 9] + i % 9];
+        check_nearest(shuffled, look(device, shuffled).receiver, tally);
+        CameraScene reversed = scene;
+        reversed.triangles = reversed_winding(scene.triangles);
+        check_nearest(reversed, look(device, reversed).receiver, tally);
+    }
+}
+
+bool same_bits(const gnomon::ViewOnHost& a, const gnomon::ViewOnHost& b) {
+    const auto same = [](const std::vector<float>& u, const std::vector<float>& v) {
+        return u.size() == v.size() && std::memcmp(u.data(), v.data(), u.size() * sizeof(float)) == 0;
+    };
+    return same(a.position, b.position) && same(a.normal, b.normal) && a.receiver == b.receiver;
+}
+
+// Not vacuous: sizes that are no multiple of a tile, and ties that only a fixed rule settles.
+TEST(camera, shape_free) {
+    std::vector<CameraScene> scenes = camera_scenes();
+    scenes.resize(6);
+    for (const std::uint32_t group : FEW_WORK_GROUP_SIZES)
+        for (const CameraScene& scene : scenes)
+            EXPECT_TRUE(same_bits(look(device_with(group), scene), look(device_with(), scene)))
+                << scene.name << ", work-groups of " << group;
+}
+
+// Not vacuous: without double precision all of it is done by integers, from denormals to 1e7, and every bit is
+// compared.
+TEST(camera, same_bits_without_double_precision) {
+    const gnomon::Device with = device_with(), without({}, {.hide_fp64 = true});
+    EXPECT_FALSE(without.session().has_fp64());
+    for (const CameraScene& scene : camera_scenes())
+        EXPECT_TRUE(same_bits(look(without, scene), look(with, scene))) << scene.name;
+}
+
+// Not vacuous: the reference judges thousands of points whose lift and rounding depend on scale, distance and angle.
+TEST(camera, points_keep_their_promises) {
+    const gnomon::Device device = device_with();
+    std::uint64_t judged = 0;
+    for (const CameraScene& scene : camera_scenes()) {
+        SCOPED_TRACE(scene.name);
+        const gnomon::ViewOnHost view = look(device, scene);
+        const reference::PinholeCamera camera{scene.eye,           scene.target, scene.up,
+                                              scene.fov_y_degrees, scene.width,  scene.height};
+        const reference::ViewReport report = reference::judge_view(scene.triangles, camera, std::nullopt,
+                                                                   {view.position, view.normal, view.receiver, {}});
+        EXPECT_EQ(report.wrong_nearest.count, 0u);
+        EXPECT_EQ(report.wrong_side.count, 0u);
+        EXPECT_EQ(report.wrong_distance.count, 0u) << double(report.largest_distance_ulp) << " ulp";
+        EXPECT_EQ(report.wrong_normal.count, 0u);
+        EXPECT_EQ(report.wrong_sky.count, 0u);
+        judged += report.pixels - report.sky;
+    }
+    EXPECT_GT(judged, 5000u);
+}
+
+/// Random places on the scene's triangles, rounded to float32: where a caller's own intersection code would put points.
+struct PlacesOnTriangles {
+    Floats points;
+    std::vector<std::uint32_t> receivers;
+};
+PlacesOnTriangles places_on(const Floats& triangles, std::size_t each) {
+    PlacesOnTriangles places;
+    Random random(131);
+    for (std::size_t id = 0; id < triangles.size() / 9; ++id)
+        for (std::size_t k = 0; k < each; ++k) {
+            const double u = random.between(0, 1), v = random.between(0, 1) * (1 - u);
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double a = triangles[9 * id + c], b = triangles[9 * id + 3 + c], d = triangles[9 * id + 6 + c];
+                places.points.push_back(static_cast<float>(a + u * (b - a) + v * (d - a)));
+            }
+            places.receivers.push_back(static_cast<std::uint32_t>(id));
+        }
+    return places;
+}
+
+std::size_t count_under(const Floats& triangles, const Floats& points, const std::vector<std::uint32_t>& receivers,
+                        const Float3& eye) {
+    reference::Effort effort;
+    std::size_t under = 0;
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        const reference::Triangle t{vertex(triangles, 3 * receivers[i]), vertex(triangles, 3 * receivers[i] + 1),
+                                    vertex(triangles, 3 * receivers[i] + 2)};
+        const int eye_side = reference::side_of_point(eye, t, effort);
+        under += eye_side != 0 && reference::side_of_point(vertex(points, i), t, effort) != eye_side;
+    }
+    return under;
+}
+
+// A caller's points: above their planes afterwards, by the exact predicate, and at most 9 ulps away. Not vacuous: about
+// half of them are under their planes, or on them, before.
+TEST(camera, lifted_points_leave_their_planes) {
+    const gnomon::Device with = device_with(), without({}, {.hide_fp64 = true});
+    std::size_t lifted_count = 0, under_before = 0;
+    for (const CameraScene& scene : camera_scenes()) {
+        SCOPED_TRACE(scene.name);
+        const PlacesOnTriangles places = places_on(scene.triangles, 10);
+        const std::size_t count = places.receivers.size();
+        Floats first;
+        for (const gnomon::Device& device : {with, without}) {
+            const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+            const auto points = gnomon::Points::upload(device, places.points, places.receivers);
+            const gnomon::Points lifted = gnomon::lift(device, triangles, points, scene.eye);
+            EXPECT_EQ(lifted.eye(), scene.eye);
+            const Floats moved = downloaded<float>(device.session(), lifted.positions(), 3 * count);
+            EXPECT_EQ(count_under(scene.triangles, moved, places.receivers, scene.eye), 0u);
+            for (std::size_t i = 0; i < count; ++i) {
+                float size = 0;
+                for (std::size_t c = 0; c < 3; ++c)
+                    size = std::max({size, std::fabs(moved[3 * i + c]), std::fabs(scene.eye[c])});
+                double squared = 0;
+                for (std::size_t c = 0; c < 3; ++c)
+                    squared += std::pow(double(moved[3 * i + c]) - places.points[3 * i + c], 2);
+                const double ulp = std::ldexp(1.0, std::max(std::ilogb(size), -126) - 23);
+                ASSERT_LE(std::sqrt(squared), 9 * ulp) << "point " << i;
+            }
+            if (first.empty()) first = moved;
+            EXPECT_EQ(std::memcmp(first.data(), moved.data(), first.size() * sizeof(float)), 0) << "without fp64";
+        }
+        lifted_count += count;
+        under_before += count_under(scene.triangles, places.points, places.receivers, scene.eye);
+    }
+    std::cout << lifted_count << " points, " << under_before << " of them not above their planes before\n";
+    EXPECT_GT(under_before, lifted_count / 4);
+}
+
+// Who has no plane stays: no receiver, one that is no triangle, absent points.
+TEST(camera, lift_leaves_alone_what_has_no_plane) {
+    const gnomon::Device device = device_with();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    Floats scene;
+    add(scene, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+    add(scene, {2, 2, 2}, {2, 2, 2}, {2, 2, 2});
+    add(scene, {0, 0, 0}, {1, 0, nan}, {0, 1, 0});
+    const auto triangles = gnomon::Triangles::upload(device, scene);
+    const Floats places{0.25f, 0.25f, 0, 0.25f, 0.25f, 0, 2, 2, 2, 0.25f, 0.25f, 0, nan, 1, 2};
+    const auto points =
+        gnomon::Points::upload(device, places, std::vector<std::uint32_t>{0, gnomon::no_receiver, 1, 2, 0});
+    const gnomon::Points lifted = gnomon::lift(device, triangles, points, {0, 0, -1});
+    const Floats moved = downloaded<float>(device.session(), lifted.positions(), places.size());
+    EXPECT_LT(moved[2], 0) << "the first has one, and the eye is below";
+    EXPECT_EQ(moved[0], places[0]);
+    EXPECT_EQ(std::memcmp(&moved[3], &places[3], 9 * sizeof(float)), 0);
+    EXPECT_TRUE(std::isnan(moved[12]));
+    EXPECT_THROW(gnomon::lift(device, triangles, gnomon::Points::upload(device, places), {0, 0, -1}),
+                 gnomon::InvalidArgument);
+    EXPECT_THROW(gnomon::lift(device, triangles, points, {0, nan, -1}), gnomon::InvalidArgument);
+}
+
+// Triangles that are no triangles, wholly behind the eye, through the eye, with the eye in their plane or at a vertex.
+// Not vacuous: each stands in the middle of the view, in front of a wall that must be seen.
+TEST(camera, survives_degenerates) {
+    const gnomon::Device device = device_with();
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    CameraScene scene{"degenerates", {}, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90, 31, 33};
+    add(scene.triangles, {-1, -1, -1}, {1, -1, -1}, {0, 1, nan});
+    add(scene.triangles, {-1, -1, -1}, {1, -1, -inf}, {0, 1, -1});
+    add(scene.triangles, {0, 0, -1}, {0, 0, -1}, {0, 0, -1});
+    add(scene.triangles, {-1, 0, -1}, {0, 0, -1}, {1, 0, -1});
+    add(scene.triangles, {0, 0, 0}, {1, 0, -1}, {-1, 0, -1});
+    add(scene.triangles, {-1, 0, -1}, {1, 0, -1}, {0, 0, 2});                              // the eye inside it
+    add(scene.triangles, {-1, -1, 1}, {1, -1, 1}, {0, 1, 1});                              // behind
+    add(scene.triangles, {-1e-45f, -1e-45f, -1}, {1e-45f, -1e-45f, -1}, {0, 1e-45f, -1});  // met by the centre's ray
+    const auto wall = static_cast<std::uint32_t>(scene.triangles.size() / 9);
+    add(scene.triangles, {-3e38f, -3e38f, -2e38f}, {3e38f, -3e38f, -2e38f}, {0, 3e38f, -2e38f});
+    add(scene.triangles, {-9, 9, 5}, {9, 9, 5}, {0, -1, -9});  // straddles
+    Tally tally;
+    const auto seen = look(device, scene).receiver;
+    check_nearest(scene, seen, tally);
+    EXPECT_GT(std::count(seen.begin(), seen.end(), wall), 100);
+    EXPECT_GT(std::count(seen.begin(), seen.end(), wall + 1), 50);
+    EXPECT_EQ(seen[16 * 31 + 15], wall - 1) << "the smallest triangle there is covers the centre's ray exactly";
+    scene.triangles.clear();
+    const auto nothing = look(device, scene).receiver;
+    EXPECT_EQ(std::count(nothing.begin(), nothing.end(), gnomon::no_receiver), 31 * 33);
+}
+
+// The kernels themselves, with canaries behind what they write. Not vacuous: sizes that leave part of a tile over.
+TEST(camera, writes_only_its_own) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    const CameraScene scene = camera_scenes().front();
+    const gnomon::Triangles triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::TriangleInputs inputs = gnomon::triangle_inputs(triangles);
+    const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+    const std::size_t pixels = std::size_t(scene.width) * scene.height;
+    const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), scene.width, scene.height);
+    const gnomon::cl::Buffer rays = uploaded(session, tables.rays);
+    gnomon::cl::Buffer positions(session, (pixels * 3 + 8) * sizeof(float));
+    gnomon::cl::Buffer normals(session, (pixels * 3 + 8) * sizeof(float));
+    put_canaries(session, positions);
+    put_canaries(session, normals);
+    const gnomon::Float4 eye{scene.eye[0], scene.eye[1], scene.eye[2], 0};
+    const auto range = gnomon::cl::Range::items(pixels);
+    session.launch("camera/camera.cl", "camera_points", range, scene.width, scene.height, cl_uint{0}, cl_uint(pixels),
+                   eye, inputs.first_float, inputs.vertices, rays, view.points.receivers(), positions);
+    session.launch("camera/camera.cl", "camera_normals", range, cl_uint(pixels), eye, inputs.first_float,
+                   inputs.vertices, view.points.receivers(), normals);
+    expect_canaries(session, positions, pixels * 3 * sizeof(float), "positions");
+    expect_canaries(session, normals, pixels * 3 * sizeof(float), "normals");
+}
+
+}  // namespace

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: MIT
+# Fuzz targets. In every build the saved corpus is replayed as a test; with GNOMON_FUZZ (tools/fuzz.sh) the fuzzers
+# themselves are built too.
+function(gnomon_fuzz_target name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "CORPUS" "SOURCES;FUZZER_SOURCES;LIBRARIES;LINK_OPTIONS")
+  add_executable(${name}_replay ${arg_SOURCES} ${CMAKE_CURRENT_LIST_DIR}/replay.cpp)
+  add_test(NAME ${name}_replay COMMAND ${name}_replay ${arg_CORPUS})
+  set_tests_properties(${name}_replay PROPERTIES
+    TIMEOUT ${GNOMON_TEST_TIMEOUT_S} ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
+  set(programs ${name}_replay)
+  if(GNOMON_FUZZ)
+    add_executable(${name} ${arg_SOURCES} ${arg_FUZZER_SOURCES})
+    target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+    list(APPEND programs ${name})
+  endif()
+  foreach(program IN LISTS programs)
+    target_link_libraries(${program} PRIVATE gnomon_build_flags ${arg_LIBRARIES})
+    target_link_options(${program} PRIVATE ${arg_LINK_OPTIONS})
+  endforeach()
+endfunction()
+
+find_package(nlohmann_json REQUIRED)
+gnomon_fuzz_target(scene_fuzz
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_fuzz.cpp
+  FUZZER_SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_mutator.cpp
+  CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/scene
+  LIBRARIES gnomon_scene nlohmann_json::nlohmann_json
+  LINK_OPTIONS -Wl,--wrap=sysconf)
+gnomon_fuzz_target(library_fuzz
+  SOURCES ${CMAKE_CURRENT_LIST_DIR}/library_fuzz.cpp
+  CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/library
+  LIBRARIES gnomon_inside gnomon_reference)

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// Stage scan: exclusive prefix sums, each count rounded up to a multiple of the alignment, saturating.
+#include "lists/scan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "reference/scenes_for_tests.hpp"
+#include "support/device.hpp"
+
+namespace {
+
+using namespace support;
+using Words = std::vector<std::uint32_t>;
+
+/// The definition, in integers that cannot overflow here.
+Words reference_scan(const Words& counts, std::uint32_t alignment) {
+    Words offsets;
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i <= counts.size(); ++i) {
+        offsets.push_back(
+            static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, std::numeric_limits<std::uint32_t>::max())));
+        if (i < counts.size()) sum += (std::uint64_t(counts[i]) + alignment - 1) / alignment * alignment;
+    }
+    return offsets;
+}
+
+/// Scans on the device, with canaries behind the offsets.
+Words scan(const gnomon::Device& device, const Words& counts, std::uint32_t alignment) {
+    gnomon::cl::Session& session = device.session();
+    const gnomon::cl::Buffer input = uploaded(session, counts);
+    gnomon::cl::Buffer offsets(session, (counts.size() + 9) * sizeof(std::uint32_t));
+    put_canaries(session, offsets);
+    gnomon::Scan stage;
+    stage.run(session, static_cast<std::uint32_t>(counts.size()), alignment, input, offsets);
+    expect_canaries(session, offsets, (counts.size() + 1) * sizeof(std::uint32_t), "offsets");
+    EXPECT_EQ(downloaded<std::uint32_t>(session, input.get(), counts.size()), counts) << "the input was written";
+    return downloaded<std::uint32_t>(session, offsets.get(), counts.size() + 1);
+}
+
+Words random_counts(std::size_t count, std::uint32_t below, std::uint64_t seed) {
+    reference::Random random(seed);
+    Words counts(count);
+    for (std::uint32_t& c : counts) c = random.below(below);
+    return counts;
+}
+
+/// Around the pieces of 256 that work-items take, and around what one work-group takes in turn.
+constexpr std::size_t SIZES[] = {0, 1, 2, 255, 256, 257, 511, 1000, 4096, 32767, 32768, 32769, 65537, 100000};
+
+// Not vacuous: hundreds of pieces in the larger sizes, and sums that every element changes.
+TEST(scan, equals_reference) {
+    const gnomon::Device device = device_with();
+    for (const std::size_t size : SIZES)
+        for (const std::uint32_t alignment : {1u, 4u, 16u}) {
+            SCOPED_TRACE(std::to_string(size) + " counts, alignment " + std::to_string(alignment));
+            const Words counts = random_counts(size, 40, size + 1);
+            EXPECT_EQ(scan(device, counts, alignment), reference_scan(counts, alignment));
+        }
+}
+
+// Not vacuous: 100000 counts are 391 pieces, more than the items of any of these groups.
+TEST(scan, shape_free) {
+    for (const std::uint32_t group : WORK_GROUP_SIZES) {
+        const gnomon::Device device = device_with(group);
+        for (const std::size_t size : {std::size_t(0), std::size_t(1), std::size_t(257), std::size_t(100000)}) {
+            SCOPED_TRACE(std::to_string(size) + " counts, work-groups of " + std::to_string(group));
+            const Words counts = random_counts(size, 1000, size + 7);
+            EXPECT_EQ(scan(device, counts, 16), reference_scan(counts, 16));
+        }
+    }
+}
+
+// A total beyond 32 bits must be seen as one: wrapped around it would look like a list that fits.
+// Not vacuous: without saturation every one of these totals is small.
+TEST(scan, survives_overflow) {
+    const std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+    // Within a piece, from piece to piece of one work-item, and from one work-item to the next.
+    for (const std::uint32_t group : {1u, 3u, 64u}) {
+        SCOPED_TRACE("work-groups of " + std::to_string(group));
+        const gnomon::Device device = device_with(group);
+        for (const Words& counts : {Words{most, 1, 5}, Words{most, most}, Words(70000, 1u << 16), Words{0, most, 0}}) {
+            const Words offsets = scan(device, counts, 1);
+            EXPECT_EQ(offsets, reference_scan(counts, 1));
+            EXPECT_EQ(offsets.back(), most);
+        }
+        Words late = random_counts(5000, 3, 9);
+        late[4000] = most - 100;
+        EXPECT_EQ(scan(device, late, 1), reference_scan(late, 1));
+    }
+}
+
+}  // namespace

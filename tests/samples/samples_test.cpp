@@ -1,0 +1,570 @@
+// SPDX-License-Identifier: MIT
+// Stage samples: the patterns against their published definitions; each sample's ray, receiver and place against exact
+// rays; the mean against the oracle's answer for every sample.
+#include "samples/samples.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <iostream>
+#include <set>
+
+#include "reference/predicates.hpp"
+#include "reference/visibility.hpp"
+#include "samples/settled_samples.hpp"
+#include "support/camera_scenes.hpp"
+#include "support/device.hpp"
+
+namespace {
+
+using namespace support;
+using gnomon::SampleOffset;
+
+/// Sample by sample, each pixel by pixel.
+struct Samples {
+    Floats position;
+    std::vector<std::uint32_t> receiver;
+    std::vector<float> mean;
+    std::vector<std::uint32_t> pixel_receiver;
+    gnomon::Statistics statistics;
+};
+
+constexpr std::size_t ALL_AT_ONCE = 1u << 20;
+
+Samples sampled(const gnomon::Device& device, const CameraScene& scene, const gnomon::Light& light,
+                std::uint32_t samples, std::size_t points_at_once = ALL_AT_ONCE) {
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+    const gnomon::Visibility mean(device, view.points.count());
+    Samples result;
+    const auto keep = [&](const gnomon::Points& points) {
+        const std::size_t count = points.count();
+        const Floats planes = downloaded<float>(device.session(), points.positions(), 3 * count);
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t c = 0; c < 3; ++c) result.position.push_back(planes[i + c * count]);
+        const auto ids = downloaded<std::uint32_t>(device.session(), points.receivers(), count);
+        result.receiver.insert(result.receiver.end(), ids.begin(), ids.end());
+    };
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    result.statistics =
+        gnomon::run_samples_in_batches(*technique, device, triangles, view, light, samples, mean, keep, points_at_once);
+    result.mean = mean.read();
+    result.pixel_receiver = downloaded<std::uint32_t>(device.session(), view.points.receivers(), view.points.count());
+    return result;
+}
+
+/// Small scenes with creases, silhouettes against the sky, ties and needles.
+std::vector<CameraScene> scenes() {
+    std::vector<CameraScene> chosen;
+    for (const CameraScene& scene : camera_scenes())
+        for (const char* name : {"ball", "inside a ball", "soup around the eye", "large soup", "needles", "tiny ball",
+                                 "eye in a wall's plane", "one pixel"})
+            if (scene.name == name) chosen.push_back(scene);
+    return chosen;
+}
+
+constexpr std::uint32_t COUNTS[] = {1, 4, 8, 16, 32};
+
+// D3D11_STANDARD_MULTISAMPLE_PATTERN as Microsoft documents it, in sixteenths; copied from there, not from our table.
+TEST(samples, patterns_are_direct3ds) {
+    const auto expect = [](std::uint32_t samples, const std::vector<std::array<int, 2>>& sixteenths) {
+        const auto pattern = gnomon::sample_pattern(samples);
+        ASSERT_EQ(pattern.size(), sixteenths.size());
+        for (std::size_t i = 0; i < pattern.size(); ++i) {
+            EXPECT_EQ(pattern[i].x, 4 * sixteenths[i][0]) << samples << " samples, number " << i;
+            EXPECT_EQ(pattern[i].y, 4 * sixteenths[i][1]) << samples << " samples, number " << i;
+        }
+    };
+    expect(1, {{0, 0}});
+    expect(4, {{-2, -6}, {6, -2}, {-6, 2}, {2, 6}});
+    expect(8, {{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}});
+    expect(16, {{1, 1},
+                {-1, -3},
+                {-3, 2},
+                {4, -1},
+                {-5, -2},
+                {2, 5},
+                {5, 3},
+                {3, -5},
+                {-2, 6},
+                {0, -7},
+                {-4, -6},
+                {-6, 4},
+                {-8, 0},
+                {7, -4},
+                {6, 7},
+                {-7, -8}});
+    for (const std::uint32_t count : {0u, 2u, 3u, 31u, 33u, 64u})
+        EXPECT_THROW(gnomon::sample_pattern(count), gnomon::InvalidArgument) << count;
+}
+
+// What makes 32 points well spread: of the 32 equal rectangles of each shape, every one holds one point.
+TEST(samples, thirty_two_fill_every_elementary_rectangle) {
+    const auto pattern = gnomon::sample_pattern(32);
+    ASSERT_EQ(pattern.size(), 32u);
+    for (int columns = 1; columns <= 32; columns *= 2) {
+        std::set<std::pair<int, int>> met;
+        for (const SampleOffset& offset : pattern) {
+            ASSERT_TRUE(offset.x >= -32 && offset.x < 32 && offset.y >= -32 && offset.y < 32);
+            met.emplace((offset.x + 32) * columns / 64, (offset.y + 32) * (32 / columns) / 64);
+        }
+        EXPECT_EQ(met.size(), 32u) << columns << " columns";
+    }
+}
+
+/// The ideal direction through a place in the picture, in pixels from its upper left corner.
+std::array<long double, 3> ideal_direction(const gnomon::Camera& camera, double width, double height, long double x,
+                                           long double y) {
+    const long double pixel = std::tan(static_cast<long double>(camera.fov_y_radians) / 2) / (height / 2);
+    std::array<long double, 3> direction{};
+    for (std::size_t i = 0; i < 3; ++i)
+        direction[i] =
+            camera.forward[i] + (x - width / 2) * pixel * camera.right[i] + (height / 2 - y) * pixel * camera.up[i];
+    return direction;
+}
+
+// Every ray of every sample is the ideal one up to 2^-46. Not vacuous: half a unit of an offset is 2^-7 of a pixel.
+TEST(samples, rays_pass_through_their_places) {
+    for (const CameraScene& scene : scenes())
+        for (const std::uint32_t count : COUNTS)
+            for (const SampleOffset& offset : gnomon::sample_pattern(count)) {
+                const gnomon::Camera camera = scene.camera();
+                const gnomon::CameraTables tables = gnomon::camera_tables(camera, scene.width, scene.height, offset);
+                for (const std::uint32_t x : {0u, scene.width - 1})
+                    for (const std::uint32_t y : {0u, scene.height - 1}) {
+                        const auto ideal = ideal_direction(camera, scene.width, scene.height,
+                                                           x + 0.5L + offset.x / 64.0L, y + 0.5L + offset.y / 64.0L);
+                        const float* column = &tables.rays[6 * std::size_t(x)];
+                        const float* row = &tables.rays[6 * (std::size_t(scene.width) + y)];
+                        for (std::size_t i = 0; i < 3; ++i) {
+                            const long double sum = static_cast<long double>(column[i]) + column[i + 3] +
+                                                    static_cast<long double>(row[i]) + row[i + 3];
+                            ASSERT_NEAR(static_cast<double>(sum - ideal[i]), 0, 0x1p-46 * 4) << scene.name;
+                        }
+                    }
+            }
+}
+
+// The device makes the tables that the host would make, to the bit.
+TEST(samples, rays_of_the_device_are_the_hosts) {
+    const gnomon::Device device = device_with();
+    gnomon::cl::Session& session = device.session();
+    for (const CameraScene& scene : scenes())
+        for (const std::uint32_t count : {4u, 32u}) {
+            const gnomon::Camera camera = scene.camera();
+            const gnomon::SamplePattern pattern = gnomon::pattern_of(gnomon::sample_pattern(count));
+            // One entry for each sample of each column, then of each row.
+            std::vector<float> expected(std::size_t(scene.width + scene.height) * count * RAY_FLOATS);
+            std::size_t sample = 0;
+            for (const SampleOffset& offset : gnomon::sample_pattern(count)) {
+                const auto rays = gnomon::camera_tables(camera, scene.width, scene.height, offset).rays;
+                for (std::size_t i = 0; i < rays.size(); ++i)
+                    expected[(i / RAY_FLOATS * count + sample) * RAY_FLOATS + i % RAY_FLOATS] = rays[i];
+                ++sample;
+            }
+            const auto patterns = uploaded(session, std::vector{pattern});
+            const gnomon::cl::Buffer rays(session, expected.size() * sizeof(float));
+            session.launch("samples/samples.cl", "samples_rays", gnomon::cl::Range::items(100),
+                           gnomon::ray_axes(camera, scene.width, scene.height), patterns, scene.width, scene.height,
+                           rays);
+            const auto seen = downloaded<float>(session, rays.get(), expected.size());
+            EXPECT_EQ(std::memcmp(seen.data(), expected.data(), expected.size() * sizeof(float)), 0) << scene.name;
+        }
+}
+
+// The receiver of each sample, by its exact ray: the pixel's where that is met, else the nearest. The point: on the
+// eye's side of it, near the exact hit. Not vacuous: samples of both kinds, and samples that see sky beside pixels that
+// do not, are counted.
+TEST(samples, receivers_and_points_equal_reference) {
+    const gnomon::Device device = device_with();
+    constexpr long double SAME_DEPTH = 0x1p-28L;  // kernels/camera/camera.h
+    std::size_t on_pixels = 0, hidden_but_kept = 0, on_own = 0, sky = 0, sky_beside = 0;
+    for (const CameraScene& scene : scenes()) {
+        SCOPED_TRACE(scene.name);
+        const std::size_t pixels = std::size_t(scene.width) * scene.height;
+        const std::uint32_t count = scene.width > 30 ? 4 : 16;
+        const Samples seen = sampled(device, scene, gnomon::Light::directional({0.3f, -1, 0.2f}), count);
+        const auto pattern = gnomon::sample_pattern(count);
+        for (std::size_t k = 0; k < pattern.size(); ++k) {
+            const gnomon::CameraTables tables =
+                gnomon::camera_tables(scene.camera(), scene.width, scene.height, pattern[k]);
+            for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+                const std::size_t i = k * pixels + pixel;
+                const auto ray =
+                    exact_ray(tables, std::uint32_t(pixel % scene.width), std::uint32_t(pixel / scene.width));
+                const auto met = reference::meetings(ray, scene.triangles);
+                const std::uint32_t id = seen.receiver[i], of_pixel = seen.pixel_receiver[pixel];
+                const Float3 p = vertex(seen.position, i);
+                ASSERT_EQ(id == gnomon::no_receiver, met.empty());
+                if (met.empty()) {
+                    ASSERT_TRUE(std::isnan(p[0]));
+                    ++sky;
+                    sky_beside += of_pixel != gnomon::no_receiver;
+                    continue;
+                }
+                const auto find = [&](std::uint32_t wanted) {
+                    return std::find_if(met.begin(), met.end(), [&](const auto& m) { return m.id == wanted; });
+                };
+                const auto claimed = find(id);
+                ASSERT_NE(claimed, met.end()) << "sample " << k << " of pixel " << pixel << " misses its receiver";
+                if (find(of_pixel) != met.end()) {
+                    ASSERT_EQ(id, of_pixel) << "sample " << k << " of pixel " << pixel;
+                    ++on_pixels;
+                    hidden_but_kept += met[0].id != id;
+                } else {
+                    ASSERT_LE(claimed->parameter, met[0].parameter * (1 + SAME_DEPTH));
+                    ++on_own;
+                }
+                const reference::Triangle t = {vertex(scene.triangles, 3 * id), vertex(scene.triangles, 3 * id + 1),
+                                               vertex(scene.triangles, 3 * id + 2)};
+                reference::Effort effort;
+                ASSERT_EQ(reference::side_of_point(p, t, effort), reference::side_of_point(scene.eye, t, effort));
+                const auto direction =
+                    ideal_direction(scene.camera(), scene.width, scene.height,
+                                    std::uint32_t(pixel % scene.width) + 0.5L + pattern[k].x / 64.0L,
+                                    std::uint32_t(pixel / scene.width) + 0.5L + pattern[k].y / 64.0L);
+                long double squared = 0, size = 0;
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const long double hit = scene.eye[c] + claimed->parameter * direction[c];
+                    squared += (p[c] - hit) * (p[c] - hit);
+                    size = std::max({size, std::fabs(hit), std::fabs(static_cast<long double>(scene.eye[c]))});
+                }
+                const double ulp = std::ldexp(1.0, std::max(std::ilogb(size), -126) - 23);
+                ASSERT_LE(std::sqrt(squared), 16 * ulp) << "sample " << k << " of pixel " << pixel;
+            }
+        }
+    }
+    std::cout << on_pixels << " samples on their pixel's receiver (" << hidden_but_kept
+              << " of them with something before it), " << on_own << " on their own, " << sky << " of sky, "
+              << sky_beside << " of them in pixels that see a triangle\n";
+    EXPECT_GT(on_pixels, 2000u);
+    EXPECT_GT(hidden_but_kept, 20u);
+    EXPECT_GT(on_own, 500u);
+    EXPECT_GT(sky_beside, 50u);
+}
+
+// The mean of the oracle's answers, bit for bit. Not vacuous: pixels that are partly lit are counted.
+TEST(samples, mean_equals_oracle) {
+    const gnomon::Device device = device_with();
+    std::size_t partly = 0, whole = 0;
+    for (const CameraScene& scene : scenes())
+        for (const gnomon::Light& light :
+             {gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::positional({1.5f, 2, 1.25f})})
+            for (const std::uint32_t count : COUNTS) {
+                SCOPED_TRACE(scene.name + ", " + std::to_string(count) + " samples");
+                const Samples seen = sampled(device, scene, light, count);
+                const auto shadow =
+                    reference::shadowed(scene.triangles, seen.position, seen.receiver, light.xyzw, scene.eye);
+                const std::size_t pixels = seen.mean.size();
+                ASSERT_EQ(shadow.size(), pixels * count);
+                for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
+                    std::uint32_t lit = 0;
+                    for (std::uint32_t k = 0; k < count; ++k) lit += shadow[k * pixels + pixel] == 0;
+                    ASSERT_EQ(seen.mean[pixel], float(lit) / float(count)) << "pixel " << pixel;
+                    ++(lit != 0 && lit != count ? partly : whole);
+                }
+            }
+    std::cout << partly << " pixels partly lit, " << whole << " wholly or not at all\n";
+    EXPECT_GT(partly, 1000u);
+    EXPECT_GT(whole, 1000u);
+}
+
+/// A technique of the same answers that cannot settle footprints: every sample of every pixel is a point.
+class EverySample final : public gnomon::Technique {
+public:
+    explicit EverySample(const gnomon::Device& device) : technique_(gnomon::make_technique("frustum-traced", device)) {}
+    gnomon::Statistics run(const gnomon::Triangles& triangles, const gnomon::Points& points, const gnomon::Light& light,
+                           const gnomon::Visibility& visibility) override {
+        return technique_->run(triangles, points, light, visibility);
+    }
+    void set(std::string_view name, std::string_view value) override { technique_->set(name, value); }
+
+private:
+    std::unique_ptr<gnomon::Technique> technique_;
+};
+
+/// What was settled, and how many pixels are partly lit, over several runs.
+struct Settled {
+    std::uint64_t in_shadow = 0, lit = 0, traced = 0, on_one = 0, on_several = 0, partly = 0;
+};
+
+void expect_same_means(const gnomon::Device& device, const CameraScene& scene, const gnomon::Light& light,
+                       std::uint32_t samples, Settled& sum, const char* map_size = "auto") {
+    SCOPED_TRACE(scene.name + ", " + std::to_string(samples) + " samples");
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+    const gnomon::Visibility settled(device, view.points.count()), expected(device, view.points.count());
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("conservative-map", "on");  // so few points would go without; mean_equals_oracle does
+    technique->set("map-size", map_size);
+    const gnomon::Statistics statistics =
+        gnomon::run_samples(*technique, device, triangles, view, light, samples, settled);
+    EverySample every(device);
+    gnomon::run_samples(every, device, triangles, view, light, samples, expected);
+    const std::vector<float> got = settled.read(), wanted = expected.read();
+    for (std::size_t pixel = 0; pixel < got.size(); ++pixel) {
+        ASSERT_EQ(got[pixel], wanted[pixel]) << "pixel " << pixel;
+        sum.partly += got[pixel] != 0 && got[pixel] != 1;
+    }
+    const std::uint64_t settled_samples =
+        statistics.count("samples_settled_in_shadow") + statistics.count("samples_settled_lit");
+    ASSERT_EQ(settled_samples + statistics.count("samples_traced"), got.size() * samples);
+    sum.in_shadow += statistics.count("samples_settled_in_shadow");
+    sum.lit += statistics.count("samples_settled_lit");
+    sum.traced += statistics.count("samples_traced");
+    sum.on_one += statistics.count("pixels_on_one_receiver");
+    sum.on_several += statistics.count("pixels_on_several");
+}
+
+void expect_not_vacuous(const Settled& sum) {
+    std::cout << sum.in_shadow << " samples settled in shadow, " << sum.lit << " lit, " << sum.traced << " traced; "
+              << sum.on_one << " pixels on one receiver, " << sum.on_several << " on several, " << sum.partly
+              << " partly lit\n";
+    for (const std::uint64_t count : {sum.in_shadow, sum.lit, sum.traced}) EXPECT_GT(count, 5000u);
+    for (const std::uint64_t count : {sum.on_one, sum.on_several, sum.partly}) EXPECT_GT(count, 500u);
+}
+
+/// Lights of both kinds, one of them grazing, one an exact diagonal of the lattices.
+std::vector<gnomon::Light> lights() {
+    return {gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::directional({1, -0.02f, 0.4f}),
+            gnomon::Light::directional({1, 0, -1}), gnomon::Light::positional({1.5f, 2, 1.25f})};
+}
+
+TEST(samples, settled_means_equal_every_sample) {
+    const gnomon::Device device = device_with();
+    Settled sum;
+    for (const CameraScene& scene : camera_scenes())
+        for (const gnomon::Light& light : lights()) expect_same_means(device, scene, light, 16, sum);
+    for (const CameraScene& scene : scenes())
+        for (const std::uint32_t samples : {4u, 8u, 32u}) expect_same_means(device, scene, lights()[0], samples, sum);
+    expect_not_vacuous(sum);
+    const gnomon::Device without({}, {.hide_fp64 = true});
+    Settled soft;
+    expect_same_means(without, scenes().front(), lights()[0], 16, soft);
+    EXPECT_GT(soft.in_shadow + soft.lit, soft.traced);
+}
+
+/// A floor of two triangles, seen from above so that a pixel is one unit wide on it, and in general from the side.
+CameraScene floor_scene(const std::string& name, Floats above, const Float3& eye) {
+    add(above, {-64, -64, 0}, {64, -64, 0}, {64, 64, 0});
+    add(above, {-64, -64, 0}, {64, 64, 0}, {-64, 64, 0});
+    return {name,      std::move(above),         eye, {eye[0] * 0.5f, eye[1] * 0.5f, 0},
+            {0, 1, 0}, CameraScene::LATTICE_FOV, 32,  32};
+}
+
+/// Triangles smaller than a pixel, from far above the floor to a hair's breadth above it.
+Floats dust(std::size_t count, std::uint32_t seed) {
+    Random random(seed);
+    Floats triangles;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double size = std::exp2(random.between(-7, 1)), height = std::exp2(random.between(-18, 3));
+        const double x = random.between(-12, 12), y = random.between(-12, 12);
+        const auto corner = [&] {
+            return Float3{float(x + size * random.between(-1, 1)), float(y + size * random.between(-1, 1)),
+                          float(height * random.between(1, 1.5))};
+        };
+        const Float3 a = corner(), b = corner(), c = corner();
+        add(triangles, a, b, c);
+    }
+    return triangles;
+}
+
+/// Squares whose shadows' edges run through samples and pixels' borders: places in 64ths of a pixel, at whole heights.
+Floats squares_on_samples(std::size_t count, std::uint32_t seed) {
+    Random random(seed);
+    Floats triangles;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float x = std::floor(random.between(-12, 12) * 64) / 64.0f,
+                    y = std::floor(random.between(-12, 12) * 64) / 64.0f;
+        const float z = std::floor(random.between(1, 4)), wide = std::floor(random.between(1, 128)) / 64.0f;
+        add(triangles, {x, y, z}, {x + wide, y, z}, {x + wide, y + wide, z});
+        add(triangles, {x, y, z}, {x + wide, y + wide, z}, {x, y + wide, z});
+    }
+    return triangles;
+}
+
+/// Slanted receivers of a pixel or two with nothing around them, each with a speck that shadows a part of its lower
+/// end.
+Floats islands(std::size_t count, std::uint32_t seed) {
+    Random random(seed);
+    Floats triangles;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float x = random.between(-12, 12), y = random.between(-12, 12), z = random.between(0, 4);
+        const float wide = random.between(0.5f, 3), rise = random.between(-2, 2), speck = random.between(0.01f, 0.3f);
+        const auto at = [&](float u, float v, float up) {
+            return Float3{x + u * wide, y + v * wide, z + u * rise + up};
+        };
+        add(triangles, at(0, 0, 0), at(1, 0, 0), at(1, 1, 0));
+        add(triangles, at(0, 0, 0), at(1, 1, 0), at(0, 1, 0));
+        const float u = rise > 0 ? 0.02f : 0.98f - speck, v = random.between(0, 1);
+        add(triangles, at(u, v, 0.001f), at(u + speck, v, 0.001f), at(u, v + speck, 0.001f));
+    }
+    return triangles;
+}
+
+// What tries to make a settled pixel wrong: occluders that a pixel's corners do not see, edges exactly through its
+// corners and samples, occluders that nearly touch the receiver, and lights along the receiver.
+TEST(samples, settled_means_survive_what_hides_in_a_pixel) {
+    const gnomon::Device device = device_with();
+    Settled sum;
+    const Float3 above = {0.5f, 0.5f, 32}, aside = {-20, 5, 14};
+    std::vector<CameraScene> hard;
+    for (const Float3& eye : {above, aside}) {
+        hard.push_back(floor_scene("islands", islands(60, 6), eye));
+        hard.back().triangles.resize(hard.back().triangles.size() - 18);  // no floor
+        hard.push_back(floor_scene("dust", dust(150, 7), eye));
+        hard.push_back(floor_scene("squares", squares_on_samples(40, 8), eye));
+        Floats twice = squares_on_samples(20, 10);
+        twice.resize(2 * twice.size());  // two triangles on the same side of each edge
+        std::copy_n(twice.begin(), twice.size() / 2, twice.begin() + std::ptrdiff_t(twice.size() / 2));
+        hard.push_back(floor_scene("squares twice", twice, eye));
+        hard.push_back(floor_scene("needles", placed(needle_fan(97, 1), 10, {0, 0, 3}), eye));
+        hard.push_back(floor_scene("slivers", placed(slivers(40, 1e-6f, 9), 10, {0, 0, 1}), eye));
+    }
+    const gnomon::Light lamps[] = {gnomon::Light::directional({1, 0, -1}), gnomon::Light::directional({0.3f, 0.2f, -1}),
+                                   gnomon::Light::directional({1, 0.3f, -0.01f}), gnomon::Light::positional({3, -2, 9}),
+                                   gnomon::Light::positional({-9, 4, 0.25f})};
+    for (const CameraScene& scene : hard)
+        for (const gnomon::Light& light : lamps) expect_same_means(device, scene, light, 32, sum);
+    expect_not_vacuous(sum);
+}
+
+// Seen along the floor, a pixel below the horizon holds most of it: more bins than are told of a footprint, so that its
+// samples need lists of their own.
+TEST(samples, settled_means_survive_pixels_of_many_bins) {
+    const CameraScene scene = floor_scene("along the floor", squares_on_samples(40, 11), {-60, 0.25f, 0.5f});
+    Settled sum;
+    for (const gnomon::Light& light :
+         {gnomon::Light::directional({0.3f, 0.2f, -1}), gnomon::Light::directional({1, 0.3f, -0.2f})})
+        expect_same_means(device_with(), scene, light, 32, sum, "1024");
+    EXPECT_GT(sum.traced, 500u);
+    EXPECT_GT(sum.partly, 10u);
+}
+
+/// Squares of two triangles each, `side` x `side` of them from `low` to `high` in x and y, moved and at heights by
+/// `place`.
+template <typename Place>
+Floats squares_in_a_row(int side, float low, float high, const Place& place) {
+    Floats triangles;
+    const auto at = [&](int x, int y) {
+        const float step = (high - low) / float(side);
+        return place(low + step * float(x), low + step * float(y));
+    };
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            add(triangles, at(x, y), at(x + 1, y), at(x + 1, y + 1));
+            add(triangles, at(x, y), at(x + 1, y + 1), at(x, y + 1));
+        }
+    return triangles;
+}
+
+std::uint64_t traced_samples(const CameraScene& scene, const gnomon::Light& light) {
+    Settled sum;
+    expect_same_means(device_with(), scene, light, 32, sum);
+    return sum.traced;
+}
+
+// Under a roof without holes, whose outline's shadow is not in the picture, only what is around one of its nine inner
+// vertices may be left to be traced: a pixel's footprint is not larger than the pixel, so each touches four at most.
+// Across an edge the two triangles settle it. Not vacuous: edges run through hundreds of pixels.
+TEST(samples, edges_inside_a_shadow_are_settled) {
+    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces what is in doubt";
+    const auto roof = squares_in_a_row(4, -44, 49, [](float x, float y) {
+        return Float3{x - y * 0.36f, y + x * 0.36f, 5};
+    });
+    const CameraScene scene = floor_scene("roof", roof, {0.5f, 0.5f, 4});
+    CameraScene from_above = scene;
+    from_above.fov_y_degrees = 2 * std::atan(4.0) * 180 / 3.14159265358979;  // as wide as from 32 units above
+    for (const gnomon::Light& light :
+         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::positional({1.3f, 2.1f, 90})})
+        EXPECT_LE(traced_samples(from_above, light), 4u * 9u * 32u);
+}
+
+// A flat floor in the light: its triangles' rounded vertices are at most 1.8 ulp of the largest coordinate apart from
+// one plane (camera.h), and the camera lifts points by 4, so no neighbour is a reason to trace anything.
+TEST(samples, neighbours_in_a_plane_are_settled) {
+    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces what is in doubt";
+    const auto tilted = squares_in_a_row(24, -40, 40, [](float x, float y) {
+        return Float3{x, y, x * 0.3f - y * 0.17f};
+    });
+    CameraScene scene = floor_scene("tilted", tilted, {-20, 5, 34});
+    scene.triangles.resize(tilted.size());  // no other floor
+    for (const gnomon::Light& light :
+         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::positional({3, -2, 39})})
+        EXPECT_EQ(traced_samples(scene, light), 0u);
+}
+
+// Not vacuous: a band of tiles per batch, and batches that do not divide the samples.
+TEST(samples, shape_free) {
+    const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    const CameraScene scene = scenes().front();
+    const std::size_t pixels = std::size_t(scene.width) * scene.height;
+    const auto same = [](const Floats& a, const Floats& b) {
+        return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+    };
+    const Samples expected = sampled(device_with(), scene, light, 16);
+    for (const std::size_t at_once : {std::size_t{1}, 3 * pixels, 5 * pixels + 1})
+        for (const std::uint32_t group : {0u, 33u}) {
+            const Samples seen = sampled(device_with(group), scene, light, 16, at_once);
+            EXPECT_TRUE(same(seen.position, expected.position)) << at_once << " points at once";
+            EXPECT_EQ(seen.receiver, expected.receiver);
+            EXPECT_EQ(seen.mean, expected.mean);
+            EXPECT_EQ(seen.statistics.count("points"), 16 * pixels);
+        }
+    const gnomon::Device without({}, {.hide_fp64 = true});
+    EXPECT_TRUE(same(sampled(without, scene, light, 16).position, expected.position)) << "without double precision";
+}
+
+// A GPU's groups share out a pixel: of any size, with pieces that find room at once or only in a second attempt.
+TEST(samples, the_shape_for_gpus_gives_the_same_bits) {
+    const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    for (const CameraScene& scene : scenes()) {
+        if (scene.name != "large soup" && scene.name != "needles") continue;
+        for (const std::uint32_t samples : {4u, 32u}) {
+            const Samples expected = sampled(device_with(), scene, light, samples);
+            for (const std::uint32_t group : {3u, 33u}) {
+                gnomon::DeviceOptions options;
+                options.gpu_kernels = true;
+                options.work_group_size = group;
+                const Samples seen = sampled(gnomon::Device({}, options), scene, light, samples);
+                EXPECT_EQ(seen.mean, expected.mean) << scene.name << ", " << samples << " samples, groups of " << group;
+                for (const char* count : {"pixels_on_several", "pieces"})
+                    EXPECT_EQ(seen.statistics.count(count), expected.statistics.count(count)) << scene.name;
+            }
+        }
+    }
+}
+
+TEST(samples, one_sample_is_the_ordinary_view) {
+    const gnomon::Device device = device_with();
+    const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
+    for (const CameraScene& scene : scenes()) {
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+        const gnomon::Visibility visibility(device, view.points.count());
+        gnomon::make_technique("frustum-traced", device)->run(triangles, view.points, light, visibility);
+        EXPECT_EQ(sampled(device, scene, light, 1).mean, visibility.read()) << scene.name;
+    }
+}
+
+TEST(samples, survives_degenerates) {
+    const gnomon::Device device = device_with();
+    CameraScene scene = scenes().front();
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const gnomon::Light light = gnomon::Light::directional({0, -1, 0});
+    scene.triangles.clear();
+    EXPECT_EQ(sampled(device, scene, light, 8).mean, std::vector<float>(std::size_t(scene.width) * scene.height, 1.0f));
+    const auto nothing = gnomon::Triangles::upload(device, {});
+    const gnomon::View view = gnomon::look(device, nothing, scene.camera(), 4, 4);
+    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, view, light, 4, gnomon::Visibility(device, 15)),
+                 gnomon::InvalidArgument);
+    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, view, light, 5, gnomon::Visibility(device, 16)),
+                 gnomon::InvalidArgument);
+    gnomon::View by_hand;
+    by_hand.points = gnomon::Points::upload(device, Floats{0, 0, 0});
+    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, by_hand, light, 4, gnomon::Visibility(device, 16)),
+                 gnomon::InvalidArgument);
+}
+
+}  // namespace
