@@ -35,6 +35,7 @@ function(gnomon_test name)
     set(arg_TIMEOUT ${GNOMON_TEST_TIMEOUT_S})
   endif()
   add_executable(${name} ${arg_SOURCES})
+  target_include_directories(${name} PRIVATE ${GNOMON_TESTS_DIR})
   target_link_libraries(${name} PRIVATE gnomon_build_flags ${arg_LIBRARIES} GTest::gtest_main)
   set(properties TIMEOUT ${arg_TIMEOUT} SKIP_REGULAR_EXPRESSION ${GNOMON_TEST_SKIPPED}
                  ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
