@@ -249,14 +249,14 @@ bool FrustumTraced::run_prepared(Run& run) {
                              prepared_->map(), prepared_->lists(),
                              run.visibility,   counters_};
     const bool cached_facing =
-        session.is_cpu() && frame_count == 1 && Facing::can_look_up(run.points) && run.points.layout.point_stride == 1;
+        session.is_cpu() && frame_count == 1 && Facing::can_cache(run.points) && run.points.layout.point_stride == 1;
     const auto trace = [&](bool plane_side) {
         clear(session, counters_);
         {
             cl::StageTimer timer(session, run.statistics, "trace");
             if (cached_facing)
                 trace_.run_prepared_cached_facing(session, inputs, prepared_->domains(),
-                                                  frames_.no_answers(session, run.triangles));
+                                                  frames_.empty_facing_cache(session, run.triangles));
             else
                 trace_.run_prepared(session, inputs, prepared_->receivers(), plane_side);
         }

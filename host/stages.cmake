@@ -47,7 +47,7 @@ gnomon_wing(api errors inputs light_and_camera parts setting_values statistics v
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
 gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks blocks_lanes predicates self_check)
 gnomon_wing(lists append fill group_scan scan sort)
-gnomon_wing(receivers light_frame footprint block_bounds receivers facing_cache facing
+gnomon_wing(receivers light_frame footprint block_bounds facing_cache facing
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders triangle_setup bin_lists record_blocks bin_test hull_bounds clusters cluster_boxes pair_lists
             tile_bins bins conservative_map

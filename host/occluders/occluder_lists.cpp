@@ -27,9 +27,9 @@ const cl::Buffer* OccluderLists::run(cl::Session& session, Statistics& statistic
         map = &map_.map();
     }
     cl::StageTimer timer(session, statistics, "bins");
-    receiver_depth_pyramid.run_open_heights(session, light_frame, 1, projection, map);
+    receiver_depth_pyramid.run_depth_after_map(session, light_frame, 1, projection, map);
     bins_.run(session, in_frame, triangles, light_frame.bins_x * light_frame.bins_y, setup_,
-              &receiver_depth_pyramid.open_heights(), counters);
+              &receiver_depth_pyramid.depth_after_map(), counters);
     return map;
 }
 

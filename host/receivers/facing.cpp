@@ -48,12 +48,12 @@ void launch(cl::Session& session, const LightFrame& light_frame, cl_uint opens, 
 
 }  // namespace
 
-bool Facing::can_look_up(const PointInputs& points) {
+bool Facing::can_cache(const PointInputs& points) {
     const bool has_doubts = points.layout.is_lifted == 0 && points.footprints == nullptr;
     return points.layout.has_receivers != 0 && !points.face_light && !has_doubts;
 }
 
-const cl::Buffer& Facing::no_answers(cl::Session& session, const TriangleInputs& triangles) {
+const cl::Buffer& Facing::empty_facing_cache(cl::Session& session, const TriangleInputs& triangles) {
     const std::size_t bytes = (triangles.count / session.lanes() + 1) * sizeof(cl_uint);
     answers_.reserve(session, bytes);
     session.fill(answers_, 0, bytes);
@@ -63,8 +63,8 @@ const cl::Buffer& Facing::no_answers(cl::Session& session, const TriangleInputs&
 const cl::Buffer* Facing::make_answers(cl::Session& session, const LightFrame& light_frame,
                                        const TriangleInputs& triangles, const PointInputs& points,
                                        const cl::Buffer& counters) {
-    if (!can_look_up(points)) return nullptr;
-    if (session.is_cpu()) return &no_answers(session, triangles);
+    if (!can_cache(points)) return nullptr;
+    if (session.is_cpu()) return &empty_facing_cache(session, triangles);
     // All triangles are read in order, points' receivers from anywhere: with as many points as triangles both ways take
     // the same time.
     if (points.layout.count / 2 < triangles.count) return nullptr;
@@ -80,7 +80,7 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
                  const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
-    const bool asks_floats = !session.is_cpu() && can_look_up(points) && points.footprints == nullptr;
+    const bool asks_floats = !session.is_cpu() && can_cache(points) && points.footprints == nullptr;
     undecided_.reserve(session, asks_floats ? (1 + UNDECIDED_CAPACITY) * sizeof(cl_uint) : 0);
     session.fill({{frame_bounds_, 0, bytes},
                   {counters, 0, sizeof(FrameCounters)},

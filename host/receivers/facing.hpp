@@ -15,9 +15,9 @@ public:
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
     /// No point is doubtful, so that all points on a receiver get the same answer.
-    static bool can_look_up(const PointInputs& points);
+    static bool can_cache(const PointInputs& points);
     /// On a CPU: where points can look their receivers up, nobody having asked yet.
-    const cl::Buffer& no_answers(cl::Session& session, const TriangleInputs& triangles);
+    const cl::Buffer& empty_facing_cache(cl::Session& session, const TriangleInputs& triangles);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
     /// BlockBounds of each block of points (kernels/receivers/block_bounds.h); null where work-items take single
     /// points, or footprints.

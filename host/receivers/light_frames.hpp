@@ -23,8 +23,8 @@ public:
     void fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                  const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
                  const cl::Buffer& counters);
-    const cl::Buffer& no_answers(cl::Session& session, const TriangleInputs& triangles) {
-        return facing_.no_answers(session, triangles);
+    const cl::Buffer& empty_facing_cache(cl::Session& session, const TriangleInputs& triangles) {
+        return facing_.empty_facing_cache(session, triangles);
     }
     const cl::Buffer& projection() const { return has_one_ ? light_frame_.projections() : projection_; }
     const cl::Buffer* blocks() const { return facing_.blocks(); }  ///< of the points that facing was given

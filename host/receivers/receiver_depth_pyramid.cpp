@@ -41,13 +41,13 @@ void ReceiverDepthPyramid::run(cl::Session& session, const LightFrame& light_fra
     const std::vector<Level> levels = pyramid_levels(light_frame, frame_count);
     const std::size_t bin_bytes = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y * sizeof(cl_uint);
     pyramid_.reserve(session, levels.back().first * sizeof(cl_uint));
-    doubtful_.reserve(session, bin_bytes);
-    session.fill({{pyramid_, 0xFFFFFFFFu, bin_bytes}, {doubtful_, 0xFFFFFFFFu, bin_bytes}});
+    self_shadow_depths_.reserve(session, bin_bytes);
+    session.fill({{pyramid_, 0xFFFFFFFFu, bin_bytes}, {self_shadow_depths_, 0xFFFFFFFFu, bin_bytes}});
     session.launch(variant(session, Task::make_receiver_depths, light_frame.perspective == 0),
                    cl::Range::items(points.layout.count / session.lanes() + 1), light_frame, first_frame, frame_count,
                    points.layout, projections, cl_uint(points.footprints != nullptr), cl_uint(blocks != nullptr),
                    points.positions, points.footprints != nullptr ? points.footprints : points.positions,
-                   blocks != nullptr ? *blocks : projections, visibility, pyramid_, doubtful_);
+                   blocks != nullptr ? *blocks : projections, visibility, pyramid_, self_shadow_depths_);
     reduce(session, levels, frame_count, pyramid_);
 }
 
@@ -57,20 +57,20 @@ void ReceiverDepthPyramid::fill_for_points_anywhere(cl::Session& session, const 
     const std::size_t bytes = pyramid_levels(light_frame, frame_count).back().first * sizeof(cl_uint);
     const std::size_t bin_bytes = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y * sizeof(cl_uint);
     pyramid_.reserve(session, bytes);
-    doubtful_.reserve(session, bin_bytes);
-    session.fill({{pyramid_, key_of_minus_infinity, bytes}, {doubtful_, 0xFFFFFFFFu, bin_bytes}});
+    self_shadow_depths_.reserve(session, bin_bytes);
+    session.fill({{pyramid_, key_of_minus_infinity, bytes}, {self_shadow_depths_, 0xFFFFFFFFu, bin_bytes}});
 }
 
-void ReceiverDepthPyramid::run_open_heights(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
-                                            const cl::Buffer& projections, const cl::Buffer* map) {
+void ReceiverDepthPyramid::run_depth_after_map(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
+                                               const cl::Buffer& projections, const cl::Buffer* map) {
     knows_map_ = map != nullptr;
     if (!knows_map_) return;
     const std::size_t bins = std::size_t(frame_count) * light_frame.bins_x * light_frame.bins_y;
     const std::vector<Level> levels = pyramid_levels(light_frame, frame_count);
-    open_heights_.reserve(session, levels.back().first * sizeof(cl_uint));
-    session.launch("receivers/receiver_depth_pyramid.cl", "open_heights", cl::Range::items(bins), frame_count,
-                   projections, *map, pyramid_, doubtful_, open_heights_);
-    reduce(session, levels, frame_count, open_heights_);
+    depth_after_map_.reserve(session, levels.back().first * sizeof(cl_uint));
+    session.launch("receivers/receiver_depth_pyramid.cl", "depth_after_map", cl::Range::items(bins), frame_count,
+                   projections, *map, pyramid_, self_shadow_depths_, depth_after_map_);
+    reduce(session, levels, frame_count, depth_after_map_);
 }
 
 }  // namespace gnomon

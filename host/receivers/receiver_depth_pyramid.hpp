@@ -17,17 +17,17 @@ public:
     /// yet.
     void fill_for_points_anywhere(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count);
     const cl::Buffer& pyramid() const { return pyramid_; }
-    const cl::Buffer& doubtful() const { return doubtful_; }  ///< per bin, of doubtful points alone
+    const cl::Buffer& self_shadow_depths() const { return self_shadow_depths_; }  ///< per bin, of doubtful points alone
 
     /// After the map (null: none, and then it is pyramid()): per bin a height below which no point needs a list of
     /// triangles; a pyramid too.
-    void run_open_heights(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
-                          const cl::Buffer& projections, const cl::Buffer* map);
-    const cl::Buffer& open_heights() const { return knows_map_ ? open_heights_ : pyramid_; }
+    void run_depth_after_map(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
+                             const cl::Buffer& projections, const cl::Buffer* map);
+    const cl::Buffer& depth_after_map() const { return knows_map_ ? depth_after_map_ : pyramid_; }
 
 private:
-    cl::Buffer pyramid_, doubtful_, open_heights_;
-    bool knows_map_ = false;  ///< open_heights_ has been made
+    cl::Buffer pyramid_, self_shadow_depths_, depth_after_map_;
+    bool knows_map_ = false;  ///< depth_after_map_ has been made
 };
 
 }  // namespace gnomon

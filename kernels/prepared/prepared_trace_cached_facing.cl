@@ -4,10 +4,10 @@
 // (receiver_answers.h).
 #define TRACE_KERNEL prepared_trace_cached_facing
 #define TRACE_IN_PLACE 0
-#define TRACE_MORE_PARAMETERS , uint triangle_count, __global const PreparedDomain *domains, TriangleAnswers answers
+#define TRACE_MORE_PARAMETERS , uint triangle_count, __global const PreparedDomain *domains, FacingCache answers
 #define TRACE_MORE_OF_POINTS               \
     __global const PreparedDomain* domain; \
-    TriangleAnswers answers;               \
+    FacingCache answers;                   \
     uint triangle_count;
 #define TRACE_MORE_VALUES , domains, answers, triangle_count
 #include "prepared/prepared_light.h"
@@ -66,11 +66,11 @@ GN_NOINLINE_ON_CPU void trace_blocks(ItemRange items, LightFrame light_frame, Tr
             continue;
         }
         LaneInt ids = LANES_AS_INT(load_strided((__global const float*)to.receivers, 1u, place));
-        LaneInt away = look_up_away(to.answers, pairs.vertices, ids, left & lanes_below(ids, to.triangle_count),
-                                    to.triangle_count, layout, light, &counts.facing_exact);
+        LaneInt away = cached_backfacing(to.answers, pairs.vertices, ids, left & lanes_below(ids, to.triangle_count),
+                                         to.triangle_count, layout, light, &counts.facing_exact);
         counts.minus_away += away;
         left &= ~away;
-        LaneFloat state = state_of_lanes(away, left);
+        LaneFloat state = visibility_of_lanes(away, left);
         if (!LANES_ANY(left)) {
             store_at(state, to.visibility, place);
             continue;

@@ -11,13 +11,13 @@ GN_STRUCT_BEGIN(BlockBounds)
     // greatest.
     float x, minus_x, y, minus_y, height, minus_height;
     uint frame;  // that all open points are in, or BLOCK_*
-    uint flags;  // BLOCK_ALL_OPEN, BLOCK_DOUBTFUL
+    uint flags;  // BLOCK_ALL_OPEN, BLOCK_MAY_SELF_SHADOW
 GN_STRUCT_END(BlockBounds, 32)
 
 #define BLOCK_IN_NO_FRAME 0xFFFFFFFFu  // no point is open
 #define BLOCK_IN_FRAMES 0xFFFFFFFEu    // the open points are in several: nothing is said of them
 #define BLOCK_ALL_OPEN 1u              // every lane
-#define BLOCK_DOUBTFUL 2u              // some of them are
+#define BLOCK_MAY_SELF_SHADOW 2u       // some of them are
 
 #ifndef __cplusplus
 

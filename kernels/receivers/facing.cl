@@ -23,10 +23,10 @@
 // camera has made. Those that no frame takes in as a whole are mixed at once; the bounds are those of all places in the
 // others. Samples of a mixed footprint face the light, as it did, and are not asked again: they come as points without
 // receivers.
-#include "simd/frame_counters.h"
 #include "receivers/block_bounds.h"
 #include "receivers/facing_cache.clh"
 #include "receivers/footprint.h"
+#include "simd/frame_counters.h"
 
 // ---- Bounds of the frames -------------------------------------------------------------------------------------------
 
@@ -147,8 +147,8 @@ GN_KERNEL_OF_ITEMS(triangles_away, triangle_count, TRIANGLES_AWAY_PARAMETERS,
     uint exact = 0;
     GN_FOR_EACH_OF(i, items) {
         TriangleBlock t = load_triangles(vertices + first_float, (uint)i, triangle_count);
-        ReceiverAnswer answer = answer_of_triangles(&t, -1, 0, layout, light_of(light_frame), &exact);
-        away[i] = (uchar)-answer.faces_away;
+        ReceiverFacing answer = classify_triangles(&t, -1, 0, layout, light_of(light_frame), &exact);
+        away[i] = (uchar)-answer.backfacing;
     }
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
 }
@@ -159,7 +159,7 @@ typedef struct FacingBuffers {
     __global const float *positions, *footprints;
     __global const uint* receivers;
     __global const float* vertices;  // from the first triangle on
-    TriangleAnswers answers;
+    FacingCache answers;
     __global float* visibility;
     __global BlockBounds* blocks;
     __global uint* undecided;
@@ -238,22 +238,22 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
         if (layout.has_receivers) {
             LaneInt ids = load_lane_ids(to.receivers, layout, block), asked = open & lanes_below(ids, triangle_count);
             if (way == LOOKS_UP) {
-                away = look_up_away(to.answers, to.vertices, ids, asked, triangle_count, layout, light_of(light_frame),
-                                    &counts->exact);
+                away = cached_backfacing(to.answers, to.vertices, ids, asked, triangle_count, layout,
+                                         light_of(light_frame), &counts->exact);
 #if GN_LANES == 1
             } else if (way == ASKS_FLOATS) {
                 if (asked) {
                     TriangleBlock t = load_triangles_of(to.vertices, ids, asked);
-                    away = away_by_floats(&t, asked, layout, light_of(light_frame), &undecided);
+                    away = filter_backfacing(&t, asked, layout, light_of(light_frame), &undecided);
                     if (undecided) list_unsure(to.undecided, (uint)block);
                 }
 #endif
             } else if (LANES_ANY(asked)) {
                 bool doubts = !has_footprints && !layout.is_lifted;
-                ReceiverAnswer answer = ask_receivers(ids, asked, &points, layout, light_of(light_frame), doubts,
-                                                      to.vertices, &counts->exact);
-                away = answer.faces_away;
-                doubtful = answer.doubtful;
+                ReceiverFacing answer = classify_receivers(ids, asked, doubts ? &points : 0, layout,
+                                                           light_of(light_frame), to.vertices, &counts->exact);
+                away = answer.backfacing;
+                doubtful = answer.may_self_shadow;
             }
         }
         counts->minus_away += away;
@@ -261,7 +261,7 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
         open &= ~away & ~undecided;
         if (IS_PERSPECTIVE(light_frame))
             open &= LANE_COMPARE(frames_of(light_frame, points), !=, (LaneInt)((int)POINT_LIGHT_FRAMES));
-        LaneFloat result = state_of_lanes(away, open);
+        LaneFloat result = visibility_of_lanes(away, open);
         FootprintBlock around;
         if (has_footprints) {
             around = load_footprints(to.footprints, layout, block);
@@ -270,7 +270,7 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
             result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_MIXED), present & ~away);
             result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_OPEN), open);
         }
-        result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_DOUBTFUL), open & doubtful);
+        result = LANES_SELECT(result, (LaneFloat)(VISIBILITY_MAY_SELF_SHADOW), open & doubtful);
 #if GN_LANES == 1
         if (undecided) result = VISIBILITY_UNSURE;
 #endif
@@ -286,7 +286,7 @@ __attribute__((always_inline)) static void face_points(PointsLayout layout, Ligh
         }
         if (has_blocks) {
             uint flags = LANES_ANY(~open) ? 0u : BLOCK_ALL_OPEN;
-            if (LANES_ANY(open & doubtful)) flags |= BLOCK_DOUBTFUL;
+            if (LANES_ANY(open & doubtful)) flags |= BLOCK_MAY_SELF_SHADOW;
             span.s6 = as_float(in_frame);
             span.s7 = as_float(flags);
             vstore8(span, 0, (__global float*)&to.blocks[block]);
@@ -337,12 +337,12 @@ GN_NOINLINE_ON_CPU void face_picture_directional(PointsLayout layout, LightFrame
         LaneInt away = (LaneInt)(0);
         if (LANES_ANY(open)) {
             LaneInt ids = LANES_AS_INT(load_strided((__global const float*)to.receivers, 1u, place));
-            away = look_up_away(to.answers, to.vertices, ids, open & lanes_below(ids, triangle_count), triangle_count,
-                                layout, light_of(frame), &counts.exact);
+            away = cached_backfacing(to.answers, to.vertices, ids, open & lanes_below(ids, triangle_count),
+                                     triangle_count, layout, light_of(frame), &counts.exact);
             open &= ~away;
         }
         counts.minus_away += away;
-        store_at(state_of_lanes(away, open), to.visibility, place);
+        store_at(visibility_of_lanes(away, open), to.visibility, place);
         if (!LANES_ANY(open)) {
             to.blocks[block].frame = BLOCK_IN_NO_FRAME;
             continue;
@@ -366,7 +366,7 @@ GN_NOINLINE_ON_CPU void face_picture_directional(PointsLayout layout, LightFrame
 __attribute__((always_inline)) static void decide_facing(
     PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint way, uint has_blocks,
     ulong first_float, uint triangle_count, __global const float* positions, __global const float* footprints,
-    __global const uint* receivers, __global const float* vertices, TriangleAnswers answers, __global float* visibility,
+    __global const uint* receivers, __global const float* vertices, FacingCache answers, __global float* visibility,
     volatile __global uint* frame_bounds, __global BlockBounds* blocks, __global uint* undecided,
     __global FrameCounters* counters, __local uint* shared, __local uint* group_counts) {
     uint words = frame_count_of(light_frame) * BOUNDS_WORDS;
@@ -421,7 +421,7 @@ __attribute__((always_inline)) static void decide_facing(
     __kernel void name(PointsLayout layout, LightFrame light_frame, uint opens, uint has_footprints, uint has_blocks, \
                        ulong first_float, uint triangle_count, __global const float* positions,                       \
                        __global const float* footprints, __global const uint* receivers,                              \
-                       __global const float* vertices, TriangleAnswers answers, __global float* visibility,           \
+                       __global const float* vertices, FacingCache answers, __global float* visibility,               \
                        volatile __global uint* frame_bounds, __global BlockBounds* blocks, __global uint* undecided,  \
                        __global FrameCounters* counters, __local uint* shared) {                                      \
         __local uint group_counts[2];                                                                                 \

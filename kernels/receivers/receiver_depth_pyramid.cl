@@ -53,7 +53,7 @@ static bool lower_block(const BlockGrid* grid, __constant const Projection* proj
     if (block->frame == BLOCK_IN_NO_FRAME) return true;
     if (block->frame == BLOCK_IN_FRAMES) return false;
     if (block->frame != frame) return true;
-    if (grid->indistinct || (block->flags & BLOCK_DOUBTFUL)) return false;
+    if (grid->indistinct || (block->flags & BLOCK_MAY_SELF_SHADOW)) return false;
     BlockBox box = block_box(grid, projection, block);
     uint log2 = projection->bin_log2, x = box.x0 >> log2, y = box.y0 >> log2;
     uint x1 = box.x1 >> log2, y1 = box.y1 >> log2;
@@ -96,7 +96,7 @@ GN_KERNEL_OF_ITEMS(receiver_depth_pyramid, block_count(layout), FARTHEST_HEIGHT_
             LaneInt bins = bins_of(&projections[frame], places) + frame * (int)bin_count;
             LaneInt heights = lanes_in_order(places.z);
             lower_bins(bins, heights, same, pyramid);
-            lower_bins(bins, heights, same & doubtful_lanes(state), doubtful);
+            lower_bins(bins, heights, same & may_self_shadow_lanes(state), doubtful);
         }
     }
 }
@@ -134,8 +134,8 @@ __kernel void receiver_depth_pyramid_reduce(uint frame_count, uint width, uint h
 
 // Per bin a height below which no point needs a list of triangles: the map decides what is below its texel, so beside
 // the farthest point the lowest height of the bin's texels counts; but doubtful points need a list wherever they are.
-__kernel void open_heights(uint frame_count, __constant const Projection* projections, __global const uint* map,
-                           __global const uint* pyramid, __global const uint* doubtful, __global uint* heights) {
+__kernel void depth_after_map(uint frame_count, __constant const Projection* projections, __global const uint* map,
+                              __global const uint* pyramid, __global const uint* doubtful, __global uint* heights) {
     uint bins_x = projections->bins_x, bins_y = projections->bins_y;
     uint width = projections->width, height = projections->height, size = 1u << projections->bin_log2;
     GN_FOR_EACH(i, frame_count * bins_x * bins_y) {

@@ -366,8 +366,8 @@ __kernel void shadow_volumes_resolve(VolumeView view, PointsLayout layout, ulong
         int level = DET3_BY_FLOAT;
         bool has_receiver = layout.has_receivers && receivers[pixel] < triangle_count;
         uint tile = (uint)(pixel / view.width) / VOLUME_TILE * view.tiles_x + (uint)(pixel % view.width) / VOLUME_TILE;
-        if ((has_receiver && faces_away(load_triangle(vertices + first_float, receivers[pixel]), light_of(view),
-                                        vector_of(view.eye), &level)) ||
+        if ((has_receiver && is_backfacing(load_triangle(vertices + first_float, receivers[pixel]), light_of(view),
+                                           vector_of(view.eye), &level)) ||
             tile_counts[tile] + pixel_counts[pixel] + (int)counters->eye_inside != 0)
             visibility[pixel] = 0.0f;
     }

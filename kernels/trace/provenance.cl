@@ -12,7 +12,7 @@ __kernel void decisions_of_facing(PointsLayout layout, __global const float* pos
                                   __global const float* visibility, __global uint* provenance) {
     GN_FOR_EACH(i, layout.count) {
         float state = visibility[i];
-        uint decision = state >= VISIBILITY_DOUBTFUL ? PROVENANCE_DOUBTFUL : PROVENANCE_OPEN;
+        uint decision = state >= VISIBILITY_MAY_SELF_SHADOW ? PROVENANCE_DOUBTFUL : PROVENANCE_OPEN;
         if (state == 0.0f) decision = PROVENANCE_FACES_AWAY;
         if (state == 1.0f)
             decision = is_present(load_point(positions, layout, i)) ? PROVENANCE_NOT_ASKED : PROVENANCE_ABSENT;
@@ -34,7 +34,7 @@ __kernel void decisions_of_trace(LightFrame light_frame, uint frame, PointsLayou
         if (!LANES_ANY(lanes)) continue;
         LaneInt below = (LaneInt)(0);
         if (has_map) {
-            LaneFloat state = LANES_SELECT((LaneFloat)(VISIBILITY_OPEN), (LaneFloat)(VISIBILITY_DOUBTFUL),
+            LaneFloat state = LANES_SELECT((LaneFloat)(VISIBILITY_OPEN), (LaneFloat)(VISIBILITY_MAY_SELF_SHADOW),
                                            LANE_COMPARE(before, ==, (LaneInt)((int)PROVENANCE_DOUBTFUL)));
             below = lanes_below_map(projection, project_points(projection, points), state, lanes, map);
         }

@@ -10,7 +10,7 @@
 #include "receivers/light_frame.h"
 
 #define PROVENANCE_OPEN 0u      // still to be decided; in the end: none
-#define PROVENANCE_DOUBTFUL 1u  // open, and its own receiver might cover it (VISIBILITY_DOUBTFUL)
+#define PROVENANCE_DOUBTFUL 1u  // open, and its own receiver might cover it (VISIBILITY_MAY_SELF_SHADOW)
 #define PROVENANCE_LIT_BY_FILTER 2u
 #define PROVENANCE_BY_FLOAT 3u     // the exact predicate, at its level float,
 #define PROVENANCE_BY_DOUBLE 4u    // double,

@@ -163,18 +163,20 @@ TEST(receiver_depth_pyramid, what_the_map_leaves) {
         StageSettings settings;
         for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
             const Keys expected_doubtful =
-                expected_bins(out, [&](const ListedPoint& p) { return is_doubtful(out.visibility_before[p.id]); });
-            EXPECT_EQ(out.doubtful, expected_doubtful);
-            EXPECT_EQ(out.open_heights, Keys(out.pyramid.begin(), out.pyramid.begin() + long(out.doubtful.size())));
-            doubtful += std::count_if(out.doubtful.begin(), out.doubtful.end(), [](auto key) { return key != NO_KEY; });
+                expected_bins(out, [&](const ListedPoint& p) { return may_self_shadow(out.visibility_before[p.id]); });
+            EXPECT_EQ(out.self_shadow_depths, expected_doubtful);
+            EXPECT_EQ(out.depth_after_map,
+                      Keys(out.pyramid.begin(), out.pyramid.begin() + long(out.self_shadow_depths.size())));
+            doubtful += std::count_if(out.self_shadow_depths.begin(), out.self_shadow_depths.end(),
+                                      [](auto key) { return key != NO_KEY; });
         }
         settings.with_map = true;
         for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
             // Nothing that the map leaves open lies below.
-            for (const ListedPoint& p : out.points) EXPECT_GE(key_of_float(p.z), out.open_heights[p.bin]);
-            for (std::size_t bin = 0; bin < out.doubtful.size(); ++bin) {
-                EXPECT_GE(out.open_heights[bin], std::min(out.pyramid[bin], out.doubtful[bin]));
-                raised += out.open_heights[bin] > out.pyramid[bin];
+            for (const ListedPoint& p : out.points) EXPECT_GE(key_of_float(p.z), out.depth_after_map[p.bin]);
+            for (std::size_t bin = 0; bin < out.self_shadow_depths.size(); ++bin) {
+                EXPECT_GE(out.depth_after_map[bin], std::min(out.pyramid[bin], out.self_shadow_depths[bin]));
+                raised += out.depth_after_map[bin] > out.pyramid[bin];
             }
         }
     }
@@ -196,8 +198,8 @@ TEST(receiver_depth_pyramid, writes_only_its_own) {
         settings.grid = grid;
         if (grid.size == 64)
             for (const auto* keys :
-                 {&stages.receiver_depth_pyramid.pyramid(), &stages.receiver_depth_pyramid.doubtful(),
-                  &stages.receiver_depth_pyramid.open_heights()})
+                 {&stages.receiver_depth_pyramid.pyramid(), &stages.receiver_depth_pyramid.self_shadow_depths(),
+                  &stages.receiver_depth_pyramid.depth_after_map()})
                 put_canaries(session, *keys);
         stages.light_frame.run(session, out.frame, inputs.facing.frame_bounds());
         stages.receiver_depth_pyramid.run(session, out.frame, 0, 1, inputs.point_inputs(),
@@ -205,12 +207,14 @@ TEST(receiver_depth_pyramid, writes_only_its_own) {
                                           inputs.visibility.get());
         const gnomon::cl::Buffer map(session, std::size_t(grid.size) * grid.size * sizeof(std::uint32_t));
         session.fill(map, 0, map.bytes());
-        stages.receiver_depth_pyramid.run_open_heights(session, out.frame, 1, stages.light_frame.projections(), &map);
+        stages.receiver_depth_pyramid.run_depth_after_map(session, out.frame, 1, stages.light_frame.projections(),
+                                                          &map);
     }
     const std::size_t bins = 8 * 8, cells = bins + 16 + 4 + 1, key = sizeof(std::uint32_t);
     expect_canaries(session, stages.receiver_depth_pyramid.pyramid(), cells * key, "pyramid");
-    expect_canaries(session, stages.receiver_depth_pyramid.doubtful(), bins * key, "heights of doubtful points");
-    expect_canaries(session, stages.receiver_depth_pyramid.open_heights(), cells * key, "heights of open points");
+    expect_canaries(session, stages.receiver_depth_pyramid.self_shadow_depths(), bins * key,
+                    "heights of doubtful points");
+    expect_canaries(session, stages.receiver_depth_pyramid.depth_after_map(), cells * key, "heights of open points");
 }
 
 // All six frames of a lamp at once: the same as each by itself.

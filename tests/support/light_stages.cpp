@@ -173,9 +173,9 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
                        settings.cover_test, scene.counters);
     }
     const Buffer* map = settings.with_map ? &stages.map.map() : nullptr;
-    stages.receiver_depth_pyramid.run_open_heights(session, first_frame, 1, stages.projection, map);
+    stages.receiver_depth_pyramid.run_depth_after_map(session, first_frame, 1, stages.projection, map);
     stages.bins.run(session, stages.projection, triangles, bin_count, stages.setup,
-                    &stages.receiver_depth_pyramid.open_heights(), scene.counters);
+                    &stages.receiver_depth_pyramid.depth_after_map(), scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
     const gnomon::TraceInputs inputs{first_frame, face,
@@ -218,9 +218,10 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
         if (out.projection.active_points == 0) continue;
         out.pyramid =
             downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.pyramid().get(), pyramid_cells(frame));
-        out.doubtful = downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.doubtful().get(), bin_count);
-        out.open_heights =
-            downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.open_heights().get(), bin_count);
+        out.self_shadow_depths =
+            downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.self_shadow_depths().get(), bin_count);
+        out.depth_after_map =
+            downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.depth_after_map().get(), bin_count);
         out.triangles = read_triangles(session, stages, out.counters, out.projection);
         if (settings.with_map)
             out.map = downloaded<std::uint32_t>(session, stages.map.map().get(), frame.width * frame.height);

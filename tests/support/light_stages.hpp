@@ -55,8 +55,8 @@ struct FrameOutput {
     gnomon::LightFrame frame;  ///< as face_of() makes it
     gnomon::Projection projection;
     std::vector<std::uint32_t> pyramid;                  ///< receiver_depth_pyramid, base level first
-    std::vector<std::uint32_t> doubtful;                 ///< receiver_depth_pyramid, per bin
-    std::vector<std::uint32_t> open_heights;             ///< receiver_depth_pyramid after the map, per bin
+    std::vector<std::uint32_t> self_shadow_depths;       ///< receiver_depth_pyramid, per bin
+    std::vector<std::uint32_t> depth_after_map;          ///< receiver_depth_pyramid after the map, per bin
     std::vector<SetUpTriangle> triangles;                ///< triangle_setup, by id
     std::vector<std::uint32_t> map;                      ///< conservative_map, as keys; empty if not run
     std::vector<ListedPoint> points;                     ///< izb, by id
@@ -77,7 +77,7 @@ struct StageSettings {
 
 /// Visibility of a point that is still to be decided (kernels/simd/point_blocks.clh).
 inline bool is_open(float visibility) { return visibility >= 2.0f; }
-inline bool is_doubtful(float visibility) { return visibility == 3.0f; }
+inline bool may_self_shadow(float visibility) { return visibility == 3.0f; }
 /// Visibility as a run leaves it, from that of its last frame: points of frames that did not run stay lit.
 inline float decided(float visibility) { return is_open(visibility) ? 1.0f : visibility; }
 
