@@ -27,7 +27,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "api/setting_values.hpp"
+#include "api/settings_table.hpp"
 #include "api/statistics.hpp"
 #include "trace/exact_trace.hpp"
 
@@ -467,16 +467,17 @@ void FrustumTraced::forget() {
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {
     forget();
+    const SettingText text{name, value};
     if (name == "conservative-map") {
-        map_mode_ = static_cast<MapMode>(choice_setting(name, value, map_mode_names));
+        map_mode_ = static_cast<MapMode>(text.choice(map_mode_names));
     } else if (name == "cover-test") {
-        cover_test_ = static_cast<CoverTest>(choice_setting(name, value, cover_test_names));
+        cover_test_ = static_cast<CoverTest>(text.choice(cover_test_names));
     } else if (name == "traversal") {
-        traversal_ = static_cast<Traversal>(choice_setting(name, value, traversal_names));
+        traversal_ = static_cast<Traversal>(text.choice(traversal_names));
     } else if (name == "map-size") {
-        map_size_ = whole_or_auto_setting(name, value, smallest_map, largest_map);
+        map_size_ = text.whole_or_auto(smallest_map, largest_map);
     } else if (name == "first-capacity") {
-        first_capacity_ = whole_or_auto_setting(name, value, 1, std::numeric_limits<std::uint32_t>::max());
+        first_capacity_ = text.whole_or_auto(1, std::numeric_limits<std::uint32_t>::max());
         lists_.limit_initial_capacity(first_capacity_);
         trace_.limit_initial_capacity(first_capacity_);
     } else {

@@ -41,7 +41,7 @@ endmacro()
 
 # The ground: OpenCL, and what implements gnomon.hpp.
 gnomon_wing(cl description program session source_locations)
-gnomon_wing(api errors inputs light_and_camera parts setting_values statistics variants
+gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
             library faults regressions)
 
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)

@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "techniques/conservative_map_alone.hpp"
 
-#include "api/setting_values.hpp"
-
 namespace gnomon {
+
+const SettingsTable<ConservativeMapAlone::Settings>& ConservativeMapAlone::settings_table() {
+    using S = Settings;
+    static const SettingsTable<S> table{
+        {{"cover-test", "tight",
+          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+         setting::choice(&S::cover_test, cover_test_names)},
+        {{"map-size", "1024", "texels per side of the light's grid, 16 to 8192"},
+         setting::whole(&S::map_size, 16, 8192)},
+    };
+    return table;
+}
 
 bool ConservativeMapAlone::list_triangles(Run& run) {
     cl::Session& session = device_.session();
@@ -25,8 +35,8 @@ void ConservativeMapAlone::run_frame(Run& run, cl_uint frame) {
     while (!list_triangles(run)) ++run.grown;
     {
         cl::StageTimer timer(session, run.statistics, "conservative_map");
-        map_.run(session, run.light_frame, frames_.projection(), setup_, receiver_depth_pyramid_.pyramid(), cover_test_,
-                 counters_);
+        map_.run(session, run.light_frame, frames_.projection(), setup_, receiver_depth_pyramid_.pyramid(),
+                 settings_.cover_test, counters_);
     }
     {
         cl::StageTimer timer(session, run.statistics, "lookup");
@@ -48,22 +58,13 @@ void ConservativeMapAlone::add_counts(Run& run) const {
 }
 
 void ConservativeMapAlone::set(std::string_view name, std::string_view value) {
-    if (name == "cover-test")
-        cover_test_ = static_cast<CoverTest>(choice_setting(name, value, cover_test_names));
-    else if (name == "map-size")
-        map_size_ = whole_setting(name, value, 16, 8192);
-    else
-        throw InvalidArgument("conservative-map has no setting \"" + std::string(name) +
-                              "\": it has cover-test and map-size");
+    settings_table().set(settings_, "conservative-map", name, value);
 }
 
 TechniqueDescription ConservativeMapAlone::describe() {
     return {"conservative-map",
             "conservative shadow map (Mizoguchi and Tokuyoshi): never wrongly dark, lit wherever it proves nothing",
-            false,
-            {{"cover-test", "tight",
-              "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
-             {"map-size", "1024", "texels per side of the light's grid, 16 to 8192"}}};
+            false, settings_table().descriptions()};
 }
 
 }  // namespace gnomon

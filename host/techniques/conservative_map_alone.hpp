@@ -3,6 +3,7 @@
 // shadow (kernels/occluders/conservative_map_alone.cl).
 #pragma once
 
+#include "api/settings_table.hpp"
 #include "occluders/conservative_map.hpp"
 #include "receivers/receiver_depth_pyramid.hpp"
 #include "techniques/framed_technique.hpp"
@@ -17,15 +18,19 @@ public:
     static TechniqueDescription describe();
 
 private:
-    FrameGrid grid() const override { return binned(device_.session(), map_size_); }
+    struct Settings {
+        CoverTest cover_test;
+        std::uint32_t map_size;
+    };
+    static const SettingsTable<Settings>& settings_table();
+    FrameGrid grid() const override { return binned(device_.session(), settings_.map_size); }
     void run_frame(Run& run, cl_uint frame) override;
     void begin_counts() override { map_candidates_ = map_texels_ = 0; }
     void add_counts(Run& run) const override;
     /// False if the lists of triangles were too short, which are longer now.
     bool list_triangles(Run& run);
 
-    CoverTest cover_test_ = CoverTest::tight;
-    std::uint32_t map_size_ = 1024;
+    Settings settings_ = settings_table().defaults();
 
     std::uint64_t map_candidates_ = 0, map_texels_ = 0;  ///< in this run
     ReceiverDepthPyramid receiver_depth_pyramid_;

@@ -18,14 +18,20 @@ void set_vector(float* target, const Double3& v) {
 
 cl_uint pieces(cl_uint count, cl_uint size) { return (count + size - 1) / size; }
 
-bool parse_choice(std::string_view name, std::string_view value, std::string_view yes, std::string_view no) {
-    if (value == yes) return true;
-    if (value == no) return false;
-    throw InvalidArgument(std::string(name) + " is " + std::string(yes) + " or " + std::string(no) + ", not \"" +
-                          std::string(value) + "\"");
-}
-
 }  // namespace
+
+const SettingsTable<ShadowVolumes::Settings>& ShadowVolumes::settings_table() {
+    static constexpr std::string_view faces[] = {"front", "both"}, methods[] = {"z-pass", "z-fail"};
+    static const SettingsTable<Settings> table{
+        {{"cancel", "on", "on or off: leave out the sides that neighbouring triangles share"},
+         setting::on_off(&Settings::cancel)},
+        {{"faces", "both", "both or front: which triangles cast; front is right for closed meshes wound outwards"},
+         setting::choice(&Settings::both_faces, faces)},
+        {{"method", "z-pass", "z-pass or z-fail: count before the point from the eye, or behind it from infinity"},
+         setting::choice(&Settings::z_fail, methods)},
+    };
+    return table;
+}
 
 VolumeView ShadowVolumes::view_of(const Points& points, const Light& light) const {
     const auto& seen = points.camera();
@@ -52,8 +58,8 @@ VolumeView ShadowVolumes::view_of(const Points& points, const Light& light) cons
     view.tiles_y = pieces(view.height, VOLUME_TILE);
     view.blocks_x = pieces(view.tiles_x, VOLUME_BLOCK);
     view.blocks_y = pieces(view.tiles_y, VOLUME_BLOCK);
-    view.both_faces = both_faces_;
-    view.z_fail = z_fail_;
+    view.both_faces = settings_.both_faces;
+    view.z_fail = settings_.z_fail;
     return view;
 }
 
@@ -78,8 +84,8 @@ cl_uint ShadowVolumes::make_sides(const VolumeView& view, const TriangleInputs& 
     session.fill(slot_edges_, GN_NO_ID, std::size_t(slots) * sizeof(cl_uint));
     session.fill(slot_weights_, 0, std::size_t(slots) * sizeof(cl_int));
     session.launch("techniques/shadow_volumes.cl", "shadow_volumes_edges", cl::Range::items(triangles.count), view,
-                   triangles.count, triangles.first_float, slots - 1, cl_uint(cancel_), triangles.vertices, slot_edges_,
-                   slot_weights_, counters_);
+                   triangles.count, triangles.first_float, slots - 1, cl_uint(settings_.cancel), triangles.vertices,
+                   slot_edges_, slot_weights_, counters_);
     cursor_.reserve(session, sizeof(cl_uint));
     reserve_sides(1u << 16);
     for (;;) {
@@ -87,7 +93,7 @@ cl_uint ShadowVolumes::make_sides(const VolumeView& view, const TriangleInputs& 
         session.launch("techniques/shadow_volumes.cl", "shadow_volumes_sides", cl::Range::items(slots), view, slots,
                        triangles.first_float, triangles.vertices, slot_edges_, slot_weights_, cursor_, sides_,
                        side_capacity_);
-        if (z_fail_)
+        if (settings_.z_fail)
             session.launch("techniques/shadow_volumes.cl", "shadow_volumes_caps", cl::Range::items(triangles.count),
                            view, triangles.count, triangles.first_float, triangles.vertices, cursor_, sides_,
                            side_capacity_);
@@ -175,25 +181,13 @@ Statistics ShadowVolumes::run(const Triangles& triangles, const Points& points, 
 }
 
 void ShadowVolumes::set(std::string_view name, std::string_view value) {
-    if (name == "cancel")
-        cancel_ = parse_choice(name, value, "on", "off");
-    else if (name == "faces")
-        both_faces_ = parse_choice(name, value, "both", "front");
-    else if (name == "method")
-        z_fail_ = parse_choice(name, value, "z-fail", "z-pass");
-    else
-        throw InvalidArgument("shadow-volumes has no setting \"" + std::string(name) +
-                              "\": it has cancel, faces and method");
+    settings_table().set(settings_, "shadow-volumes", name, value);
 }
 
 TechniqueDescription ShadowVolumes::describe() {
-    return {
-        "shadow-volumes",
-        "shadow volumes (Crow 1977), counted per pixel; shared sides cancel; needs a whole picture's points",
-        false,
-        {{"cancel", "on", "on or off: leave out the sides that neighbouring triangles share"},
-         {"faces", "both", "both or front: which triangles cast; front is right for closed meshes wound outwards"},
-         {"method", "z-pass", "z-pass or z-fail: count before the point from the eye, or behind it from infinity"}}};
+    return {"shadow-volumes",
+            "shadow volumes (Crow 1977), counted per pixel; shared sides cancel; needs a whole picture's points", false,
+            settings_table().descriptions()};
 }
 
 }  // namespace gnomon

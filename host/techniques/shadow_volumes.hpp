@@ -3,6 +3,7 @@
 #pragma once
 
 #include "api/inputs.hpp"
+#include "api/settings_table.hpp"
 #include "kernels/techniques/shadow_volumes.h"
 
 namespace gnomon {
@@ -19,13 +20,17 @@ public:
     static TechniqueDescription describe();
 
 private:
+    struct Settings {
+        bool cancel, both_faces, z_fail;
+    };
+    static const SettingsTable<Settings>& settings_table();
     VolumeView view_of(const Points& points, const Light& light) const;
     cl_uint make_sides(const VolumeView& view, const TriangleInputs& triangles);
     void reserve_sides(cl_uint count);
     void draw(const VolumeView& view, const PointInputs& points, cl_uint side_count);
 
     Device device_;
-    bool cancel_ = true, both_faces_ = true, z_fail_ = false;
+    Settings settings_ = settings_table().defaults();
 
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
     cl::Buffer counters_, slot_edges_, slot_weights_, cursor_, sides_;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "techniques/sub_pixel_shadow_map.hpp"
 
-#include "api/setting_values.hpp"
-
 namespace gnomon {
 
-namespace {
-
-constexpr std::string_view off_on[] = {"off", "on"};
-
-}  // namespace
+const SettingsTable<SubPixelShadowMap::Settings>& SubPixelShadowMap::settings_table() {
+    static const SettingsTable<Settings> table{
+        {{"neighbours", "on", "on or off: test the triangles of the 8 texels around the point's as well"},
+         setting::on_off(&Settings::neighbours)},
+        {{"map-size", "1024", "texels per side of the light's grid, 16 to 8192"},
+         setting::whole(&Settings::map_size, 16, 8192)},
+    };
+    return table;
+}
 
 bool SubPixelShadowMap::list_triangles(Run& run) {
     cl::Session& session = device_.session();
@@ -37,7 +39,7 @@ void SubPixelShadowMap::draw(Run& run) {
 
 void SubPixelShadowMap::decide_points(Run& run, cl_uint frame) {
     cl::Session& session = device_.session();
-    const cl_uint reach = neighbours_;
+    const cl_uint reach = settings_.neighbours;
     session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
                    cl::Range::items(run.points.layout.count / session.lanes() + 1), run.light_frame, frame,
                    run.points.layout, frames_.projection(), reach, run.triangles.first_float, run.points.positions,
@@ -72,20 +74,13 @@ void SubPixelShadowMap::add_counts(Run& run) const {
 }
 
 void SubPixelShadowMap::set(std::string_view name, std::string_view value) {
-    if (name == "neighbours")
-        neighbours_ = choice_setting(name, value, off_on) == 1;
-    else if (name == "map-size")
-        map_size_ = whole_setting(name, value, 16, 8192);
-    else
-        throw InvalidArgument("sub-pixel has no setting \"" + std::string(name) + "\": it has neighbours and map-size");
+    settings_table().set(settings_, "sub-pixel", name, value);
 }
 
 TechniqueDescription SubPixelShadowMap::describe() {
     return {"sub-pixel",
             "sub-pixel shadow mapping (Lecocq et al. 2014): the map stores triangles, which lookups test exactly",
-            false,
-            {{"neighbours", "on", "on or off: ask the triangles of the 8 texels around the point's as well"},
-             {"map-size", "1024", "texels per side of the light's grid, 16 to 8192"}}};
+            false, settings_table().descriptions()};
 }
 
 }  // namespace gnomon

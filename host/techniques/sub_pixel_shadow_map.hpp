@@ -2,6 +2,7 @@
 // Technique sub-pixel: a shadow map of triangles instead of depths (kernels/techniques/sub_pixel_shadow_map.h).
 #pragma once
 
+#include "api/settings_table.hpp"
 #include "kernels/techniques/sub_pixel_shadow_map.h"
 #include "techniques/framed_technique.hpp"
 
@@ -15,7 +16,12 @@ public:
     static TechniqueDescription describe();
 
 private:
-    FrameGrid grid() const override { return {map_size_, 0}; }
+    struct Settings {
+        bool neighbours;
+        std::uint32_t map_size;
+    };
+    static const SettingsTable<Settings>& settings_table();
+    FrameGrid grid() const override { return {settings_.map_size, 0}; }
     void run_frame(Run& run, cl_uint frame) override;
     void begin_counts() override;
     void add_counts(Run& run) const override;
@@ -24,8 +30,7 @@ private:
     void draw(Run& run);
     void decide_points(Run& run, cl_uint frame);
 
-    bool neighbours_ = true;
-    std::uint32_t map_size_ = 1024;
+    Settings settings_ = settings_table().defaults();
 
     std::uint64_t texels_ = 0, texels_with_triangle_ = 0;  ///< in this run
     cl::Buffer map_counters_;

@@ -5,8 +5,8 @@
 
 namespace gnomon {
 
-std::span<const DiagnosticDescription> map_diagnostics() {
-    static const DiagnosticDescription all[] = {
+const std::vector<DiagnosticDescription>& map_diagnostics() {
+    static const std::vector<DiagnosticDescription> all{
         {"aliasing", "texels per pixel: green one, yellow, red and black too few, blue more than needed"},
         {"grid", "the map's texels as lines; evenly grey where a pixel is wider than a texel"},
         {"views", "a colour for each cascade, side or cube face that serves; black where none does"},

@@ -13,7 +13,7 @@ struct MapDiagnostic {
 };
 
 /// What diagnostics there are, in the order of their values.
-std::span<const DiagnosticDescription> map_diagnostics();
+const std::vector<DiagnosticDescription>& map_diagnostics();
 
 /// RGBA, 4 bytes per point, of red, green and blue from 0 to 1.
 std::vector<std::uint8_t> opaque_bytes(std::span<const float> colors);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "api/setting_values.hpp"
 #include "api/vectors.hpp"
 
 namespace gnomon {
@@ -18,15 +17,7 @@ constexpr std::string_view projections[] = {"uniform", "psm", "lispsm", "logpsm"
 constexpr std::string_view fits[] = {"receivers", "frustum", "casters", "sphere", "quantised"};
 constexpr std::string_view partitions[] = {"single", "depth", "faces", "auto"};
 constexpr std::string_view ranges[] = {"points", "planes", "auto"};
-constexpr std::string_view switches[] = {"off", "on"};
 constexpr std::string_view storages[] = {"array", "atlas"};
-
-// The choice's position, none for its last name, "auto".
-std::optional<cl_uint> choice_or_auto(std::string_view name, std::string_view value,
-                                      std::span<const std::string_view> names) {
-    const cl_uint position = choice_setting(name, value, names);
-    return position + 1 == names.size() ? std::nullopt : std::optional(position);
-}
 
 cl_uint view_count(const ViewPlan& plan, cl_uint cascades) {
     if (plan.partition == PARTITION_SINGLE) return 1;
@@ -103,63 +94,51 @@ MapSet map_set(const ViewPlan& plan) {
 
 }  // namespace
 
+const SettingsTable<ViewFit::Settings>& ViewFit::settings_table() {
+    using S = Settings;
+    constexpr double largest = 1e30;
+    static const SettingsTable<S> table{
+        {{"projection", "uniform", "uniform, psm, lispsm or logpsm: how texels are laid over the light's rays"},
+         setting::choice(&S::projection, projections)},
+        {{"fit", "receivers", "receivers, frustum, casters, sphere (does not swim) or quantised: what a view contains"},
+         setting::choice(&S::fit, fits)},
+        {{"partition", "auto",
+          "auto, single, depth or faces (of the view frustum): how views are shared out; point lights: cube faces"},
+         setting::choice_or_auto(&S::partition, partitions)},
+        {{"depth-range", "auto", "points (as far as shading points reach), planes (near to far) or auto"},
+         setting::choice_or_auto(&S::range, ranges)},
+        {{"cascades", "1", "slices of camera depth, 1 to 8"}, setting::whole(&S::cascades, 1, MOST_VIEWS)},
+        {{"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"}, setting::number(&S::lambda, 0, 1)},
+        {{"overlap", "0.02", "each slice covers this share more at both ends, for filters, 0 to 1"},
+         setting::number(&S::overlap, 0, 1)},
+        {{"blend", "off", "on or off: each slice blends into the next one within its overlap"},
+         setting::on_off(&S::blends)},
+        {{"near", "0", "near plane of the slices, world units; 0: a thousandth of far"},
+         setting::number(&S::near_plane, 0, largest)},
+        {{"far", "0", "far plane of the slices, world units; 0: the scene's diagonal"},
+         setting::number(&S::far_plane, 0, largest)},
+        {{"slide-back", "0", "psm: move the camera back by so much, world units"},
+         setting::number(&S::slide_back, 0, largest)},
+        {{"share-texels", "off", "on or off: share texels out to views and axes by their error"},
+         setting::on_off(&S::shares_resolution)},
+        {{"share-v", "0.5", "share-texels: how much goes along the view, 0.05 to 0.95; 0.5 is even"},
+         setting::number(&S::alpha, 0.05, 0.95)},
+        {{"self-similar", "off", "on or off: slices repeat the first one's fit (lambda 1, fit frustum)"},
+         setting::on_off(&S::is_self_similar)},
+        {{"storage", "array", "array or atlas: views one after the other, or side by side"},
+         setting::choice(&S::is_atlas, storages)},
+    };
+    return table;
+}
+
 bool ViewFit::set(std::string_view name, std::string_view value) {
-    constexpr float largest = 1e30f;
-    if (name == "projection")
-        projection_ = choice_setting(name, value, projections);
-    else if (name == "fit")
-        fit_ = choice_setting(name, value, fits);
-    else if (name == "partition")
-        partition_ = choice_or_auto(name, value, partitions);
-    else if (name == "depth-range")
-        range_ = choice_or_auto(name, value, ranges);
-    else if (name == "cascades")
-        cascades_ = whole_setting(name, value, 1, MOST_VIEWS);
-    else if (name == "lambda")
-        lambda_ = number_setting(name, value, 0, 1);
-    else if (name == "overlap")
-        overlap_ = number_setting(name, value, 0, 1);
-    else if (name == "blend")
-        blends_ = choice_setting(name, value, switches) != 0;
-    else if (name == "near")
-        near_plane_ = number_setting(name, value, 0, largest);
-    else if (name == "far")
-        far_plane_ = number_setting(name, value, 0, largest);
-    else if (name == "slide-back")
-        slide_back_ = number_setting(name, value, 0, largest);
-    else if (name == "share-texels")
-        shares_resolution_ = choice_setting(name, value, switches) != 0;
-    else if (name == "share-v")
-        alpha_ = number_setting(name, value, 0.05, 0.95);
-    else if (name == "self-similar")
-        is_self_similar_ = choice_setting(name, value, switches) != 0;
-    else if (name == "storage")
-        is_atlas_ = choice_setting(name, value, storages) != 0;
-    else
-        return warp_.set(name, value);
-    return true;
+    return settings_table().set_if_known(settings_, name, value) || warp_.set(name, value);
 }
 
 std::vector<SettingDescription> ViewFit::settings() {
-    std::vector<SettingDescription> settings{
-        {"projection", "uniform", "uniform, psm, lispsm or logpsm: how texels are laid over the light's rays"},
-        {"fit", "receivers", "receivers, frustum, casters, sphere (does not swim) or quantised: what a view holds"},
-        {"partition", "auto",
-         "auto, single, depth or faces (of the view frustum): how views are shared out; lamps: cube faces"},
-        {"depth-range", "auto", "points (as far as shading points reach), planes (near to far) or auto"},
-        {"cascades", "1", "slices of camera depth, 1 to 8"},
-        {"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"},
-        {"overlap", "0.02", "each slice holds this share more at both ends, for filters, 0 to 1"},
-        {"blend", "off", "on or off: each slice blends into the next one within its overlap"},
-        {"near", "0", "near plane of the slices, world units; 0: a thousandth of far"},
-        {"far", "0", "far plane of the slices, world units; 0: the scene's diagonal"},
-        {"slide-back", "0", "psm: move the camera back by so much, world units"},
-        {"share-texels", "off", "on or off: share texels out to views and axes by their error"},
-        {"share-v", "0.5", "share-texels: how much goes along the view, 0.05 to 0.95; 0.5 is even"},
-        {"self-similar", "off", "on or off: slices repeat the first one's fit (lambda 1, fit frustum)"},
-        {"storage", "array", "array or atlas: views one after the other, or side by side"}};
-    for (SettingDescription& setting : RectilinearWarp::settings()) settings.push_back(std::move(setting));
-    return settings;
+    std::vector<SettingDescription> all = settings_table().descriptions();
+    for (SettingDescription& setting : RectilinearWarp::settings()) all.push_back(std::move(setting));
+    return all;
 }
 
 ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
@@ -167,40 +146,40 @@ ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
     const bool is_point_light = !inputs.light.is_directional();
     std::copy(inputs.light.xyzw.begin(), inputs.light.xyzw.end(), plan.light);
     if (inputs.camera) store_camera(*inputs.camera, plan);
-    plan.projection = inputs.camera ? projection_ : PROJECTION_UNIFORM;
-    plan.fit = inputs.camera || fit_ == FIT_CASTERS ? fit_ : FIT_RECEIVERS;
-    plan.partition = partition_.value_or(cascades_ > 1 ? PARTITION_DEPTH : PARTITION_SINGLE);
+    plan.projection = inputs.camera ? settings_.projection : PROJECTION_UNIFORM;
+    plan.fit = inputs.camera || settings_.fit == FIT_CASTERS ? settings_.fit : FIT_RECEIVERS;
+    plan.partition = settings_.partition.value_or(settings_.cascades > 1 ? PARTITION_DEPTH : PARTITION_SINGLE);
     if (!inputs.camera) plan.partition = PARTITION_SINGLE;
     const bool follows_view = plan.projection == PROJECTION_PSM || plan.projection == PROJECTION_LOGPSM;
     if (is_point_light && plan.partition != PARTITION_FACES)
         plan.partition = follows_view ? PARTITION_FACES : PARTITION_CUBE;
-    plan.range = range_.value_or(RANGE_POINTS);
+    plan.range = settings_.range.value_or(RANGE_POINTS);
     if (plan.fit == FIT_SPHERE || plan.fit == FIT_QUANTISED) plan.range = RANGE_PLANES;
-    plan.near_plane = near_plane_;
-    plan.far_plane = far_plane_;
-    plan.lambda = lambda_;
-    plan.alpha = alpha_;
-    plan.overlap = overlap_;
-    plan.slide_back = slide_back_;
-    plan.blends = blends_ && plan.partition == PARTITION_DEPTH;
+    plan.near_plane = settings_.near_plane;
+    plan.far_plane = settings_.far_plane;
+    plan.lambda = settings_.lambda;
+    plan.alpha = settings_.alpha;
+    plan.overlap = settings_.overlap;
+    plan.slide_back = settings_.slide_back;
+    plan.blends = settings_.blends && plan.partition == PARTITION_DEPTH;
     plan.map_size = size;
     plan.keeps_casters = inputs.keeps_casters;
-    plan.view_count = view_count(plan, cascades_);
-    plan.self_similar = is_self_similar_ && plan.partition == PARTITION_DEPTH && plan.fit == FIT_FRUSTUM;
+    plan.view_count = view_count(plan, settings_.cascades);
+    plan.self_similar = settings_.is_self_similar && plan.partition == PARTITION_DEPTH && plan.fit == FIT_FRUSTUM;
     if (plan.self_similar != 0) plan.lambda = 1;
-    plan.shares_resolution = shares_resolution_ && plan.view_count > 1;
-    if (is_atlas_ && plan.shares_resolution == 0)
+    plan.shares_resolution = settings_.shares_resolution && plan.view_count > 1;
+    if (settings_.is_atlas && plan.shares_resolution == 0)
         while (plan.atlas_columns * plan.atlas_columns < plan.view_count) ++plan.atlas_columns;
     return plan;
 }
 
 std::string ViewFit::limits(const FitInputs& inputs) const {
-    if (!inputs.camera &&
-        (projection_ != PROJECTION_UNIFORM || cascades_ > 1 || fit_ != FIT_RECEIVERS || warp_.is_on()))
+    if (!inputs.camera && (settings_.projection != PROJECTION_UNIFORM || settings_.cascades > 1 ||
+                           settings_.fit != FIT_RECEIVERS || warp_.is_on()))
         return "the points have no camera: one uniform view is fitted to them";
-    if (!inputs.light.is_directional() && projection_ == PROJECTION_LISPSM && partition_ != PARTITION_FACES &&
-        fit_ != FIT_RECEIVERS)
-        return "lispsm warps the faces around a lamp where they are fitted to the receivers: set fit=receivers";
+    if (!inputs.light.is_directional() && settings_.projection == PROJECTION_LISPSM &&
+        settings_.partition != PARTITION_FACES && settings_.fit != FIT_RECEIVERS)
+        return "lispsm warps the faces around a point light where they are fitted to the receivers: set fit=receivers";
     return {};
 }
 
@@ -236,7 +215,7 @@ void ViewFit::run_warp(cl::Session& session, const ViewPlan& plan, const FitInpu
 }
 
 void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views) {
-    if (warp_.is_on() && projection_ == PROJECTION_LOGPSM)
+    if (warp_.is_on() && settings_.projection == PROJECTION_LOGPSM)
         throw InvalidArgument("logpsm warps its map already: set warp=off, or projection=uniform, psm or lispsm");
     const ViewPlan plan = plan_of(inputs, size);
     const std::size_t entries = first_view + plan.view_count;

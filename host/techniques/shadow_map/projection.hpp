@@ -11,7 +11,7 @@ namespace gnomon {
 
 class ViewFit {
 public:
-    /// True if the setting is one of the fit's; throws InvalidArgument if its value is none.
+    /// False where the setting is none of the fit's; throws InvalidArgument where its value is not allowed.
     bool set(std::string_view name, std::string_view value);
     static std::vector<SettingDescription> settings();
     /// Fills map_views, texel centres included, with views of size x size texels each (or that many in all, shared out
@@ -22,17 +22,22 @@ public:
     std::string limits(const FitInputs& inputs) const;
 
 private:
+    struct Settings {
+        cl_uint projection, fit;
+        std::optional<cl_uint> partition, range;  ///< none: chosen by the light and the other settings
+        cl_uint cascades;
+        bool shares_resolution, is_self_similar, is_atlas, blends;
+        float lambda, alpha, overlap, near_plane, far_plane, slide_back;
+    };
+    static const SettingsTable<Settings>& settings_table();
     ViewPlan plan_of(const FitInputs& inputs, std::uint32_t size) const;
     void run_bounds(cl::Session& session, const ViewPlan& plan, cl_uint first, cl_uint count, bool only_open,
                     const PointInputs& points, cl_mem visibility);
 
-    cl_uint projection_ = PROJECTION_UNIFORM, fit_ = FIT_RECEIVERS;
-    std::optional<cl_uint> partition_, range_;  ///< none: chosen by the light and the other settings
-    cl_uint cascades_ = 1;
-    bool shares_resolution_ = false, is_self_similar_ = false, is_atlas_ = false, blends_ = false;
-    float lambda_ = 0.5f, alpha_ = 0.5f, overlap_ = 0.02f, near_plane_ = 0, far_plane_ = 0, slide_back_ = 0;
     void run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views);
     void run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);
+
+    Settings settings_ = settings_table().defaults();
 
     PointLightPerspective point_light_perspective_;
     RectilinearWarp warp_;

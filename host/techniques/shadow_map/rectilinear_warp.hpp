@@ -3,6 +3,7 @@
 // (kernels/techniques/shadow_map/rectilinear_warp.h).
 #pragma once
 
+#include "api/settings_table.hpp"
 #include "kernels/techniques/shadow_map/rectilinear_warp.h"
 #include "techniques/shadow_map/depth_pass.hpp"
 
@@ -10,12 +11,14 @@ namespace gnomon {
 
 class RectilinearWarp {
 public:
-    /// True if the setting is one of the warp's; throws InvalidArgument if its value is none.
-    bool set(std::string_view name, std::string_view value);
-    static std::vector<SettingDescription> settings();
+    /// False where the setting is none of the warp's; throws InvalidArgument where its value is not allowed.
+    bool set(std::string_view name, std::string_view value) {
+        return settings_table().set_if_known(settings_, name, value);
+    }
+    static std::vector<SettingDescription> settings() { return settings_table().descriptions(); }
 
-    bool is_on() const { return analysis_ != ANALYSIS_NONE; }
-    bool looks_from_light() const { return (analysis_ & ANALYSIS_FORWARD) != 0; }
+    bool is_on() const { return settings_.analysis != ANALYSIS_NONE; }
+    bool looks_from_light() const { return (settings_.analysis & ANALYSIS_FORWARD) != 0; }
     /// Floats that the tables of so many views take.
     static std::size_t table_floats(std::uint32_t view_count) {
         return std::size_t(view_count) * 2 * (WARP_PIECES + 1);
@@ -26,8 +29,12 @@ public:
              const MapViews& small_views, std::uint32_t tables_first, MapViews& map_views);
 
 private:
-    cl_uint analysis_ = ANALYSIS_NONE;
-    cl_uint functions_ = IMPORTANCE_VIEW | IMPORTANCE_DISTANCE | IMPORTANCE_EDGE | IMPORTANCE_NORMAL;
+    struct Settings {
+        cl_uint analysis, functions;
+    };
+    static const SettingsTable<Settings>& settings_table();
+
+    Settings settings_ = settings_table().defaults();
     cl::Buffer importance_;
     DepthMap small_map_;
 };

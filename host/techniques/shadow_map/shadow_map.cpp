@@ -13,7 +13,6 @@
 #include <array>
 #include <cmath>
 
-#include "api/setting_values.hpp"
 #include "kernels/simd/frame_counters.h"
 #include "receivers/facing.hpp"
 #include "techniques/shadow_map/diagnostic.hpp"
@@ -29,74 +28,61 @@ constexpr std::string_view store_names[] = {"depth", "variance", "layered", "con
 constexpr std::string_view lookup_names[] = {"hard", "pcf", "bilinear", "gaussian", "twelve", "pcss"};
 constexpr std::string_view prefilter_names[] = {"none", "gaussian", "summed-area", "mip"};
 constexpr std::string_view bias_names[] = {"scaled", "adaptive", "dual"};
-constexpr std::string_view switch_names[] = {"off", "on"};
 constexpr std::string_view bits_names[] = {"64", "128"};
 
-struct Setting {
-    SettingDescription description;
-    void (*set)(ShadowMapSettings&, std::string_view name, std::string_view value);
-};
-
-// One line per setting: what set() and describe() know of it.
-const std::vector<Setting>& settings_table() {
+const SettingsTable<ShadowMapSettings>& settings_table() {
     using S = ShadowMapSettings;
-    using Text = std::string_view;
-    static const std::vector<Setting> table{
-        {{"size", "2048", "texels per side of each view, 16 to 16384"},
-         [](S& s, Text n, Text v) { s.size = whole_setting(n, v, 16, largest_size); }},
+    static const SettingsTable<S> table{
+        {{"size", "2048", "texels per side of each view, 16 to 16384"}, setting::whole(&S::size, 16, largest_size)},
         {{"store", "depth",
           "what a texel holds: depth, variance, layered, convolution, exponential, evsm2, evsm4, ewgf or moments"},
-         [](S& s, Text n, Text v) { s.store = choice_setting(n, v, store_names); }},
+         setting::choice(&S::store, store_names)},
         {{"prefilter", "none",
           "none, gaussian, summed-area (a box) or mip (as wide as a pixel is there): filters what is stored; not for "
           "depth"},
-         [](S& s, Text n, Text v) { s.prefilter = static_cast<Prefilter>(choice_setting(n, v, prefilter_names)); }},
+         setting::choice(&S::prefilter, prefilter_names)},
         {{"filter-width", "5",
           "texels across the prefilter (mip: needs none), 1 to 33; odd for the Gaussian (sigma = width / 4.5)"},
-         [](S& s, Text n, Text v) { s.filter_width = whole_setting(n, v, 1, MOST_TAPS); }},
+         setting::whole(&S::filter_width, 1, MOST_TAPS)},
         {{"lookup", "hard",
           "of depths: hard, pcf (mean of taps^2 texels), bilinear, gaussian (both smooth), twelve or pcss"},
-         [](S& s, Text n, Text v) { s.lookup = choice_setting(n, v, lookup_names); }},
-        {{"taps", "3", "texels across the lookup's kernel, 1 to 33"},
-         [](S& s, Text n, Text v) { s.taps = whole_setting(n, v, 1, MOST_TAPS); }},
+         setting::choice(&S::lookup, lookup_names)},
+        {{"taps", "3", "texels across the lookup's kernel, 1 to 33"}, setting::whole(&S::taps, 1, MOST_TAPS)},
         {{"softness", "1.5", "of lookup twelve: the deviation of its taps in texels, 0 to 100"},
-         [](S& s, Text n, Text v) { s.softness = number_setting(n, v, 0, 100); }},
-        {{"light-size", "0.01", "of lookup pcss: a position's size in world units; the tangent of a direction's angle"},
-         [](S& s, Text n, Text v) { s.light_size = number_setting(n, v, 0, 1e6); }},
+         setting::number(&S::softness, 0, 100)},
+        {{"light-size", "0.01",
+          "of lookup pcss: a point light's size in world units; the tangent of a directional light's angle"},
+         setting::number(&S::light_size, 0, 1e6)},
         {{"bias", "scaled",
           "scaled by the caster's slope, adaptive (the receiver's plane at each texel) or dual (between two layers)"},
-         [](S& s, Text n, Text v) { s.bias = static_cast<S::Bias>(choice_setting(n, v, bias_names)); }},
+         setting::choice(&S::bias, bias_names)},
         {{"constant-bias", "0.0001",
           "subtracted from the receiver's depth, 0 to 1; 1 is the map's depth range: the receivers' (pcss: to the "
           "casters)"},
-         [](S& s, Text n, Text v) { s.constant_bias = number_setting(n, v, 0, 1); }},
+         setting::number(&S::constant_bias, 0, 1)},
         {{"slope-bias", "1.5", "of bias scaled: times the caster's depth per texel, 0 to 100"},
-         [](S& s, Text n, Text v) { s.slope_bias = number_setting(n, v, 0, 100); }},
-        {{"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"},
-         [](S& s, Text n, Text v) { s.slope_limit = number_setting(n, v, 0, 1); }},
+         setting::number(&S::slope_bias, 0, 100)},
+        {{"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}, setting::number(&S::slope_limit, 0, 1)},
         {{"dual-limit", "0.05", "of bias dual: most depth behind the first layer, above 0 to 1"},
-         [](S& s, Text n, Text v) { s.dual_limit = number_setting(n, v, 1e-7, 1); }},
-        {{"layers", "4", "of store layered: layers of depth, 1 to 16"},
-         [](S& s, Text n, Text v) { s.layers = whole_setting(n, v, 1, 16); }},
+         setting::number(&S::dual_limit, 1e-7, 1)},
+        {{"layers", "4", "of store layered: layers of depth, 1 to 16"}, setting::whole(&S::layers, 1, 16)},
         {{"terms", "16", "of store convolution: terms of the Fourier series, 1 to 16"},
-         [](S& s, Text n, Text v) { s.terms = whole_setting(n, v, 1, 16); }},
+         setting::whole(&S::terms, 1, 16)},
         {{"exponent", "40",
           "of stores exponential, evsm2, evsm4 and ewgf: c of exp(c z), 0.1 to 42; exponential to 80"},
-         [](S& s, Text n, Text v) { s.exponent = number_setting(n, v, 0.1, 80); }},
+         setting::number(&S::exponent, 0.1, 80)},
         {{"negative-exponent", "5", "of store evsm4: c of -exp(-c z), 0.1 to 42"},
-         [](S& s, Text n, Text v) { s.negative_exponent = number_setting(n, v, 0.1, 42); }},
+         setting::number(&S::negative_exponent, 0.1, 42)},
         {{"bleeding", "0", "visibility below this becomes 0, the rest is stretched: against light bleeding, 0 to 0.99"},
-         [](S& s, Text n, Text v) { s.bleeding = number_setting(n, v, 0, 0.99); }},
+         setting::number(&S::bleeding, 0, 0.99)},
         {{"moment-bias", "auto",
           "of moments: share of a constant mixed in, 0 to 1; of the others: least deviation of depth; auto: the "
           "store's"},
-         [](S& s, Text n, Text v) {
-             s.moment_bias = v == "auto" ? std::nullopt : std::optional(number_setting(n, v, 0, 1));
-         }},
+         setting::number_or_auto(&S::moment_bias, 0, 1)},
         {{"bits", "128", "of store moments: 64 or 128 bits of memory per texel"},
-         [](S& s, Text n, Text v) { s.half_bits = choice_setting(n, v, bits_names) == 0; }},
+         setting::choice(&S::all_bits, bits_names)},
         {{"edges-only", "off", "of store variance: on filters only where the four texels around a point disagree"},
-         [](S& s, Text n, Text v) { s.edges_only = choice_setting(n, v, switch_names) == 1; }},
+         setting::on_off(&S::edges_only)},
     };
     return table;
 }
@@ -115,6 +101,9 @@ std::array<float, 24> gaussian_offsets() {
 }
 
 }  // namespace
+
+ShadowMap::ShadowMap(const Device& device, std::string name)
+    : device_(device), name_(std::move(name)), settings_(settings_table().defaults()) {}
 
 void ShadowMap::require_consistent() const {
     const ShadowMapSettings& s = settings_;
@@ -152,12 +141,12 @@ StorePlan ShadowMap::store_plan() const {
     plan.negative_exponent = s.negative_exponent;
     plan.receiver_bias = s.constant_bias;
     plan.bleeding = s.bleeding;
-    plan.half_bits = s.half_bits && s.store == STORE_MOMENTS;
+    plan.half_bits = !s.all_bits && s.store == STORE_MOMENTS;
     plan.edges_only = s.edges_only && s.store == STORE_VARIANCE;
     // Peters and Klein 2015 for moments; the others: what rounding of their squares needs.
     const float own_bias = s.store != STORE_MOMENTS ? (s.store <= STORE_LAYERED ? 1e-3f : 1e-4f)
-                           : s.half_bits            ? 3e-5f
-                                                    : 3e-7f;
+                           : s.all_bits             ? 3e-7f
+                                                    : 3e-5f;
     plan.moment_bias = s.moment_bias.value_or(own_bias);
     switch (s.store) {
         case STORE_LAYERED:
@@ -278,7 +267,7 @@ Statistics ShadowMap::run(const Triangles& triangles, const Points& points, cons
 
 std::vector<std::uint8_t> ShadowMap::diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                               const Light& light) {
-    const auto all = map_diagnostics();
+    const auto& all = map_diagnostics();
     const auto asked = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.name == name; });
     if (asked == all.end()) return Technique::diagnose(name, triangles, points, light);
     const Visibility visibility(device_, points.count());
@@ -290,24 +279,15 @@ std::vector<std::uint8_t> ShadowMap::diagnose(std::string_view name, const Trian
 }
 
 void ShadowMap::set(std::string_view name, std::string_view value) {
-    for (const Setting& setting : settings_table())
-        if (setting.description.name == name) return setting.set(settings_, name, value);
-    if (fit_.set(name, value)) return;
-    std::string names;
-    for (const SettingDescription& setting : describe().settings) names += (names.empty() ? "" : ", ") + setting.name;
-    throw InvalidArgument(name_ + " has no setting \"" + std::string(name) + "\": it has " + names);
+    if (!settings_table().set_if_known(settings_, name, value) && !fit_.set(name, value))
+        throw_no_setting(name_, name, describe().settings);
 }
 
 TechniqueDescription ShadowMap::describe() {
     TechniqueDescription description{
-        "shadow-map",
-        "shadow map of any composition: projection x partition x store x prefilter x lookup",
-        false,
-        {},
-        {}};
-    for (const Setting& setting : settings_table()) description.settings.push_back(setting.description);
+        "shadow-map", "shadow map of any composition: projection x partition x store x prefilter x lookup", false,
+        settings_table().descriptions(), map_diagnostics()};
     for (SettingDescription& setting : ViewFit::settings()) description.settings.push_back(std::move(setting));
-    description.diagnostics.assign(map_diagnostics().begin(), map_diagnostics().end());
     return description;
 }
 

@@ -13,28 +13,22 @@ namespace gnomon {
 struct ShadowMapSettings {
     enum class Bias : std::uint32_t { scaled, adaptive, dual };
 
-    std::uint32_t size = 2048;
-    std::uint32_t store = STORE_DEPTH;
-    Prefilter prefilter = Prefilter::none;
-    std::uint32_t filter_width = 5;
-    std::uint32_t lookup = LOOKUP_HARD;
-    std::uint32_t taps = 3;
-    float softness = 1.5f;
-    float light_size = 0.01f;
-    Bias bias = Bias::scaled;
-    float constant_bias = 1e-4f, slope_bias = 1.5f, slope_limit = 0.05f, dual_limit = 0.05f;
-    std::uint32_t layers = 4, terms = 16;
-    float exponent = 40, negative_exponent = 5;
-    float bleeding = 0;
+    std::uint32_t size, store;
+    Prefilter prefilter;
+    std::uint32_t filter_width, lookup, taps;
+    float softness, light_size;
+    Bias bias;
+    float constant_bias, slope_bias, slope_limit, dual_limit;
+    std::uint32_t layers, terms;
+    float exponent, negative_exponent, bleeding;
     std::optional<float> moment_bias;  ///< none: the store's own
-    bool half_bits = false, edges_only = false;
+    bool all_bits, edges_only;
 };
 
 class ShadowMap final : public Technique {
 public:
     /// `name`: of the preset, for what errors say.
-    explicit ShadowMap(const Device& device, std::string name = "shadow-map")
-        : device_(device), name_(std::move(name)) {}
+    explicit ShadowMap(const Device& device, std::string name = "shadow-map");
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
     void set(std::string_view name, std::string_view value) override;

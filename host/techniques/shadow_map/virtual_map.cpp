@@ -15,7 +15,6 @@
 #include <bit>
 #include <cmath>
 
-#include "api/setting_values.hpp"
 #include "kernels/simd/frame_counters.h"
 #include "receivers/facing.hpp"
 #include "techniques/shadow_map/diagnostic.hpp"
@@ -33,18 +32,36 @@ constexpr std::uint32_t most_pages = 0xFFFFFFFFu / PAGE_TEXELS;
 
 }  // namespace
 
+const SettingsTable<VirtualShadowMap::Settings>& VirtualShadowMap::settings_table() {
+    using S = Settings;
+    static const SettingsTable<S> table{
+        {{"size", "16384", "texels per side of each view's finest level: a power of two from 128 to 16384"},
+         [](S& s, const SettingText& value) { s.size = PAGE_SIZE << value.choice(sizes); }},
+        {{"detail", "1", "texels per pixel side that a point requests, 0.01 to 100"},
+         setting::number(&S::detail, 0.01, 100)},
+        {{"level", "0", "of points without a camera: level that they request, 0 (finest) to 7"},
+         setting::whole(&S::level, 0, std::size(sizes) - 1)},
+        {{"constant-bias", "0.0001", "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range"},
+         setting::number(&S::constant_bias, 0, 1)},
+        {{"slope-bias", "1.5", "times the caster's depth per texel, 0 to 100"},
+         setting::number(&S::slope_bias, 0, 100)},
+        {{"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}, setting::number(&S::slope_limit, 0, 1)},
+    };
+    return table;
+}
+
 VirtualPlan VirtualShadowMap::plan_of(const FitInputs& inputs, std::uint32_t view_count) const {
     VirtualPlan plan{};
-    plan.pages_across = size_ / PAGE_SIZE;
+    plan.pages_across = settings_.size / PAGE_SIZE;
     plan.levels = static_cast<cl_uint>(std::bit_width(plan.pages_across));
     plan.entries_per_view = (4 * plan.pages_across * plan.pages_across - 1) / 3;
     plan.view_count = view_count;
     if (inputs.camera)
         plan.pixel_size = static_cast<float>(2 * std::tan(inputs.camera->camera.fov_y_radians / 2) /
                                              std::max(inputs.camera->height, 1u));
-    plan.detail = detail_;
-    plan.level = level_;
-    plan.receiver_bias = constant_bias_;
+    plan.detail = settings_.detail;
+    plan.level = settings_.level;
+    plan.receiver_bias = settings_.constant_bias;
     return plan;
 }
 
@@ -71,7 +88,7 @@ void VirtualShadowMap::allocate(const VirtualPlan& plan) {
     const cl_uint pages = counted_.pages_requested;
     if (pages > most_pages)
         throw InvalidArgument("the points ask for " + std::to_string(pages) + " pages of a virtual map of size " +
-                              std::to_string(size_) + ", and there can be " + std::to_string(most_pages) +
+                              std::to_string(settings_.size) + ", and there can be " + std::to_string(most_pages) +
                               ": set a smaller size or detail");
     pages_.reserve(session, pages * sizeof(MapView));
     touched_.reserve(session, pages * sizeof(cl_uint));
@@ -89,8 +106,8 @@ void VirtualShadowMap::draw(const TriangleInputs& triangles, const VirtualPlan& 
     DepthPass pass{};
     pass.pass = PASS_NEAREST;
     pass.triangle_count = triangles.count;
-    pass.slope_bias = slope_bias_;
-    pass.slope_limit = slope_limit_;
+    pass.slope_bias = settings_.slope_bias;
+    pass.slope_limit = settings_.slope_limit;
     // A minimum stays one when triangles are drawn twice: after growing, all are drawn again.
     for (;;) {
         pairs_.reserve(session, std::size_t(pair_capacity_) * 2 * sizeof(cl_uint));
@@ -124,7 +141,7 @@ void VirtualShadowMap::run_stages(std::vector<LightRun*>& runs) {
     cl_uint view_count = 0;
     for (LightRun* run : runs) {
         cl::StageTimer timer(session, run->statistics, "fit");
-        fit_.run(session, run->inputs, size_, light_views_[run->index]);
+        fit_.run(session, run->inputs, settings_.size, light_views_[run->index]);
         run->first_view = view_count;
         view_count += light_views_[run->index].set.view_count;
     }
@@ -134,7 +151,7 @@ void VirtualShadowMap::run_stages(std::vector<LightRun*>& runs) {
     level_views_.set = light_views_[runs.front()->index].set;
     level_views_.set.view_count = plan.view_count * plan.levels;
     level_views_.views.reserve(session, level_views_.set.view_count * sizeof(MapView));
-    level_views_.tables.reserve(session, std::size_t(plan.view_count) * 4 * size_ * sizeof(cl_float));
+    level_views_.tables.reserve(session, std::size_t(plan.view_count) * 4 * settings_.size * sizeof(cl_float));
     requested_.reserve(session, entries * sizeof(cl_uint));
     point_entries_.reserve(session, light_views_.size() * any.points.layout.count * sizeof(cl_uint));
     session.fill(requested_, 0, entries * sizeof(cl_uint));
@@ -212,7 +229,7 @@ std::vector<Statistics> VirtualShadowMap::run_lights(const Triangles& triangles,
                     {"triangles", triangles.count()},
                     {"map_views", view_count},
                     {"map_texels", run.pages * PAGE_TEXELS},
-                    {"virtual_texels", view_count * size_ * size_},
+                    {"virtual_texels", view_count * settings_.size * settings_.size},
                     {"pages_requested", run.pages},
                     {"pages_drawn", pages_drawn(first_page, run.pages)}};
         first_page += run.pages;
@@ -246,36 +263,16 @@ std::vector<std::uint8_t> VirtualShadowMap::diagnose(std::string_view name, cons
 }
 
 void VirtualShadowMap::set(std::string_view name, std::string_view value) {
-    if (name == "size")
-        size_ = PAGE_SIZE << choice_setting(name, value, sizes);
-    else if (name == "detail")
-        detail_ = number_setting(name, value, 0.01, 100);
-    else if (name == "level")
-        level_ = whole_setting(name, value, 0, std::size(sizes) - 1);
-    else if (name == "constant-bias")
-        constant_bias_ = number_setting(name, value, 0, 1);
-    else if (name == "slope-bias")
-        slope_bias_ = number_setting(name, value, 0, 100);
-    else if (name == "slope-limit")
-        slope_limit_ = number_setting(name, value, 0, 1);
-    else
-        throw InvalidArgument("virtual-shadow-map has no setting \"" + std::string(name) +
-                              "\": it has size, detail, level, constant-bias, slope-bias and slope-limit");
+    settings_table().set(settings_, "virtual-shadow-map", name, value);
 }
 
 TechniqueDescription VirtualShadowMap::describe() {
-    return {
-        "virtual-shadow-map",
-        "virtual shadow map (Olsson et al. 2014): only the pages that points ask for, at their pixels' resolution",
-        false,
-        {{"size", "16384", "texels per side of each view's finest level: a power of two from 128 to 16384"},
-         {"detail", "1", "texels per pixel side that a point asks for, 0.01 to 100"},
-         {"level", "0", "of points without a camera: level they ask for, 0 (finest) to 7"},
-         {"constant-bias", "0.0001", "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range"},
-         {"slope-bias", "1.5", "times the caster's depth per texel, 0 to 100"},
-         {"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}},
-        {{"page",
-          "a colour for each level, red the finest, lighter and darker page by page; black where none serves"}}};
+    return {"virtual-shadow-map",
+            "virtual shadow map (Olsson et al. 2014): only the pages that points request, at their pixels' resolution",
+            false,
+            settings_table().descriptions(),
+            {{"page",
+              "a colour for each level, red the finest, lighter and darker page by page; black where none serves"}}};
 }
 
 }  // namespace gnomon

@@ -3,6 +3,7 @@
 // (kernels/techniques/shadow_map/virtual_map.h).
 #pragma once
 
+#include "api/settings_table.hpp"
 #include "kernels/techniques/shadow_map/virtual_map.h"
 #include "lists/scan.hpp"
 #include "techniques/shadow_map/depth_pass.hpp"
@@ -26,6 +27,12 @@ public:
     static TechniqueDescription describe();
 
 private:
+    struct Settings {
+        std::uint32_t size, level;
+        float detail;
+        float constant_bias, slope_bias, slope_limit;  ///< as shadow-map's
+    };
+    static const SettingsTable<Settings>& settings_table();
     /// A light, what its points still need, and where its views and points stand among those of all lights.
     struct LightRun {
         FitInputs inputs;
@@ -47,9 +54,7 @@ private:
     std::uint64_t pages_drawn(std::uint64_t first, std::uint64_t count) const;
 
     Device device_;
-    std::uint32_t size_ = 16384, level_ = 0;
-    float detail_ = 1;
-    float constant_bias_ = 1e-4f, slope_bias_ = 1.5f, slope_limit_ = 0.05f;  // as shadow-map's
+    Settings settings_ = settings_table().defaults();
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
 
     ViewFit fit_;
