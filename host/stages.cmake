@@ -49,9 +49,8 @@ gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks blocks_lan
 gnomon_wing(lists append fill group_scan scan sort)
 gnomon_wing(receivers light_frame footprint block_bounds facing_cache facing
             receiver_depth_pyramid light_frames)
-gnomon_wing(occluders triangle_setup bin_lists record_blocks bin_test hull_bounds clusters cluster_boxes pair_lists
-            tile_bins bins conservative_map
-            occluder_lists)
+gnomon_wing(occluders bin_lists record_blocks bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
+            triangle_bounds triangle_records tile_bins triangle_tiles bins occluder_lists)
 gnomon_wing(camera camera camera_rays shading_point shade)
 gnomon_wing(trace trace coarse_test trace_points trace_blocks trace_rounds trace_open_points trace_kernel trace_queue_overflow
             exact_trace provenance)

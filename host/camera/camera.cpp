@@ -158,10 +158,12 @@ void CameraStage::make_lists(Statistics& statistics) {
         cl::StageTimer timer(session_, statistics, "camera_setup");
         const cl::Buffer* clusters = clusters_.run(session_, projection_, triangles_, nullptr, counters_);
         setup_.run_bounds(session_, projection_, triangles_, clusters, nullptr, counters_);
+        const PairBuffers pairs = bins_.begin(session_, tiles_x() * tiles_y(), setup_);
+        setup_.run_tiles(session_, projection_, triangles_, nullptr, &pairs, counters_);
     }
     {
         cl::StageTimer timer(session_, statistics, "camera_bins");
-        bins_.run(session_, projection_, triangles_, tiles_x() * tiles_y(), setup_, nullptr, counters_);
+        bins_.run(session_, projection_, setup_, nullptr, counters_);
     }
 }
 

@@ -21,7 +21,8 @@ namespace {
 // anew, and .05 s to find in its cache what it has compiled; and it compiles of a program only the kernels that are
 // launched. A GPU's compiler makes all of them at once.
 constexpr const char* picture_program = "*.cl";
-constexpr std::array picture_files = {"occluders/triangle_setup.cl",
+constexpr std::array picture_files = {"occluders/triangle_bounds.cl",
+                                      "occluders/triangle_tiles.cl",
                                       "occluders/bins.cl",
                                       "camera/camera.cl",
                                       "receivers/facing.cl",

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: MIT
-// Stage bins: per bin of a projection, the list of triangles that may matter there (kernels/occluders/bins.cl).
+// Stage bins: per bin of a projection, the list of the triangles that may block a point in it
+// (kernels/occluders/bins.cl).
 #pragma once
 
-#include "kernels/occluders/bins.h"
 #include "occluders/triangle_setup.hpp"
 
 namespace gnomon {
 
 class Bins {
 public:
-    /// Fills ranges(), entries() and pairs() from the setup's bounds, by its records and tiles, and the counts of
-    /// `counters`. `heights` (a pyramid: receiver_depth_pyramid) may be null: then no bin is empty and nothing is too
-    /// far.
-    void run(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
-             std::uint32_t bin_count, TriangleSetup& setup, const cl::Buffer* heights, const cl::Buffer& counters);
-    /// True if all lists fitted; else grows, and the run must be repeated. After a run whose tiles did not fit the
-    /// pairs are guessed, so that all lists grow at once.
+    /// Makes room for the lists of `bin_count` bins and zeroes the counts of the bins. The setup may append pairs to
+    /// the result before run().
+    PairBuffers begin(cl::Session& session, std::uint32_t bin_count, const TriangleSetup& setup);
+    /// Fills pairs(), ranges() and entries() from the bounds, records and tiles of the setup. `pyramid`
+    /// (receiver_depth_pyramid) may be null: then no bin is left out for its depth.
+    void run(cl::Session& session, const ProjectionInput& projection, const TriangleSetup& setup,
+             const cl::Buffer* pyramid, const cl::Buffer& counters);
+    /// True if all lists fitted; else grows them, and the run must be repeated. After a run whose tiles did not fit,
+    /// the number of pairs is guessed, so that all lists grow at once.
     bool fitted(cl::Session& session, const FrameCounters& counted, bool setup_fitted);
 
     std::uint32_t pair_capacity() const { return pairs_.capacity(); }
@@ -24,7 +26,7 @@ public:
     const cl::Buffer& entries() const { return entries_.buffer(); }
 
     /// The lists start with four entries per triangle, but from least_capacity (few triangles may be in all bins) to
-    /// initial_capacity; tests start with 1. 0: as ever.
+    /// initial_capacity. Tests start with 1; 0 restores the default.
     static constexpr std::uint32_t initial_capacity = 1u << 20, least_capacity = 1u << 16;
     void limit_initial_capacity(std::uint32_t capacity) {
         first_capacity_ = capacity != 0 ? capacity : initial_capacity;
@@ -32,9 +34,9 @@ public:
 
 private:
     cl::Buffer counts_, ranges_;
-    cl::Buffer listed_;  ///< on a GPU: the entries before those of a run are put in order
+    cl::Buffer unordered_;  ///< on a GPU: the entries before the entries of each run are sorted
     GrowingList pairs_{sizeof(Pair)}, entries_{BIN_ENTRY_BYTES};
-    std::uint32_t first_capacity_ = initial_capacity;
+    std::uint32_t first_capacity_ = initial_capacity, bin_count_ = 0;
 };
 
 }  // namespace gnomon

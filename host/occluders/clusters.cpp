@@ -24,17 +24,17 @@ struct Box {
     }
 };
 
-// An order of our own takes 40 bytes per triangle. It pays where clusters are strewn about: where a line that meets the
-// scene meets so many of their boxes, and the order along a curve leaves no more than this share of them. Measured:
-// foliage of 1.3 million triangles, made in disorder, 1148 -> 3.8, lost_empire 106 -> 17.6 (no time gained), Sponza 21
-// -> 17.6, city 17 -> 4.6, pipes 11 -> 5.6 (time lost), colonnade 1.3 -> 1.3.
+// An order of our own takes 40 bytes per triangle. It pays where clusters are scattered: where a line that meets the
+// scene meets this many boxes on average, and the order along a curve leaves no more than this share of them. Measured
+// boxes, before -> after: foliage of 1.3 million triangles, made in disorder, 1148 -> 3.8, lost_empire 106 -> 17.6 (no
+// time gained), Sponza 21 -> 17.6, city 17 -> 4.6, pipes 11 -> 5.6 (time lost), colonnade 1.3 -> 1.3.
 constexpr double boxes_worth_order = 256, most_area_worth_order = 0.25;
 
-// Around all boxes, and the sum of their areas.
+// The box around all boxes, and the sum of the areas of the boxes.
 struct Spread {
     Box whole;
     double area = 0;
-    // How many boxes a line meets, on average over all lines that meet the whole: their share of its area.
+    // How many boxes a line meets, on average over all lines that meet the whole: the boxes' share of its area.
     double boxes_met() const { return whole.area() > 0 ? area / whole.area() : 0; }
 };
 
@@ -69,9 +69,17 @@ ClusterGrid grid_of(const Box& whole) {
     return grid;
 }
 
+ClusterParams params_of(const TriangleInputs& triangles, cl_uint cluster_count, bool has_pyramid = false) {
+    return {.first_float = triangles.first_float,
+            .triangle_count = triangles.count,
+            .cluster_count = cluster_count,
+            .has_pyramid = has_pyramid,
+            .padding = 0};
+}
+
 void make_boxes(cl::Session& session, const TriangleInputs& triangles, cl_uint count, const cl::Buffer& boxes) {
     session.launch("occluders/clusters.cl", "make_clusters", cl::Range::items(round_up(count, session.lanes())),
-                   triangles.count, triangles.first_float, count, triangles.vertices, boxes);
+                   params_of(triangles, count), triangles.vertices, boxes);
 }
 
 }  // namespace
@@ -87,7 +95,7 @@ Clusters::Clusters(const Device& device, const TriangleInputs& triangles)
     try {
         reorder(triangles, grid_of(spread.whole), spread.area);
     } catch (const OutOfDeviceMemory&) {
-        // The order of the buffer takes no room, and serves as well.
+        // The order of the caller's buffer takes no room, and gives the same result.
     }
 }
 
@@ -95,12 +103,12 @@ void Clusters::reorder(const TriangleInputs& triangles, const ClusterGrid& grid,
     cl::Session& session = device_.session();
     const std::size_t word_bytes = triangles.count * sizeof(cl_uint);
     cl::Buffer codes(session, word_bytes), numbers(session, word_bytes);
-    session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(triangles.count), grid, triangles.count,
-                   triangles.first_float, triangles.vertices, codes, numbers);
+    session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(triangles.count), grid,
+                   params_of(triangles, count_), triangles.vertices, codes, numbers);
     Sort().run(session, triangles.count, codes, numbers);
     cl::Buffer vertices(session, 9 * word_bytes), boxes(session, boxes_.bytes());
-    session.launch("occluders/clusters.cl", "cluster_gather", cl::Range::items(triangles.count), triangles.count,
-                   triangles.first_float, triangles.vertices, numbers, vertices);
+    session.launch("occluders/clusters.cl", "cluster_gather", cl::Range::items(triangles.count),
+                   params_of(triangles, count_), triangles.vertices, numbers, vertices);
     make_boxes(session, {vertices.get(), 0, triangles.count, nullptr}, count_, boxes);
     if (spread_of(session, boxes, count_).area > area * most_area_worth_order) return;
     boxes_ = std::move(boxes);
@@ -120,10 +128,10 @@ const cl::Buffer* ClusterCull::run(cl::Session& session, const ProjectionInput& 
     if (triangles.clusters == nullptr) return nullptr;
     const Clusters& clusters = *triangles.clusters;
     listed_.reserve(session, clusters.count() * sizeof(cl_uint));
-    const cl_uint has_pyramid = pyramid != nullptr;
     session.launch(variant(session, Task::cull_clusters, projection.is_directional),
-                   cl::Range::items(clusters.count() / session.lanes() + 1), projection.buffer, triangles.count,
-                   clusters.count(), has_pyramid, clusters.boxes(), pyramid ? *pyramid : listed_, listed_, counters);
+                   cl::Range::items(clusters.count() / session.lanes() + 1),
+                   params_of(triangles, clusters.count(), pyramid != nullptr), projection.buffer, clusters.boxes(),
+                   pyramid ? *pyramid : listed_, listed_, counters);
     return &listed_;
 }
 

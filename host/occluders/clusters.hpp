@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage clusters: which clusters of a kept mesh can matter to a projection (kernels/occluders/clusters.h).
+// Stage clusters: the clusters of a kept mesh, and their cull for a projection (kernels/occluders/clusters.h).
 #pragma once
 
 #include "api/inputs.hpp"
@@ -7,8 +7,8 @@
 
 namespace gnomon {
 
-/// Clusters of a mesh, kept by Triangles::keep_clusters(): in the order of the caller's buffer, or where neighbours
-/// there are not neighbours in space, in an order along a space-filling curve.
+/// Clusters of a mesh, kept by Triangles::keep_clusters(): in the order of the caller's buffer, or, where neighbours in
+/// the buffer are not neighbours in space, in an order along a space-filling curve.
 class Clusters {
 public:
     Clusters(const Device& device, const TriangleInputs& triangles);
@@ -16,7 +16,7 @@ public:
     cl_uint count() const { return count_; }
     const cl::Buffer& boxes() const { return boxes_; }
     bool is_reordered() const { return numbers_.get() != nullptr; }
-    /// Where reordered: a copy of the vertices in the clusters' order, and the number of the triangle in each place.
+    /// Where reordered: a copy of the vertices in the clusters' order, and the number of the triangle at each position.
     const cl::Buffer& vertices() const { return vertices_; }
     const cl::Buffer& numbers() const { return numbers_; }
 
@@ -28,7 +28,7 @@ private:
     cl::Buffer boxes_, vertices_, numbers_;
 };
 
-/// The triangles as clusters have them, and as the setup takes them: `numbers` is null if a triangle's place is its
+/// The triangles in the order of the clusters, which the setup uses: `numbers` is null if a triangle's position is its
 /// number.
 struct OrderedTriangles {
     cl_mem vertices;
@@ -39,9 +39,9 @@ OrderedTriangles ordered_triangles(const TriangleInputs& triangles);
 
 class ClusterCull {
 public:
-    /// Lists the clusters that can matter, for triangle_setup, and counts them and the triangles of all others in
-    /// `counters`; null if no clusters are kept. `pyramid` (receiver_depth_pyramid) may be null: then nothing is
-    /// dropped for being too far.
+    /// Lists the clusters that survive the cull, for triangle_setup, and counts in `counters` them and the triangles of
+    /// all others; null if no clusters are kept. `pyramid` (receiver_depth_pyramid) may be null: then no cluster is
+    /// dropped for its depth.
     const cl::Buffer* run(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                           const cl::Buffer* pyramid, const cl::Buffer& counters);
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Stage conservative_map: per texel, a height below which points are in shadow for certain
+// Stage conservative_map: per texel, a height below which points are certainly in shadow
 // (kernels/occluders/conservative_map.cl).
 #pragma once
 
+#include "kernels/occluders/conservative_map.h"
 #include "occluders/triangle_setup.hpp"
 #include "receivers/light_frame.hpp"
 
@@ -13,11 +14,11 @@ inline constexpr std::string_view cover_test_names[] = {"tight", "circle"};
 
 class ConservativeMap {
 public:
-    /// `pyramid` (receiver_depth_pyramid) tells which bins hold points, and how far they lie.
+    /// `pyramid` (receiver_depth_pyramid): the tiles without a point above the triangle are not drawn.
     void run(cl::Session& session, const LightFrame& frame, const cl::Buffer& projection, const TriangleSetup& setup,
              const cl::Buffer& pyramid, CoverTest cover_test, const cl::Buffer& counters);
-    /// After the triangles' bounds: leaves word in the projection if the map would decide too little. Then run() draws
-    /// nothing, and no stage looks at it.
+    /// After the triangles' bounds: sets map_disabled in the projection if the map would decide too little. Then run()
+    /// draws nothing, and no stage uses the map.
     void judge(cl::Session& session, const cl::Buffer& projection, const cl::Buffer& counters);
     const cl::Buffer& map() const { return map_; }
 

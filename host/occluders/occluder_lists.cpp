@@ -5,31 +5,31 @@ namespace gnomon {
 
 const cl::Buffer* OccluderLists::run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                                      const cl::Buffer& projection, const TriangleInputs& triangles,
-                                     const ListSettings& settings, ReceiverDepthPyramid& receiver_depth_pyramid,
+                                     const ListSettings& settings, ReceiverDepthPyramid& depths,
                                      const cl::Buffer& counters) {
     const ProjectionInput in_frame(projection, light_frame.perspective == 0);
-    const cl::Buffer* clusters = nullptr;
-    if (triangles.clusters != nullptr) {
-        cl::StageTimer timer(session, statistics, "clusters");
-        clusters = clusters_.run(session, in_frame, triangles, &receiver_depth_pyramid.pyramid(), counters);
-    }
-    {
-        cl::StageTimer timer(session, statistics, "triangle_setup");
-        setup_.run_bounds(session, in_frame, triangles, clusters, &receiver_depth_pyramid.pyramid(), counters);
-    }
-    const cl::Buffer* map = nullptr;
-    if (settings.draws_map) {
-        cl::StageTimer timer(session, statistics, "conservative_map");
-        if (settings.judges_map) map_.judge(session, projection, counters);
-        setup_.run_map_tiles(session, in_frame, triangles, receiver_depth_pyramid.pyramid(), counters);
-        map_.run(session, light_frame, projection, setup_, receiver_depth_pyramid.pyramid(), settings.cover_test,
-                 counters);
-        map = &map_.map();
-    }
-    cl::StageTimer timer(session, statistics, "bins");
-    receiver_depth_pyramid.run_depth_after_map(session, light_frame, 1, projection, map);
-    bins_.run(session, in_frame, triangles, light_frame.bins_x * light_frame.bins_y, setup_,
-              &receiver_depth_pyramid.depth_after_map(), counters);
+    const cl::Buffer& pyramid = depths.pyramid();
+    const auto stage = [&](const char* name, const auto& launches) {
+        cl::StageTimer timer(session, statistics, name);
+        launches();
+    };
+    const cl::Buffer *clusters = nullptr, *map = nullptr;
+    if (triangles.clusters != nullptr)
+        stage("clusters", [&] { clusters = clusters_.run(session, in_frame, triangles, &pyramid, counters); });
+    stage("triangle_setup", [&] { setup_.run_bounds(session, in_frame, triangles, clusters, &pyramid, counters); });
+    if (settings.draws_map)
+        stage("conservative_map", [&] {
+            if (settings.judges_map) map_.judge(session, projection, counters);
+            setup_.run_map_tiles(session, in_frame, triangles, pyramid, counters);
+            map_.run(session, light_frame, projection, setup_, pyramid, settings.cover_test, counters);
+            map = &map_.map();
+        });
+    stage("receiver_depth_pyramid", [&] { depths.run_depth_after_map(session, light_frame, 1, projection, map); });
+    stage("triangle_setup", [&] {
+        const PairBuffers pairs = bins_.begin(session, light_frame.bins_x * light_frame.bins_y, setup_);
+        setup_.run_tiles(session, in_frame, triangles, &depths.depth_after_map(), &pairs, counters);
+    });
+    stage("bins", [&] { bins_.run(session, in_frame, setup_, &depths.depth_after_map(), counters); });
     return map;
 }
 

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The stages from triangles to lists, of one frame: clusters, triangle_setup, conservative_map, bins. What they drop is
-// decided by receiver_depth_pyramid.
+// The stages from triangles to lists, for one frame: two-pass occlusion culling. Only this file knows their order:
+//
+//   clusters          where they are kept: culled against the depths of all open points
+//   triangle_setup    triangles, the same: bounds of the survivors
+//   conservative_map  drawn from the survivors that may cover a whole texel; decides the points below it
+//   receiver_depth_pyramid   the depths of the points that the map leaves open
+//   triangle_setup    survivors culled against these depths: records, tiles and (on a CPU) pairs
+//   bins              pairs of triangle and bin: a list for each bin
 #pragma once
 
 #include "occluders/bins.hpp"
@@ -13,18 +19,18 @@ namespace gnomon {
 /// How lists are made.
 struct ListSettings {
     bool draws_map = true;
-    bool judges_map = false;  ///< a map that would cover little is left empty and not looked at
+    bool judges_map = false;  ///< a map that would cover little is left empty and not used
     CoverTest cover_test = CoverTest::tight;
 };
 
 class OccluderLists {
 public:
-    /// `receiver_depth_pyramid` has run for this projection, and is told of the map. Returns the map, null if none is
+    /// `depths` has run for this projection; here it runs once more, after the map. Returns the map, null if none is
     /// drawn.
     const cl::Buffer* run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                           const cl::Buffer& projection, const TriangleInputs& triangles, const ListSettings& settings,
-                          ReceiverDepthPyramid& receiver_depth_pyramid, const cl::Buffer& counters);
-    /// True if everything fitted; else lists have grown, and the run must be repeated.
+                          ReceiverDepthPyramid& depths, const cl::Buffer& counters);
+    /// True if all lists fitted; else they have grown, and the run must be repeated.
     bool fitted(cl::Session& session, const FrameCounters& counted);
 
     void limit_initial_capacity(std::uint32_t capacity);

@@ -6,6 +6,7 @@
 #include "occluders/clusters.hpp"
 
 namespace gnomon {
+
 void add_counters(FrameCounters& total, const FrameCounters& frame) {
     // The struct is 32-bit counters and nothing else.
     auto* sums = reinterpret_cast<uint*>(&total);
@@ -33,45 +34,53 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
                                const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters) {
     // A work-item of a CPU may leave most of a block unused.
     const std::size_t unused =
-        session.is_cpu() ? session.many_groups() * session.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
+        session.is_cpu() ? session.many_groups() * session.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
     const std::uint64_t likely = std::min<std::uint64_t>(triangles.count + unused + 1, first_capacity_);
     bounds_.reserve(session, likely);
-    // As many as there are bounds, also where an earlier run failed between these lists; of tiles one each.
+    // As many as there are bounds, also where an earlier run failed between these lists; one tile for each.
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
-    const cl_uint has_clusters = clusters != nullptr, has_pyramid = pyramid != nullptr;
     const OrderedTriangles ordered = ordered_triangles(triangles);
+    const TriangleBoundsParams params{.first_float = ordered.first_float,
+                                      .triangle_count = triangles.count,
+                                      .capacity = capacity(),
+                                      .has_clusters = clusters != nullptr,
+                                      .has_pyramid = pyramid != nullptr};
     session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional),
-                   cl::Range::items(triangles.count / session.lanes() + 1), projection.buffer, triangles.count,
-                   ordered.first_float, capacity(), has_clusters, has_pyramid, ordered.vertices,
+                   cl::Range::items(triangles.count / session.lanes() + 1), params, projection.buffer, ordered.vertices,
                    clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
                    counters, cl::LocalBytes{session.work_group_size() * BOUNDS_AT_ONCE * sizeof(TriangleBounds)});
 }
 
 void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& projection,
-                                  const TriangleInputs& triangles, const cl::Buffer* heights, const GrowingList& tiles,
-                                  cl_uint for_map, const PairBuffers* pairs, const cl::Buffer& counters) {
+                                  const TriangleInputs& triangles, const cl::Buffer* pyramid, bool for_map,
+                                  const PairBuffers* pairs, const cl::Buffer& counters) {
     const OrderedTriangles ordered = ordered_triangles(triangles);
-    const cl_uint has_heights = heights != nullptr, has_numbers = ordered.numbers != nullptr;
-    const cl_uint lists_pairs = pairs != nullptr, pair_capacity = pairs != nullptr ? pairs->capacity : 0;
+    const GrowingList& tiles = for_map ? map_tiles_ : tiles_;
+    const TriangleTilesParams params{.first_float = ordered.first_float,
+                                     .capacity = capacity(),
+                                     .tile_capacity = tiles.capacity(),
+                                     .pair_capacity = pairs ? pairs->capacity : 0,
+                                     .has_numbers = ordered.numbers != nullptr,
+                                     .has_pyramid = pyramid != nullptr,
+                                     .for_map = for_map,
+                                     .lists_pairs = pairs != nullptr,
+                                     .padding = 0};
     session.launch(variant(session, Task::make_triangle_tiles, projection.is_directional), cl::Range::items(capacity()),
-                   projection.buffer, ordered.first_float, capacity(), tiles.capacity(), has_numbers, has_heights,
-                   for_map, lists_pairs, pair_capacity, ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(),
-                   heights ? *heights : bounds(), bounds(), records(), map_candidates_.buffer(), tiles.buffer(),
+                   params, projection.buffer, ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(),
+                   pyramid ? *pyramid : bounds(), map_candidates_.buffer(), bounds(), records(), tiles.buffer(),
                    pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
-                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)},
-                   cl::LocalBytes{session.work_group_size() * 4 * sizeof(cl_uint)},
-                   cl::LocalBytes{session.work_group_size() * sizeof(cl_uint)});
+                   cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
 }
 
 void TriangleSetup::run_map_tiles(cl::Session& session, const ProjectionInput& projection,
                                   const TriangleInputs& triangles, const cl::Buffer& pyramid,
                                   const cl::Buffer& counters) {
-    run_tiles_for(session, projection, triangles, &pyramid, map_tiles_, 1, nullptr, counters);
+    run_tiles_for(session, projection, triangles, &pyramid, true, nullptr, counters);
 }
 
 void TriangleSetup::run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
-                              const cl::Buffer* heights, const PairBuffers* pairs, const cl::Buffer& counters) {
-    run_tiles_for(session, projection, triangles, heights, tiles_, 0, pairs, counters);
+                              const cl::Buffer* pyramid, const PairBuffers* pairs, const cl::Buffer& counters) {
+    run_tiles_for(session, projection, triangles, pyramid, false, pairs, counters);
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {
@@ -81,7 +90,7 @@ bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {
         records_.reserve(session, capacity());
         map_candidates_.reserve(session, capacity());
     }
-    // Where not all triangles were seen the tiles are guessed, so that all lists grow at once.
+    // Where not all triangles had room the number of tiles is guessed, so that all lists grow at once.
     const std::uint32_t tiles = bounds ? counted.tiles : std::max(counted.tiles, slots);
     const bool map_fitted = map_tiles_.fitted(session, counted.map_tiles, "(triangle, tile) pairs");
     const bool tiles_fitted = tiles_.fitted(session, tiles, "(triangle, tile) pairs");

@@ -110,7 +110,7 @@ private:
 
     /// What work-items may claim of a list and not use.
     std::size_t unused_places() const {
-        return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * CLAIM_BLOCK_OF_CPU : 0;
+        return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
     }
 
     std::size_t pixels_of_bands(std::uint32_t bands) const {

@@ -7,9 +7,9 @@
 
 #include "prelude.h"
 
-#define CLAIM_BLOCK_OF_CPU 64u
+#define APPEND_BLOCK_ON_CPU 64u
 #ifdef GN_CPU
-#define APPEND_BLOCK CLAIM_BLOCK_OF_CPU
+#define APPEND_BLOCK APPEND_BLOCK_ON_CPU
 #else
 #define APPEND_BLOCK 1u
 #endif

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Contract of the triangle lists: per bin of a projection the triangles that may matter to a point in it, each with
-// bounds of 16 bits that dismiss most of them before a record is read.
+// Contract of the bins: per bin of a projection the list of the triangles that may block a point in it, each entry with
+// bounds of 16 bits that dismiss most of the triangles before a record is read.
 //
-// GN_LANES entries of one bin lie together, coordinate by coordinate, so that a CPU looks at 16 entries with one
+// GN_LANES entries of one bin lie together, coordinate by coordinate, so that a CPU tests 16 entries with one
 // comparison. ranges[bin] = (first, past the last), in units of BinEntries. Unused lanes have x0 > x1.
 //
-// On a GPU a list is in runs of LIST_RUN entries, each with its highest triangle first: a point above an entry is above
-// the rest of the run. Apart from that the order within a list means nothing. A point (X, Y, Z) of the bin, or a block
-// of points by its own bounds, can only meet an entry with
+// On a GPU a list is in runs of LIST_RUN entries, each run with its highest triangle first: a point above an entry is
+// above the rest of the run. Apart from that the order within a list means nothing. A point (X, Y, Z) of the bin, or a
+// block of points by its own bounds, can only meet an entry with
 //     x0 <= qx <= x1,   y0 <= qy <= y1,   qz <= z          qx = quantised_texel(X, width) and so on.
 // Why: x0..y1 are made from the rectangle that holds every computed (X, Y) of points whose ray the triangle can meet
 // (all errors in it), z from the record's z_high, and the same functions quantise both sides. Each is monotone, being
 // made of monotone roundings: X <= X' implies q(X) <= q(X'); so q(X) < x0 implies X < the rectangle's left side. A
-// camera's heights are 1 / t; who seeks the nearest there asks with the least 1 / t that it is certain of.
+// camera's heights are 1 / t; the search for the nearest triangle tests with the least 1 / t that is certain.
 #ifndef GN_BIN_LISTS_H
 #define GN_BIN_LISTS_H
 
@@ -21,16 +21,36 @@
 #define BIN_ENTRY_BYTES 16
 #define LIST_RUN 64u
 
-// A triangle that matters to a frame: its bounds, and which one it is. `id` is the triangle's number in the scene;
-// where clusters have an order of their own it is the place there until triangle_tiles makes tiles for the lists.
+// The bounds of a triangle that survived the cull. `id` is the triangle's number in the scene; where clusters have an
+// order of their own, it is the position in that order until triangle_tiles makes tiles for the lists.
 GN_STRUCT_BEGIN(TriangleBounds)
     ushort x0, y0, x1, y1;
     ushort z;
-    ushort frame;  // and BOUNDS_FOR_MAP
+    ushort flags;  // BOUNDS_FOR_MAP
     uint id;
 GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 
 #define BOUNDS_FOR_MAP 0x8000u  // may cover a whole texel
+
+// A triangle (the slot of its record) and a bin, and the pair's index in the bin's list. bin is GN_NO_ID in slots that
+// were reserved and not used.
+GN_STRUCT_BEGIN(Pair)
+    uint bin, slot, index;
+GN_STRUCT_END(Pair, 12)
+
+// Bins that a GPU's work-group tests before it reserves slots for the pairs, for each of its items: all items wait for
+// a reservation.
+#define PAIRS_AT_ONCE 4u
+
+GN_STRUCT_BEGIN(BinsParams)
+    uint bin_count;
+    uint bounds_capacity;  // slots of bounds and records
+    uint map_tile_capacity;
+    uint tile_capacity;
+    uint pair_capacity;
+    uint entry_capacity;  // in BinEntries
+    uint has_pyramid;     // 0: no bin is left out for its depth
+GN_STRUCT_END(BinsParams, 28)
 
 #ifndef __cplusplus
 
@@ -65,16 +85,22 @@ static ushort quantised_texel(float coordinate, uint texels) {
 static ushort quantised_height(float z, float z_origin, float z_scale) {
     return (ushort)clamp((z - z_origin) * z_scale, 0.0f, 65535.0f);
 }
+// Both for lanes, of coordinates and heights in units.
+static LaneInt quantised(LaneFloat units) {
+    const LaneFloat least = (LaneFloat)(0.0f), most = (LaneFloat)(65535.0f);
+    units = LANES_MAX(units, least);
+    return LANES_TO_INT(LANES_MIN(units, most));
+}
 // A camera's heights, 1 / t of any size: exponent and 8 bits behind the point, in the order of the floats; 0 below 0.
 static LaneInt quantised_nearness(LaneFloat z) { return max(LANES_AS_INT(z), (LaneInt)(0)) >> 15; }
 
-// Where a point is, or a block of points: least and greatest.
+// The least and greatest coordinates of a point, or of a block of points.
 typedef struct QuantisedBlock {
     ushort x0, y0, x1, y1;
     ushort z;  // the least
 } QuantisedBlock;
 
-// Around what some lanes span, in quantised units.
+// The block around some lanes, in quantised units.
 #if GN_LANES == 1
 static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
     QuantisedBlock none = {65535, 65535, 0, 0, 65535};
@@ -82,7 +108,7 @@ static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt
     return lanes ? block : none;
 }
 #else
-// Least values of eights: a transposition halves the work of each step, where five reductions one by one would not.
+// Least values of eights: a transposition halves the work of each step; five separate reductions would not.
 static ushort8 least_eight(int16 v, ushort16 others) {
     ushort16 values = convert_ushort16(v) | others;
     return min(values.lo, values.hi);
@@ -117,11 +143,11 @@ static bool entry_meets(EntryWords entry, QuantisedBlock block) {
 
 static uint slot_of_words(EntryWords entry) { return entry.w; }
 
-// Entries that a work-item asks for at once, to wait once for all of them.
+// Entries that a work-item loads at once, to wait once for all of them.
 #define ENTRIES_AT_ONCE 4u
 
-// Of as many entries of a list from entry *next on those that may meet the block, but for that of the record `own`
-// (GN_NO_ID: none): bit k for the k-th. Then *next is where to go on.
+// Tests ENTRIES_AT_ONCE entries of a list from entry *next on. Bit k: the k-th may meet the block, and is not the entry
+// of record `own` (GN_NO_ID: of none). Moves *next to the entry to go on with.
 static uint next_that_meet(__global const BinEntries* entries, uint2 range, uint* next, QuantisedBlock block,
                            uint own) {
     uint first = *next, last = first + ENTRIES_AT_ONCE - 1u, meeting = 0;
@@ -153,7 +179,7 @@ static uint bits_of_shorts(short16 mask) {
 }
 #endif
 
-// Bit i: entry i of these may meet the block.
+// Bit i: entry i of a BinEntries may meet the block.
 static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock block) {
 #if GN_LANES == 1
     return entry_meets(*(__global const EntryWords*)entries, block) ? 1u : 0u;
@@ -165,8 +191,8 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
 }
 
 #if GN_LANES != 1
-// Which of entries i meet the block (none past the end). Their records are fetched meanwhile: in large scenes most of a
-// walk's time went into waiting for them.
+// The same for entries[i], 0 from `end` on; fetches the records meanwhile: in large scenes most of a walk's time went
+// into waiting for records.
 static uint entries_to_look_at(__global const BinEntries* entries, __global const TriangleRecord* records,
                                __global const TriangleBounds* bounds, uint i, uint end, QuantisedBlock block) {
     if (i >= end) return 0u;

@@ -1,23 +1,22 @@
 // SPDX-License-Identifier: MIT
-// Clusters: boxes around triangles that follow each other (once for a scene that does not change), and which of them
-// can matter to a projection (in every run). The tests are triangle_bounds' own, asked of a box (cluster_boxes.h):
-// nothing is dropped unless it lies behind the light or outside the grid, or is farther from the light than every point
+// Clusters: boxes around neighbouring triangles (made once for a scene that does not change), and their cull for a
+// projection (in every run). The cull is that of triangle_bounds, applied to a box (cluster_boxes.clh): a cluster is
+// dropped only where it lies behind the light or outside the grid, or is farther from the light than every point that
 // it could cover.
 #include "lists/group_scan.clh"
 #include "occluders/cluster_boxes.clh"
 
-__kernel void make_clusters(uint triangle_count, ulong first_float, uint cluster_count, __global const float* vertices,
-                            __global ClusterBoxes* boxes) {
-    GN_FOR_EACH(block, (cluster_count + GN_LANES - 1u) / GN_LANES) {
+__kernel void make_clusters(ClusterParams params, __global const float* vertices, __global ClusterBoxes* boxes) {
+    GN_FOR_EACH(block, (params.cluster_count + GN_LANES - 1u) / GN_LANES) {
         ClusterBoxes made;
-        make_boxes(vertices + first_float, triangle_count, block * GN_LANES, &made);
+        make_boxes(vertices + params.first_float, params.triangle_count, block * GN_LANES, &made);
         boxes[block] = made;
     }
 }
 
 // ---- Order ----------------------------------------------------------------------------------------------------------
 
-// Two zeros between each two bits.
+// Puts two zeros between each two bits.
 static uint spread_bits(uint x) {
     x = (x | x << 16) & 0x030000FFu;
     x = (x | x << 8) & 0x0300F00Fu;
@@ -25,17 +24,17 @@ static uint spread_bits(uint x) {
     return (x | x << 2) & 0x09249249u;
 }
 
-// The middle of three coordinates' interval, as a part of the code. No sum here can overflow.
+// The middle of the interval of three coordinates, as a part of the code. No sum here can overflow.
 static uint code_of_middle(float a, float b, float c, float origin, float scale) {
     float half_low = fmin(fmin(a, b), c) * 0.5f, half_high = fmax(fmax(a, b), c) * 0.5f;
-    float place = ((half_low + half_high) * 0.5f - origin) * scale;
-    return spread_bits((uint)clamp(place, 0.0f, (float)((1u << CLUSTER_CODE_BITS) - 1u)));
+    float position = ((half_low + half_high) * 0.5f - origin) * scale;
+    return spread_bits((uint)clamp(position, 0.0f, (float)((1u << CLUSTER_CODE_BITS) - 1u)));
 }
 
-__kernel void cluster_codes(ClusterGrid grid, uint triangle_count, ulong first_float, __global const float* vertices,
+__kernel void cluster_codes(ClusterGrid grid, ClusterParams params, __global const float* vertices,
                             __global uint* codes, __global uint* numbers) {
-    GN_FOR_EACH(i, triangle_count) {
-        Triangle t = load_triangle(vertices + first_float, (uint)i);
+    GN_FOR_EACH(i, params.triangle_count) {
+        Triangle t = load_triangle(vertices + params.first_float, (uint)i);
         uint code = GN_NO_ID;
         if (is_finite_triangle(t))
             code = code_of_middle(t.a.x, t.b.x, t.c.x, grid.origin[0], grid.scale) |
@@ -46,41 +45,41 @@ __kernel void cluster_codes(ClusterGrid grid, uint triangle_count, ulong first_f
     }
 }
 
-__kernel void cluster_gather(uint triangle_count, ulong first_float, __global const float* vertices,
-                             __global const uint* numbers, __global float* gathered) {
-    GN_FOR_EACH(i, triangle_count) {
-        __global const float* from = vertices + first_float + 9 * (size_t)numbers[i];
+__kernel void cluster_gather(ClusterParams params, __global const float* vertices, __global const uint* numbers,
+                             __global float* gathered) {
+    GN_FOR_EACH(i, params.triangle_count) {
+        __global const float* from = vertices + params.first_float + 9 * (size_t)numbers[i];
         for (uint k = 0; k < 9u; ++k) gathered[9 * i + k] = from[k];
     }
 }
 
-// ---- Which of them matter -------------------------------------------------------------------------------------------
+// ---- Cull -----------------------------------------------------------------------------------------------------------
 
-// Lists the clusters that can matter; the triangles of the others are counted here as triangle_bounds would.
-__kernel void cull_clusters(__constant const Projection* projection, uint triangle_count, uint cluster_count,
-                            uint has_pyramid, __global const ClusterBoxes* boxes, __global const uint* pyramid,
-                            __global uint* listed, __global FrameCounters* counters) {
+// Lists the clusters that survive the cull; counts the triangles of the dropped clusters as triangle_bounds would.
+__kernel void cull_clusters(ClusterParams params, __constant const Projection* projection,
+                            __global const ClusterBoxes* boxes, __global const uint* pyramid, __global uint* listed,
+                            __global FrameCounters* counters) {
     __local uint sum;
     uint outside = 0, too_far = 0, triangles_outside = 0, triangles_not_finite = 0;
-    uint blocks = projection->active_points == 0u ? 0u : (cluster_count + GN_LANES - 1u) / GN_LANES;
+    uint blocks = projection->active_points == 0u ? 0u : (params.cluster_count + GN_LANES - 1u) / GN_LANES;
     GN_FOR_EACH(block, blocks) {
         LaneInt clusters = (LaneInt)((int)block * GN_LANES) + LANE_INDEX;
         ClusterBoxes taken = boxes[block];
         LaneInt present = LANE_COMPARE(taken.low[0], <=, taken.high[0]);
-        LaneInt far, matter = visible_boxes(&taken, present, projection, pyramid, has_pyramid != 0u, &far);
-        outside += count_lanes(present & ~matter & ~far);
+        LaneInt far, visible = visible_boxes(&taken, present, projection, pyramid, params.has_pyramid != 0u, &far);
+        outside += count_lanes(present & ~visible & ~far);
         too_far += count_lanes(far);
-        LaneInt left_out = taken.not_finite;
-        uint place = 0, wanted = count_lanes(matter);
-        if (wanted != 0u) place = atomic_add(&counters->clusters_listed, wanted);
+        LaneInt not_finite = taken.not_finite;
+        uint slot = 0, wanted = count_lanes(visible);
+        if (wanted != 0u) slot = atomic_add(&counters->clusters_listed, wanted);
         for (int lane = 0; lane < GN_LANES; ++lane) {
             uint cluster = (uint)LANE_OF_INT(clusters, lane);
-            if (LANE_OF_INT(matter, lane)) {
-                listed[place++] = cluster;
-            } else if (cluster < cluster_count) {
-                uint mine = min(triangle_count - cluster * CLUSTER_TRIANGLES, CLUSTER_TRIANGLES);
-                triangles_not_finite += (uint)LANE_OF_INT(left_out, lane);
-                triangles_outside += mine - (uint)LANE_OF_INT(left_out, lane);
+            if (LANE_OF_INT(visible, lane)) {
+                listed[slot++] = cluster;
+            } else if (cluster < params.cluster_count) {
+                uint mine = min(params.triangle_count - cluster * CLUSTER_TRIANGLES, CLUSTER_TRIANGLES);
+                triangles_not_finite += (uint)LANE_OF_INT(not_finite, lane);
+                triangles_outside += mine - (uint)LANE_OF_INT(not_finite, lane);
             }
         }
     }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Contract of clusters: CLUSTER_TRIANGLES triangles that follow each other, in the scene or in an order of the
-// clusters' own, with a box around those that are finite. A box is exact: its sides are coordinates of vertices,
-// compared as integers, so that neither rounding nor flushed denormals can move them. While the vertices do not change,
-// boxes are kept; a projection then lists the clusters that can matter to it, and the vertices of all others are never
-// read.
+// Contract of clusters: CLUSTER_TRIANGLES neighbouring triangles, in the scene's order or in an order of the clusters'
+// own, with a box around the finite ones. A box is exact: its sides are coordinates of vertices, compared as integers,
+// so that neither rounding nor flushed denormals can move them. While the vertices do not change, boxes are kept; a
+// projection then lists the clusters that survive its cull, and the vertices of all others are never read.
 #ifndef GN_CLUSTERS_H
 #define GN_CLUSTERS_H
 
@@ -12,13 +11,21 @@
 #define CLUSTER_TRIANGLES 64u
 #define CLUSTER_BOX_BYTES 28
 
-// How triangles are put in order: by Morton's code of the middles of their boxes, CLUSTER_CODE_BITS of each coordinate,
-// as (x / 2 - origin) scale. Speed alone hangs on it. Triangles that are not finite come last.
+// The order of the triangles: by the Morton code of the middles of their boxes, CLUSTER_CODE_BITS of each coordinate,
+// as (x / 2 - origin) scale. The order affects speed alone. Triangles that are not finite come last.
 #define CLUSTER_CODE_BITS 10u
 GN_STRUCT_BEGIN(ClusterGrid)
     float origin[3];
     float scale;
 GN_STRUCT_END(ClusterGrid, 16)
+
+GN_STRUCT_BEGIN(ClusterParams)
+    ulong first_float;  // of the first triangle, in `vertices`
+    uint triangle_count;
+    uint cluster_count;
+    uint has_pyramid;  // cull_clusters. 0: no cluster is dropped for its depth
+    uint padding;
+GN_STRUCT_END(ClusterParams, 24)
 
 #ifndef __cplusplus
 

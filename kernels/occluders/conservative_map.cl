@@ -7,15 +7,16 @@
 // centre minus half the sum of the magnitudes of its slopes. Hertel et al. 2009, kept for comparison (their table 2):
 // every edge is at least half a texel's DIAGONAL from the centre. Height, tight: the plane at its lowest corner,
 // z(centre) - (|dz/dx| + |dz/dy|) / 2  (= their max(|a + b|, |a - b|) / 2). Z = 1 / W is as linear in the grid as a
-// parallel light's Z, so the same formula is the perspective form for a positional light.
+// directional light's Z, so the same formula is the perspective form for a point light.
 // All comparisons leave the record's margins, so rounding cannot shadow a lit point. A receiver never shadows its own
-// points: see izb.cl.
+// points: see trace/coarse_test.clh.
+#include "occluders/conservative_map.h"
 #include "occluders/tile_bins.clh"
 
 #define HALF_DIAGONAL 0.70710685f  // above sqrt(1/2)
 
-// Smallest values of a linear function over squares of side 1 at (x, y), GN_LANES of them in a row; evaluated as for
-// points, so that the record's margin covers its rounding.
+// Smallest values of a linear function over GN_LANES neighbouring squares of side 1 at (x, y); evaluated as for points,
+// so that the record's margin covers the rounding.
 static LaneFloat lowest_at_corners(float slope_x, float slope_y, float constant_term, LaneFloat x, float y) {
     LaneFloat corner_x = x + (slope_x > 0.0f ? 0.0f : 1.0f);
     float corner_y = slope_y > 0.0f ? y : y + 1.0f;
@@ -35,7 +36,7 @@ static LaneInt covers_circle(const TriangleRecord* record, LaneFloat x, float y)
     for (int i = 0; i < 3; ++i) {
         LaneFloat centre =
             lanes_linear(record->edge_x[i], record->edge_y[i], record->edge_0[i], x + 0.5f, (LaneFloat)(y + 0.5f));
-        // Scaled, since the squares of slopes near a positional light underflow. 2.5 ulp for the quotient, 3 for sqrt.
+        // Scaled, since the squares of slopes near a point light underflow. 2.5 ulp for the quotient, 3 for sqrt.
         float larger = fmax(fabs(record->edge_x[i]), fabs(record->edge_y[i]));
         float ratio = fmin(fabs(record->edge_x[i]), fabs(record->edge_y[i])) / larger;
         float gradient = larger > 0.0f ? larger * sqrt(1.0f + ratio * ratio) : 0.0f;
@@ -48,11 +49,11 @@ static LaneInt covers_circle(const TriangleRecord* record, LaneFloat x, float y)
 // Draws one triangle into GN_LANES texels from (x, y) on, or those before last_x; returns how many it covers.
 static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint y, uint circle_cover,
                         volatile __global uint* row) {
-    LaneFloat place = LANES_TO_FLOAT((LaneInt)((int)x) + LANE_INDEX);
+    LaneFloat left = LANES_TO_FLOAT((LaneInt)((int)x) + LANE_INDEX);
     LaneInt covers = LANE_COMPARE((LaneInt)((int)(last_x - x)), >, LANE_INDEX) &
-                     (circle_cover ? covers_circle(record, place, (float)y) : covers_tight(record, place, (float)y));
+                     (circle_cover ? covers_circle(record, left, (float)y) : covers_tight(record, left, (float)y));
     if (!LANES_ANY(covers)) return 0u;
-    LaneFloat lowest = lowest_at_corners(record->plane_x, record->plane_y, record->plane_0, place, (float)y) -
+    LaneFloat lowest = lowest_at_corners(record->plane_x, record->plane_y, record->plane_0, left, (float)y) -
                        record->margin_plane * (1.0f + 4.0f * GN_U);
     lowest = fmax(lowest - 2.0f * GN_U * fabs(lowest), record->z_low);
     LaneInt heights = lanes_in_order(lowest);
@@ -90,25 +91,25 @@ GN_NOINLINE_ON_CPU uint draw_tiles(ItemRange items, __constant const Projection*
 }
 #endif
 
-// The bins of a tile are drawn unasked: that takes no longer than asking of each whether the triangle matters there.
-__kernel void conservative_map_draw(__constant const Projection* projection, uint tile_capacity, uint circle_cover,
+// The bins of a tile are drawn without a test: to draw a bin takes no longer than to cull the triangle there.
+__kernel void conservative_map_draw(ConservativeMapParams params, __constant const Projection* projection,
                                     __global const TriangleRecord* records, __global const uint2* tiles,
-                                    __global const uint* heights, volatile __global uint* map,
+                                    __global const uint* pyramid, volatile __global uint* map,
                                     __global FrameCounters* counters, __local uint* ends, __local uint2* group_tiles) {
     __local uint sum;
-    uint count = min(counters->map_tiles, tile_capacity), written = 0;
+    uint count = min(counters->map_tiles, params.tile_capacity), written = 0;
 #ifdef GN_CPU
-    written = draw_tiles(item_range(count), projection, circle_cover, records, tiles, map);
+    written = draw_tiles(item_range(count), projection, params.circle_cover, records, tiles, map);
 #else
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     TileGroup group = {group_tiles, ends};
     GN_ROUNDS(round, count) {
-        uint total = take_tile(group, tiles, count, round, projection, 1u, heights, records);
+        uint total = take_tile(group, tiles, count, round, projection, 1u, pyramid, records);
         for (uint i = item; i < total; i += items) {
             uint slot;
             uint4 bin = bin_to_walk(group, i, &slot);
             TriangleRecord record = records[slot];
-            written += draw_bins(&record, projection, bin, circle_cover, map);
+            written += draw_bins(&record, projection, bin, params.circle_cover, map);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
     }
@@ -116,9 +117,10 @@ __kernel void conservative_map_draw(__constant const Projection* projection, uin
     add_in_group(written, &sum, &counters->map_texels);
 }
 
-// One work-item, before anything is drawn: is a map worth its while? It answers whole neighbourhoods of points at once,
-// but every point pays for the look. Counted on a CPU, 1920x1080 (docs/performance.md): where a tenth of the texels or
-// more are written, drawing and looking is 3 to 28 % faster in all; where a twenty-fifth or fewer, 2 to 7 % slower.
+// One work-item, before anything is drawn: decides whether a map is worth its cost. A map decides neighbouring points
+// at once, but every point pays for the look-up. Measured on a CPU, 1920x1080 (docs/performance.md): where a tenth of
+// the texels or more are written, a frame with the map is 3 to 28 % faster; where a twenty-fifth or fewer, 2 to 7 %
+// slower.
 __kernel void conservative_map_judge(__global Projection* projection, __global const FrameCounters* counters) {
     if (get_global_id(0) == 0)
         projection->map_disabled = counters->map_expected < texels_worth_a_map(projection->width, projection->height);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Contract of the triangle setup: which triangles matter to a projection, and a float filter for each.
+// Contract of the triangle setup: the triangles that survive the cull of a projection, and a float filter for each.
 //
-// A record answers, for a point (X, Y, Z) in one of the triangle's bins:
+// A record gives, for a point (X, Y, Z) in one of the triangle's bins:
 //     e_i = edge_x[i] X + edge_y[i] Y + edge_0[i]       inside the triangle's projection iff all three are >= 0
 //     z   = plane_x X + plane_y Y + plane_0             the triangle's height along the point's ray
 // Some e_i < -margin_edge: certainly outside. All e_i > margin_edge: certainly inside. Z > z + margin_plane: certainly
 // nearer to the light. Z < z - margin_plane: certainly behind. Z < z_low, Z > z_high: behind and nearer, whatever the
-// plane says. Anything else is for the exact predicate. The margins are proven in triangle_setup.cl.
+// plane gives. Every other pair is left to the exact predicate. The margins are proven in triangle_records.clh.
 #ifndef GN_TRIANGLE_SETUP_H
 #define GN_TRIANGLE_SETUP_H
 
@@ -23,12 +23,27 @@ GN_STRUCT_BEGIN(TriangleRecord)
     float z_high;
 GN_ALIGNED_STRUCT_END(TriangleRecord, 64)
 
-// Triangles that a GPU's work-item bounds before its group claims places for those that may matter.
-#define BOUNDS_AT_ONCE 4
+GN_STRUCT_BEGIN(TriangleBoundsParams)
+    ulong first_float;  // of the first triangle, in `vertices`
+    uint triangle_count;
+    uint capacity;      // of the bounds, and of the map's candidates
+    uint has_clusters;  // 1: only the triangles of the listed clusters
+    uint has_pyramid;   // 0: no triangle is dropped for its depth
+GN_STRUCT_END(TriangleBoundsParams, 24)
 
-#ifndef __cplusplus
-// Fewer texels covered than these, and the conservative map is not worth its while.
-static uint texels_worth_a_map(uint width, uint height) { return width * height / 16u; }
-#endif
+GN_STRUCT_BEGIN(TriangleTilesParams)
+    ulong first_float;  // of the first triangle, in `vertices`
+    uint capacity;      // of the bounds, the records and the map's candidates
+    uint tile_capacity;
+    uint pair_capacity;
+    uint has_numbers;  // 1: clusters have an order of their own, and `numbers` has the triangle at each position
+    uint has_pyramid;  // 0: no triangle is dropped for its depth
+    uint for_map;      // 1: tiles of the map's candidates; 0: tiles of all triangles, for the lists
+    uint lists_pairs;  // 1: a CPU appends the pairs of small triangles at once
+    uint padding;
+GN_STRUCT_END(TriangleTilesParams, 40)
+
+// Triangles that a GPU's work-item bounds before its group reserves slots for the survivors.
+#define BOUNDS_AT_ONCE 4
 
 #endif

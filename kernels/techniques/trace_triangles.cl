@@ -5,7 +5,6 @@
 // A work-item takes one (triangle, bin) pair. Several may put one point into shadow, so visibility is written by an
 // atomic exchange, and counted where it changes. Pairs that find the queue full are decided in place.
 #include "occluders/bin_lists.h"
-#include "occluders/bins.h"
 #include "trace/trace.clh"
 
 __kernel void trace_triangles(LightFrame light_frame, PointsLayout layout, uint queue_capacity, ulong first_float,

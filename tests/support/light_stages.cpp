@@ -174,8 +174,10 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     }
     const Buffer* map = settings.with_map ? &stages.map.map() : nullptr;
     stages.receiver_depth_pyramid.run_depth_after_map(session, first_frame, 1, stages.projection, map);
-    stages.bins.run(session, stages.projection, triangles, bin_count, stages.setup,
-                    &stages.receiver_depth_pyramid.depth_after_map(), scene.counters);
+    const Buffer* depth_after_map = &stages.receiver_depth_pyramid.depth_after_map();
+    const gnomon::PairBuffers pairs = stages.bins.begin(session, bin_count, stages.setup);
+    stages.setup.run_tiles(session, stages.projection, triangles, depth_after_map, &pairs, scene.counters);
+    stages.bins.run(session, stages.projection, stages.setup, depth_after_map, scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
     const gnomon::TraceInputs inputs{first_frame, face,
