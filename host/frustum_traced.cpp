@@ -14,8 +14,8 @@
 //
 // Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
 //
-// Of footprints (settled_samples.cpp) the same is asked, with one stage, settle, in the place of the last two; these
-// follow for the samples of those that it leaves mixed, over the same lists.
+// Footprints (samples/fragments.cpp) take the same way, with one stage, classify_footprints, in place of the last two;
+// these follow for the samples of mixed footprints, over the same lists.
 //
 // With traversal=triangles, the baseline to compare with, izb lists the open points by bin and the trace takes each
 // listed triangle over them.
@@ -183,8 +183,8 @@ std::optional<FrameCounters> FrustumTraced::decide_by_lists(Run& run, cl_uint fr
                              run.visibility,
                              counters_};
     if (run.points.footprints != nullptr) {
-        cl::StageTimer timer(session, statistics, "settle");
-        run_settle(session, inputs);
+        cl::StageTimer timer(session, statistics, "classify_footprints");
+        run_classify_footprints(session, inputs);
     } else if (traversal_ == Traversal::triangles) {
         {
             cl::StageTimer timer(session, statistics, "izb");
@@ -317,8 +317,9 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     return run_on(triangles, inputs, light, visibility.buffer());
 }
 
-Statistics FrustumTraced::settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
-                                 const Light& light, const Visibility& answers) {
+Statistics FrustumTraced::classify_footprints(const Triangles& triangles, const Points& centres,
+                                              const cl::Buffer& footprints, const Light& light,
+                                              const Visibility& answers) {
     require_run(triangles, centres, light, answers);
     PointInputs inputs = point_inputs(centres);
     inputs.footprints = footprints.get();

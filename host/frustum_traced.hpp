@@ -8,18 +8,18 @@
 
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
-#include "samples/settle.hpp"
+#include "samples/classify_footprints.hpp"
 #include "trace/provenance.hpp"
 
 namespace gnomon {
 
-class FrustumTraced final : public Technique, public SettlesFootprints {
+class FrustumTraced final : public Technique, public ClassifiesFootprints {
 public:
     explicit FrustumTraced(const Device& device) : device_(device) {}
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
-    Statistics settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
-                      const Light& light, const Visibility& answers) override;
+    Statistics classify_footprints(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
+                                   const Light& light, const Visibility& answers) override;
     Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
                            const Visibility& visibility) override;
     Statistics prepare(const Triangles& triangles, const Light& light) override;

@@ -56,7 +56,7 @@ gnomon_wing(trace trace coarse_test trace_points trace_blocks trace_rounds trace
             exact_trace provenance)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_trace_cached_facing
             prepared_trace_plane_side)
-gnomon_wing(samples samples neighbour_receivers clearance settle settled_samples)
+gnomon_wing(samples samples fragments footprints neighbour_receivers find_receivers_gpu clearance classify_footprints)
 gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb trace_triangles
             frustum_traced)
 gnomon_wing(techniques/shadow_map map_view projection polyhedron homography partition planned_view footprint

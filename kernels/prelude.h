@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What every kernel and every contract starts from: names that both compilers know, the rounding rules, and the loop
-// over a device-sized range.
+// The base of every kernel and every contract: names that both compilers know, the rounding rules, and the loops that
+// share a range out over all work-items.
 //
 // Rounding: every float operation rounds once, to nearest even. OpenCL C contracts a * b + c by default; the pragma
-// below forbids it for all that includes this header (checked at start-up, see self_check.cl). Where a fused product is
-// wanted, fma() says so. No relaxed-math build option is ever passed.
+// below forbids it in all files that include this header (checked at start-up, see self_check.cl). Where a fused
+// product is wanted, fma() says so. No relaxed-math build option is ever passed.
 //
 // Host-given macros: GN_FP64 (the device has double precision), GN_CPU (work-items run one after the other, so each
-// takes a contiguous piece), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU).
+// takes a contiguous chunk), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU).
 #ifndef GN_PRELUDE_H
 #define GN_PRELUDE_H
 
@@ -23,13 +23,15 @@
     }                              \
     name;                          \
     typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
-// Of 16 bytes or a multiple, read and written 16 at a time: else a GPU takes each member by itself.
+// For a size that is a multiple of 16 bytes: a GPU reads and writes 16 bytes at a time instead of each member by
+// itself.
 #define GN_ALIGNED_STRUCT_END(name, bytes) \
     }                                      \
     __attribute__((aligned(16))) name;     \
     typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
 
-// for (i over [0, n)) shared out over all work-items: neighbours on a GPU (coalesced), pieces on a CPU (cached).
+// for (i over [0, n)), shared out over all work-items: a GPU's items take neighbours (coalesced), a CPU's chunks
+// (cached).
 #ifdef GN_CPU
 #define GN_CHUNK(n) (((size_t)(n) + get_global_size(0) - 1) / get_global_size(0))
 #define GN_FOR_EACH(i, n)                                                                 \
@@ -40,7 +42,7 @@
 #define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
 #endif
 
-// What a work-item takes of [0, n), as GN_FOR_EACH shares it out; and the loop over it.
+// A work-item's part of [0, n), as GN_FOR_EACH shares it out; and the loop over that part.
 typedef struct ItemRange {
     size_t first, end, step;
 } ItemRange;
@@ -58,15 +60,15 @@ static ItemRange item_range(size_t n) {
 #define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; i += (items).step)
 #endif
 
-// A function for a kernel's work. PoCL compiles three times what it inlines into a kernel, once for each way to call
-// that; it inlines whatever asks for ids or meets a barrier, but this only once it has to.
+// A function for a kernel's work. PoCL compiles a kernel three times, once for each way to call it, with all functions
+// that it inlines: those that read ids or meet a barrier. This function has neither and is compiled once.
 #ifdef GN_CPU
 #define GN_NOINLINE_ON_CPU __attribute__((noinline)) static
 #else
 #define GN_NOINLINE_ON_CPU static
 #endif
 
-// A function for the innermost loops. PoCL's compiler keeps what is called from several places apart, and then passes
+// A function for the innermost loops. PoCL's compiler does not inline a function with several callers, and then passes
 // its blocks of 16 lanes through memory.
 #ifdef GN_CPU
 #define GN_INLINE_ON_CPU __attribute__((always_inline)) static
@@ -74,8 +76,8 @@ static ItemRange item_range(size_t n) {
 #define GN_INLINE_ON_CPU static
 #endif
 
-// Begins a kernel over n items that needs no barrier; its body takes the items of `share`. `parameters`: a macro that
-// stands for them all; `names`: `share` and theirs, in brackets. (OpenCL C has no macros of any number of arguments.)
+// Begins a kernel over n items that needs no barrier; its body takes the items of `items`. `parameters`: a macro that
+// stands for them all; `names`: `items` and theirs, in brackets. (OpenCL C has no macros of any number of arguments.)
 #define GN_KERNEL_OF_ITEMS(name, n, parameters, names)                    \
     GN_NOINLINE_ON_CPU void name##_of_items(ItemRange items, parameters); \
     __kernel void name(parameters) {                                      \
@@ -91,15 +93,15 @@ static uint float_to_key(float x) {
 }
 static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key & 0x7FFFFFFFu : ~key); }
 
-// A look at a word (volatile) that others change by atomics, only to save an atomic that would change nothing: what it
-// sees may be stale, and the atomic decides. oclgrind calls every such look a race; for its runs it is an atomic too.
+// Loads a word (volatile) that other items change by atomics, only to save an atomic that would change nothing: the
+// value may be stale, and the atomic decides. oclgrind reports every such load as a race; in its runs it is an atomic.
 #ifdef GN_ATOMIC_RELAXED_LOADS
 #define GN_RELAXED_LOAD(address) atomic_or(address, 0u)
 #else
 #define GN_RELAXED_LOAD(address) (*(address))
 #endif
 
-// Where a CPU's compiler can say so: these bytes will be wanted soon. Changes no value.
+// Prefetches these bytes where a CPU's compiler can. Changes no value.
 #if defined(GN_CPU) && defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)
 #define GN_PREFETCH(address) __builtin_prefetch(address)

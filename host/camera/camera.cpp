@@ -27,7 +27,7 @@ void append_split(std::vector<float>& rays, const Double3& v) {
 
 double determinant(const Camera& camera) { return dot(camera.right, cross(camera.up, camera.forward)); }
 
-// A camera filled by hand: axes of about unit length that span space, and an angle that a picture can have.
+// Refuses a camera whose axes are not of about unit length or do not span space, or whose angle no picture can have.
 void require_camera(const Camera& camera) {
     for (const float c : camera.eye)
         if (!std::isfinite(c)) throw InvalidArgument("the camera's eye must be finite numbers");
@@ -53,8 +53,6 @@ double pixel_size(const Camera& camera, std::uint32_t height) {
 
 constexpr std::uint32_t largest_side = 16384;
 
-Float4 float4_of_point(const Float3& p) { return {p[0], p[1], p[2], 0.0f}; }
-
 }  // namespace
 
 RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height) {
@@ -67,6 +65,8 @@ RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height
     axes.pixel = std::bit_cast<std::uint64_t>(pixel_size(camera, height));
     axes.half_width = std::bit_cast<std::uint64_t>(width / 2.0);
     axes.half_height = std::bit_cast<std::uint64_t>(height / 2.0);
+    axes.width = width;
+    axes.height = height;
     return axes;
 }
 
@@ -190,37 +190,47 @@ void CameraStage::fit_lists(Statistics& statistics) {
     }
 }
 
-void CameraStage::find_receivers(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out,
+CameraParams CameraStage::params_of(SampleOffset offset, bool has_pixel_receivers, const PointSlice& out) const {
+    return {.first_float = triangles_.first_float,
+            .picture = picture_,
+            .eye = {camera_.eye[0], camera_.eye[1], camera_.eye[2]},
+            .offset = {float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS},
+            .width = width_,
+            .height = height_,
+            .first_point = cl_uint(out.first),
+            .point_count = cl_uint(out.count),
+            .has_pixel_receivers = has_pixel_receivers};
+}
+
+void CameraStage::find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
                                  Statistics& statistics) {
     cl::StageTimer timer(session_, statistics, "camera_visibility");
     const std::size_t pixels = std::size_t(width_) * height_;
-    const std::array<float, 2> moved{float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS};
-    session_.launch("camera/camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1),
-                    projection_, picture_, triangles_.first_float, moved, cl_uint(out.first),
-                    cl_uint(pixel_receivers != nullptr), triangles_.vertices, rays_, setup_.records(), setup_.bounds(),
-                    bins_.ranges(), bins_.entries(), counters_,
-                    pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers);
+    session_.launch("camera/camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1), params,
+                    projection_, triangles_.vertices, rays_, setup_.records(), setup_.bounds(), bins_.ranges(),
+                    bins_.entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers,
+                    counters_);
 }
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
+    const CameraParams params = params_of(offset, pixel_receivers != nullptr, out);
     const std::vector<float> rays = camera_rays(camera_, width_, height_, offset);
     rays_.reserve(session_, rays.size() * sizeof(float));
     session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
     if (triangles_.count == 0) {
         session_.fill(out.receivers, no_receiver, out.count * sizeof(cl_uint));
     } else if (fitted_) {
-        find_receivers(offset, pixel_receivers, out, statistics);
+        find_receivers(params, pixel_receivers, out, statistics);
     }
-    // Lists grow until they fit; the receivers are then those of the last pass.
+    // Lists grow until they fit; the receivers are those of the last pass.
     while (triangles_.count != 0 && !fitted_) {
         make_lists(statistics);
-        find_receivers(offset, pixel_receivers, out, statistics);
+        find_receivers(params, pixel_receivers, out, statistics);
         fitted_ = check_lists(statistics);
     }
     cl::StageTimer timer(session_, statistics, "camera_points");
-    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), width_,
-                    height_, cl_uint(out.first), cl_uint(out.count), float4_of_point(camera_.eye),
-                    triangles_.first_float, triangles_.vertices, rays_, out.receivers, out.positions);
+    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), params,
+                    triangles_.vertices, rays_, out.receivers, out.positions);
 }
 
 View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
@@ -261,9 +271,12 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
     const PointInputs at = point_inputs(points);
     cl::Buffer positions(session, points.count() * 3 * sizeof(float));
     if (points.count() != 0)
-        session.launch("camera/camera.cl", "lift_points", cl::Range::items(points.count()), at.layout,
-                       float4_of_point(eye), inputs.first_float, inputs.count, inputs.vertices, at.positions,
-                       at.receivers, positions);
+        session.launch("camera/camera.cl", "lift_points", cl::Range::items(points.count()),
+                       LiftParams{.first_float = inputs.first_float,
+                                  .layout = at.layout,
+                                  .eye = {eye[0], eye[1], eye[2]},
+                                  .triangle_count = inputs.count},
+                       inputs.vertices, at.positions, at.receivers, positions);
     Points lifted(shared_buffer(device, std::move(positions)), {}, points.count(), points.shared_receivers());
     lifted.set_eye(eye);
     return lifted;
@@ -273,9 +286,13 @@ cl::Buffer camera_normals(const Device& device, const Triangles& triangles, cons
     cl::Session& session = device.session();
     const TriangleInputs inputs = triangle_inputs(triangles);
     cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
-    session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()),
-                   cl_uint(view.points.count()), float4_of_point(*view.points.eye()), inputs.first_float,
-                   inputs.vertices, view.points.receivers(), normals);
+    CameraParams params{};
+    params.first_float = inputs.first_float;
+    std::copy_n(view.points.eye()->begin(), 3, params.eye);
+    params.width = view.width;
+    params.height = view.height;
+    session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()), params, inputs.vertices,
+                   view.points.receivers(), normals);
     return normals;
 }
 

@@ -15,7 +15,7 @@ namespace gnomon {
 struct CameraTables {
     Projection projection;
     std::vector<float> rays;  ///< RAY_FLOATS per column, then per row
-    PictureRays picture;      ///< through any place of the picture, whatever the offset
+    PictureRays picture;      ///< through any position in the picture, whatever the offset
 };
 RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height);
 Projection camera_projection(const Camera& camera, std::uint32_t width, std::uint32_t height);
@@ -23,7 +23,7 @@ PictureRays picture_rays(const Camera& camera, std::uint32_t width, std::uint32_
 std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset);
 CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset = {});
 
-/// Where the points of one sample of every pixel go: from `first` on in buffers for `count` points.
+/// The part of the output buffers for one sample of every pixel: from `first` on in buffers for `count` points.
 struct PointSlice {
     const cl::Buffer& positions;  ///< x of all points, then y, then z
     const cl::Buffer& receivers;
@@ -34,10 +34,10 @@ struct PointSlice {
 class CameraStage {
 public:
     explicit CameraStage(const Device& device) : session_(device.session()) {}
-    /// What it looks at from now on, as often as there is something new: the lists keep their room.
+    /// Sets the scene and the camera for the next runs; the lists keep their room.
     void aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
     /// Writes receivers and points of the sample at `offset` in every pixel. A sample whose ray meets the receiver of
-    /// its pixel takes that one; with pixel_receivers null, and otherwise, the nearest. Adds to `statistics`.
+    /// its pixel takes that receiver; else, or if pixel_receivers is null, the nearest. Adds to `statistics`.
     void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
 
     /// Makes the lists of triangles per tile, once. Adds to `statistics`.
@@ -50,8 +50,10 @@ public:
     std::uint32_t tiles_y() const { return (height_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
 
 private:
+    CameraParams params_of(SampleOffset offset, bool has_pixel_receivers, const PointSlice& out) const;
     bool check_lists(Statistics& statistics);
-    void find_receivers(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
+    void find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
+                        Statistics& statistics);
     void make_lists(Statistics& statistics);
 
     cl::Session& session_;

@@ -48,10 +48,12 @@ std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles
     const PointInputs points = point_inputs(view.points);
     const cl::Buffer lambert(session, pixels * sizeof(float)), picture(session, pixels * 4);
     session.fill(lambert, 0, pixels * sizeof(float));
-    for (std::size_t i = 0; i < lights.size(); ++i)
-        session.launch("camera/shade.cl", "shade_light", cl::Range::items(pixels), points.layout,
-                       float4_of(lights[i].xyzw), points.positions, points.receivers, normals, visibilities[i].buffer(),
-                       lambert);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const auto& [x, y, z, w] = lights[i].xyzw;
+        session.launch("camera/shade.cl", "shade_light", cl::Range::items(pixels),
+                       ShadeParams{.layout = points.layout, .light = {x, y, z, w}}, points.positions, points.receivers,
+                       normals, visibilities[i].buffer(), lambert);
+    }
     session.launch("camera/shade.cl", "shade", cl::Range::items(pixels), points.layout, points.receivers, normals,
                    lambert, ids, colors, table_buffer, picture);
     std::vector<std::uint8_t> rgba(pixels * 4);

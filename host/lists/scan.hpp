@@ -13,7 +13,7 @@ public:
              const cl::Buffer& offsets);
 
 private:
-    cl::Buffer piece_sums_;
+    cl::Buffer chunk_sums_;
 };
 
 }  // namespace gnomon

@@ -13,7 +13,7 @@ public:
 
 private:
     Scan scan_;
-    cl::Buffer counts_, places_, other_keys_, other_values_;
+    cl::Buffer counts_, slots_, other_keys_, other_values_;
 };
 
 }  // namespace gnomon

@@ -7,12 +7,12 @@
 #include "api/statistics.hpp"
 #include "camera/camera.hpp"
 #include "kernels/camera/camera.h"
-#include "samples/settled_samples.hpp"
+#include "samples/fragments.hpp"
 
 namespace gnomon {
 namespace {
 
-// Of points, visibility and what tracing needs for them: about half a gigabyte.
+// The buffers of so many points, with visibility and the trace's buffers, take about half a gigabyte.
 constexpr std::size_t largest_batch = std::size_t{1} << 23;
 
 // Direct3D's standard patterns, in its sixteenths of a pixel.
@@ -70,7 +70,8 @@ void add_counts(Statistics& total, const Statistics& batch) {
     }
 }
 
-// For techniques that settle nothing, or for `sink` alone (technique null): every sample of every pixel a point.
+// Makes every sample of every pixel a point: for techniques that cannot classify footprints, or for `sink` alone
+// (technique null).
 Statistics run_every_sample(Technique* technique, const Device& device, const Triangles& triangles, const View& view,
                             const Light& light, std::span<const SampleOffset> pattern, const Visibility& mean,
                             const SampleSink& sink, std::size_t points_at_once) {
@@ -103,10 +104,12 @@ Statistics run_every_sample(Technique* technique, const Device& device, const Tr
         const bool is_last = first + count == pattern.size();
         {
             cl::StageTimer timer(session, total, "samples_mean");
-            session.launch("samples/samples.cl", "samples_mean", cl::Range::items(pixels), cl_uint(pixels),
-                           cl_uint(count), cl_uint(first == 0),
-                           is_last ? 1.0f / static_cast<float>(pattern.size()) : 1.0f, visibility.buffer(),
-                           mean.buffer());
+            session.launch("samples/samples.cl", "samples_mean", cl::Range::items(pixels),
+                           MeanParams{.pixels = cl_uint(pixels),
+                                      .samples = cl_uint(count),
+                                      .is_first = first == 0,
+                                      .scale = is_last ? 1.0f / static_cast<float>(pattern.size()) : 1.0f},
+                           visibility.buffer(), mean.buffer());
         }
         total.device_memory_bytes =
             std::max(total.device_memory_bytes, session.memory_bytes() - before + shadow.device_memory_bytes);
@@ -144,10 +147,10 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
                               std::to_string(pixels) + " pixels");
     const auto start = std::chrono::steady_clock::now();
     Statistics total;
-    auto* settling = dynamic_cast<SettlesFootprints*>(&technique);
-    if (settling != nullptr && samples > 1 && triangles.count() != 0) {
+    auto* classifying = dynamic_cast<ClassifiesFootprints*>(&technique);
+    if (classifying != nullptr && samples > 1 && triangles.count() != 0) {
         if (sink) run_every_sample(nullptr, device, triangles, view, light, pattern, mean, sink, points_at_once);
-        total = run_settled_samples(*settling, device, triangles, view, light, pattern, mean, points_at_once);
+        total = run_samples_by_fragments(*classifying, device, triangles, view, light, pattern, mean, points_at_once);
     } else {
         total = run_every_sample(&technique, device, triangles, view, light, pattern, mean, sink, points_at_once);
     }

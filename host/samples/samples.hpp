@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Several samples per pixel (kernels/samples/samples.cl; rays and points by the camera stage): run_samples() of
-// gnomon.hpp, with the size of its batches laid open for tests.
+// Several samples per pixel (kernels/samples/samples.cl; the camera stage makes rays and points): run_samples() of
+// gnomon.hpp, and the same with the size of its batches for tests.
 #pragma once
 
 #include <gnomon.hpp>

@@ -23,7 +23,7 @@
 #ifndef GN_CAMERA_H
 #define GN_CAMERA_H
 
-#include "prelude.h"
+#include "simd/points.h"
 
 #define LIFT_ULPS 4.0f
 
@@ -36,20 +36,41 @@
 // Floats per entry of the ray table: high xyz, low xyz. Entries: width columns, then height rows.
 #define RAY_FLOATS 6
 
-// The same rays for the float level, as a function of the place in the picture (pixels): corner + x step_x + y step_y.
+// The same rays for the float level, as a function of the position in the picture (pixels): corner + x step_x + y
+// step_y.
 GN_STRUCT_BEGIN(PictureRays)
     float corner[4];  // [3] unused, here and below
     float step_x[4];
     float step_y[4];
 GN_STRUCT_END(PictureRays, 48)
 
-// What the ray table is made of, doubles as bits: column x of a sample at place_x in its pixel is
-//     forward + (x + place_x - half_width) pixel right,      row y   (half_height - (y + place_y)) pixel up,
+// The inputs of the ray table, doubles as bits: column x of a sample at position_x in its pixel is
+//     forward + (x + position_x - half_width) pixel right,      row y   (half_height - (y + position_y)) pixel up,
 // every operation rounded, from left to right.
 GN_STRUCT_BEGIN(RayAxes)
     ulong right[3], up[3], forward[3];
     ulong pixel;
     ulong half_width, half_height;
-GN_STRUCT_END(RayAxes, 96)
+    uint width, height;  // pixels
+GN_STRUCT_END(RayAxes, 104)
+
+// One sample of every pixel. Pixel i is point first_point + i of point_count.
+GN_STRUCT_BEGIN(CameraParams)
+    ulong first_float;  // where the triangles' vertices begin
+    PictureRays picture;
+    float eye[3];
+    float offset[2];  // of the samples from the pixels' centres, pixels
+    uint width, height;
+    uint first_point, point_count;
+    uint has_pixel_receivers;  // 0: the buffer of the pixels' receivers is ignored
+GN_STRUCT_END(CameraParams, 96)
+
+// Points of a caller that are lifted off their receivers.
+GN_STRUCT_BEGIN(LiftParams)
+    ulong first_float;
+    PointsLayout layout;
+    float eye[3];
+    uint triangle_count;
+GN_STRUCT_END(LiftParams, 72)
 
 #endif

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Shade: base colour times (ambient + the lights' visibility * Lambert), to 8-bit sRGB through a table the host
+// Shade: base colour times (ambient + the lights' visibility * Lambert), to 8-bit sRGB through a table that the host
 // computes, so that no device's pow() can change a pixel. The ambient light comes mostly from above and a little from
-// one side, so that shapes stay readable where no light reaches.
+// one side, so that shapes stay visible in shadow.
 #include "camera/shade.h"
-#include "simd/points.h"
 
 #define AMBIENT 0.25f
 
@@ -20,10 +19,11 @@ static float3 towards_light(float3 p, float4 light) {
     return d / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
 }
 
-// One light's share of `lambert`, which is 0 before the first.
-__kernel void shade_light(PointsLayout layout, float4 light, __global const float* positions,
-                          __global const uint* visible, __global const float* normals, __global const float* visibility,
-                          __global float* lambert) {
+// Adds one light's part to `lambert`, which is 0 before the first.
+__kernel void shade_light(ShadeParams params, __global const float* positions, __global const uint* visible,
+                          __global const float* normals, __global const float* visibility, __global float* lambert) {
+    PointsLayout layout = params.layout;
+    float4 light = (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
     GN_FOR_EACH(pixel, layout.count) {
         if (visible[pixel] == GN_NO_ID) continue;
         float3 n = vload3(pixel, normals);

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Contract of the shading: the table that turns linear light in [0, 1] into 8-bit sRGB.
+// Contract of the shading: a light's part, and the table from linear light in [0, 1] to 8-bit sRGB.
 #ifndef GN_SHADE_H
 #define GN_SHADE_H
 
-#include "prelude.h"
+#include "simd/points.h"
 
 #define SRGB_TABLE_SIZE 4096
+
+GN_STRUCT_BEGIN(ShadeParams)
+    PointsLayout layout;
+    float light[4];  // homogeneous, as in LightFrame
+GN_STRUCT_END(ShadeParams, 64)
 
 #endif

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Start-up check: does this device compute as the proofs of the other kernels say? Cheap, run once per device opened.
+// Start-up check: does this device compute as the proofs of the other kernels assume? Cheap, run once per device
+// opened.
 //
-// Every operation meets numbers where a compiler or a chip that cheats gives other bits. Inputs are constants
-// exclusive- or a zero from memory, so that nothing is computed at compile time; results are compared as integers.
+// Every operation gets numbers for which a compiler or a chip that cheats gives other bits. Inputs are constants
+// exclusive-or a zero from memory, so that nothing is computed at compile time; results are compared as integers.
 //
-// Float arithmetic may flush denormals: the float filter of det3.h allows for it, and the exact level computes with bit
-// patterns. What must not happen is that a denormal changes by being moved about, its sign included: then the exact
+// Float arithmetic may flush denormals: the float filter of det3.clh allows for it, and the exact level computes with
+// bit patterns. What must not happen is that a denormal changes by being moved about, its sign included: then the exact
 // level would get other coordinates than the caller gave (Mesa's rusticl does it, docs/drivers.md). Nor may it vanish
 // on its way to double: there the double filter takes it for exact. And a double that is narrowed to a denormal must
 // give the nearest: the camera's points near the origin are made so.

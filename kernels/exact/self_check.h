@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Contract of the self-check: what it can find wrong with a device's arithmetic, one bit each.
+// Contract of the self-check: the faults of a device's arithmetic that it can find, one bit each.
 #ifndef GN_SELF_CHECK_H
 #define GN_SELF_CHECK_H
 
 #include "prelude.h"
 
-// Whoever has one of these is refused.
+// A device with one of these is refused.
 #define FAULT_FUSED 0            // a * b + c is rounded once
 #define FAULT_REORDERED 1        // (a - (s - b)) + ... is simplified as if nothing rounded
 #define FAULT_ROUNDING 2         // + and * do not round to nearest even

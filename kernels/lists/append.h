@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Places in a list that many work-items append to, given out by one counter. A work-item of a CPU claims APPEND_BLOCK
-// of them at a time, since there a shared counter is slow; what it does not use in the end, [next, end), it has to
-// mark.
-#ifndef GN_CLAIM_H
-#define GN_CLAIM_H
+// Slots in a list that many work-items append to: one counter hands them out. A work-item of a CPU reserves
+// APPEND_BLOCK slots at a time, since there a shared counter is slow; in the end it must mark the slots that it has not
+// used, [next, end).
+#ifndef GN_APPEND_H
+#define GN_APPEND_H
 
 #include "prelude.h"
 
@@ -14,7 +14,7 @@
 #define APPEND_BLOCK 1u
 #endif
 
-// From here on a counter stands for "more than 2^32", and stays there.
+// A counter that reaches this means "more than 2^32", and stays there.
 #define APPEND_OVERFLOW 0xC0000000u
 
 #ifndef __cplusplus
@@ -29,14 +29,15 @@ static Reservation no_reservation(void) {
     return reservation;
 }
 
-// The first of `count` places in a row; the host sees from the counter whether all fitted, so it must never wrap
-// around: what everybody adds before they see an overflow must be less than 2^30.
+// The first of `count` neighbouring slots. The host sees from the counter whether all fitted, so it must never wrap
+// around: the sum of all additions before the items see an overflow must be less than 2^30.
 static uint reserve_slots(uint count, __global uint* counter) {
     uint first = atomic_add(counter, count);
     if (first >= APPEND_OVERFLOW) atomic_sub(counter, count);
     return first;
 }
 
+// One slot.
 static uint reservation(Reservation* mine, __global uint* counter) {
     if (mine->next == mine->end) {
         mine->next = reserve_slots(APPEND_BLOCK, counter);
@@ -46,13 +47,13 @@ static uint reservation(Reservation* mine, __global uint* counter) {
 }
 
 #ifndef GN_CPU
-// A GPU's work-group claims by one atomic for all of its items, which must all come here: on one address a GPU does
-// some 1.3 a nanosecond. Of the local words the first is 0 before, and again afterwards.
+// A GPU's work-group reserves by one atomic for all of its items, which must all come here: on one address a GPU does
+// some 1.3 atomics a nanosecond. The first of the local words must be 0, and is 0 again afterwards.
 #define GROUP_APPEND_WORDS 2
 #define LARGEST_GROUP_APPEND 256u  // for each item of the group
 
-// The first of as many places in a row as an item wants, up to LARGEST_GROUP_APPEND.
-static uint claim_in_group(uint wanted, __local uint* words, __global uint* counter) {
+// The first of `wanted` neighbouring slots, up to LARGEST_GROUP_APPEND for each item.
+static uint append_in_group(uint wanted, __local uint* words, __global uint* counter) {
     uint before = wanted != 0u ? atomic_add(&words[0], wanted) : 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) == 0) {
@@ -63,9 +64,9 @@ static uint claim_in_group(uint wanted, __local uint* words, __global uint* coun
     return words[1] + before;
 }
 
-// `count` places in a row, the same to all items; up to LARGEST_GROUP_APPEND for each of them.
+// The first of `count` neighbouring slots, the same value for all items; up to LARGEST_GROUP_APPEND per item.
 static uint reserve_for_group(uint count, __local uint* words, __global uint* counter) {
-    barrier(CLK_LOCAL_MEM_FENCE);  // everybody has read the last claim
+    barrier(CLK_LOCAL_MEM_FENCE);  // all items have read the last reservation
     if (get_local_id(0) == 0) words[1] = reserve_slots(count, counter);
     barrier(CLK_LOCAL_MEM_FENCE);
     return words[1];

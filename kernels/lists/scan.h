@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: MIT
-// Contract of the scan: how many counts one work-item adds up.
+// Contract of the scan: how many counts one work-item adds up, and what they are rounded up to.
 #ifndef GN_SCAN_H
 #define GN_SCAN_H
 
 #include "prelude.h"
 
-// A CPU likes long pieces; a GPU many.
+// A CPU is faster with long chunks, a GPU with many.
 #ifdef __cplusplus
 namespace gnomon {
-constexpr uint scan_piece(bool is_cpu) { return is_cpu ? 256 : 32; }
+constexpr uint scan_chunk(bool is_cpu) { return is_cpu ? 256 : 32; }
 }  // namespace gnomon
 #elif defined(GN_CPU)
 #define SCAN_CHUNK 256
 #else
 #define SCAN_CHUNK 32
 #endif
+
+GN_STRUCT_BEGIN(ScanParams)
+    uint count;
+    uint alignment;  // a power of two: each count is rounded up to a multiple of it
+GN_STRUCT_END(ScanParams, 8)
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contract of the sort: keys of 32 bits and a value each, put in the order of the keys, of equal keys in the order that
-// they came in. By one byte at a time, the lowest first: each pass keeps the order of what it cannot tell apart.
+// Contract of the sort: 32-bit keys with a value each, put in the order of the keys; equal keys keep their order. One
+// byte at a time, the lowest first: each pass keeps the order of keys whose byte is the same.
 #ifndef GN_SORT_H
 #define GN_SORT_H
 
@@ -9,15 +9,20 @@
 #define SORT_DIGIT_BITS 8u
 #define SORT_DIGITS 256u
 
-// Keys that one work-item takes, one after the other: a CPU likes long pieces; a GPU many.
+// Keys that one work-item takes, one after the other: a CPU is faster with long chunks, a GPU with many.
 #ifdef __cplusplus
 namespace gnomon {
-constexpr uint sort_piece(bool is_cpu) { return is_cpu ? 4096 : 512; }
+constexpr uint sort_chunk(bool is_cpu) { return is_cpu ? 4096 : 512; }
 }  // namespace gnomon
 #elif defined(GN_CPU)
 #define SORT_CHUNK 4096u
 #else
 #define SORT_CHUNK 512u
 #endif
+
+GN_STRUCT_BEGIN(SortParams)
+    uint count;  // of keys
+    uint shift;  // the lowest bit of the digit
+GN_STRUCT_END(SortParams, 8)
 
 #endif

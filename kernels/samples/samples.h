@@ -1,32 +1,33 @@
 // SPDX-License-Identifier: MIT
-// Contract of the samples: how the samples of many pixels are settled together.
+// Contract of the samples: how the samples of many pixels are decided together.
 //
-// A piece is what one receiver holds of a pixel's samples: pixel, receiver, and a mask of samples. Piece i of a batch
-// of pixels is what pixel i's own receiver (that of the view) holds; further receivers' pieces follow behind them. A
-// pixel is whole if its own receiver holds all its samples, proven by the corners of the samples' box; the others are
-// edges, whose samples find their receivers one by one, exactly. Every piece has a footprint (footprint.h). Those that
-// the technique settles count for all their samples; of the others, the mixed ones, every sample is made into a point.
+// A pixel fragment is the part of a pixel's samples that lies on one receiver: pixel, receiver and a mask of samples.
+// Slot i of a batch of pixels holds the fragment on pixel i's own receiver, which is that of the view; the fragments on
+// further receivers follow in the extra slots. A pixel is whole if its own receiver holds all its samples, which the
+// corners of the samples' box prove; the other pixels are edge pixels, and the receivers of their samples are found one
+// by one, exactly. Every fragment has a footprint (receivers/footprint.h). A fragment whose footprint is classified as
+// lit or in shadow counts for all its samples; every sample of a mixed fragment becomes a point.
 #ifndef GN_SAMPLES_H
 #define GN_SAMPLES_H
 
-#include "prelude.h"
+#include "camera/camera.h"
 
 #define MOST_SAMPLES 32
 
-// Places for pieces that a work-group of samples_pieces claims at a time: enough for any pixel.
-#define PIECES_CLAIM 64u
+// Slots that a work-group of samples_fragments reserves at a time: enough for any pixel.
+#define SLOTS_OF_GROUP 64u
 
-// In how many parts a GPU's work-items make the points of a piece. (On an H200 .23, .21, .23, .32 ms with 4, 8,
-// 16, 32.)
-#define PARTS_OF_PIECES 8u
-#define SAMPLES_OF_PART (0xFFFFFFFFu >> (32u - MOST_SAMPLES / PARTS_OF_PIECES))
+// The number of a GPU's work-items that make the points of one fragment. (H200: .23, .21, .23, .32 ms with 4, 8, 16,
+// 32.)
+#define PARTS_OF_FRAGMENT 8u
+#define SAMPLES_OF_PART (0xFFFFFFFFu >> (32u - MOST_SAMPLES / PARTS_OF_FRAGMENT))
 
 GN_STRUCT_BEGIN(SamplePattern)
     uint count;
-    uint all;                     // the mask of all samples
-    float low[2], high[2];        // the box that holds them, in pixels from the pixel's upper left corner
-    float place_x[MOST_SAMPLES];  // of each, likewise
-    float place_y[MOST_SAMPLES];
+    uint all;                        // the mask of all samples
+    float low[2], high[2];           // the box that holds them, in pixels from the pixel's upper left corner
+    float position_x[MOST_SAMPLES];  // of each sample, likewise
+    float position_y[MOST_SAMPLES];
 GN_STRUCT_END(SamplePattern, 280)
 
 // The pixels that are worked on: `count` of them from `first` on, in rows of `width`: whole bands, which are rows of
@@ -36,22 +37,42 @@ GN_STRUCT_BEGIN(PixelBatch)
     uint width, height;  // of the picture
     uint tiles_x;        // camera tiles per band
     uint bands;
-    uint places;  // that there are for pieces, the pixels' own among them
-GN_STRUCT_END(PixelBatch, 28)
+    uint slots;       // of fragments: one for each pixel, then the extra slots
+    uint edge_slots;  // of the list of edge pixels, and of that of unproven pixels, which follows it
+GN_STRUCT_END(PixelBatch, 32)
 
-// Zeroed before each batch of pixels. Claimed lists may hold unused places, GN_NO_ID.
+// Each kernel takes the elements [first, first + count) of its list.
+GN_STRUCT_BEGIN(SamplesParams)
+    ulong first_float;  // where the triangles' vertices begin
+    PictureRays picture;
+    PixelBatch batch;
+    float eye[3];
+    uint first, count;
+    uint extra_count;   // samples_bound: fragments in the extra slots
+    uint point_stride;  // samples_points: points that the buffers have room for
+    uint samples;       // per pixel
+GN_STRUCT_END(SamplesParams, 120)
+
+// Means of visibility that a technique has written sample by sample, `pixels` values each.
+GN_STRUCT_BEGIN(MeanParams)
+    uint pixels, samples;
+    uint is_first;  // 1: the first batch of samples, which starts the sum
+    float scale;    // 1, or for the last batch 1 / the number of all samples
+GN_STRUCT_END(MeanParams, 16)
+
+// Zeroed before each batch of pixels. Unused slots of a list hold GN_NO_ID.
 GN_STRUCT_BEGIN(SampleCounters)
-    uint edges;          // places in the list of edge pixels
-    uint sought;         // places in the list of edge pixels whose receivers are sought
+    uint edges;          // slots in the list of edge pixels
+    uint unproven;       // slots in the list of edge pixels whose samples' receivers could not be guessed
     uint whole;          // pixels
-    uint extra;          // places for pieces behind the pixels' own, wanted
-    uint mixed;          // places in the list of mixed pieces
-    uint mixed_samples;  // in mixed pieces
-    uint pieces;         // with a sample
-    uint mixed_pieces;
-    uint in_shadow;  // samples settled
-    uint lit;        // samples settled, those of the sky among them
-    uint placed;     // points made of the mixed pieces at hand; zeroed for each part of them
+    uint extra;          // extra slots wanted (may exceed the room)
+    uint mixed;          // slots in the list of mixed fragments
+    uint mixed_samples;  // in mixed fragments
+    uint fragments;      // with a sample
+    uint mixed_fragments;
+    uint in_shadow;  // samples decided by their footprint
+    uint lit;        // samples decided by their footprint, those of the sky among them
+    uint points;     // made of a part of the mixed fragments; zeroed for each part
 GN_STRUCT_END(SampleCounters, 44)
 
 #endif

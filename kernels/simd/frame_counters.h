@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The ledger of a frame: what each stage counts, so that the host sees which lists were too short and what was decided.
+// The ledger of a frame: the counters of all stages, from which the host sees which lists were too short and how many
+// points each stage decided.
 #ifndef GN_FRAME_COUNTERS_H
 #define GN_FRAME_COUNTERS_H
 
@@ -7,26 +8,27 @@
 
 // Counters of one projection's run, zeroed at its start, written by the stages named.
 GN_STRUCT_BEGIN(FrameCounters)
-    uint clusters_listed;   // clusters: that may matter, if clusters are kept
+    uint clusters_listed;   // clusters: that survive the cull, if clusters are kept
     uint clusters_outside;  // clusters: left out, behind the light or outside the fitted frustum
     uint clusters_too_far;  // clusters: left out, farther than every point they could cover
-    uint slots;             // triangle_setup: places in the list of bounds wanted (may exceed the capacity)
-    uint map_slots;         // triangle_setup: places in the list of the map's candidates wanted
+    uint slots;             // triangle_setup: slots of the list of bounds wanted (may exceed the capacity)
+    uint map_slots;         // triangle_setup: slots of the list of the map's candidates wanted
     uint survivors;         // triangle_setup: triangles with bounds
     uint map_candidates;    // triangle_setup: of those, able to cover a whole texel
-    uint map_expected;      // triangle_setup, on a CPU: texels they will cover, roughly; only up to what is worth a map
-    uint not_finite;        // clusters, triangle_setup: left out for a NaN or infinite vertex
-    uint edge_on;           // triangle_setup: left out, exactly edge-on to the light or of zero area
-    uint outside;           // the same: left out, outside the fitted frustum or farther than every point there
-    uint hidden;            // triangle_setup: with bounds, but farther than every point that is still open
-    uint map_hidden;        // triangle_setup: not for the map for the same reason
-    uint setup_exact;       // triangle_setup: orientations decided at the exact level
-    uint map_tiles;         // triangle_setup: tiles for the map wanted
-    uint tiles;             // triangle_setup: tiles for the lists wanted
-    uint pairs;             // bins: places for (triangle, bin) pairs wanted
-    uint references;        // bins: pairs listed; GN_NO_LISTS if something did not fit: no list may be read
-    uint entries;           // bins: BinEntries wanted
-    uint map_texels;        // conservative_map: texels written
+    uint map_expected;  // triangle_setup, on a CPU: texels they will cover, roughly; no more are counted once a map is
+                        // worth it
+    uint not_finite;    // clusters, triangle_setup: left out for a NaN or infinite vertex
+    uint edge_on;       // triangle_setup: left out, exactly edge-on to the light or of zero area
+    uint outside;       // the same: left out, outside the fitted frustum or farther than every point there
+    uint hidden;        // triangle_setup: with bounds, but farther than every point that is still open
+    uint map_hidden;    // triangle_setup: not for the map for the same reason
+    uint setup_exact;   // triangle_setup: orientations decided at the exact level
+    uint map_tiles;     // triangle_setup: tiles for the map wanted
+    uint tiles;         // triangle_setup: tiles for the lists wanted
+    uint pairs;         // bins: slots for (triangle, bin) pairs wanted
+    uint references;    // bins: pairs listed; GN_NO_LISTS if something did not fit: no list may be read
+    uint entries;       // bins: BinEntries wanted
+    uint map_texels;    // conservative_map: texels written
     uint decided_by_map;    // izb: points in shadow by the conservative map
     uint listed;            // izb: points listed
     uint uncertain;         // trace: (point, triangle) pairs handed to the exact stage, wanted
@@ -37,9 +39,9 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint decided_by_exact;  // exact_trace: points in shadow by the exact predicate
     uint facing_away;       // facing: points
     uint absent;            // facing: points
-    uint facing_exact;      // facing: points, or receivers asked but once, whose facing needed the exact level
-    uint fallback_points;  // points for which these lists may not do: of a prepared light (trace); settle's, of samples
-    uint tests_low;        // trace: (point, triangle) tests, 64 bits in two words
+    uint facing_exact;      // facing: points (or receivers, each counted once) whose facing needed the exact level
+    uint fallback_points;   // points that these lists do not cover: a prepared light's (trace); classify_footprints'
+    uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
 GN_STRUCT_END(FrameCounters, 136)
 

@@ -12,18 +12,18 @@ GN_STRUCT_BEGIN(PointsLayout)
     uint coordinate_stride;
     uint count;
     uint has_receivers;  // 0: the receivers buffer is a dummy
-    uint has_eye;        // 1: points facing away from the light are decided by that
+    uint has_eye;        // 1: the eye is known, and backfacing points are decided by that
     float eye[2 + 1];
     uint picture_width;  // a multiple of 4: the points are whole rows of pictures, each a multiple of 4 rows; else 0
-    uint is_lifted;  // 1: the camera stage made them of these triangles: with an eye, and none is doubtful (facing.cl)
+    uint is_lifted;      // 1: the camera stage made them of these triangles: with an eye, and none may shadow itself
     uint padding;
 GN_STRUCT_END(PointsLayout, 48)
 
-// What the facing stage does with points that do not face away: they are lit, or open, and their bounds are taken.
+// What the facing stage does with points that are not backfacing: they are lit, or open, and their bounds are taken.
 #define FACING_DECIDES 0u
 #define FACING_BOUNDS 1u
 
-// On a GPU: points that floats do not decide, listed up to so many.
+// On a GPU: the capacity of the list of points that the float filter leaves undecided.
 #define UNDECIDED_CAPACITY 65536u
 
 #ifndef __cplusplus

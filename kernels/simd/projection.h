@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How light space (or the camera's pixels) is reached from world space, and how far off the floats may be.
+// The map from world space to light space (or the camera's pixels), and the bounds of its float errors.
 //
 // A Projection maps a world position p, with d = p - center, to a grid of texels:
 //
@@ -14,7 +14,7 @@
 //     X = sx ((p - c)_i - (D_i / D_k) (p - c)_k) + offset,   Y likewise,   Z = sign(D_k) (p - c)_k.
 // In real arithmetic X and Y are exactly constant along the light's rays, and Z is exact but for the rounding of p - c,
 // which is monotone: comparisons of Z are never wrong, only sometimes undecided.
-// Positional light: one projection per face of a cube around it, center = S (exactly), W = +-(p - S)_k.
+// Point light: one projection per face of a cube around it, center = S (exactly), W = +-(p - S)_k.
 // Camera: center = eye, rows = the inverse of the pixel-to-ray matrix.
 //
 // Error bounds (u = 2^-24). Each d_i is rounded once (u |d_i|); a row entry differs from the real map's by at most
@@ -24,8 +24,8 @@
 // products and sums in double, whose error is relative to the row's largest entry, not to each: 2^-20 |row|_1 |d|_1 is
 // added to g for it (10u 2^-20 = 5.7e-13, thousands of double roundings).
 // Underflow: a product or sum below 2^-126 errs by up to 2^-150 (2^-126 times the row where denormals are flushed),
-// whatever its size. PROJECTION_UNDERFLOW is above that for rows up to 2^36 and says so: a vertex that near to a
-// positional light or an eye counts as not certainly in front of it.
+// whatever its size. PROJECTION_UNDERFLOW is above that for rows up to 2^36: a vertex that near to a point light
+// or an eye counts as not certainly in front of it.
 #ifndef GN_PROJECTION_H
 #define GN_PROJECTION_H
 
@@ -46,7 +46,7 @@ GN_STRUCT_BEGIN(Projection)
     uint bins_x;      // bins per row
     uint bins_y;
     uint perspective;    // 1: W = row_z . d; 0: W = 1
-    uint indistinct;     // 1: extents beyond what floats resolve: everything shares bin 0 and every test is exact
+    uint indistinct;     // 1: extents beyond what floats resolve: all points share bin 0 and every test is exact
     float point_error;   // texels: how far a point's computed X or Y may be from the real one (camera pixels: 0)
     float height_error;  // how far a point's computed Z may be off: absolute (parallel) or relative to Z (perspective)
     float handedness;    // sign of the map's determinant: +1 keeps the orientation of triangles, -1 turns it
@@ -61,8 +61,8 @@ GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus
 
-// Of a Projection, or of a LightFrame. A GPU has programs of their own for directions (GN_DIRECTIONAL_ONLY): the
-// registers that perspective takes would leave fewer work-items at once.
+// Of a Projection, or of a LightFrame. A GPU has programs of their own for directional lights (GN_DIRECTIONAL_ONLY):
+// the registers that perspective takes would leave fewer work-items at once.
 #ifdef GN_DIRECTIONAL_ONLY
 #define IS_PERSPECTIVE(of) 0u
 #else

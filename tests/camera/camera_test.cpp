@@ -307,12 +307,17 @@ TEST(camera, writes_only_its_own) {
     gnomon::cl::Buffer normals(session, (pixels * 3 + 8) * sizeof(float));
     put_canaries(session, positions);
     put_canaries(session, normals);
-    const gnomon::Float4 eye{scene.eye[0], scene.eye[1], scene.eye[2], 0};
+    gnomon::CameraParams params{};
+    params.first_float = inputs.first_float;
+    std::copy(scene.eye.begin(), scene.eye.end(), params.eye);
+    params.width = scene.width;
+    params.height = scene.height;
+    params.point_count = cl_uint(pixels);
     const auto range = gnomon::cl::Range::items(pixels);
-    session.launch("camera/camera.cl", "camera_points", range, scene.width, scene.height, cl_uint{0}, cl_uint(pixels),
-                   eye, inputs.first_float, inputs.vertices, rays, view.points.receivers(), positions);
-    session.launch("camera/camera.cl", "camera_normals", range, cl_uint(pixels), eye, inputs.first_float,
-                   inputs.vertices, view.points.receivers(), normals);
+    session.launch("camera/camera.cl", "camera_points", range, params, inputs.vertices, rays, view.points.receivers(),
+                   positions);
+    session.launch("camera/camera.cl", "camera_normals", range, params, inputs.vertices, view.points.receivers(),
+                   normals);
     expect_canaries(session, positions, pixels * 3 * sizeof(float), "positions");
     expect_canaries(session, normals, pixels * 3 * sizeof(float), "normals");
 }

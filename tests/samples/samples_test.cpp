@@ -12,7 +12,7 @@
 
 #include "reference/predicates.hpp"
 #include "reference/visibility.hpp"
-#include "samples/settled_samples.hpp"
+#include "samples/fragments.hpp"
 #include "support/camera_scenes.hpp"
 #include "support/device.hpp"
 
@@ -166,8 +166,7 @@ TEST(samples, rays_of_the_device_are_the_hosts) {
             const auto patterns = uploaded(session, std::vector{pattern});
             const gnomon::cl::Buffer rays(session, expected.size() * sizeof(float));
             session.launch("samples/samples.cl", "samples_rays", gnomon::cl::Range::items(100),
-                           gnomon::ray_axes(camera, scene.width, scene.height), patterns, scene.width, scene.height,
-                           rays);
+                           gnomon::ray_axes(camera, scene.width, scene.height), patterns, rays);
             const auto seen = downloaded<float>(session, rays.get(), expected.size());
             EXPECT_EQ(std::memcmp(seen.data(), expected.data(), expected.size() * sizeof(float)), 0) << scene.name;
         }
@@ -308,10 +307,10 @@ void expect_same_means(const gnomon::Device& device, const CameraScene& scene, c
         sum.partly += got[pixel] != 0 && got[pixel] != 1;
     }
     const std::uint64_t settled_samples =
-        statistics.count("samples_settled_in_shadow") + statistics.count("samples_settled_lit");
+        statistics.count("samples_decided_in_shadow") + statistics.count("samples_decided_lit");
     ASSERT_EQ(settled_samples + statistics.count("samples_traced"), got.size() * samples);
-    sum.in_shadow += statistics.count("samples_settled_in_shadow");
-    sum.lit += statistics.count("samples_settled_lit");
+    sum.in_shadow += statistics.count("samples_decided_in_shadow");
+    sum.lit += statistics.count("samples_decided_lit");
     sum.traced += statistics.count("samples_traced");
     sum.on_one += statistics.count("pixels_on_one_receiver");
     sum.on_several += statistics.count("pixels_on_several");
@@ -529,7 +528,7 @@ TEST(samples, the_shape_for_gpus_gives_the_same_bits) {
                 options.work_group_size = group;
                 const Samples seen = sampled(gnomon::Device({}, options), scene, light, samples);
                 EXPECT_EQ(seen.mean, expected.mean) << scene.name << ", " << samples << " samples, groups of " << group;
-                for (const char* count : {"pixels_on_several", "pieces"})
+                for (const char* count : {"pixels_on_several", "fragments"})
                     EXPECT_EQ(seen.statistics.count(count), expected.statistics.count(count)) << scene.name;
             }
         }

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#include "samples/classify_footprints.hpp"
+
+#include "kernels/samples/classify_footprints.h"
+
+namespace gnomon {
+
+void run_classify_footprints(cl::Session& session, const TraceInputs& inputs) {
+    const PointInputs& points = inputs.points;
+    const ListBuffers& lists = inputs.lists;
+    session.launch("samples/classify_footprints.cl", "classify_footprints",
+                   cl::Range::items(points.layout.count / session.lanes() + 1),
+                   ClassifyParams{.first_float = inputs.triangles.first_float,
+                                  .light_frame = inputs.light_frame,
+                                  .layout = points.layout,
+                                  .first_frame = inputs.first_frame,
+                                  .frame_count = inputs.frame_count,
+                                  .has_map = inputs.map != nullptr,
+                                  .padding = 0},
+                   inputs.projections, inputs.triangles.vertices, points.positions, points.footprints, points.receivers,
+                   inputs.map != nullptr ? *inputs.map : lists.ranges, lists.ranges, lists.entries, lists.records,
+                   lists.bounds, inputs.visibility, inputs.counters);
+}
+
+}  // namespace gnomon

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: MIT
+// SamplesByFragments::run() names the stages; their functions follow in its order.
+#include "samples/fragments.hpp"
+
+#include <algorithm>
+
+#include "api/statistics.hpp"
+#include "kernels/camera/camera.h"
+#include "kernels/lists/append.h"
+#include "kernels/receivers/footprint.h"
+
+namespace gnomon {
+
+class SampleBuffers {
+public:
+    explicit SampleBuffers(const Device& theirs) : device(theirs), camera(theirs) {}
+
+    Device device;  ///< lives as long as the buffers
+    CameraStage camera;
+    cl::Buffer pattern, counters, rays;
+    cl::Buffer edges;             ///< edge pixels of a batch, then the unproven ones (PixelBatch::edge_slots)
+    cl::Buffer sample_receivers;  ///< of the samples of unproven pixels, on a CPU
+    cl::Buffer fragments, mixed;  ///< of a batch (fragments.clh), and the slots of its mixed fragments
+    cl::Buffer centres, footprints, classes;                           ///< of its fragments
+    cl::Buffer point_samples, point_receivers, positions, visibility;  ///< of samples that are traced
+    std::size_t extra_expected = 0;
+    std::uint64_t bytes_of_runs = 0;       ///< on the device after the last run, here and in the technique
+    std::uint64_t bytes_of_technique = 0;  ///< the technique's part of these
+};
+
+namespace {
+
+SampleBuffers& buffers_of(ClassifiesFootprints& technique, const Device& device) {
+    if (technique.sample_buffers == nullptr) technique.sample_buffers = std::make_unique<SampleBuffers>(device);
+    return *technique.sample_buffers;
+}
+
+class SamplesByFragments {
+public:
+    SamplesByFragments(ClassifiesFootprints& technique, const Device& device, const Triangles& triangles,
+                       const View& view, const Light& light, std::span<const SampleOffset> offsets,
+                       const Visibility& mean, std::size_t points_at_once)
+        : technique_(technique),
+          device_(device),
+          session_(device.session()),
+          triangles_(triangles),
+          inputs_(triangle_inputs(triangles)),
+          view_(view),
+          light_(light),
+          mean_(mean),
+          points_at_once_(std::max<std::size_t>(points_at_once, pixels_of_bands(1) * offsets.size())),
+          camera_(view.points.camera()->camera),
+          pattern_(pattern_of(offsets)),
+          kept_(buffers_of(technique, device)),
+          memory_(session_, kept_.bytes_of_runs) {
+        kept_.camera.aim(triangles, camera_, view.width, view.height);
+        kept_.pattern.reserve(session_, sizeof(SamplePattern));
+        kept_.counters.reserve(session_, sizeof(SampleCounters));
+        session_.write(kept_.pattern.get(), &pattern_, sizeof(pattern_));
+        make_rays();
+    }
+
+    Statistics run() {
+        Statistics camera;
+        kept_.camera.fit_lists(camera);
+        add_stages(total_, camera);
+        const std::uint32_t bands = kept_.camera.tiles_y();
+        std::uint32_t at_once =
+            static_cast<std::uint32_t>(std::clamp<std::size_t>(points_at_once_ / 2 / pixels_of_bands(1), 1, bands));
+        for (std::uint32_t first = 0; first < bands;) {
+            set_batch(first, std::min(at_once, bands - first));
+            if (!find_fragments()) {
+                // There are more receivers per pixel than expected: room for them, or fewer pixels at a time.
+                kept_.extra_expected = counted_.extra + counted_.extra / 4;
+                if (batch_.count + kept_.extra_expected > points_at_once_) at_once = std::max(batch_.bands / 2, 1u);
+                continue;
+            }
+            bound();
+            classify();
+            resolve();
+            trace_mixed();
+            write_mean();
+            first += batch_.bands;
+        }
+        add_counts();
+        return std::move(total_);
+    }
+
+    std::uint64_t device_memory_bytes() const {
+        return memory_.peak_bytes() - kept_.bytes_of_technique + technique_memory_bytes_;
+    }
+
+private:
+    void make_rays() {
+        const std::size_t entries = std::size_t(pattern_.count) * (view_.width + view_.height);
+        kept_.rays.reserve(session_, entries * RAY_FLOATS * sizeof(float));
+        cl::StageTimer timer(session_, total_, "samples_rays");
+        session_.launch("samples/samples.cl", "samples_rays", cl::Range::items(entries),
+                        ray_axes(camera_, view_.width, view_.height), kept_.pattern, kept_.rays);
+    }
+
+    /// Work-groups of samples_fragments, each of which may leave some of its reserved slots unused.
+    cl::Range fragment_groups(std::size_t edges) const {
+        cl::Range range = session_.small_groups();
+        range.count = std::min(range.count, edges);
+        return range;
+    }
+
+    /// Slots of a list that work-items may reserve and not use.
+    std::size_t unused_slots() const {
+        return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
+    }
+
+    std::size_t pixels_of_bands(std::uint32_t bands) const {
+        return std::size_t(view_.width) * std::min(bands << CAMERA_TILE_LOG2, view_.height);
+    }
+
+    void set_batch(std::uint32_t first_band, std::uint32_t bands) {
+        const std::size_t first = pixels_of_bands(first_band), count = pixels_of_bands(first_band + bands) - first;
+        const std::size_t extra = std::min(std::max(kept_.extra_expected, count / 2 + 64), points_at_once_);
+        const std::size_t unused =
+            session_.is_cpu() ? 2 * unused_slots() : fragment_groups(count).count * SLOTS_OF_GROUP;
+        const std::size_t slots = count + extra + unused;
+        batch_ = {.first = cl_uint(first),
+                  .count = cl_uint(count),
+                  .width = view_.width,
+                  .height = view_.height,
+                  .tiles_x = kept_.camera.tiles_x(),
+                  .bands = bands,
+                  .slots = cl_uint(slots),
+                  .edge_slots = cl_uint(count + unused_slots())};
+        kept_.edges.reserve(session_, 2 * std::size_t(batch_.edge_slots) * sizeof(cl_uint));
+        kept_.fragments.reserve(session_, 3 * slots * sizeof(cl_uint));
+        kept_.centres.reserve(session_, 3 * slots * sizeof(float));
+        kept_.footprints.reserve(session_, FOOTPRINT_FLOATS * slots * sizeof(float));
+        session_.fill(kept_.counters, 0, sizeof(SampleCounters));
+        counted_ = {};
+    }
+
+    void read_counters() { counted_ = session_.read_value<SampleCounters>(kept_.counters); }
+
+    /// For the elements [first, first + count) of a kernel's list.
+    SamplesParams params_of(cl_uint first, cl_uint count) const {
+        return {.first_float = inputs_.first_float,
+                .picture = kept_.camera.picture(),
+                .batch = batch_,
+                .eye = {camera_.eye[0], camera_.eye[1], camera_.eye[2]},
+                .first = first,
+                .count = count,
+                .extra_count = counted_.extra,
+                .point_stride = 0,
+                .samples = pattern_.count};
+    }
+
+    /// False if there are more fragments than slots.
+    bool find_fragments() {
+        {
+            cl::StageTimer timer(session_, total_, "samples_whole");
+            session_.launch("samples/samples.cl", "samples_whole",
+                            cl::Range::items(batch_.count / session_.lanes() + 1), params_of(0, batch_.count),
+                            kept_.pattern, inputs_.vertices, view_.points.receivers(), kept_.camera.bins().ranges(),
+                            kept_.fragments, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
+        }
+        read_counters();
+        find_receivers("samples_guess", cl::Range::items(counted_.edges / session_.lanes() + 1), counted_.edges);
+        read_counters();
+        if (session_.is_cpu())
+            find_receivers_in_parts();
+        else if (counted_.unproven != 0)
+            find_receivers("samples_fragments", fragment_groups(counted_.unproven), counted_.unproven);
+        read_counters();
+        return counted_.extra <= batch_.slots - batch_.count;
+    }
+
+    /// The fragments of `count` edge pixels or unproven pixels, by samples_guess or a GPU's samples_fragments.
+    void find_receivers(const char* kernel, cl::Range range, cl_uint count) {
+        cl::StageTimer timer(session_, total_, kernel);
+        session_.launch("samples/samples.cl", kernel, range, params_of(0, count), kept_.pattern, inputs_.vertices,
+                        kept_.rays, kept_.camera.setup().records(), kept_.camera.setup().bounds(),
+                        kept_.camera.bins().ranges(), kept_.camera.bins().entries(), view_.points.receivers(),
+                        kept_.edges, kept_.fragments, kept_.counters);
+    }
+
+    void find_receivers_in_parts() {
+        const std::size_t part = points_at_once_ / pattern_.count;
+        // Room for all edge pixels: how many are unproven depends on threads, and the memory of a run must not.
+        kept_.sample_receivers.reserve(
+            session_, std::min<std::size_t>(part, counted_.edges + unused_slots()) * pattern_.count * sizeof(cl_uint));
+        for (std::size_t first = 0; first < counted_.unproven; first += part)
+            find_receivers_of_part(static_cast<cl_uint>(first),
+                                   static_cast<cl_uint>(std::min(part, counted_.unproven - first)));
+    }
+
+    void find_receivers_of_part(cl_uint first, cl_uint count) {
+        cl::StageTimer timer(session_, total_, "samples_receivers");
+        const SamplesParams params = params_of(first, count);
+        session_.launch("samples/samples.cl", "samples_receivers",
+                        cl::Range::items(std::size_t(count) * pattern_.count), params, kept_.camera.projection(),
+                        kept_.pattern, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
+                        kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
+                        view_.points.receivers(), kept_.edges, kept_.sample_receivers);
+        session_.launch("samples/samples.cl", "samples_group", cl::Range::items(count), params, kept_.pattern,
+                        view_.points.receivers(), kept_.edges, kept_.sample_receivers, kept_.fragments, kept_.counters);
+    }
+
+    void bound() {
+        const std::size_t count = std::size_t(counted_.edges) + counted_.extra;
+        cl::StageTimer timer(session_, total_, "samples_bound");
+        session_.launch("samples/samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1),
+                        params_of(0, counted_.edges), kept_.pattern, inputs_.vertices, kept_.edges, kept_.fragments,
+                        kept_.centres, kept_.footprints);
+    }
+
+    cl_uint used_slots() const { return batch_.count + counted_.extra; }
+
+    void classify() {
+        const std::size_t count = used_slots();
+        // Room for all slots: how many are used depends on threads (see find_receivers_in_parts()).
+        kept_.classes.reserve(session_, batch_.slots * sizeof(float));
+        // The fragments' buffer begins with their receivers.
+        Points centres = Points::wrap(device_, kept_.centres.get(), {0, 1, batch_.slots}, count, kept_.fragments.get());
+        centres.set_eye(camera_.eye);
+        const Visibility classes(device_, kept_.classes.get(), count);
+        add_run([&] { return technique_.classify_footprints(triangles_, centres, kept_.footprints, light_, classes); });
+    }
+
+    void resolve() {
+        kept_.mixed.reserve(session_, (batch_.slots + unused_slots()) * sizeof(cl_uint));
+        {
+            cl::StageTimer timer(session_, total_, "samples_resolve");
+            session_.launch("samples/samples.cl", "samples_resolve", cl::Range::items(used_slots()),
+                            params_of(0, used_slots()), kept_.fragments, kept_.classes, kept_.mixed, kept_.counters);
+        }
+        read_counters();
+        sum_.edges += batch_.count - counted_.whole;
+        sum_.whole += counted_.whole;
+        sum_.fragments += counted_.fragments;
+        sum_.mixed_fragments += counted_.mixed_fragments;
+        sum_.mixed_samples += counted_.mixed_samples;
+        sum_.in_shadow += counted_.in_shadow;
+        sum_.lit += counted_.lit;
+    }
+
+    void trace_mixed() {
+        // All at once where that fits for certain, else as many fragments as fit with all samples each.
+        const std::size_t part =
+            counted_.mixed_samples <= points_at_once_ ? counted_.mixed : points_at_once_ / pattern_.count;
+        for (std::size_t first = 0; first < counted_.mixed; first += part)
+            trace_part(static_cast<cl_uint>(first), static_cast<cl_uint>(std::min(part, counted_.mixed - first)));
+    }
+
+    void trace_part(cl_uint first, cl_uint count) {
+        const std::size_t most = std::min<std::size_t>(counted_.mixed_samples, points_at_once_);
+        const std::size_t points = make_points(first, count, most);
+        if (points == 0) return;
+        Points samples =
+            Points::wrap(device_, kept_.positions.get(), {0, 1, most}, points, kept_.point_receivers.get());
+        samples.set_eye(camera_.eye);
+        const Visibility visibility(device_, kept_.visibility.get(), points);
+        add_run([&] { return technique_.trace_mixed(triangles_, samples, light_, visibility); });
+        cl::StageTimer timer(session_, total_, "samples_mean");
+        session_.launch("samples/samples.cl", "samples_count_lit", cl::Range::items(points),
+                        params_of(0, cl_uint(points)), kept_.point_samples, kept_.visibility, kept_.fragments);
+    }
+
+    /// Makes points of the samples of mixed fragments, with room for `most`. Returns their number.
+    std::size_t make_points(cl_uint first, cl_uint count, std::size_t most) {
+        kept_.point_samples.reserve(session_, most * 2 * sizeof(cl_uint));
+        kept_.point_receivers.reserve(session_, most * sizeof(cl_uint));
+        kept_.positions.reserve(session_, 3 * most * sizeof(float));
+        kept_.visibility.reserve(session_, most * sizeof(float));
+        SamplesParams params = params_of(first, count);
+        params.point_stride = static_cast<cl_uint>(most);
+        const std::size_t items = session_.is_cpu() ? count : std::size_t(count) * PARTS_OF_FRAGMENT;
+        cl::StageTimer timer(session_, total_, "samples_points");
+        session_.fill(kept_.counters, 0, sizeof(SampleCounters));
+        session_.launch("samples/samples.cl", "samples_points", cl::Range::items(items), params, inputs_.vertices,
+                        kept_.rays, kept_.fragments, kept_.mixed, kept_.point_samples, kept_.point_receivers,
+                        kept_.positions, kept_.visibility, kept_.counters);
+        if (count == counted_.mixed) return counted_.mixed_samples;
+        return session_.read_value<SampleCounters>(kept_.counters).points;
+    }
+
+    void write_mean() {
+        cl::StageTimer timer(session_, total_, "samples_mean");
+        session_.launch("samples/samples.cl", "samples_mean_of_sums", cl::Range::items(batch_.count),
+                        params_of(0, batch_.count), kept_.fragments, mean_.buffer());
+    }
+
+    template <typename Run>
+    void add_run(Run&& run_technique) {
+        const cl::RunMemory memory(session_, kept_.bytes_of_technique);
+        const Statistics run = run_technique();
+        add_stages(total_, run);
+        technique_memory_bytes_ = std::max(technique_memory_bytes_, run.device_memory_bytes);
+    }
+
+    void add_counts() {
+        total_.counts = {{"points", view_.points.count() * pattern_.count},
+                         {"pixels_on_one_receiver", sum_.whole},
+                         {"pixels_on_several", sum_.edges},
+                         {"fragments", sum_.fragments},
+                         {"fragments_mixed", sum_.mixed_fragments},
+                         {"samples_decided_in_shadow", sum_.in_shadow},
+                         {"samples_decided_lit", sum_.lit},
+                         {"samples_traced", sum_.mixed_samples}};
+    }
+
+    ClassifiesFootprints& technique_;
+    const Device& device_;
+    cl::Session& session_;
+    const Triangles& triangles_;
+    TriangleInputs inputs_;
+    const View& view_;
+    const Light& light_;
+    const Visibility& mean_;
+    std::size_t points_at_once_;
+    Camera camera_;
+    SamplePattern pattern_;
+    SampleBuffers& kept_;
+    const cl::RunMemory memory_;
+    PixelBatch batch_{};
+    SampleCounters counted_{};
+    struct {
+        std::uint64_t edges, whole, fragments, mixed_fragments, mixed_samples, in_shadow, lit;
+    } sum_{};
+    Statistics total_;
+    std::uint64_t technique_memory_bytes_ = 0;
+};
+
+}  // namespace
+
+ClassifiesFootprints::ClassifiesFootprints() = default;
+ClassifiesFootprints::~ClassifiesFootprints() = default;
+
+SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
+    SamplePattern pattern{};
+    pattern.count = static_cast<cl_uint>(offsets.size());
+    pattern.all = pattern.count == MOST_SAMPLES ? 0xFFFFFFFFu : (1u << pattern.count) - 1;
+    for (int c = 0; c < 2; ++c) {
+        pattern.low[c] = 1.0f;
+        pattern.high[c] = 0.0f;
+    }
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+        const float position[2] = {0.5f + static_cast<float>(offsets[i].x) / SAMPLE_UNITS,
+                                   0.5f + static_cast<float>(offsets[i].y) / SAMPLE_UNITS};
+        for (std::size_t c = 0; c < 2; ++c) {
+            (c == 0 ? pattern.position_x : pattern.position_y)[i] = position[c];
+            pattern.low[c] = std::min(pattern.low[c], position[c]);
+            pattern.high[c] = std::max(pattern.high[c], position[c]);
+        }
+    }
+    return pattern;
+}
+
+Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const Device& device, const Triangles& triangles,
+                                    const View& view, const Light& light, std::span<const SampleOffset> offsets,
+                                    const Visibility& mean, std::size_t points_at_once) {
+    SamplesByFragments samples(technique, device, triangles, view, light, offsets, mean, points_at_once);
+    Statistics total = samples.run();
+    total.device_memory_bytes = samples.device_memory_bytes();
+    return total;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Contract of the classification of footprints (receivers/footprint.h) as in shadow, lit or mixed.
+#ifndef GN_CLASSIFY_FOOTPRINTS_H
+#define GN_CLASSIFY_FOOTPRINTS_H
+
+#include "receivers/light_frame.h"
+#include "simd/points.h"
+
+// The kernel takes the footprints that lie in the frames [first_frame, first_frame + frame_count).
+GN_STRUCT_BEGIN(ClassifyParams)
+    ulong first_float;  // where the triangles' vertices begin
+    LightFrame light_frame;
+    PointsLayout layout;  // of the footprints' centres
+    uint first_frame, frame_count;
+    uint has_map;  // 0: the map's buffer is ignored
+    uint padding;
+GN_STRUCT_END(ClassifyParams, 136)
+
+#endif
