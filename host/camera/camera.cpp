@@ -134,11 +134,6 @@ std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::u
     return rays;
 }
 
-CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset) {
-    return {camera_projection(camera, width, height), camera_rays(camera, width, height, offset),
-            picture_rays(camera, width, height)};
-}
-
 void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height) {
     triangles_ = triangle_inputs(triangles);
     camera_ = camera;

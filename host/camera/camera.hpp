@@ -11,17 +11,12 @@
 
 namespace gnomon {
 
-/// The camera as kernels take it: a projection to pixels and the table of exact rays through one sample of each pixel.
-struct CameraTables {
-    Projection projection;
-    std::vector<float> rays;  ///< RAY_FLOATS per column, then per row
-    PictureRays picture;      ///< through any position in the picture, whatever the offset
-};
+/// The camera as kernels take it: a projection to pixels, the rays through any position in the picture, and the table
+/// of exact rays through one sample of each pixel, RAY_FLOATS floats per column, then per row.
 RayAxes ray_axes(const Camera& camera, std::uint32_t width, std::uint32_t height);
 Projection camera_projection(const Camera& camera, std::uint32_t width, std::uint32_t height);
 PictureRays picture_rays(const Camera& camera, std::uint32_t width, std::uint32_t height);
 std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset);
-CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height, SampleOffset offset = {});
 
 /// The part of the output buffers for one sample of every pixel: from `first` on in buffers for `count` points.
 struct PointSlice {

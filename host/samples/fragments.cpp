@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 // SamplesByFragments::run() names the stages; their functions follow in its order.
-#include "samples/fragments.hpp"
+#include "samples/samples.hpp"
 
 #include <algorithm>
 
 #include "api/statistics.hpp"
-#include "kernels/camera/camera.h"
 #include "kernels/lists/append.h"
 #include "kernels/receivers/footprint.h"
 
@@ -94,9 +93,14 @@ private:
     void make_rays() {
         const std::size_t entries = std::size_t(pattern_.count) * (view_.width + view_.height);
         kept_.rays.reserve(session_, entries * RAY_FLOATS * sizeof(float));
-        cl::StageTimer timer(session_, total_, "samples_rays");
-        session_.launch("samples/samples.cl", "samples_rays", cl::Range::items(entries),
-                        ray_axes(camera_, view_.width, view_.height), kept_.pattern, kept_.rays);
+        run_stage("samples_rays", cl::Range::items(entries), ray_axes(camera_, view_.width, view_.height),
+                  kept_.pattern, kept_.rays);
+    }
+
+    template <typename... Arguments>
+    void run_stage(const char* kernel, cl::Range range, const Arguments&... arguments) {
+        cl::StageTimer timer(session_, total_, kernel);
+        session_.launch("samples/samples.cl", kernel, range, arguments...);
     }
 
     /// Work-groups of samples_fragments, each of which may leave some of its reserved slots unused.
@@ -154,13 +158,9 @@ private:
 
     /// False if there are more fragments than slots.
     bool find_fragments() {
-        {
-            cl::StageTimer timer(session_, total_, "samples_whole");
-            session_.launch("samples/samples.cl", "samples_whole",
-                            cl::Range::items(batch_.count / session_.lanes() + 1), params_of(0, batch_.count),
-                            kept_.pattern, inputs_.vertices, view_.points.receivers(), kept_.camera.bins().ranges(),
-                            kept_.fragments, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
-        }
+        run_stage("samples_whole", cl::Range::items(batch_.count / session_.lanes() + 1), params_of(0, batch_.count),
+                  kept_.pattern, inputs_.vertices, view_.points.receivers(), kept_.camera.bins().ranges(),
+                  kept_.fragments, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
         read_counters();
         find_receivers("samples_guess", cl::Range::items(counted_.edges / session_.lanes() + 1), counted_.edges);
         read_counters();
@@ -174,11 +174,10 @@ private:
 
     /// The fragments of `count` edge pixels or unproven pixels, by samples_guess or a GPU's samples_fragments.
     void find_receivers(const char* kernel, cl::Range range, cl_uint count) {
-        cl::StageTimer timer(session_, total_, kernel);
-        session_.launch("samples/samples.cl", kernel, range, params_of(0, count), kept_.pattern, inputs_.vertices,
-                        kept_.rays, kept_.camera.setup().records(), kept_.camera.setup().bounds(),
-                        kept_.camera.bins().ranges(), kept_.camera.bins().entries(), view_.points.receivers(),
-                        kept_.edges, kept_.fragments, kept_.counters);
+        run_stage(kernel, range, params_of(0, count), kept_.pattern, inputs_.vertices, kept_.rays,
+                  kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
+                  kept_.camera.bins().entries(), view_.points.receivers(), kept_.edges, kept_.fragments,
+                  kept_.counters);
     }
 
     void find_receivers_in_parts() {
@@ -192,23 +191,19 @@ private:
     }
 
     void find_receivers_of_part(cl_uint first, cl_uint count) {
-        cl::StageTimer timer(session_, total_, "samples_receivers");
         const SamplesParams params = params_of(first, count);
-        session_.launch("samples/samples.cl", "samples_receivers",
-                        cl::Range::items(std::size_t(count) * pattern_.count), params, kept_.camera.projection(),
-                        kept_.pattern, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
-                        kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
-                        view_.points.receivers(), kept_.edges, kept_.sample_receivers);
-        session_.launch("samples/samples.cl", "samples_group", cl::Range::items(count), params, kept_.pattern,
-                        view_.points.receivers(), kept_.edges, kept_.sample_receivers, kept_.fragments, kept_.counters);
+        run_stage("samples_receivers", cl::Range::items(std::size_t(count) * pattern_.count), params,
+                  kept_.camera.projection(), kept_.pattern, inputs_.vertices, kept_.rays,
+                  kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
+                  kept_.camera.bins().entries(), view_.points.receivers(), kept_.edges, kept_.sample_receivers);
+        run_stage("samples_group", cl::Range::items(count), params, kept_.pattern, view_.points.receivers(),
+                  kept_.edges, kept_.sample_receivers, kept_.fragments, kept_.counters);
     }
 
     void bound() {
         const std::size_t count = std::size_t(counted_.edges) + counted_.extra;
-        cl::StageTimer timer(session_, total_, "samples_bound");
-        session_.launch("samples/samples.cl", "samples_bound", cl::Range::items(count / session_.lanes() + 1),
-                        params_of(0, counted_.edges), kept_.pattern, inputs_.vertices, kept_.edges, kept_.fragments,
-                        kept_.centres, kept_.footprints);
+        run_stage("samples_bound", cl::Range::items(count / session_.lanes() + 1), params_of(0, counted_.edges),
+                  kept_.pattern, inputs_.vertices, kept_.edges, kept_.fragments, kept_.centres, kept_.footprints);
     }
 
     cl_uint used_slots() const { return batch_.count + counted_.extra; }
@@ -226,11 +221,8 @@ private:
 
     void resolve() {
         kept_.mixed.reserve(session_, (batch_.slots + unused_slots()) * sizeof(cl_uint));
-        {
-            cl::StageTimer timer(session_, total_, "samples_resolve");
-            session_.launch("samples/samples.cl", "samples_resolve", cl::Range::items(used_slots()),
-                            params_of(0, used_slots()), kept_.fragments, kept_.classes, kept_.mixed, kept_.counters);
-        }
+        run_stage("samples_resolve", cl::Range::items(used_slots()), params_of(0, used_slots()), kept_.fragments,
+                  kept_.classes, kept_.mixed, kept_.counters);
         read_counters();
         sum_.edges += batch_.count - counted_.whole;
         sum_.whole += counted_.whole;
@@ -258,9 +250,8 @@ private:
         samples.set_eye(camera_.eye);
         const Visibility visibility(device_, kept_.visibility.get(), points);
         add_run([&] { return technique_.trace_mixed(triangles_, samples, light_, visibility); });
-        cl::StageTimer timer(session_, total_, "samples_mean");
-        session_.launch("samples/samples.cl", "samples_count_lit", cl::Range::items(points),
-                        params_of(0, cl_uint(points)), kept_.point_samples, kept_.visibility, kept_.fragments);
+        run_stage("samples_count_lit", cl::Range::items(points), params_of(0, cl_uint(points)), kept_.point_samples,
+                  kept_.visibility, kept_.fragments);
     }
 
     /// Makes points of the samples of mixed fragments, with room for `most`. Returns their number.
@@ -282,9 +273,8 @@ private:
     }
 
     void write_mean() {
-        cl::StageTimer timer(session_, total_, "samples_mean");
-        session_.launch("samples/samples.cl", "samples_mean_of_sums", cl::Range::items(batch_.count),
-                        params_of(0, batch_.count), kept_.fragments, mean_.buffer());
+        run_stage("samples_mean_of_sums", cl::Range::items(batch_.count), params_of(0, batch_.count), kept_.fragments,
+                  mean_.buffer());
     }
 
     template <typename Run>

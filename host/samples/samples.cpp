@@ -5,9 +5,6 @@
 #include <algorithm>
 
 #include "api/statistics.hpp"
-#include "camera/camera.hpp"
-#include "kernels/camera/camera.h"
-#include "samples/fragments.hpp"
 
 namespace gnomon {
 namespace {
@@ -15,30 +12,17 @@ namespace {
 // The buffers of so many points, with visibility and the trace's buffers, take about half a gigabyte.
 constexpr std::size_t largest_batch = std::size_t{1} << 23;
 
-// Direct3D's standard patterns, in its sixteenths of a pixel.
-constexpr std::array<SampleOffset, 4> direct3d_4 = {{{-2, -6}, {6, -2}, {-6, 2}, {2, 6}}};
-constexpr std::array<SampleOffset, 8> direct3d_8 = {
-    {{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}}};
-constexpr std::array<SampleOffset, 16> direct3d_16 = {{{1, 1},
-                                                       {-1, -3},
-                                                       {-3, 2},
-                                                       {4, -1},
-                                                       {-5, -2},
-                                                       {2, 5},
-                                                       {5, 3},
-                                                       {3, -5},
-                                                       {-2, 6},
-                                                       {0, -7},
-                                                       {-4, -6},
-                                                       {-6, 4},
-                                                       {-8, 0},
-                                                       {7, -4},
-                                                       {6, 7},
-                                                       {-7, -8}}};
+// Direct3D's standard patterns: x and y of each sample, in its sixteenths of a pixel.
+constexpr std::array direct3d_4 = {-2, -6, 6, -2, -6, 2, 2, 6};
+constexpr std::array direct3d_8 = {1, -3, -1, 3, 5, 1, -3, -5, -5, 5, -7, -1, 3, 7, 7, -7};
+constexpr std::array direct3d_16 = {1,  1, -1, -3, -3, 2,  4,  -1, -5, -2, 2, 5,  5, 3, 3,  -5,
+                                    -2, 6, 0,  -7, -4, -6, -6, 4,  -8, 0,  7, -4, 6, 7, -7, -8};
 
 template <std::size_t N>
-constexpr std::array<SampleOffset, N> from_sixteenths(std::array<SampleOffset, N> pattern) {
-    for (SampleOffset& offset : pattern) offset = {offset.x * SAMPLE_UNITS / 16, offset.y * SAMPLE_UNITS / 16};
+constexpr std::array<SampleOffset, N / 2> from_sixteenths(const std::array<int, N>& sixteenths) {
+    std::array<SampleOffset, N / 2> pattern{};
+    for (std::size_t i = 0; i < N / 2; ++i)
+        pattern[i] = {sixteenths[2 * i] * SAMPLE_UNITS / 16, sixteenths[2 * i + 1] * SAMPLE_UNITS / 16};
     return pattern;
 }
 

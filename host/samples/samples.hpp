@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Several samples per pixel (kernels/samples/samples.cl; the camera stage makes rays and points): run_samples() of
-// gnomon.hpp, and the same with the size of its batches for tests.
+// gnomon.hpp, the same with the size of its batches for tests, and its two ways.
 #pragma once
 
-#include <gnomon.hpp>
+#include "camera/camera.hpp"
+#include "kernels/samples/samples.h"
+#include "samples/classify_footprints.hpp"
 
 namespace gnomon {
 
@@ -11,5 +13,15 @@ namespace gnomon {
 Statistics run_samples_in_batches(Technique& technique, const Device& device, const Triangles& triangles,
                                   const View& view, const Light& light, std::uint32_t samples, const Visibility& mean,
                                   const SampleSink& sink, std::size_t points_at_once);
+
+/// The pattern as the kernels take it.
+SamplePattern pattern_of(std::span<const SampleOffset> offsets);
+
+/// Most samples are decided together: the technique classifies the footprints of pixel fragments as in shadow or lit,
+/// and the samples of mixed fragments become points. There are about `points_at_once` points or fragments on the
+/// device, but a row of camera tiles at least.
+Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const Device& device, const Triangles& triangles,
+                                    const View& view, const Light& light, std::span<const SampleOffset> offsets,
+                                    const Visibility& mean, std::size_t points_at_once);
 
 }  // namespace gnomon

@@ -15,23 +15,22 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint map_slots;         // triangle_setup: slots of the list of the map's candidates wanted
     uint survivors;         // triangle_setup: triangles with bounds
     uint map_candidates;    // triangle_setup: of those, able to cover a whole texel
-    uint map_expected;  // triangle_setup, on a CPU: texels they will cover, roughly; no more are counted once a map is
-                        // worth it
-    uint not_finite;    // clusters, triangle_setup: left out for a NaN or infinite vertex
-    uint edge_on;       // triangle_setup: left out, exactly edge-on to the light or of zero area
-    uint outside;       // the same: left out, outside the fitted frustum or farther than every point there
-    uint hidden;        // triangle_setup: with bounds, but farther than every point that is still open
-    uint map_hidden;    // triangle_setup: not for the map for the same reason
-    uint setup_exact;   // triangle_setup: orientations decided at the exact level
-    uint map_tiles;     // triangle_setup: tiles for the map wanted
-    uint tiles;         // triangle_setup: tiles for the lists wanted
-    uint pairs;         // bins: slots for (triangle, bin) pairs wanted
-    uint references;    // bins: pairs listed; GN_NO_LISTS if something did not fit: no list may be read
-    uint entries;       // bins: BinEntries wanted
-    uint map_texels;    // conservative_map: texels written
-    uint decided_by_map;    // izb: points in shadow by the conservative map
-    uint listed;            // izb: points listed
-    uint uncertain;         // trace: (point, triangle) pairs handed to the exact stage, wanted
+    uint map_expected;    // triangle_setup, on a CPU: texels they will cover, roughly; counted until a map is worth it
+    uint not_finite;      // clusters, triangle_setup: left out for a NaN or infinite vertex
+    uint edge_on;         // triangle_setup: left out, exactly edge-on to the light or of zero area
+    uint outside;         // the same: left out, outside the fitted frustum or farther than every point there
+    uint hidden;          // triangle_setup: with bounds, but farther than every point that is still open
+    uint map_hidden;      // triangle_setup: not for the map for the same reason
+    uint setup_exact;     // triangle_setup: orientations decided at the exact level
+    uint map_tiles;       // triangle_setup: tiles for the map wanted
+    uint tiles;           // triangle_setup: tiles for the lists wanted
+    uint pairs;           // bins: slots for (triangle, bin) pairs wanted
+    uint references;      // bins: pairs listed; GN_NO_LISTS if something did not fit: no list may be read
+    uint entries;         // bins: BinEntries wanted
+    uint map_texels;      // conservative_map: texels written
+    uint decided_by_map;  // izb: points in shadow by the conservative map
+    uint listed;          // izb: points listed
+    uint uncertain;       // trace: (point, triangle) pairs handed to the exact stage, wanted
     uint decided_by_trace;  // trace: points in shadow by the float filter
     uint exact_float;       // exact_trace: pairs decided at each level of the predicate
     uint exact_double;

@@ -12,7 +12,6 @@
 
 #include "reference/predicates.hpp"
 #include "reference/visibility.hpp"
-#include "samples/fragments.hpp"
 #include "support/camera_scenes.hpp"
 #include "support/device.hpp"
 

@@ -8,6 +8,23 @@
 #include "reference/stages/exact_ray.hpp"
 #include "scene_makers.hpp"
 
+namespace gnomon {
+
+/// What a camera's kernels take.
+struct CameraTables {
+    Projection projection;
+    std::vector<float> rays;
+    PictureRays picture;
+};
+
+inline CameraTables camera_tables(const Camera& camera, std::uint32_t width, std::uint32_t height,
+                                  SampleOffset offset = {}) {
+    return {camera_projection(camera, width, height), camera_rays(camera, width, height, offset),
+            picture_rays(camera, width, height)};
+}
+
+}  // namespace gnomon
+
 namespace support {
 
 struct CameraScene {
