@@ -41,12 +41,12 @@ endmacro()
 
 # The ground: OpenCL, and what implements gnomon.hpp.
 gnomon_wing(cl description program session source_locations)
-gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
-            library faults regressions)
-
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
 gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks blocks_lanes predicates self_check)
 gnomon_wing(lists append fill group_scan scan sort)
+gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
+            library faults regressions)
+
 gnomon_wing(receivers light_frame footprint block_bounds facing_cache facing
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists record_blocks bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup

@@ -1,11 +1,13 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Checks the rules of the house that a compiler cannot: what may be used where. Prints every offending line and the
-# rule it breaks; exits 1 if there is one. usage: check_layout.sh [ROOT]
+# Checks the rules of the house that a compiler cannot check: what may be used where, the order of the wings, and the
+# budgets of sizes. Prints every offending line with the rule that it breaks; exits 1 if there is one.
+# usage: check_layout.sh [ROOT]
 #
-# Looks at the files git knows or would take in (not at build folders); without git, at everything.
+# Reads the files that git knows or would take in (not build folders); without git, all files.
 set -euo pipefail
 shopt -s lastpipe  # complain, at a pipe's end, runs in this shell: it sets `broken`
+programs=$(realpath "${BASH_SOURCE[0]%.sh}")
 cd "${1:-$(dirname "$0")/..}"
 
 if git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
@@ -35,13 +37,13 @@ lines_matching() {  # path expression, line expression: file:line:text
 }
 
 kernel_or_host='^(kernels|host)/'
-source='\.(cpp|hpp|h|cl)$'
+source='\.(cpp|hpp|h|clh|cl)$'
 
 # The same bits everywhere: nothing whose result the OpenCL specification leaves to the device.
 lines_matching "$kernel_or_host.*$source" \
     '\b(native|half|fast)_(cos|sin|tan|divide|recip|sqrt|rsqrt|exp|exp2|exp10|log|log2|log10|powr|length|distance|normalize)\b|\bmad\s*\(' |
     complain 'functions with device-dependent results are banned'
-lines_matching '(^|/)(CMakeLists\.txt|CMakePresets\.json)$|\.(cmake|cpp|hpp|h|cl)$' \
+lines_matching '(^|/)(CMakeLists\.txt|CMakePresets\.json)$|\.(cmake|cpp|hpp|h|clh|cl)$' \
     '-cl-(fast-relaxed-math|mad-enable|finite-math-only|no-signed-zeros|unsafe-math-optimizations)|-ffast-math|-Ofast|-funsafe-math-optimizations' |
     complain 'build options that loosen arithmetic are banned'
 
@@ -53,50 +55,78 @@ lines_matching '^kernels/' '^\s*#\s*define\s+\w+\([^)]*\.\.\.' |
 lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' | { grep -vE '^host/(cl/|include/gnomon\.hpp:)' || true; } |
     complain 'only host/cl and host/include/gnomon.hpp include OpenCL headers'
 
-# One-way flow: kernels know only kernels. Headers shared with C++ may include the standard library for C++ alone.
-lines_matching '^kernels/' '^\s*#\s*include\s*"' |
-    while IFS= read -r line; do
-        file=${line%%:*}
-        included=$(sed -E 's/.*#[[:space:]]*include[[:space:]]*"([^"]*)".*/\1/' <<<"$line")
-        for path in "kernels/$included" "$(dirname "$file")/$included"; do
-            if [[ -f $path && $(realpath --relative-to=. "$path") == kernels/* ]]; then continue 2; fi
-        done
-        echo "$line"
-    done | complain 'kernels include only files of kernels/'
-files_matching '^kernels/' | xargs -0 -r awk '
-    # in_cxx[depth]: whether the branch of the conditional at this depth is for C++ alone (1), or not for C++ (-1).
-    FNR == 1 { depth = 0 }
-    /^[ \t]*#[ \t]*if/ { in_cxx[++depth] = /__cplusplus/ ? 1 : /__OPENCL_VERSION__/ ? -1 : 0
-                         if (/ifndef|!/) in_cxx[depth] = -in_cxx[depth] }
-    /^[ \t]*#[ \t]*else/ { in_cxx[depth] = -in_cxx[depth] }
-    /^[ \t]*#[ \t]*elif/ { in_cxx[depth] = 0 }
-    /^[ \t]*#[ \t]*endif/ { --depth }
-    /^[ \t]*#[ \t]*include[ \t]*</ { for (d = 1; d <= depth; ++d) if (in_cxx[d] == 1) next
-                                     print FILENAME ":" FNR ":" $0 }' |
-    complain 'kernels include system headers only where the compiler is a C++ one'
+# One-way flow. The wings and their order stand in host/stages.cmake: a wing includes itself and the wings above it. The
+# files host/*.cpp and host/*.hpp come after all wings. host/include and kernels/prelude.h come before them. No wing
+# includes host/app, host/measure or host/scene. Kernels include only kernels, from kernels/ on.
+# A `.h` in kernels/ is a contract: C++ reads it, directly or through another contract. C++ never reads a `.clh`.
+mapfile -t wings < <(sed -nE 's/^gnomon_wing\(([a-z_/]+).*/\1/p' host/stages.cmake)
+[ ${#wings[@]} -gt 0 ] || echo 'host/stages.cmake' | complain 'gnomon_wing(NAME ...) names each wing'
+mapfile -d '' -t sources < <(files_matching "^(kernels|host|tests|tools)/.*$source")
+offences=$(printf '%s\n' "${sources[@]}" | awk -v wings="${wings[*]}" -f "$programs/includes.awk")
+offences_of() { sed -n "s/^$1 //p" <<<"$offences"; }
+offences_of wings |
+    complain 'a folder of kernels/ or host/ is a wing of host/stages.cmake or host/{app,include,measure,scene}'
+offences_of direction | complain 'a wing includes only itself and the wings above it in host/stages.cmake'
+offences_of kernels | complain 'kernels include only files of kernels/'
+offences_of system | complain 'kernels include system headers only where the compiler is a C++ one'
+offences_of contracts | complain 'C++ reads every .h of kernels/, directly or through another, and no .clh'
+offences_of references | complain 'tests/reference includes nothing of host/ or kernels/'
+files_matching '^tests/.*/' | while IFS= read -r -d '' file; do
+    folder=${file#tests/}
+    case ${folder%/*} in
+        build | command | consumer | drivers | fuzz | fuzz/* | golden | reference | reference/* | support | tools) ;;
+        *) [[ " ${wings[*]} exact/predicates " == *" ${folder%/*} "* ]] || echo "$file" ;;
+    esac
+done | complain 'a folder of tests/ is a wing of host/stages.cmake or a room that tools/check_layout.sh names'
 
-# The references share no code with what they check.
-lines_matching "^tests/reference/.*$source" '^\s*#\s*include\s*"' |
-    while IFS= read -r line; do
-        file=${line%%:*}
-        included=$(sed -E 's/.*#[[:space:]]*include[[:space:]]*"([^"]*)".*/\1/' <<<"$line")
-        for path in "tests/$included" "tests/reference/$included" "$(dirname "$file")/$included"; do
-            if [[ -f $path && $(realpath --relative-to=. "$path") == tests/reference/* ]]; then continue 2; fi
-        done
-        echo "$line"
-    done | complain 'tests/reference includes nothing of host/ or kernels/'
+# The references share no code with what they check (the includes by path: above).
 lines_matching "^tests/reference/.*$source" '^\s*#\s*include\s*<(gnomon|cl/|CL/|host/|kernels/|scene/)' |
     complain 'tests/reference includes nothing of host/ or kernels/'
 
+# Answers are equal or wrong: a tolerance has its place where floats approximate (shadow maps, means, pictures).
+lines_matching '^tests/(exact|simd|lists|receivers|occluders|camera|trace|prepared|golden|techniques)/[^/]*\.(cpp|hpp)$' \
+    '\b(EXPECT|ASSERT)_(NEAR|FLOAT_EQ|DOUBLE_EQ)\b|(?i)\b\w*(epsilon|tolerance)\w*\b' |
+    complain 'tests of exact stages use no tolerance'
+
 # Every file says its licence, and what it promises.
-files_matching '(\.(cpp|hpp|h|cl|cmake|sh)|(^|/)CMakeLists\.txt|^\.ci/run)$' |
-    while IFS= read -r -d '' file; do
-        head -2 "$file" | grep -qE '^(//|#) SPDX-License-Identifier: MIT$' || echo "$file"
-    done | complain 'the first lines must hold "SPDX-License-Identifier: MIT" in a comment'
-files_matching '^kernels/' |
-    while IFS= read -r -d '' file; do
-        [[ $(sed -n 2p "$file") =~ ^(//|/\*).*[[:alpha:]] ]] || echo "$file"
-    done | complain 'a kernel file says in a comment, right after the licence line, what it promises'
+files_matching '(\.(cpp|hpp|h|clh|cl|cmake|sh|awk)|(^|/)CMakeLists\.txt|^\.ci/run)$' | xargs -0 -r awk '
+    function report() { if (file != "" && !has_licence) print file }
+    FNR == 1 { report(); file = FILENAME; has_licence = 0 }
+    FNR <= 2 && /^(\/\/|#) SPDX-License-Identifier: MIT$/ { has_licence = 1 }
+    END { report() }' | complain 'the first lines must hold "SPDX-License-Identifier: MIT" in a comment'
+files_matching '^kernels/.*\.(cl|clh|h)$' | xargs -0 -r awk 'FNR == 2 && !/^(\/\/|\/\*).*[A-Za-z]/ { print FILENAME }' |
+    complain 'a kernel file says in a comment, right after the licence line, what it promises'
+
+# Budgets. (docs/ and README.md: below.)
+lines_of() { files_matching "$1" | xargs -0 -r awk 'FNR == 1 { files[++n] = FILENAME } { ++lines[FILENAME] }
+    END { for (i = 1; i <= n; ++i) print lines[files[i]], files[i] }'; }
+lines_of '^kernels/.*\.(cl|clh)$' | awk '$1 > 450 { print $2 ": " $1 " lines" }' |
+    complain 'a .cl or .clh has at most 450 lines'
+product=$(lines_of "$kernel_or_host.*$source" | awk '{ sum += $1 } END { print sum + 0 }')
+[ "$product" -lt 27105 ] || echo "kernels and host: $product lines" | complain 'the product has fewer than 27105 lines'
+files_matching '^kernels/.*/' | tr '\0' '\n' | awk '
+    { sub(/\/[^\/]*$/, ""); ++count[$0] }
+    function most(folder) { return folder == "kernels/techniques/shadow_map" ? 25 : 15 }
+    END { for (f in count) if (count[f] > most(f)) print f ": " count[f] " files" }' |
+    sort | complain 'a folder of kernels/ has at most 15 files, kernels/techniques/shadow_map 25'
+files_matching "$kernel_or_host.*$source" | xargs -0 -r awk -v most=60 -f "$programs/functions.awk" |
+    complain 'a function of the product has at most 60 lines'
+arguments=$(files_matching '^kernels/' | xargs -0 -r awk -f "$programs/arguments.awk")
+awk '$1 > 14 { print $3 ": " $2 ": " $1 " arguments" }' <<<"$arguments" | sort |
+    complain 'a kernel has at most 14 arguments'
+awk '$1 > 12 { lines = lines $3 ": " $2 ": " $1 " arguments\n"; ++count } END { if (count > 4) printf "%s", lines }' \
+    <<<"$arguments" | sort | complain 'at most 4 kernels have more than 12 arguments'
+
+# What a visitor reads stays short. Proofs (docs/numerics.md) may be long.
+if [ -f README.md ] && [ "$(wc -c <README.md)" -gt 6000 ]; then
+    echo "README.md: $(wc -c <README.md) bytes" | complain 'README.md has at most 6 kB'
+fi
+files_matching '^docs/.*\.md$' | xargs -0 -r awk '
+    FILENAME != "docs/numerics.md" { words += NF }
+    FILENAME == "docs/performance.md" { ++lines }
+    END { if (words > 14000) print "docs: " words " words"
+          if (lines > 150) print "docs/performance.md: " lines " lines" }' |
+    complain 'docs/ without numerics.md has at most 14000 words, docs/performance.md at most 150 lines'
 
 # The README is true: what it names is there.
 if [ -f README.md ]; then
