@@ -1,11 +1,35 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Builds the fuzzers (clang, AddressSanitizer, UndefinedBehaviorSanitizer) and runs each for some seconds from its saved
-# corpus, tests/fuzz/corpus/. What a run finds beyond that stays in build-fuzz/found/ for the next; an input that breaks
-# a promise is printed, kept there too, and ends the script with an error. With --save, what covers new code is added to
-# the saved corpus.
+# corpus, tests/fuzz/corpus/{scene,library}.tar. What a run finds beyond that stays in build-fuzz/found/ for the next; an
+# input that breaks a promise is printed, kept in build-fuzz/broken/, and ends the script with an error. With --save,
+# inputs that cover new code are added to the saved corpus.
 # usage: fuzz.sh [SECONDS EACH, default 30] [--save]
+#        fuzz.sh --unpack FOLDER    writes the saved corpus to FOLDER/scene and FOLDER/library, one file per input
+#        fuzz.sh --pack FOLDER      makes the saved corpus from these folders; the same files make the same bytes
 set -euo pipefail
+
+unpack() {  # folder
+    local target
+    for target in scene library; do
+        mkdir -p "$1/$target"
+        tar -xf "$corpus/$target.tar" -C "$1/$target"
+    done
+}
+pack() {  # folder
+    local target
+    for target in scene library; do
+        (cd "$1/$target" && LC_ALL=C tar --format=ustar --owner=0 --group=0 --numeric-owner --mtime=@0 --mode=0644 \
+            -cf "$corpus/$target.tar" -- *)
+    done
+}
+corpus=$(realpath "$(dirname "$0")/../tests/fuzz/corpus")
+case ${1:-} in
+    --unpack | --pack)
+        "${1#--}" "${2:?which folder?}"
+        exit
+        ;;
+esac
 cd "$(dirname "$0")/.."
 
 seconds=${1:-30}
@@ -25,9 +49,11 @@ cmake --build "$folder" --parallel "$(nproc)" --target scene_fuzz library_fuzz
 export GNOMON_CACHE_DIR=$PWD/$folder/test_kernel_cache
 # PoCL alone, whose leaks sanitizer_defaults.cpp knows: Mesa's drivers, where installed, leak 200 bytes a run.
 export OCL_ICD_VENDORS=${OCL_ICD_VENDORS:-pocl.icd}
+rm -rf "$folder/saved"
+unpack "$folder/saved"
 for target in scene library; do
     found=$folder/found/$target
-    saved=tests/fuzz/corpus/$target
+    saved=$folder/saved/$target
     mkdir -p "$found" "$folder/broken"
     # Leaks are looked for once, at the end: OpenCL's threads would have them looked for after every input. Memory of
     # the device that is not given back is looked for by the target itself.
@@ -38,5 +64,6 @@ for target in scene library; do
         -verbosity=0 "${options[@]}"
     if [ "$save" = --save ]; then
         "$folder/tests/${target}_fuzz" -set_cover_merge=1 -use_counters=0 "$saved" "$found" -verbosity=0 "${options[@]}"
+        pack "$folder/saved"
     fi
 done

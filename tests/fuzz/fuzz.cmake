@@ -23,10 +23,10 @@ find_package(nlohmann_json REQUIRED)
 gnomon_fuzz_target(scene_fuzz
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_fuzz.cpp
   FUZZER_SOURCES ${CMAKE_CURRENT_LIST_DIR}/scene_mutator.cpp
-  CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/scene
+  CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/scene.tar
   LIBRARIES gnomon_scene nlohmann_json::nlohmann_json
   LINK_OPTIONS -Wl,--wrap=sysconf)
 gnomon_fuzz_target(library_fuzz
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/library_fuzz.cpp
-  CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/library
+  CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/library.tar
   LIBRARIES gnomon_inside gnomon_reference)
