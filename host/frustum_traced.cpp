@@ -1,312 +1,292 @@
 // SPDX-License-Identifier: MIT
-// The pipeline of exact shadows. Each stage is a room of its own (kernels/<stage>.cl, host/<stage>.cpp); only this file
-// knows their order:
+// The pipeline of exact shadows. Each stage is a file of its own (kernels/<wing>/<stage>.cl, host/<wing>/<stage>.cpp).
+// This file has the order of the stages, but for those from clusters to bins (occluders/occluder_lists.cpp):
 //
-//   facing            one pass over the points: those that face away are decided, the others are open
-//   light_frame       grid fitted to the open points; one for a direction, six for a position
-//   receiver_depth_pyramid   how far from the light they reach, per bin
+//   facing            one pass over the points: backfacing points are decided, the others are open
+//   light_frame       grid fitted to the open points; one for a directional light, six for a point light
+//   receiver_depth_pyramid   how far from the light the open points reach, per bin
 //   clusters          where they are kept: those that can matter
 //   triangle_setup    triangles that can matter, each with a float filter
 //   conservative_map  where one triangle covers a whole texel
 //   bins              triangles are listed by bin
 //   trace             open points against the map, then against their bin's triangles by the filter
-//   exact_trace       what the filter left open
+//   exact_trace       pairs that the filter left undecided
 //
 // Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
 //
-// Footprints (samples/fragments.cpp) take the same way, with one stage, classify_footprints, in place of the last two;
-// these follow for the samples of mixed footprints, over the same lists.
+// Footprints (settled_samples.cpp) take the same way, with one stage, settle, in place of the last two; these follow
+// for the samples of mixed footprints, over the same lists.
 //
-// With traversal=triangles, the baseline to compare with, izb lists the open points by bin and the trace takes each
-// listed triangle over them.
-//
-// Lists are filled optimistically: a list that turns out too small is grown and the frame is run again; the trace does
-// nothing before they fit. Undecided pairs that found no room are decided by a second look at their points.
+// Lists are filled optimistically: a list that turns out too short is grown and the frame is run again; the trace does
+// nothing before all lists fit. Undecided pairs that found no room are decided by trace_queue_overflow.
 #include "frustum_traced.hpp"
 
-#include <algorithm>
 #include <limits>
 
-#include "api/settings_table.hpp"
 #include "api/statistics.hpp"
 #include "trace/exact_trace.hpp"
 
 namespace gnomon {
 
-struct FrustumTraced::Run {
-    cl::Session& session;
+/// What a run is given. It does not change until the run's end.
+struct FrustumTraced::RunInputs {
     TriangleInputs triangles;
     PointInputs points;
-    Light light;
     LightFrame light_frame;
     cl_mem visibility;
-    const cl::Buffer* map = nullptr;  ///< of the last frame; null where there is none
-    Statistics statistics{};
-    FrameCounters total{};  ///< over the frames
-    std::uint64_t tests = 0;
-    std::uint64_t frames = 0, grown = 0, maps = 0;
-    FrameCounters facing{};
-    bool counts_facing = false;         ///< what facing counted is still to be read, with what the frame counts
-    std::uint64_t fallback_points = 0;  ///< points that a prepared light was of no use for
+};
 
-    bool has_open_points() const { return facing.absent + facing.facing_away < points.layout.count; }
+/// What one frame counted.
+struct FrustumTraced::FrameResult {
+    FrameCounters counted{};
+    FrameCounters first_attempt{};  ///< before lists grew: with what facing counted, if that was not read before
+    std::uint64_t lists_grown = 0;
+    bool drew_map = false;
+    const cl::Buffer* map = nullptr;  ///< null where none is drawn
+};
+
+/// What a run counted.
+struct FrustumTraced::RunResult {
+    Statistics statistics{};          ///< of the stages
+    FrameCounters facing{}, total{};  ///< total: over the frames
+    std::uint64_t tests = 0, frames = 0, lists_grown = 0, maps_drawn = 0;
+    std::uint64_t fallback_points = 0;  ///< points that a prepared light did not cover
+    bool used_prepared = false;
+    const cl::Buffer* map = nullptr;  ///< of the last frame
+
+    void add(const FrameCounters& counted) {
+        add_counters(total, counted);
+        tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
+    }
+    void add(const FrameResult& frame) {
+        ++frames;
+        lists_grown += frame.lists_grown;
+        maps_drawn += frame.drew_map;
+        map = frame.map;
+        add(frame.counted);
+    }
+    bool has_open_points(const PointInputs& points) const {
+        return facing.absent + facing.facing_away < points.layout.count;
+    }
 };
 
 namespace {
 
-constexpr std::uint32_t smallest_map = 16, largest_map = 8192;
-
-// In the order of MapMode and Traversal.
+// In the order of MapMode.
 constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
-constexpr std::string_view traversal_names[] = {"points", "triangles"};
 
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
-// Stages that had nothing to do say why.
+// Stages that had nothing to do give the reason.
 void mark_skipped(Statistics& statistics, std::string_view stage, const std::string& why) {
     for (StageStatistics& s : statistics.stages)
         if (s.name == stage && s.skipped.empty()) s.skipped = why;
 }
 
-// Texels per side of a frame that a GPU keeps, which are bins as well: the finer, the shorter the lists of all the
-// scene's triangles. Measured on an H200 with 1024, 2048, 4096 and 8192: Sponza at 2K .22, .146 and .130 ms for 60, 163
-// and 544 MB; at 4K the city of 6.5 million triangles .83 -> .52 (4096) for 697 -> 1340 MB, pipes of 12.8 million 2.65
-// -> 1.05 (4096) -> .87 (8192) for 1.8, 3.3 and 5.4 GB. A lamp has six frames.
-std::uint32_t prepared_size(std::size_t triangle_count, std::uint64_t device_bytes, bool is_point_light) {
-    std::uint32_t size = 8192;
-    if (triangle_count < 1u << 23 || device_bytes < 64ull << 30) size = 4096;
-    if (triangle_count < 1u << 20 || device_bytes < 16ull << 30) size = 2048;
-    if (triangle_count < 1u << 17) size = 1024;
-    return is_point_light ? std::max(size / 2, 1024u) : size;
-}
-
 }  // namespace
 
-FrameGrid FrustumTraced::grid(std::size_t triangle_count, std::size_t point_count) const {
-    const cl::Session& session = device_.session();
-    if (map_size_ != 0) return binned(session, map_size_);
-    // Measured on Sponza and lost_empire at 2K and 4K: a CPU pays for every texel drawn, a GPU hardly. On an H200 the
-    // trace of millions of triangles gains more by 1024 than the lists lose (at 4K pipes v0 6.7 -> 4.6 ms, foliage
-    // v0 3.4 -> 2.9, the city between 3.0 -> 2.2 and 1.28 -> 1.36); with a million it is even, with Sponza a loss.
-    const std::uint32_t largest = session.is_cpu() ? 256 : triangle_count < 1u << 22 ? 512 : 1024;
-    // Few points want few bins: a large triangle is asked about every bin it meets, also those that hold no point.
-    std::uint32_t size = 4;
-    while (size < largest && std::size_t(size) * size * 4 < point_count) size *= 2;
-    return binned(session, size);
+const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
+    using S = Settings;
+    static const SettingsTable<S> table{
+        {{"conservative-map", "auto",
+          "on, off or auto: decide points behind triangles that cover a whole texel at once"},
+         setting::choice(&S::map_mode, map_mode_names)},
+        {{"cover-test", "tight",
+          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+         setting::choice(&S::cover_test, cover_test_names)},
+        {{"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
+         setting::whole_or_auto(&S::map_size, smallest_map_size, largest_map_size)},
+        {{"first-capacity", "auto", "entries that growing lists start with, from 1, or auto: for tests"},
+         setting::whole_or_auto(&S::first_capacity, 1, std::numeric_limits<std::uint32_t>::max())},
+    };
+    return table;
 }
 
-FrameGrid FrustumTraced::prepared_grid(std::size_t triangle_count, bool is_point_light) const {
-    // Finer than a run's own, since making them no longer counts, and since the frame holds all triangles and not those
-    // of a view.
-    const cl::Session& session = device_.session();
-    FrameGrid grid{map_size_ != 0 ? map_size_ : 1024u, 0};
-    std::uint32_t most_bins = largest_map;
-    if (!session.is_cpu()) {
-        if (map_size_ == 0)
-            grid.size = prepared_size(triangle_count, session.description().global_memory_bytes, is_point_light);
-    } else {
-        // Counted on Sponza: of 256, 512, 1024 and 2048 texels and 128, 256 and 512 bins this leaves a trace the fewest
-        // tests (a tenth to a quarter fewer than 512), but for 2048, where making the map takes five times as long. A
-        // list's entries come 16 at a time, so that a bin of few is mostly empty; but to read long lists is what
-        // scenes of millions cost (docs/performance.md).
-        most_bins = 256;
-        while (most_bins < 1024 && triangle_count > std::size_t(most_bins) * most_bins * 8) most_bins *= 2;
-    }
-    while (grid.bins() > most_bins) ++grid.bin_log2;
-    return grid;
-}
+// ---- Whether a frame draws a map ------------------------------------------------------------------------------------
 
-bool FrustumTraced::draws_map(const PointInputs& points) const {
-    if (map_mode_ != MapMode::automatic) return map_mode_ == MapMode::on;
+bool FrustumTraced::may_draw_map(const PointInputs& points) const {
+    if (settings_.map_mode != MapMode::automatic) return settings_.map_mode == MapMode::on;
     return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
 }
 
+// A CPU estimates in each frame whether a map is worth its while, between two kernels. A GPU would pay for that even
+// where no map is drawn: the launches of a map take a tenth of a frame, whatever they draw. So it goes by the last map.
 bool FrustumTraced::goes_by_last_map(const PointInputs& points) const {
-    return map_mode_ == MapMode::automatic && !device_.session().is_cpu() && points.footprints == nullptr;
+    return settings_.map_mode == MapMode::automatic && !device_.session().is_cpu() && points.footprints == nullptr;
 }
 
-// A CPU asks in each frame whether a map is worth its while, between two kernels. A GPU would pay for that even where
-// the answer is no: the launches of a map take a tenth of a frame, whatever they draw. So it goes by the last map.
 ListSettings FrustumTraced::list_settings(const PointInputs& points, cl_uint frame) const {
-    const bool judges_map = map_mode_ == MapMode::automatic && device_.session().is_cpu();
-    return {draws_map(points) && !(goes_by_last_map(points) && runs_without_map_[frame] != 0), judges_map, cover_test_};
+    const bool judges_map = settings_.map_mode == MapMode::automatic && device_.session().is_cpu();
+    const bool skips_map = goes_by_last_map(points) && runs_without_map_[frame] != 0;
+    return {may_draw_map(points) && !skips_map, judges_map, settings_.cover_test};
 }
 
-// What a map saves: the walks of the points that it decides, and the references of the triangles that it hides, which
-// would have had about as many as the others have. On an H200 lists cost 82 us per million references (pairs, scatter
-// and order of foliage v0: 609 us for 7.46 million); the other two are fitted to runs with and without a map. At
+// A map saves the walks of the points that it decides, and the references of the triangles that it hides, which would
+// have had about as many as the others have. On an H200 lists cost 82 us per million references (pairs, scatter and
+// order of foliage v0: 609 us for 7.46 million); the other two constants are fitted to runs with and without a map. At
 // 1920x1080 the rule takes the faster of the two in all of 15 views of real and made scenes.
-bool FrustumTraced::was_worth_a_map(const FrameCounters& counted) {
+bool FrustumTraced::map_was_worth_drawing(const FrameCounters& counted) {
     constexpr double us_per_point = 25e-6, us_per_reference = 82e-6, us_of_map = 40;
     const double listed = std::max(double(counted.survivors) - counted.edge_on - counted.hidden, 1.0);
     const double spared = counted.hidden * (counted.references / listed);
     return us_per_point * counted.decided_by_map + us_per_reference * spared >= us_of_map;
 }
 
-// A map that saves less than it costs is left out by a GPU for some runs; then it looks again.
-void FrustumTraced::judge_last_map(bool was_drawn, const FrameCounters& counted, cl_uint frame) {
+// A GPU leaves out a map that saves less than it costs for some runs; then it draws and judges one again.
+void FrustumTraced::note_map_benefit(const FrameResult& result, cl_uint frame) {
     constexpr std::uint32_t runs_until_next = 31;
-    if (!was_drawn)
+    if (!result.drew_map)
         --runs_without_map_[frame];
-    else if (!was_worth_a_map(counted))
+    else if (!map_was_worth_drawing(result.counted))
         runs_without_map_[frame] = runs_until_next;
 }
 
-void FrustumTraced::add(Run& run, const FrameCounters& counted) {
-    add_counters(run.total, counted);
-    run.tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
+// ---- A frame --------------------------------------------------------------------------------------------------------
+
+TraceInputs FrustumTraced::frame_inputs(const RunInputs& in, cl_uint frame, const cl::Buffer* map) const {
+    return {.light_frame = in.light_frame,
+            .first_frame = frame,
+            .frame_count = 1,
+            .triangles = in.triangles,
+            .points = in.points,
+            .projections = frames_.projection(),
+            .map = map,
+            .lists = list_buffers(lists_.bins(), lists_.setup()),
+            .visibility = in.visibility,
+            .counters = counters_};
 }
 
-std::optional<FrameCounters> FrustumTraced::run_frame_once(Run& run, cl_uint frame) {
-    cl::Session& session = run.session;
-    Statistics& statistics = run.statistics;
-    const LightFrame& light_frame = run.light_frame;
-    const cl::Buffer* map = lists_.run(session, statistics, light_frame, frames_.projection(), run.triangles,
-                                       list_settings(run.points, frame), receiver_depth_pyramid_, counters_);
-    run.map = map;
-    return decide_by_lists(run, frame);
+void FrustumTraced::observe(Moment moment, const TraceInputs& inputs) {
+    if (provenance_) provenance_->record(device_.session(), moment, inputs, trace_);
 }
 
-std::optional<FrameCounters> FrustumTraced::decide_by_lists(Run& run, cl_uint frame) {
-    cl::Session& session = run.session;
-    Statistics& statistics = run.statistics;
-    const LightFrame& light_frame = run.light_frame;
-    const cl::Buffer* map = run.map;
-    const TraceInputs inputs{light_frame,
-                             frame,
-                             1,
-                             run.triangles,
-                             run.points,
-                             frames_.projection(),
-                             map,
-                             list_buffers(lists_.bins(), lists_.setup()),
-                             run.visibility,
-                             counters_};
-    if (run.points.footprints != nullptr) {
-        cl::StageTimer timer(session, statistics, "classify_footprints");
-        run_classify_footprints(session, inputs);
-    } else if (traversal_ == Traversal::triangles) {
-        {
-            cl::StageTimer timer(session, statistics, "izb");
-            izb_.run(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility, counters_);
-        }
-        cl::StageTimer timer(session, statistics, "trace");
-        trace_.run_triangles(session, light_frame, run.triangles, run.points, izb_, lists_.bins(), lists_.setup(),
-                             run.visibility, counters_);
+std::optional<FrameCounters> FrustumTraced::decide(const TraceInputs& inputs, Statistics& statistics,
+                                                   FrameCounters& first_read) {
+    cl::Session& session = device_.session();
+    const bool are_footprints = inputs.points.footprints != nullptr;
+    if (are_footprints) {
+        cl::StageTimer timer(session, statistics, "settle");
+        run_settle(session, inputs);
     } else {
-        cl::StageTimer timer(session, statistics, "trace");
-        trace_.run(session, inputs, frames_.blocks());
+        {
+            cl::StageTimer timer(session, statistics, "trace");
+            trace_.run(session, inputs, frames_.blocks());
+        }
+        observe(Moment::after_trace, inputs);
+        {
+            cl::StageTimer timer(session, statistics, "exact_trace");
+            run_exact_trace(session, inputs, trace_);
+        }
+        observe(Moment::after_exact_trace, inputs);
     }
-    if (provenance_)
-        provenance_->trace(session, light_frame, frame, run.points, frames_.projection(), map, run.visibility);
-    if (run.points.footprints == nullptr) {
-        cl::StageTimer timer(session, statistics, "exact_trace");
-        run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
-    }
-    if (provenance_)
-        provenance_->exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
-    FrameCounters counted = session.read_value<FrameCounters>(counters_);
-    if (run.counts_facing) run.facing = counted;
-    run.counts_facing = false;
-    if (!lists_.fitted(session, counted)) return {};
-    if (run.points.footprints != nullptr) return counted;
-    if (!trace_.fitted(session, run.points, counted) && traversal_ == Traversal::points) {
-        if (provenance_) provenance_->queue_overflow(session, light_frame, frame, run.points, run.visibility);
-        cl::StageTimer timer(session, statistics, "trace");
-        trace_.run_queue_overflow(session, inputs);
-        counted = session.read_value<FrameCounters>(counters_);
-    }
-    return counted;
+    first_read = session.read_value<FrameCounters>(counters_);
+    if (!lists_.fitted(session, first_read)) return {};
+    if (are_footprints || trace_.fitted(session, inputs.points, first_read)) return first_read;
+    observe(Moment::before_queue_overflow, inputs);
+    return run_queue_overflow(inputs, statistics);
 }
 
-void FrustumTraced::run_frame(Run& run, cl_uint frame) {
-    ++run.frames;
-    if (!run.counts_facing) clear(run.session, counters_);
+FrameCounters FrustumTraced::run_queue_overflow(const TraceInputs& inputs, Statistics& statistics) {
+    cl::Session& session = device_.session();
+    cl::StageTimer timer(session, statistics, "trace");
+    trace_.run_queue_overflow(session, inputs);
+    return session.read_value<FrameCounters>(counters_);
+}
+
+FrustumTraced::FrameResult FrustumTraced::run_frame(const RunInputs& in, cl_uint frame, Statistics& statistics,
+                                                    bool counters_hold_facing) {
+    cl::Session& session = device_.session();
+    if (!counters_hold_facing) clear(session, counters_);
     {
-        cl::StageTimer timer(run.session, run.statistics, "receiver_depth_pyramid");
-        receiver_depth_pyramid_.run(run.session, run.light_frame, frame, 1, run.points, frames_.projection(),
-                                    frames_.blocks(), run.visibility);
+        cl::StageTimer timer(session, statistics, "receiver_depth_pyramid");
+        receiver_depth_pyramid_.run(session, in.light_frame, frame, 1, in.points, frames_.projection(),
+                                    frames_.blocks(), in.visibility);
     }
-    std::optional<FrameCounters> counted;
-    while (!(counted = run_frame_once(run, frame))) {
-        ++run.grown;
-        clear(run.session, counters_);
+    FrameResult result;
+    const ListSettings settings = list_settings(in.points, frame);
+    for (;; ++result.lists_grown) {
+        if (result.lists_grown != 0) clear(session, counters_);
+        result.map = lists_.run(session, statistics, in.light_frame, frames_.projection(), in.triangles, settings,
+                                receiver_depth_pyramid_, counters_);
+        FrameCounters read{};
+        const auto counted = decide(frame_inputs(in, frame, result.map), statistics, read);
+        if (result.lists_grown == 0) result.first_attempt = read;
+        if (!counted) continue;
+        result.counted = *counted;
+        result.drew_map = settings.draws_map;
+        if (may_draw_map(in.points) && goes_by_last_map(in.points)) note_map_benefit(result, frame);
+        return result;
     }
-    const bool was_drawn = list_settings(run.points, frame).draws_map;
-    run.maps += was_drawn;
-    if (draws_map(run.points) && goes_by_last_map(run.points)) judge_last_map(was_drawn, *counted, frame);
-    add(run, *counted);
 }
 
-// Only what depends on the points; false if some of them need more than was prepared.
-bool FrustumTraced::run_prepared(Run& run) {
-    cl::Session& session = run.session;
+// ---- A run ----------------------------------------------------------------------------------------------------------
+
+// Runs only what depends on the points; false if some of them need more than was prepared.
+bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
+    cl::Session& session = device_.session();
     const LightFrame& light_frame = prepared_->light_frame();
-    const cl_uint frame_count = frame_count_of(light_frame);
-    const TraceInputs inputs{light_frame,      0,
-                             frame_count,      run.triangles,
-                             run.points,       prepared_->projections(),
-                             prepared_->map(), prepared_->lists(),
-                             run.visibility,   counters_};
-    const bool cached_facing =
-        session.is_cpu() && frame_count == 1 && Facing::can_cache(run.points) && run.points.layout.point_stride == 1;
-    const auto trace = [&](bool plane_side) {
+    const TraceInputs inputs{.light_frame = light_frame,
+                             .first_frame = 0,
+                             .frame_count = frame_count_of(light_frame),
+                             .triangles = in.triangles,
+                             .points = in.points,
+                             .projections = prepared_->projections(),
+                             .map = prepared_->map(),
+                             .lists = prepared_->lists(),
+                             .visibility = in.visibility,
+                             .counters = counters_};
+    const auto trace = [&](Task task) {
         clear(session, counters_);
         {
-            cl::StageTimer timer(session, run.statistics, "trace");
-            if (cached_facing)
-                trace_.run_prepared_cached_facing(session, inputs, prepared_->domains(),
-                                                  frames_.empty_facing_cache(session, run.triangles));
-            else
-                trace_.run_prepared(session, inputs, prepared_->receivers(), plane_side);
+            cl::StageTimer timer(session, result.statistics, "trace");
+            const bool caches = task == Task::trace_prepared_cached_facing;
+            trace_.run_prepared(session, task, inputs,
+                                caches ? &frames_.empty_facing_cache(session, in.triangles) : nullptr);
         }
-        {
-            cl::StageTimer timer(session, run.statistics, "exact_trace");
-            run_exact_trace(session, run.triangles, run.points, run.light, trace_, run.visibility, counters_);
-        }
+        cl::StageTimer timer(session, result.statistics, "exact_trace");
+        run_exact_trace(session, inputs, trace_);
         return session.read_value<FrameCounters>(counters_);
     };
-    const bool plane_side = !session.is_cpu() && run.points.layout.is_lifted != 0;
-    FrameCounters counted = trace(plane_side);
-    if (plane_side && counted.fallback_points != 0) counted = trace(false);
-    run.fallback_points = counted.fallback_points;
+    const Task task = prepared_trace_task(session, in.points, light_frame.perspective == 0);
+    FrameCounters counted = trace(task);
+    if (task == Task::trace_prepared_plane_side && counted.fallback_points != 0) counted = trace(Task::trace_prepared);
+    result.fallback_points = counted.fallback_points;
     if (counted.fallback_points != 0) return false;
-    if (!trace_.fitted(session, run.points, counted)) {
-        cl::StageTimer timer(session, run.statistics, "trace");
-        trace_.run_queue_overflow(session, inputs);
-        counted = session.read_value<FrameCounters>(counters_);
-    }
-    run.frames = frame_count;
-    run.facing = counted;
-    add(run, counted);
+    if (!trace_.fitted(session, in.points, counted)) counted = run_queue_overflow(inputs, result.statistics);
+    result.frames = inputs.frame_count;
+    result.facing = counted;
+    result.add(counted);
     for (const char* stage : {"light_frame", "receiver_depth_pyramid", "triangle_setup", "conservative_map", "bins"})
-        run.statistics.stages.push_back({stage, 0, 0, "prepared"});
-    run.statistics.stages.push_back({"facing", 0, 0, "decided by the trace"});
+        result.statistics.stages.push_back({stage, 0, 0, "prepared"});
+    result.statistics.stages.push_back({"facing", 0, 0, "decided by the trace"});
     return true;
 }
 
-// Of a direction's frame on a GPU: nothing is read back before its end, since a wait there takes as long as a stage.
-// (On a CPU it costs nothing, and where no point is open the rest need not run.)
-void FrustumTraced::run_one_frame(Run& run) {
-    frames_.fit_one(run.session, run.statistics, run.light_frame, run.triangles, run.points, run.visibility, counters_);
-    if (provenance_) provenance_->facing(run.session, run.points, run.visibility);
-    const std::size_t stages = run.statistics.stages.size();
-    run.counts_facing = true;
-    run_frame(run, 0);
-    if (run.has_open_points()) return;
-    run.frames = 0;
-    run.statistics.stages.resize(stages);
+// For a directional light on a GPU: nothing is read back before the frame's end, since a wait there takes as long as a
+// stage. (On a CPU it costs nothing, and where no point is open the rest need not run.)
+void FrustumTraced::run_one_frame(const RunInputs& in, RunResult& result) {
+    Statistics& statistics = result.statistics;
+    frames_.fit_one(device_.session(), statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
+    observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
+    const std::size_t stages = statistics.stages.size();
+    const FrameResult frame = run_frame(in, 0, statistics, true);
+    result.facing = frame.first_attempt;
+    result.add(frame);
+    if (result.has_open_points(in.points)) return;
+    result.frames = 0;
+    statistics.stages.resize(stages);
 }
 
-void FrustumTraced::run_unprepared(Run& run) {
-    cl::Session& session = run.session;
-    if (frame_count_of(run.light_frame) == 1 && run.triangles.count != 0 && !session.is_cpu())
-        return run_one_frame(run);
-    run.facing = frames_.decide_facing(session, run.statistics, run.light_frame, run.triangles, run.points,
-                                       run.visibility, counters_);
-    if (provenance_) provenance_->facing(session, run.points, run.visibility);
-    if (run.triangles.count == 0 || !run.has_open_points()) return;
-    frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) { run_frame(run, frame); });
+void FrustumTraced::run_unprepared(const RunInputs& in, RunResult& result) {
+    cl::Session& session = device_.session();
+    if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0 && !session.is_cpu())
+        return run_one_frame(in, result);
+    result.facing = frames_.decide_facing(session, result.statistics, in.light_frame, in.triangles, in.points,
+                                          in.visibility, counters_);
+    observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
+    if (in.triangles.count == 0 || !result.has_open_points(in.points)) return;
+    frames_.for_each(session, result.statistics, in.light_frame,
+                     [&](cl_uint frame) { result.add(run_frame(in, frame, result.statistics, false)); });
 }
 
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
@@ -317,9 +297,8 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     return run_on(triangles, inputs, light, visibility.buffer());
 }
 
-Statistics FrustumTraced::classify_footprints(const Triangles& triangles, const Points& centres,
-                                              const cl::Buffer& footprints, const Light& light,
-                                              const Visibility& answers) {
+Statistics FrustumTraced::settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
+                                 const Light& light, const Visibility& answers) {
     require_run(triangles, centres, light, answers);
     PointInputs inputs = point_inputs(centres);
     inputs.footprints = footprints.get();
@@ -331,18 +310,19 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
     require_run(triangles, samples, light, visibility);
     PointInputs inputs = point_inputs(samples);
     inputs.layout.is_lifted = 1;
-    if (settled_) {
-        cl::Session& session = device_.session();
-        const cl::RunMemory memory(session, kept_bytes_);
-        Run run{session,      triangle_inputs(triangles), inputs, light, settled_->light_frame, visibility.buffer(),
-                settled_->map};
-        clear(session, counters_);
-        decide_by_lists(run, 0);
-        run.statistics.device_memory_bytes = memory.peak_bytes();
-        return run.statistics;
+    if (!footprint_lists_) {
+        inputs.face_light = true;
+        return run_on(triangles, inputs, light, visibility.buffer());
     }
-    inputs.face_light = true;
-    return run_on(triangles, inputs, light, visibility.buffer());
+    cl::Session& session = device_.session();
+    const cl::RunMemory memory(session, kept_bytes_);
+    const RunInputs in{triangle_inputs(triangles), inputs, footprint_lists_->light_frame, visibility.buffer()};
+    Statistics statistics;
+    FrameCounters read;
+    clear(session, counters_);
+    decide(frame_inputs(in, 0, footprint_lists_->map), statistics, read);
+    statistics.device_memory_bytes = memory.peak_bytes();
+    return statistics;
 }
 
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
@@ -350,77 +330,84 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
-    Run run{session,
-            triangle_inputs(triangles),
-            points,
-            light,
-            make_light_frame(light, grid(triangles.count(), points.layout.count)),
-            visibility};
-    settled_.reset();
+    const FrameGrid grid = run_grid(session, settings_.map_size, triangles.count(), points.layout.count);
+    const RunInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
+    footprint_lists_.reset();
     counters_.reserve(session, sizeof(FrameCounters));
-    const bool is_prepared = !provenance_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
-                             prepared_->is_of(triangles, light);
-    const bool used_prepared = points.layout.count != 0 && is_prepared && run_prepared(run);
-    if (points.layout.count != 0 && !used_prepared) run_unprepared(run);
-    const bool has_one_frame = frame_count_of(run.light_frame) == 1 && run.frames == 1;
-    if (points.footprints != nullptr && has_one_frame && run.total.fallback_points == 0 &&
-        traversal_ == Traversal::points)
-        settled_ = SettledLists{run.light_frame, run.map};
-
-    Statistics& s = run.statistics;
-    merge_stages(s);
-    if (!used_prepared && !draws_map(run.points))
-        s.stages.push_back({"conservative_map", 0, 0, map_mode_ == MapMode::off ? "switched off" : "few points"});
-    else if (run.frames != 0 && !used_prepared && run.maps == 0)
-        s.stages.push_back({"conservative_map", 0, 0, "the last one decided too little"});
-    else if (!used_prepared && run.total.map_candidates == 0)
-        mark_skipped(s, "conservative_map", "no triangle can cover a texel");
-    if (run.total.uncertain == 0) mark_skipped(s, "exact_trace", "the filter decided every pair");
-    if (run.triangles.clusters == nullptr) s.stages.push_back({"clusters", 0, 0, "no clusters are kept"});
-    if (run.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
-    const FrameCounters& t = run.total;
-    s.counts = {{"points", points.layout.count},
-                {"points_absent", run.facing.absent},
-                {"points_facing_away", run.facing.facing_away},
-                {"points_decided_by_map", t.decided_by_map},
-                {"points_listed", t.listed},
-                {"points_decided_by_trace", t.decided_by_trace},
-                {"points_decided_by_exact", t.decided_by_exact},
-                {"points_in_shadow",
-                 std::uint64_t(run.facing.facing_away) + t.decided_by_map + t.decided_by_trace + t.decided_by_exact},
-                {"triangles", triangles.count()},
-                {"frames", run.frames},
-                {"clusters", run.triangles.clusters != nullptr ? run.triangles.clusters->count() : 0},
-                {"clusters_outside", t.clusters_outside},
-                {"clusters_too_far", t.clusters_too_far},
-                {"triangles_not_finite", t.not_finite},
-                {"triangles_edge_on", t.edge_on},
-                {"triangles_outside", t.outside},
-                {"triangles_kept", t.survivors - t.edge_on},
-                {"triangles_hidden", t.hidden},
-                {"map_candidates", t.map_candidates},
-                {"map_texels_written", t.map_texels},
-                {"references", t.references},
-                {"tests", run.tests},
-                {"uncertain_pairs", t.uncertain},
-                {"decided_by_float", t.exact_float},
-                {"decided_by_double", t.exact_double},
-                {"decided_by_integers", t.exact_exact},
-                {"orientations_by_integers", std::uint64_t(t.setup_exact) + run.facing.facing_exact},
-                {"lists_grown", run.grown},
-                {"prepared", used_prepared},
-                {"prepared_fallback_points", run.fallback_points}};
+    RunResult result;
+    if (points.layout.count != 0) {
+        const bool is_prepared = !provenance_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
+                                 prepared_->is_of(triangles, light);
+        result.used_prepared = is_prepared && run_prepared(in, result);
+        if (!result.used_prepared) run_unprepared(in, result);
+    }
+    const bool has_one_frame = frame_count_of(in.light_frame) == 1 && result.frames == 1;
+    if (points.footprints != nullptr && has_one_frame && result.total.fallback_points == 0)
+        footprint_lists_ = FootprintLists{in.light_frame, result.map};
+    describe_stages(in, result);
+    describe_counts(in, result);
+    Statistics& s = result.statistics;
     s.device_memory_bytes = memory.peak_bytes();
     s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return s;
 }
 
+// ---- Statistics -----------------------------------------------------------------------------------------------------
+
+void FrustumTraced::describe_stages(const RunInputs& in, RunResult& result) const {
+    Statistics& s = result.statistics;
+    merge_stages(s);
+    if (!result.used_prepared && !may_draw_map(in.points)) {
+        const char* why = settings_.map_mode == MapMode::off ? "switched off" : "few points";
+        s.stages.push_back({"conservative_map", 0, 0, why});
+    } else if (result.frames != 0 && !result.used_prepared && result.maps_drawn == 0) {
+        s.stages.push_back({"conservative_map", 0, 0, "the last one decided too little"});
+    } else if (!result.used_prepared && result.total.map_candidates == 0) {
+        mark_skipped(s, "conservative_map", "no triangle can cover a texel");
+    }
+    if (result.total.uncertain == 0) mark_skipped(s, "exact_trace", "the filter decided every pair");
+    if (in.triangles.clusters == nullptr) s.stages.push_back({"clusters", 0, 0, "no clusters are kept"});
+    if (result.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
+}
+
+void FrustumTraced::describe_counts(const RunInputs& in, RunResult& result) {
+    const FrameCounters &t = result.total, &facing = result.facing;
+    const std::uint64_t in_shadow = std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace;
+    result.statistics.counts = {{"points", in.points.layout.count},
+                                {"points_absent", facing.absent},
+                                {"points_facing_away", facing.facing_away},
+                                {"points_decided_by_map", t.decided_by_map},
+                                {"points_listed", t.listed},
+                                {"points_decided_by_trace", t.decided_by_trace},
+                                {"points_decided_by_exact", t.decided_by_exact},
+                                {"points_in_shadow", in_shadow + t.decided_by_exact},
+                                {"triangles", in.triangles.count},
+                                {"frames", result.frames},
+                                {"clusters", in.triangles.clusters != nullptr ? in.triangles.clusters->count() : 0},
+                                {"clusters_outside", t.clusters_outside},
+                                {"clusters_too_far", t.clusters_too_far},
+                                {"triangles_not_finite", t.not_finite},
+                                {"triangles_edge_on", t.edge_on},
+                                {"triangles_outside", t.outside},
+                                {"triangles_kept", t.survivors - t.edge_on},
+                                {"triangles_hidden", t.hidden},
+                                {"map_candidates", t.map_candidates},
+                                {"map_texels_written", t.map_texels},
+                                {"references", t.references},
+                                {"tests", result.tests},
+                                {"uncertain_pairs", t.uncertain},
+                                {"decided_by_float", t.exact_float},
+                                {"decided_by_double", t.exact_double},
+                                {"decided_by_integers", t.exact_exact},
+                                {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
+                                {"lists_grown", result.lists_grown},
+                                {"prepared", result.used_prepared},
+                                {"prepared_fallback_points", result.fallback_points}};
+}
+
 std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const Triangles& triangles,
                                                   const Points& points, const Light& light) {
     if (name != "decided") return Technique::diagnose(name, triangles, points, light);
-    // The other traversal decides in place what finds no room: nothing is left to see whom by.
-    if (traversal_ == Traversal::triangles)
-        throw InvalidArgument("the diagnostic \"decided\" watches traversal=points: leave traversal=triangles out");
     struct Watch {
         explicit Watch(std::optional<Provenance>& provenance) : provenance_(provenance) { provenance_.emplace(); }
         ~Watch() { provenance_.reset(); }
@@ -432,17 +419,20 @@ std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const T
     return provenance_colors(provenance_->read(device_.session(), points.count()), visibility.read());
 }
 
+// ---- Preparing ------------------------------------------------------------------------------------------------------
+
 Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light) {
     require_light(light);
     forget();
     Statistics s;
-    if (traversal_ != Traversal::points || triangles.count() == 0) return s;
+    if (triangles.count() == 0) return s;
     const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
     const cl::RunMemory memory(session, kept_bytes_);
+    const FrameGrid grid = prepared_grid(session, settings_.map_size, triangles.count(), !light.is_directional());
     prepared_ = std::make_unique<PreparedLight>(
-        session, s, triangles, light, prepared_grid(triangles.count(), !light.is_directional()),
-        ListSettings{map_mode_ != MapMode::off, false, cover_test_}, first_capacity_);
+        session, s, triangles, light, grid,
+        ListSettings{settings_.map_mode != MapMode::off, false, settings_.cover_test}, settings_.first_capacity);
     merge_stages(s);
     const FrameCounters& c = prepared_->counted();
     s.counts = {{"triangles", triangles.count()},
@@ -468,41 +458,20 @@ void FrustumTraced::forget() {
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {
     forget();
-    const SettingText text{name, value};
-    if (name == "conservative-map") {
-        map_mode_ = static_cast<MapMode>(text.choice(map_mode_names));
-    } else if (name == "cover-test") {
-        cover_test_ = static_cast<CoverTest>(text.choice(cover_test_names));
-    } else if (name == "traversal") {
-        traversal_ = static_cast<Traversal>(text.choice(traversal_names));
-    } else if (name == "map-size") {
-        map_size_ = text.whole_or_auto(smallest_map, largest_map);
-    } else if (name == "first-capacity") {
-        first_capacity_ = text.whole_or_auto(1, std::numeric_limits<std::uint32_t>::max());
-        lists_.limit_initial_capacity(first_capacity_);
-        trace_.limit_initial_capacity(first_capacity_);
-    } else {
-        throw InvalidArgument("frustum-traced has no setting \"" + std::string(name) +
-                              "\": it has conservative-map, cover-test, map-size, traversal and first-capacity");
-    }
+    settings_table().set(settings_, "frustum-traced", name, value);
+    lists_.limit_initial_capacity(settings_.first_capacity);
+    trace_.limit_initial_capacity(settings_.first_capacity);
 }
 
 TechniqueDescription FrustumTraced::describe() {
-    return {
-        "frustum-traced",
-        "exact hard shadows: frustum tracing over an irregular z-buffer, with a conservative map",
-        true,
-        {{"conservative-map", "auto",
-          "on, off or auto: decide points behind triangles that cover a whole texel at once"},
-         {"cover-test", "tight",
-          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
-         {"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
-         {"traversal", "points",
-          "points (each over its bin's triangles) or triangles (each over its bins' points; a baseline to compare)"},
-         {"first-capacity", "auto", "entries that growing lists start with, from 1, or auto: for tests"}},
-        {{"decided",
-          "what decided each point: pale and blue the filter, dark blue the map, green to red the exact "
-          "predicate; docs/techniques.md has the legend"}}};
+    return {"frustum-traced",
+            "exact hard shadows: points are traced over lists of the triangles that may block them, with a "
+            "conservative map",
+            true,
+            settings_table().descriptions(),
+            {{"decided",
+              "what decided each point: pale and blue the filter, dark blue the map, green to red the exact "
+              "predicate; docs/techniques.md has the legend"}}};
 }
 
 }  // namespace gnomon

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Technique frustum-traced: exact hard shadows by frustum tracing over an irregular z-buffer, with a conservative map.
-// The order of the stages is in frustum_traced.cpp, top to bottom.
+// Technique frustum-traced: exact hard shadows. Points are traced over lists of the triangles that may block them, with
+// a conservative map. The order of the stages is in frustum_traced.cpp, top to bottom.
 #pragma once
 
 #include <array>
 #include <optional>
 
+#include "api/settings_table.hpp"
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
 #include "samples/classify_footprints.hpp"
@@ -32,55 +33,61 @@ public:
     static TechniqueDescription describe();
 
     /// On a GPU: whether a frame with a map, which counted this, took less time than one without.
-    static bool was_worth_a_map(const FrameCounters& counted);
+    static bool map_was_worth_drawing(const FrameCounters& counted);
 
 private:
     enum class MapMode { on, off, automatic };
-    enum class Traversal { points, triangles };
-    struct Run;
+    struct Settings {
+        MapMode map_mode;
+        CoverTest cover_test;
+        std::uint32_t map_size;        ///< 0: chosen by the device and the scene
+        std::uint32_t first_capacity;  ///< 0: the lists' own
+    };
+    struct RunInputs;
+    struct FrameResult;
+    struct RunResult;
 
+    static const SettingsTable<Settings>& settings_table();
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
-    FrameGrid grid(std::size_t triangle_count, std::size_t point_count) const;
-    FrameGrid prepared_grid(std::size_t triangle_count, bool is_point_light) const;
-    bool draws_map(const PointInputs& points) const;
-    ListSettings list_settings(const PointInputs& points, cl_uint frame) const;
+    bool run_prepared(const RunInputs& in, RunResult& result);
+    void run_unprepared(const RunInputs& in, RunResult& result);
+    void run_one_frame(const RunInputs& in, RunResult& result);
+    /// `counters_hold_facing`: what facing counted is still to be read, with what the frame counts.
+    FrameResult run_frame(const RunInputs& in, cl_uint frame, Statistics& statistics, bool counters_hold_facing);
+    /// The stages after the lists. Nothing if a list was too short, which is longer now. `first_read`: the counters
+    /// before a queue overflow, in any case.
+    std::optional<FrameCounters> decide(const TraceInputs& inputs, Statistics& statistics, FrameCounters& first_read);
+    FrameCounters run_queue_overflow(const TraceInputs& inputs, Statistics& statistics);
+    TraceInputs frame_inputs(const RunInputs& in, cl_uint frame, const cl::Buffer* map) const;
+    /// Records provenance while a run is watched.
+    void observe(Moment moment, const TraceInputs& inputs);
+
+    bool may_draw_map(const PointInputs& points) const;
     bool goes_by_last_map(const PointInputs& points) const;
-    void judge_last_map(bool was_drawn, const FrameCounters& counted, cl_uint frame);
-    bool run_prepared(Run& run);
-    void run_unprepared(Run& run);
-    void run_one_frame(Run& run);
-    void run_frame(Run& run, cl_uint frame);
-    static void add(Run& run, const FrameCounters& counted);
-    /// Nothing if a list was too short, which is longer now.
-    std::optional<FrameCounters> run_frame_once(Run& run, cl_uint frame);
-    /// The stages after the lists.
-    std::optional<FrameCounters> decide_by_lists(Run& run, cl_uint frame);
+    ListSettings list_settings(const PointInputs& points, cl_uint frame) const;
+    void note_map_benefit(const FrameResult& result, cl_uint frame);
+
+    void describe_stages(const RunInputs& in, RunResult& result) const;
+    static void describe_counts(const RunInputs& in, RunResult& result);
 
     Device device_;
-    MapMode map_mode_ = MapMode::automatic;
-    CoverTest cover_test_ = CoverTest::tight;
-    Traversal traversal_ = Traversal::points;
-    std::uint32_t map_size_ = 0;        ///< 0: chosen by the device and the number of points
-    std::uint32_t first_capacity_ = 0;  ///< 0: the lists' own
+    Settings settings_ = settings_table().defaults();
+    std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
 
-    std::uint64_t kept_bytes_ = 0;  ///< of the lists below, kept from run to run
-
-    /// On a GPU, by frame: runs that are to do without a map since the last one decided too little. Only a matter of
-    /// time.
+    /// On a GPU, by frame: runs that leave the map out, since the last one decided too little. Only a matter of time.
     std::array<std::uint32_t, POINT_LIGHT_FRAMES> runs_without_map_{};
 
     cl::Buffer counters_;
     LightFrames frames_;
     ReceiverDepthPyramid receiver_depth_pyramid_;
     OccluderLists lists_;
-    Izb izb_;
     Trace trace_;
-    /// What the lists below were made for, if that were footprints, and they serve for all of their samples.
-    struct SettledLists {
+    /// The frame of the lists, if they were made for footprints and serve for all of their samples.
+    struct FootprintLists {
         LightFrame light_frame;
         const cl::Buffer* map;
     };
-    std::optional<SettledLists> settled_;
+    std::optional<FootprintLists> footprint_lists_;
     std::optional<Provenance> provenance_;  ///< while a run is watched
     std::unique_ptr<PreparedLight> prepared_;
 };

@@ -10,6 +10,7 @@
 #include "exact/self_check.hpp"
 #include "frustum_traced.hpp"
 #include "techniques/conservative_map_alone.hpp"
+#include "techniques/izb.hpp"
 #include "techniques/shadow_map/presets.hpp"
 #include "techniques/shadow_map/shadow_map.hpp"
 #include "techniques/shadow_map/virtual_map.hpp"
@@ -61,7 +62,7 @@ Registered entry() {
 
 std::vector<Registered> registered() {
     std::vector<Registered> all{
-        entry<FrustumTraced>(), entry<ShadowMap>(),         entry<VirtualShadowMap>(),
+        entry<FrustumTraced>(), entry<IrregularZBuffer>(), entry<ShadowMap>(),         entry<VirtualShadowMap>(),
         entry<ShadowVolumes>(), entry<SubPixelShadowMap>(), entry<ConservativeMapAlone>(),
     };
     for (const ShadowMapPreset& preset : shadow_map_presets())

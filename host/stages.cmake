@@ -47,18 +47,15 @@ gnomon_wing(lists append fill group_scan scan sort)
 gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
             library faults regressions)
 
-gnomon_wing(receivers light_frame footprint block_bounds facing_cache facing
+gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing_cache facing
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists record_blocks bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records tile_bins triangle_tiles bins occluder_lists)
 gnomon_wing(camera camera camera_rays shading_point shade)
-gnomon_wing(trace trace coarse_test trace_points trace_blocks trace_rounds trace_open_points trace_kernel trace_queue_overflow
-            exact_trace provenance)
-gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_trace_cached_facing
-            prepared_trace_plane_side)
+gnomon_wing(trace trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance)
+gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)
 gnomon_wing(samples samples fragments footprints neighbour_receivers find_receivers_gpu clearance classify_footprints)
-gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb trace_triangles
-            frustum_traced)
+gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb frustum_traced)
 gnomon_wing(techniques/shadow_map map_view projection polyhedron homography partition planned_view footprint
             map_views depth_pass caster lookup depth_lookup mip_chain moments moment_lookup visibility_bounds prefilter
             point_light_perspective rectilinear_warp virtual_map stored_map presets shadow_map soft_shadow

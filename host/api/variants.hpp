@@ -2,7 +2,7 @@
 // The one place that says which kernel runs when, and why (the table is in variants.cpp).
 #pragma once
 
-#include "cl/session.hpp"
+#include "api/inputs.hpp"
 
 namespace gnomon {
 
@@ -29,5 +29,12 @@ enum class Task {
 /// The kernel for this task on this device. `is_directional`: every projection and light frame of the launch is
 /// parallel.
 const cl::Kernel& variant(const cl::Session& session, Task task, bool is_directional);
+
+/// Whether all points on a receiver face the same way: no point may shadow itself.
+bool share_facing(const PointInputs& points);
+
+/// How a prepared light is traced for these points. A point that Task::trace_prepared_plane_side leaves as a fallback
+/// point may still be decided by Task::trace_prepared.
+Task prepared_trace_task(const cl::Session& session, const PointInputs& points, bool is_directional);
 
 }  // namespace gnomon

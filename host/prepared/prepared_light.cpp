@@ -36,16 +36,10 @@ PreparedLight::PreparedLight(cl::Session& session, Statistics& statistics, const
         if (fitted[frame].active_points != 0 && fitted[frame].indistinct != 0) return;
 
     keep_planes(session, statistics, inputs);
-    const std::size_t bins = std::size_t(frame_count) * grid.bin_count();
     const std::size_t texels = std::size_t(frame_count) * grid.size * grid.size;
-    ranges_.reserve(session, bins * 2 * sizeof(cl_uint));
-    session.fill(ranges_, 0, bins * 2 * sizeof(cl_uint));
     if (draws_map_) map_.reserve(session, texels * sizeof(cl_uint));
     if (draws_map_) session.fill(map_, 0, texels * sizeof(cl_uint));
-    for (cl::Buffer* list : {&entries_, &records_, &bounds_, &lit_}) list->reserve(session, 0);
-    const std::size_t slot_bytes = session.is_cpu() ? 0 : inputs.count * sizeof(cl_uint);  // whose trace does not ask
-    slots_.reserve(session, slot_bytes);
-    if (slot_bytes != 0) session.fill(slots_, GN_NO_ID, slot_bytes);
+    for (cl::Buffer* list : {&entries_, &records_, &bounds_}) list->reserve(session, 0);
 
     ReceiverDepthPyramid anywhere;
     OccluderLists lists;
@@ -68,63 +62,94 @@ PreparedLight::PreparedLight(cl::Session& session, Statistics& statistics, const
     is_usable_ = true;
 }
 
+// A CPU's trace reads neither slots nor bits of unshadowed triangles.
+void PreparedLight::reserve_tables(cl::Session& session, cl_uint triangle_count) {
+    const std::size_t frame_count = frame_count_of(light_frame_), on_gpu = session.is_cpu() ? 0 : triangle_count;
+    std::size_t bytes = 0;
+    const auto append = [&bytes](std::size_t table_bytes) {
+        const std::size_t first = bytes;
+        bytes += (table_bytes + 15) / 16 * 16;
+        return static_cast<cl_uint>(first / 16);
+    };
+    append(frame_count * light_frame_.bins_x * light_frame_.bins_y * 2 * sizeof(cl_uint));  // the ranges
+    offsets_.largest = append(sizeof(cl_uint));
+    offsets_.unshadowed = append((on_gpu / UNSHADOWED_WORD_BITS + 1) * sizeof(cl_uint));
+    const std::size_t zeroed_bytes = bytes;
+    offsets_.domains = append(frame_count * sizeof(PreparedDomain));
+    offsets_.planes = append(triangle_count * sizeof(cl_float4));
+    offsets_.slots = append(on_gpu * sizeof(cl_uint));
+    tables_.reserve(session, bytes);
+    if (!session.is_cpu()) session.fill(tables_, GN_NO_ID, bytes);  // the slots; the other tables are written whole
+    session.fill(tables_, 0, zeroed_bytes);
+}
+
+PreparedParams PreparedLight::params(const TriangleInputs& triangles) const {
+    return {.first_float = triangles.first_float,
+            .light_frame = light_frame_,
+            .tables = offsets_,
+            .triangle_count = triangles.count,
+            .record_count = records_kept_,
+            .sample_step = 1};
+}
+
 // False if there is nothing to fit to.
 bool PreparedLight::fit(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles) {
     cl::StageTimer timer(session, statistics, "light_frame");
     const cl_uint frame_count = frame_count_of(light_frame_);
     const cl::Buffer frame_bounds(session, frame_count * sizeof(PointBounds));
-    domains_.reserve(session, frame_count * sizeof(PreparedDomain));
+    reserve_tables(session, triangles.count);
     session.fill(frame_bounds, 0, frame_count * sizeof(PointBounds));
-    session.launch("prepared/prepared_light.cl", "prepared_bounds", cl::Range::items(triangles.count), light_frame_,
-                   triangles.first_float, triangles.count, triangles.vertices, frame_bounds);
-    session.launch("prepared/prepared_light.cl", "prepared_domains", cl::Range::groups(1), light_frame_, frame_bounds,
-                   domains_);
+    session.launch("prepared/prepared_light.cl", "prepared_bounds", cl::Range::items(triangles.count),
+                   params(triangles), triangles.vertices, frame_bounds);
+    session.launch("prepared/prepared_light.cl", "prepared_domains", cl::Range::groups(1), params(triangles),
+                   frame_bounds, tables_);
     light_frame_fit_.run(session, light_frame_, frame_bounds);
     return triangles.count != 0;
 }
 
 void PreparedLight::keep_planes(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles) {
     cl::StageTimer timer(session, statistics, "planes");
-    planes_.reserve(session, triangles.count * sizeof(cl_float4));
-    largest_coordinate_.reserve(session, sizeof(cl_uint));
-    session.fill(largest_coordinate_, 0, sizeof(cl_uint));
     session.launch("prepared/prepared_light.cl", "prepared_planes",
-                   cl::Range::items(triangles.count / session.lanes() + 1), light_frame_, triangles.first_float,
-                   triangles.count, triangles.vertices, planes_, largest_coordinate_);
+                   cl::Range::items(triangles.count / session.lanes() + 1), params(triangles), triangles.vertices,
+                   tables_);
 }
 
-// Of one in `step` of the triangles that have a record.
+// Tests one in `step` of the triangles that have a record.
 void PreparedLight::seek_unshadowed_triangles(cl::Session& session, const TriangleInputs& triangles, cl_uint step) {
     const std::size_t sought = records_kept_ / step;
-    session.launch("prepared/unshadowed_triangles.cl", "unshadowed_candidates", cl::Range::items(sought), records_kept_,
-                   step, bounds_, lit_);
+    PreparedParams params = this->params(triangles);
+    params.sample_step = step;
+    session.launch("prepared/unshadowed_triangles.cl", "unshadowed_candidates", cl::Range::items(sought), params,
+                   bounds_, tables_);
     session.launch("prepared/unshadowed_triangles.cl", "unshadowed_triangles",
-                   cl::Range::items(sought * UNSHADOWED_TEAM), light_frame_, projections(), triangles.first_float,
-                   records_kept_, step, triangles.vertices, ranges_, entries_, records_, bounds_, lit_);
+                   cl::Range::items(sought * UNSHADOWED_TEAM), params, projections(), triangles.vertices, entries_,
+                   records_, bounds_, tables_);
 }
 
-// Of a lamp's none are sought, whose triangles may be in several frames, and hidden in some. Nor on a CPU, where the
-// search takes longer than dozens of frames would gain: its trace does not ask. Nor where there are hardly any.
-// Measured on an H200: of the triangles .19 are lit in lost_empire and .22 in a city, whose frames take two thirds with
-// them; .006 in Sponza, .002 in pipes and .0001 in foliage, where they gain nothing and the search takes half of
-// preparing.
+std::vector<cl_uint> PreparedLight::unshadowed_bits(cl::Session& session) const {
+    std::vector<cl_uint> words(triangles_.count() / UNSHADOWED_WORD_BITS + 1);
+    const cl::Buffer copied(session, words.size() * sizeof(cl_uint));
+    session.copy(tables_, std::size_t(offsets_.unshadowed) * 16, copied, 0, words.size() * sizeof(cl_uint));
+    session.read(copied.get(), words.data(), words.size() * sizeof(cl_uint));
+    return words;
+}
+
+// Not sought for a point light, since a triangle may be in several of its frames, and hidden in some. Nor on a CPU,
+// where the search takes longer than dozens of frames would gain: its trace does not read the bits. Nor where there are
+// hardly any. Measured on an H200: .19 of the triangles are unshadowed in lost_empire and .22 in a city, whose frames
+// take two thirds with the bits; .006 in Sponza, .002 in pipes and .0001 in foliage, where they gain nothing and the
+// search takes half of preparing.
 void PreparedLight::find_unshadowed_triangles(cl::Session& session, Statistics& statistics,
                                               const TriangleInputs& triangles) {
     constexpr cl_uint sample_step = 16;
     constexpr std::size_t least_share = 32;  // one of so many
-    if (session.is_cpu()) return;
-    std::vector<cl_uint> words(triangles.count / UNSHADOWED_WORD_BITS + 1);
-    const std::size_t bytes = words.size() * sizeof(cl_uint);
-    lit_.reserve(session, bytes);
-    session.fill(lit_, 0, bytes);
-    if (frame_count_of(light_frame_) != 1 || records_kept_ == 0) return;
+    if (session.is_cpu() || frame_count_of(light_frame_) != 1 || records_kept_ == 0) return;
     cl::StageTimer timer(session, statistics, "unshadowed_triangles");
     if (records_kept_ >= sample_step * least_share) {
         seek_unshadowed_triangles(session, triangles, sample_step);
-        session.read(lit_.get(), words.data(), bytes);
-        std::size_t lit = 0;
-        for (const cl_uint word : words) lit += static_cast<std::size_t>(std::popcount(word));
-        if (lit * least_share < records_kept_ / sample_step) return;
+        std::size_t unshadowed = 0;
+        for (const cl_uint word : unshadowed_bits(session)) unshadowed += static_cast<std::size_t>(std::popcount(word));
+        if (unshadowed * least_share < records_kept_ / sample_step) return;
     }
     seek_unshadowed_triangles(session, triangles, 1);
 }
@@ -138,14 +163,23 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Occ
     if (counted.entries == 0) return;
     cl::StageTimer timer(session, statistics, "keep");
     const std::size_t slots = std::min(counted.slots, lists.setup().capacity());
-    const cl::Buffer places(session, slots * sizeof(cl_uint)), kept(session, sizeof(cl_uint));
-    session.fill(places, GN_NO_ID, slots * sizeof(cl_uint));
-    session.fill(kept, 0, sizeof(cl_uint));
-    session.launch("prepared/prepared_light.cl", "prepared_places", cl::Range::items(counted.entries), counted.entries,
-                   records_kept_, lists.bins().entries(), places, kept);
-    const auto named = session.read_value<cl_uint>(kept);
+    const cl_uint bin_count = light_frame_.bins_x * light_frame_.bins_y;
+    KeptFrame kept{.tables = offsets_,
+                   .entry_count = counted.entries,
+                   .slot_count = static_cast<cl_uint>(slots),
+                   .bin_count = bin_count,
+                   .record_count = 0,
+                   .first_entry = entries_kept_,
+                   .first_record = records_kept_,
+                   .first_bin = frame * bin_count};
+    const cl::Buffer kept_slots(session, slots * sizeof(cl_uint)), named_count(session, sizeof(cl_uint));
+    session.fill(kept_slots, GN_NO_ID, slots * sizeof(cl_uint));
+    session.fill(named_count, 0, sizeof(cl_uint));
+    session.launch("prepared/prepared_light.cl", "prepared_kept_slots", cl::Range::items(counted.entries), kept,
+                   lists.bins().entries(), kept_slots, named_count);
+    kept.record_count = session.read_value<cl_uint>(named_count);
 
-    const std::uint64_t records = std::uint64_t(records_kept_) + named,
+    const std::uint64_t records = std::uint64_t(records_kept_) + kept.record_count,
                         entries = std::uint64_t(entries_kept_) + counted.entries;
     if (records >= APPEND_OVERFLOW || entries >= APPEND_OVERFLOW)
         throw OutOfDeviceMemory("keeping more than 2^32 entries of a prepared light", CL_MEM_OBJECT_ALLOCATION_FAILURE,
@@ -154,25 +188,22 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Occ
     lengthen(session, entries_, entries_kept_ * entry_bytes, entries * entry_bytes);
     lengthen(session, records_, records_kept_ * sizeof(TriangleRecord), records * sizeof(TriangleRecord));
     lengthen(session, bounds_, records_kept_ * sizeof(TriangleBounds), records * sizeof(TriangleBounds));
-    session.launch("prepared/prepared_light.cl", "prepared_records", cl::Range::items(slots),
-                   static_cast<cl_uint>(slots), places, lists.setup().records(), lists.setup().bounds(), records_,
-                   bounds_);
-    session.launch("prepared/prepared_light.cl", "prepared_entries", cl::Range::items(counted.entries), counted.entries,
-                   entries_kept_, lists.bins().entries(), places, entries_);
+    session.launch("prepared/prepared_light.cl", "prepared_records", cl::Range::items(slots), kept, kept_slots,
+                   lists.setup().records(), lists.setup().bounds(), records_, bounds_);
+    session.launch("prepared/prepared_light.cl", "prepared_entries", cl::Range::items(counted.entries), kept,
+                   lists.bins().entries(), kept_slots, entries_);
     if (!session.is_cpu())
-        session.launch("prepared/prepared_light.cl", "prepared_slots", cl::Range::items(named), records_kept_, named,
-                       bounds_, slots_);
-    const cl_uint bin_count = light_frame_.bins_x * light_frame_.bins_y;
-    session.launch("prepared/prepared_light.cl", "prepared_ranges", cl::Range::items(bin_count), bin_count,
-                   frame * bin_count, entries_kept_, lists.bins().ranges(), ranges_);
+        session.launch("prepared/prepared_light.cl", "prepared_slots", cl::Range::items(kept.record_count), kept,
+                       bounds_, tables_);
+    session.launch("prepared/prepared_light.cl", "prepared_ranges", cl::Range::items(bin_count), kept,
+                   lists.bins().ranges(), tables_);
     records_kept_ = static_cast<cl_uint>(records);
     entries_kept_ = static_cast<cl_uint>(entries);
 }
 
 std::uint64_t PreparedLight::bytes() const {
     std::uint64_t bytes = 0;
-    for (const cl::Buffer* buffer : {&projections(), &domains_, &planes_, &largest_coordinate_, &lit_, &slots_,
-                                     &ranges_, &map_, &entries_, &records_, &bounds_})
+    for (const cl::Buffer* buffer : {&projections(), &tables_, &map_, &entries_, &records_, &bounds_})
         bytes += buffer->bytes();
     return bytes;
 }

@@ -21,16 +21,18 @@ public:
     bool is_of(const Triangles& triangles, const Light& light) const;
 
     const LightFrame& light_frame() const { return light_frame_; }
-    const cl::Buffer& domains() const { return domains_; }
     const cl::Buffer& projections() const { return light_frame_fit_.projections(); }
     const cl::Buffer* map() const { return draws_map_ ? &map_ : nullptr; }
-    ReceiverBuffers receivers() const { return {domains_, planes_, largest_coordinate_, lit_, slots_}; }
-    ListBuffers lists() const { return {ranges_, entries_, records_, bounds_}; }
+    ListBuffers lists() const { return {tables_, entries_, records_, bounds_, offsets_}; }
+    /// On a GPU: the bits of the triangles that nothing shadows (kernels/prepared/unshadowed_triangles.h).
+    std::vector<cl_uint> unshadowed_bits(cl::Session& session) const;
     std::uint64_t bytes() const;
     const FrameCounters& counted() const { return counted_; }  ///< over the frames
 
 private:
+    void reserve_tables(cl::Session& session, cl_uint triangle_count);
     bool fit(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
+    PreparedParams params(const TriangleInputs& triangles) const;
     void keep_planes(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
     void seek_unshadowed_triangles(cl::Session& session, const TriangleInputs& triangles, cl_uint step);
     void find_unshadowed_triangles(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles);
@@ -42,7 +44,9 @@ private:
     LightFrame light_frame_;
     bool draws_map_, is_usable_ = false;
     LightFrameFit light_frame_fit_;
-    cl::Buffer domains_, planes_, largest_coordinate_, lit_, slots_, ranges_, map_, entries_, records_, bounds_;
+    cl::Buffer tables_;  ///< the ranges of the bins, then the tables
+    PreparedTables offsets_{};
+    cl::Buffer map_, entries_, records_, bounds_;
     cl_uint entries_kept_ = 0, records_kept_ = 0;  ///< entries in units of BinEntries
     FrameCounters counted_{};
 };

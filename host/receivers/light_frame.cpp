@@ -34,13 +34,6 @@ LightFrame parallel_frame(const Light& light, const FrameGrid& grid) {
 
 }  // namespace
 
-FrameGrid binned(const cl::Session& session, std::uint32_t size) {
-    FrameGrid grid{size, 0};
-    const std::uint32_t most_bins = session.is_cpu() ? 128 : 1024;
-    while (grid.bins() > most_bins) ++grid.bin_log2;
-    return grid;
-}
-
 LightFrame make_light_frame(const Light& light, const FrameGrid& grid) {
     if (light.is_directional()) return parallel_frame(light, grid);
     LightFrame frame = make_frame(light, grid, 0, 1.0f);

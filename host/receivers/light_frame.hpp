@@ -4,18 +4,9 @@
 
 #include "api/inputs.hpp"
 #include "kernels/receivers/light_frame.h"
+#include "receivers/frame_grid.hpp"
 
 namespace gnomon {
-
-/// Texels of a frame, and how they are grouped into bins.
-struct FrameGrid {
-    std::uint32_t size;      ///< texels per side
-    std::uint32_t bin_log2;  ///< texels per bin side, as a power of two
-    std::uint32_t bins() const { return (size + (1u << bin_log2) - 1) >> bin_log2; }
-    std::uint32_t bin_count() const { return bins() * bins(); }
-};
-/// The finest bins of which there are at most 128 x 128 on a CPU, 512 x 512 on a GPU.
-FrameGrid binned(const cl::Session& session, std::uint32_t size);
 
 /// The frame of a directional light, or the first of a positional one's POINT_LIGHT_FRAMES (the faces of a cube around
 /// it).

@@ -23,7 +23,7 @@ private:
         std::uint32_t map_size;
     };
     static const SettingsTable<Settings>& settings_table();
-    FrameGrid grid() const override { return binned(device_.session(), settings_.map_size); }
+    FrameGrid grid() const override { return map_grid(device_.session(), settings_.map_size); }
     void run_frame(Run& run, cl_uint frame) override;
     void begin_counts() override { map_candidates_ = map_texels_ = 0; }
     void add_counts(Run& run) const override;

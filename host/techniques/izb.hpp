@@ -1,30 +1,67 @@
 // SPDX-License-Identifier: MIT
-// Stage izb: the points that still need an answer after the coarse test, listed by bin of light space
-// (kernels/techniques/izb.cl); for the traversal of triangles over lists of points.
+// Technique izb: exact hard shadows by an irregular z-buffer. Triangles are traced over the lists of the points that
+// they may shadow (kernels/techniques/izb.cl); frustum-traced walks the other way. A baseline to compare with.
 #pragma once
 
+#include "api/settings_table.hpp"
+#include "kernels/techniques/izb.h"
 #include "lists/scan.hpp"
-#include "occluders/triangle_setup.hpp"
-#include "receivers/light_frame.hpp"
+#include "occluders/occluder_lists.hpp"
+#include "techniques/framed_technique.hpp"
+#include "trace/trace.hpp"
 
 namespace gnomon {
 
+/// The points of a frame that the coarse test leaves open, listed by bin.
 class Izb {
 public:
-    /// Of frame `frame`, whose projection and map these are, once its triangles are listed. `map` may be null: no
-    /// coarse test.
-    void run(cl::Session& session, const LightFrame& light_frame, cl_uint frame, const PointInputs& points,
-             const cl::Buffer& projection, const cl::Buffer* map, cl_mem visibility, const cl::Buffer& counters);
+    /// Lists the points of inputs.first_frame, once its triangles are listed.
+    void run(cl::Session& session, const TraceInputs& inputs);
+    /// Takes each pair of a triangle and a bin over the bin's points, and queues undecided pairs of a triangle and a
+    /// point. A pair that finds no room is decided in place.
+    void trace(cl::Session& session, const TraceInputs& inputs, const Bins& bins, Trace& queue);
 
-    const cl::Buffer& offsets() const { return offsets_; }
-    const cl::Buffer& x() const { return x_; }
-    const cl::Buffer& y() const { return y_; }
-    const cl::Buffer& z() const { return z_; }
-    const cl::Buffer& order() const { return order_; }
+    const cl::Buffer& offsets() const { return offsets_; }  ///< of each bin's slots
+    const cl::Buffer& lists() const { return lists_; }      ///< IZB_WORDS arrays of slot_count() words
+    cl_uint slot_count() const { return slot_count_; }
 
 private:
+    IzbParams params(const TraceInputs& inputs, cl_uint queue_capacity) const;
+
     Scan scan_;
-    cl::Buffer cursors_, offsets_, x_, y_, z_, order_;
+    cl::Buffer cursors_, offsets_, lists_;
+    cl_uint slot_count_ = 0;
+};
+
+class IrregularZBuffer final : public FramedTechnique {
+public:
+    explicit IrregularZBuffer(const Device& device) : FramedTechnique(device) {}
+    void set(std::string_view name, std::string_view value) override;
+
+    static TechniqueDescription describe();
+
+private:
+    struct Settings {
+        bool draws_map;
+        CoverTest cover_test;
+        std::uint32_t map_size;
+    };
+    static const SettingsTable<Settings>& settings_table();
+    FrameGrid grid() const override { return map_grid(device_.session(), settings_.map_size); }
+    void run_frame(Run& run, cl_uint frame) override;
+    void begin_counts() override { total_ = {}, tests_ = 0; }
+    void add_counts(Run& run) const override;
+    /// Lists triangles and points, and decides the points; the counts of the frame.
+    FrameCounters run_once(Run& run, cl_uint frame);
+
+    Settings settings_ = settings_table().defaults();
+
+    FrameCounters total_{};  ///< over the frames
+    std::uint64_t tests_ = 0;
+    ReceiverDepthPyramid receiver_depth_pyramid_;
+    OccluderLists lists_;
+    Izb izb_;
+    Trace trace_;
 };
 
 }  // namespace gnomon

@@ -21,7 +21,7 @@ private:
         std::uint32_t map_size;
     };
     static const SettingsTable<Settings>& settings_table();
-    FrameGrid grid() const override { return {settings_.map_size, 0}; }
+    FrameGrid grid() const override { return texel_grid(settings_.map_size); }
     void run_frame(Run& run, cl_uint frame) override;
     void begin_counts() override;
     void add_counts(Run& run) const override;

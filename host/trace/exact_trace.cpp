@@ -3,11 +3,10 @@
 
 namespace gnomon {
 
-void run_exact_trace(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points,
-                     const Light& light, const Trace& trace, cl_mem visibility, const cl::Buffer& counters) {
+void run_exact_trace(cl::Session& session, const TraceInputs& inputs, const Trace& trace) {
     session.launch("trace/exact_trace.cl", "exact_trace", cl::Range::items(trace.capacity() / session.lanes() + 1),
-                   float4_of(light.xyzw), points.layout, triangles.first_float, trace.capacity(), points.positions,
-                   triangles.vertices, trace.queue(), visibility, counters);
+                   trace.params(inputs), inputs.points.positions, inputs.triangles.vertices, trace.queue(),
+                   inputs.visibility, inputs.counters);
 }
 
 }  // namespace gnomon

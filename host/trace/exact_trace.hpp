@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Stage exact_trace: the pairs that the trace left open, decided by the exact predicate (kernels/trace/exact_trace.cl).
+// Stage exact_trace: the exact predicate decides the pairs that the trace queued (kernels/trace/exact_trace.cl).
 #pragma once
 
 #include "trace/trace.hpp"
 
 namespace gnomon {
 
-void run_exact_trace(cl::Session& session, const TriangleInputs& triangles, const PointInputs& points,
-                     const Light& light, const Trace& trace, cl_mem visibility, const cl::Buffer& counters);
+void run_exact_trace(cl::Session& session, const TraceInputs& inputs, const Trace& trace);
 
 }  // namespace gnomon

@@ -8,8 +8,8 @@ namespace {
 
 // How many points each item of a GPU's work-group takes in a round: the more, the better they share out the lists; but
 // every multiprocessor should have several groups. Measured on an H200, Sponza, 512, 1024 and 2048 points in a round:
-// .143, .137 and .122 ms at 1920x1080 under a prepared light, .298, .253 and .251 at 3840x2160. A lamp's frame by
-// itself has few of the points, and long rounds only wait for them (six frames 1.00 ms with 2048, .86 without rounds).
+// .143, .137 and .122 ms at 1920x1080 under a prepared light, .298, .253 and .251 at 3840x2160. One frame of a point
+// light has few of the points, and long rounds only wait for them (six frames 1.00 ms with 2048, .86 without rounds).
 std::size_t points_each(const cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                         std::size_t count) {
     if (session.is_cpu()) return 1;  // no rounds
@@ -23,56 +23,59 @@ std::size_t points_each(const cl::Session& session, const LightFrame& light_fram
 
 }  // namespace
 
-template <typename... More>
-void Trace::launch(cl::Session& session, Task task, const TraceInputs& inputs, const More&... more) {
+TraceParams Trace::params(const TraceInputs& inputs) const {
+    return {.first_float = inputs.triangles.first_float,
+            .light_frame = inputs.light_frame,
+            .layout = inputs.points.layout,
+            .tables = inputs.lists.tables,
+            .first_frame = inputs.first_frame,
+            .frame_count = inputs.frame_count,
+            .triangle_count = inputs.triangles.count,
+            .has_map = inputs.map != nullptr,
+            .has_block_bounds = 0,
+            .queue_capacity = capacity_,
+            .round_points = 0};
+}
+
+// `table`: what only the task's kernel reads on a CPU; may be null.
+void Trace::launch(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* table) {
     const PointInputs& points = inputs.points;
     const ListBuffers& lists = inputs.lists;
-    if (capacity_ == 0) reserve(session, first_capacity(points));
-    const cl_uint has_map = inputs.map != nullptr;
+    reserve_queue(session, points);
     const std::size_t each = points_each(session, inputs.light_frame, inputs.frame_count, points.layout.count);
-    const std::size_t round = each * session.work_group_size();
-    session.launch(variant(session, task, inputs.light_frame.perspective == 0),
-                   session.uneven_items(points.layout.count / session.lanes() + 1, each), inputs.light_frame,
-                   inputs.first_frame, inputs.frame_count, points.layout, inputs.projections, has_map, capacity_,
-                   inputs.triangles.first_float, points.positions, points.receivers, inputs.triangles.vertices,
-                   inputs.map != nullptr ? *inputs.map : queue_, lists.ranges, lists.entries, lists.records,
-                   lists.bounds, inputs.visibility, queue_, inputs.counters, cl_uint(round),
-                   cl::LocalBytes{round * sizeof(cl_uint)}, more...);
+    TraceParams params = this->params(inputs);
+    params.has_block_bounds = task == Task::trace && table != nullptr;
+    params.round_points = static_cast<cl_uint>(each * session.work_group_size());
+    const auto launch_with = [&](const auto& last) {
+        session.launch(variant(session, task, inputs.light_frame.perspective == 0),
+                       session.uneven_items(points.layout.count / session.lanes() + 1, each), params,
+                       inputs.projections, points.positions, points.receivers, inputs.triangles.vertices,
+                       inputs.map != nullptr ? *inputs.map : queue_, lists.ranges, lists.entries, lists.records,
+                       lists.bounds, inputs.visibility, queue_, inputs.counters, last);
+    };
+    if (session.lanes() == 1)
+        launch_with(cl::LocalBytes{params.round_points * sizeof(cl_uint)});
+    else
+        launch_with(table != nullptr ? *table : lists.ranges);
 }
 
 void Trace::run(cl::Session& session, const TraceInputs& inputs, const cl::Buffer* blocks) {
-    launch(session, Task::trace, inputs, cl_uint(blocks != nullptr), blocks != nullptr ? *blocks : inputs.projections);
+    launch(session, Task::trace, inputs, blocks);
 }
 
 void Trace::run_queue_overflow(cl::Session& session, const TraceInputs& inputs) {
-    launch(session, Task::trace_queue_overflow, inputs);
+    launch(session, Task::trace_queue_overflow, inputs, nullptr);
 }
 
-void Trace::run_prepared(cl::Session& session, const TraceInputs& inputs, const ReceiverBuffers& receivers,
-                         bool plane_side) {
-    launch(session, plane_side ? Task::trace_prepared_plane_side : Task::trace_prepared, inputs, inputs.triangles.count,
-           receivers.domains, receivers.planes, receivers.largest_coordinate, receivers.lit, receivers.slots);
+void Trace::run_prepared(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* facing_cache) {
+    launch(session, task, inputs, facing_cache);
 }
 
-void Trace::run_prepared_cached_facing(cl::Session& session, const TraceInputs& inputs, const cl::Buffer& domains,
-                                       const cl::Buffer& answers) {
-    launch(session, Task::trace_prepared_cached_facing, inputs, inputs.triangles.count, domains, answers);
-}
-
-void Trace::run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                          const PointInputs& points, const Izb& izb, const Bins& bins, const TriangleSetup& setup,
-                          cl_mem visibility, const cl::Buffer& counters) {
-    if (capacity_ == 0) reserve(session, first_capacity(points));
-    session.launch("techniques/trace_triangles.cl", "trace_triangles", cl::Range::items(bins.pair_capacity()),
-                   light_frame, points.layout, capacity_, triangles.first_float, points.positions, points.receivers,
-                   triangles.vertices, izb.x(), izb.y(), izb.z(), izb.order(), izb.offsets(), bins.pairs(),
-                   setup.records(), setup.bounds(), visibility, queue_, counters);
-}
-
-// Room for the pairs of most pictures (the built-in one has 65,400 of 2 million points): a second look is a kernel of
-// its own, which takes a second or two to compile.
-std::uint32_t Trace::first_capacity(const PointInputs& points) const {
-    return first_capacity_ != 0 ? first_capacity_ : std::max(initial_capacity, points.layout.count / 8);
+// Room for the pairs of most pictures (the built-in one has 65,400 of 2 million points): the kernel for a queue
+// overflow takes a second or two to compile.
+void Trace::reserve_queue(cl::Session& session, const PointInputs& points) {
+    if (capacity_ != 0) return;
+    reserve(session, first_capacity_ != 0 ? first_capacity_ : std::max(initial_capacity, points.layout.count / 8));
 }
 
 void Trace::reserve(cl::Session& session, std::uint32_t capacity) {

@@ -1,28 +1,26 @@
 // SPDX-License-Identifier: MIT
-// Stage trace: open points against the map and their bins' triangles by the float filter; what it cannot decide is
-// queued (kernels/trace/trace.cl).
+// Stage trace: open points against the map and their bins' triangles by the float filter; the pairs that it leaves
+// undecided are queued (kernels/trace/trace.cl).
 #pragma once
 
 #include "api/variants.hpp"
+#include "kernels/trace/trace.h"
 #include "occluders/bins.hpp"
-#include "techniques/izb.hpp"
+#include "receivers/light_frame.hpp"
 
 namespace gnomon {
 
-/// The lists that points are held against, and the records that their entries name.
+/// The lists of bins, and the records that their entries name.
 struct ListBuffers {
     const cl::Buffer &ranges, &entries, &records, &bounds;
-};
-/// What a prepared light keeps for facing (kernels/prepared/prepared_facing.clh).
-struct ReceiverBuffers {
-    const cl::Buffer &domains, &planes, &largest_coordinate, &lit, &slots;
+    PreparedTables tables{};  ///< of a prepared light, in the buffer of the ranges
 };
 inline ListBuffers list_buffers(const Bins& bins, const TriangleSetup& setup) {
     return {bins.ranges(), bins.entries(), setup.records(), setup.bounds()};
 }
 
-/// What points are held against their lists with, in the frames from `first_frame` on, whose projections (and bins, and
-/// maps) lie one behind the other.
+/// What points are traced against, in the frames from `first_frame` on. The frames' projections, bins and maps lie one
+/// behind the other.
 struct TraceInputs {
     const LightFrame& light_frame;
     cl_uint first_frame, frame_count;
@@ -37,29 +35,22 @@ struct TraceInputs {
 
 class Trace {
 public:
-    /// The first look: queues undecided pairs and leaves points open whose pairs find no room; the second, only needed
-    /// then, decides theirs in place. `blocks` are what facing says of the points, of one frame alone, none of which
-    /// has been decided since; it may be null.
+    /// Queues undecided pairs; a point whose pairs find no room stays open. `blocks`: bounds from facing, valid for a
+    /// single frame and only while no point has been decided since. May be null.
     void run(cl::Session& session, const TraceInputs& inputs, const cl::Buffer* blocks);
-    /// The second look.
+    /// Decides the points that run() or run_prepared() left open, in place.
     void run_queue_overflow(cl::Session& session, const TraceInputs& inputs);
-    /// The first look under a prepared light, of all its frames: decides facing too. Counts strays; all points are
-    /// decided if there are none. `plane_side`: of lifted points, and strays are also those whose facing the planes of
-    /// their receivers leave undecided.
-    void run_prepared(cl::Session& session, const TraceInputs& inputs, const ReceiverBuffers& receivers,
-                      bool plane_side);
-    /// The same of a direction on a CPU, of points that can look their receivers up in `answers` (Facing).
-    void run_prepared_cached_facing(cl::Session& session, const TraceInputs& inputs, const cl::Buffer& domains,
-                                    const cl::Buffer& answers);
-    /// The other traversal, of one frame: triangles over the lists of points (kernels/techniques/trace_triangles.cl).
-    /// Needs no second look.
-    void run_triangles(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                       const PointInputs& points, const Izb& izb, const Bins& bins, const TriangleSetup& setup,
-                       cl_mem visibility, const cl::Buffer& counters);
-    /// True if all undecided pairs fitted. Else a second look is needed; later runs have more room, at most
-    /// one pair per point or initial_capacity.
+    /// As run(), under a prepared light, for all its frames: decides facing too, and counts fallback points. If there
+    /// are none, all points are decided. `task`: prepared_trace_task() or Task::trace_prepared. `facing_cache`: for the
+    /// task that reads one, else null.
+    void run_prepared(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* facing_cache);
+    /// True if all undecided pairs fitted. Else run_queue_overflow() is needed; later runs have more room, at most one
+    /// pair per point or initial_capacity.
     bool fitted(cl::Session& session, const PointInputs& points, const FrameCounters& counted);
 
+    /// Room for the queue before its first use.
+    void reserve_queue(cl::Session& session, const PointInputs& points);
+    TraceParams params(const TraceInputs& inputs) const;
     std::uint32_t capacity() const { return capacity_; }
     const cl::Buffer& queue() const { return queue_; }
 
@@ -67,11 +58,8 @@ public:
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
-    template <typename... More>
-    void launch(cl::Session& session, Task task, const TraceInputs& inputs, const More&... more);
+    void launch(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* table);
     void reserve(cl::Session& session, std::uint32_t capacity);
-
-    std::uint32_t first_capacity(const PointInputs& points) const;
 
     cl::Buffer queue_;
     std::uint32_t capacity_ = 0, first_capacity_ = 0;

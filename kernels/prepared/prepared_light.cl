@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Prepared light: fits a light's frames to the triangles, and keeps of the stages' lists what a trace needs.
+// Prepared light: fits a light's frames to the triangles, and keeps what a trace needs of the stages' lists.
 //
 // Why a point outside the triangles' bounds is lit. Parallel: the raw grid coordinates of light_frame.h are off by at
 // most 4u M (M the largest world coordinate) and what underflow takes, those of vertices and of points alike; a
@@ -9,7 +9,6 @@
 // triangles are those with a vertex at W > 0. If all its vertices have W > 0 its ratios lie between theirs (off by 8u),
 // else they may be any; a face has points up to 1 alone. A triangle with W < 0 at all vertices lies behind, and W of a
 // point is greater than 0 once it is above SMALLEST_W, far above what underflow could make of any other.
-#define TRACE_BY_PLANES 0
 #include "occluders/bin_lists.h"
 #include "occluders/triangle_setup.h"
 #include "prepared/prepared_facing.clh"
@@ -46,11 +45,11 @@ static void include_parallel(TriangleValues* values, LightFrame frame, const flo
 #define FACE_SIDE (1.0f + 64.0f * GN_U)
 
 static void include_perspective(TriangleValues* values, LightFrame frame, const float3* vertices) {
-    float3 lamp = (float3)(frame.light[0], frame.light[1], frame.light[2]);
+    float3 light = (float3)(frame.light[0], frame.light[1], frame.light[2]);
     bool behind = true, in_front = true;
     float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, nearest = INFINITY, farthest = -INFINITY;
     for (int i = 0; i < 3; ++i) {
-        float3 d = vertices[i] - lamp;
+        float3 d = vertices[i] - light;
         float w = coordinate(d, frame.axis_z) * frame.sign_z;
         float x = coordinate(d, frame.axis_x) / w, y = coordinate(d, frame.axis_y) / w;
         behind = behind && w < 0.0f;
@@ -78,18 +77,18 @@ static void raise_bound(volatile __global uint* highest, float value) {
 }
 
 // The bounds are zeroed before.
-__kernel void prepared_bounds(LightFrame light_frame, ulong first_float, uint triangle_count,
-                              __global const float* vertices, volatile __global uint* frame_bounds) {
-    for (uint face = 0; face < frame_count_of(light_frame); ++face) {
-        LightFrame frame = face_of(light_frame, face);
+__kernel void prepared_bounds(const PreparedParams params, __global const float* vertices,
+                              volatile __global uint* frame_bounds) {
+    for (uint face = 0; face < frame_count_of(params.light_frame); ++face) {
+        LightFrame frame = face_of(params.light_frame, face);
         TriangleValues values;
         values.count = 0;
         for (int i = 0; i < BOUNDED_VALUES; ++i) {
             values.lowest[i] = INFINITY;
             values.highest[i] = -INFINITY;
         }
-        GN_FOR_EACH(i, triangle_count) {
-            Triangle t = load_triangle(vertices + first_float, i);
+        GN_FOR_EACH(i, params.triangle_count) {
+            Triangle t = load_triangle(vertices + params.first_float, i);
             if (!is_finite_triangle(t)) continue;
             float3 corners[3] = {t.a, t.b, t.c};
             if (frame.perspective)
@@ -109,11 +108,11 @@ __kernel void prepared_bounds(LightFrame light_frame, ulong first_float, uint tr
 
 // ---- Domains --------------------------------------------------------------------------------------------------------
 
-// How far beyond the triangles points may lie, in parts of the largest extent; and how much farther from a lamp. More
-// of the first costs precision, of the second nothing.
+// How far beyond the triangles points may lie, in parts of the largest extent; and how much farther from a point light.
+// More of the first costs precision, of the second nothing.
 #define ROOM_AROUND 0.25f
 #define ROOM_BEYOND 1024.0f
-// Of a lamp's heights, 1 / W, those beyond this many times the least are not told apart by the lists' 16 bits.
+// The lists' 16 bits do not tell a point light's heights, 1 / W, apart beyond this many times the least height.
 #define HEIGHT_RANGE 0x1p16f
 
 static void set_bound(__global PointBounds* bounds, int i, float low, float high) {
@@ -158,10 +157,11 @@ static void make_perspective(const float* low, const float* high, __global Point
     }
 }
 
-// Takes the triangles' bounds of each frame and makes of them its domain, and the bounds that the light frame is to be
-// fitted to.
-__kernel void prepared_domains(LightFrame light_frame, __global PointBounds* frame_bounds,
-                               __global PreparedDomain* domains) {
+// Turns the triangles' bounds of each frame into its domain, and into the bounds that the light frame is fitted to.
+__kernel void prepared_domains(const PreparedParams params, __global PointBounds* frame_bounds,
+                               __global float4* tables) {
+    LightFrame light_frame = params.light_frame;
+    __global PreparedDomain* domains = (__global PreparedDomain*)(tables + params.tables.domains);
     GN_FOR_EACH(face, frame_count_of(light_frame)) {
         __global PointBounds* bounds = &frame_bounds[face];
         float low[BOUNDED_VALUES], high[BOUNDED_VALUES];
@@ -193,66 +193,72 @@ static bool is_used(__global const BinEntries* entries, uint lane) {
     return ENTRY_LANE(at, x0, lane) <= ENTRY_LANE(at, x1, lane);
 }
 
-// Gives each record that a list names its place, from `first_record` on, in about the order of the lists: what is
-// looked at together lies together. places[slot] is GN_NO_ID before.
-__kernel void prepared_places(uint entry_count, uint first_record, __global const BinEntries* entries,
-                              __global uint* places, __global uint* kept_count) {
-    GN_FOR_EACH(i, entry_count) {
+// Gives each record that a list names its kept slot, from first_record on, in about the order of the lists: records
+// that are read together lie together. kept_slots[slot] is GN_NO_ID before.
+__kernel void prepared_kept_slots(const KeptFrame frame, __global const BinEntries* entries, __global uint* kept_slots,
+                                  __global uint* kept_count) {
+    GN_FOR_EACH(i, frame.entry_count) {
         for (uint lane = 0; lane < GN_LANES; ++lane) {
             if (!is_used(&entries[i], lane)) continue;
             uint slot = ENTRY_SLOT(&entries[i], lane);
-            if (atomic_cmpxchg(&places[slot], GN_NO_ID, 0u) == GN_NO_ID)
-                atomic_xchg(&places[slot], first_record + atomic_inc(kept_count));
+            if (atomic_cmpxchg(&kept_slots[slot], GN_NO_ID, 0u) == GN_NO_ID)
+                atomic_xchg(&kept_slots[slot], frame.first_record + atomic_inc(kept_count));
         }
     }
 }
 
-__kernel void prepared_records(uint slot_count, __global const uint* places, __global const TriangleRecord* records,
-                               __global const TriangleBounds* bounds, __global TriangleRecord* kept_records,
-                               __global TriangleBounds* kept_bounds) {
-    GN_FOR_EACH(slot, slot_count) {
-        uint place = places[slot];
-        if (place == GN_NO_ID) continue;
-        kept_records[place] = records[slot];
-        kept_bounds[place] = bounds[slot];
+__kernel void prepared_records(const KeptFrame frame, __global const uint* kept_slots,
+                               __global const TriangleRecord* records, __global const TriangleBounds* bounds,
+                               __global TriangleRecord* kept_records, __global TriangleBounds* kept_bounds) {
+    GN_FOR_EACH(slot, frame.slot_count) {
+        uint kept = kept_slots[slot];
+        if (kept == GN_NO_ID) continue;
+        kept_records[kept] = records[slot];
+        kept_bounds[kept] = bounds[slot];
     }
 }
 
-// Of a frame's records, `count` from `first` on, the slot by their triangle's id. Of a triangle that is in several of a
-// lamp's frames the last one counts.
-__kernel void prepared_slots(uint first, uint count, __global const TriangleBounds* bounds, __global uint* slots) {
-    GN_FOR_EACH(i, count) slots[bounds[first + i].id] = first + (uint)i;
+// The slot of each triangle's record. A triangle may be in several of a point light's frames: the last one counts.
+__kernel void prepared_slots(const KeptFrame frame, __global const TriangleBounds* kept_bounds,
+                             __global float4* tables) {
+    __global uint* slots = (__global uint*)(tables + frame.tables.slots);
+    GN_FOR_EACH(i, frame.record_count) {
+        uint slot = frame.first_record + (uint)i;
+        slots[kept_bounds[slot].id] = slot;
+    }
 }
 
-// Copies a frame's entries, from `first_entry` on, with the records' new places.
-__kernel void prepared_entries(uint entry_count, uint first_entry, __global const BinEntries* entries,
-                               __global const uint* places, __global BinEntries* kept_entries) {
-    GN_FOR_EACH(i, entry_count) {
-        __global BinEntries* kept = &kept_entries[first_entry + i];
+// Copies a frame's entries, with the kept slots of their records.
+__kernel void prepared_entries(const KeptFrame frame, __global const BinEntries* entries,
+                               __global const uint* kept_slots, __global BinEntries* kept_entries) {
+    GN_FOR_EACH(i, frame.entry_count) {
+        __global BinEntries* kept = &kept_entries[frame.first_entry + i];
         *kept = entries[i];
         for (uint lane = 0; lane < GN_LANES; ++lane)
-            if (is_used(&entries[i], lane)) ((__global uint*)&kept->slot)[lane] = places[ENTRY_SLOT(&entries[i], lane)];
+            if (is_used(&entries[i], lane))
+                ((__global uint*)&kept->slot)[lane] = kept_slots[ENTRY_SLOT(&entries[i], lane)];
     }
 }
 
-__kernel void prepared_ranges(uint bin_count, uint first_bin, uint first_entry, __global const uint2* ranges,
-                              __global uint2* kept_ranges) {
-    GN_FOR_EACH(i, bin_count) kept_ranges[first_bin + i] = ranges[i] + first_entry;
+__kernel void prepared_ranges(const KeptFrame frame, __global const uint2* ranges, __global uint2* kept_ranges) {
+    GN_FOR_EACH(i, frame.bin_count) kept_ranges[frame.first_bin + i] = ranges[i] + frame.first_entry;
 }
 
 // ---- Receivers ------------------------------------------------------------------------------------------------------
 
-// `largest_coordinate`: of all finite triangles, as bits; 0 before.
-__kernel void prepared_planes(LightFrame light_frame, ulong first_float, uint triangle_count,
-                              __global const float* vertices, __global float4* planes,
-                              volatile __global uint* largest_coordinate) {
+// The plane of each triangle, and the largest coordinate of all finite triangles, as bits; it is 0 before.
+__kernel void prepared_planes(const PreparedParams params, __global const float* vertices, __global float4* tables) {
+    LightFrame light_frame = params.light_frame;
+    uint triangle_count = params.triangle_count;
+    __global float4* planes = tables + params.tables.planes;
+    volatile __global uint* largest_coordinate = (volatile __global uint*)(tables + params.tables.largest);
     PointBlock light = same_point(light_frame.light[0], light_frame.light[1], light_frame.light[2]);
     PointBlock zero = same_point(0.0f, 0.0f, 0.0f);
     LaneInt largest = (LaneInt)(0);
     uint exact = 0;
     GN_FOR_EACH(block, triangle_count / GN_LANES + (triangle_count % GN_LANES != 0u)) {
         size_t first = block * GN_LANES;
-        TriangleBlock t = load_triangles(vertices + first_float, first, triangle_count);
+        TriangleBlock t = load_triangles(vertices + params.first_float, first, triangle_count);
         LaneInt size = largest_triangle_bits(&t), finite = finite_triangles(&t);
         LaneCross normals = triangle_normals(&t);
         LaneInt sides = lanes_side(&t, &normals, &light, light_frame.light[3] != 0.0f ? &t.a : &zero, finite, &exact);

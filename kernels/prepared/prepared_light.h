@@ -4,29 +4,59 @@
 // The light's frames are fitted to the triangles instead of the points, as if the points were at the corners of
 // prepared_domains()' boxes. A point within them changes nothing about the fit, so that all bounds hold for it that are
 // proven for fitted points (docs/numerics.md, 6, Prepared lights). Any other point is decided without the lists: it is
-// lit for certain, or it is a stray, and then the run is done as if nothing were prepared.
+// lit for certain, or it is a fallback point, and then the run is done as if nothing were prepared.
+//
+// All tables lie in one buffer, each aligned to 16 bytes: the ranges of the bins of all frames first, then the tables
+// of PreparedTables (trace/trace.h).
 #ifndef GN_PREPARED_LIGHT_H
 #define GN_PREPARED_LIGHT_H
 
 #include "receivers/block_bounds.h"
+#include "trace/trace.h"
 
 // Where the points of one frame may be. A point strictly outside the lit bounds by its own error, or strictly nearer to
 // the light than `top`, is lit for certain: no triangle can lie between.
 GN_STRUCT_BEGIN(PreparedDomain)
-    float lit_low[2], lit_high[2];      // grid x and y, as grid_values() says, moved out by the triangles' error
+    float lit_low[2], lit_high[2];      // grid x and y, as grid_values() has them, moved out by the triangles' error
     float world_low[3], world_high[3];  // world x, y, z; in perspective [2]: W, low exclusive, the others unused
     float top;                          // parallel: the greatest height coordinate of a triangle, times sign_z
     uint has_triangles;                 // 0: no triangle can block a point of this frame
 GN_STRUCT_END(PreparedDomain, 48)
 
+// What the kernels take that make the tables.
+GN_STRUCT_BEGIN(PreparedParams)
+    ulong first_float;  // of the first triangle in the buffer of vertices
+    LightFrame light_frame;
+    PreparedTables tables;
+    uint triangle_count;
+    uint record_count;  // unshadowed_triangles: kept records of all frames,
+    uint sample_step;   // of which one in so many is tested
+GN_STRUCT_END(PreparedParams, 104)
+
+// One frame's lists, as they are copied behind those of the frames before.
+GN_STRUCT_BEGIN(KeptFrame)
+    PreparedTables tables;
+    uint entry_count, slot_count, bin_count;  // of the frame's own lists
+    uint record_count;                        // records that an entry names
+    uint first_entry, first_record, first_bin;
+GN_STRUCT_END(KeptFrame, 48)
+
 #ifndef __cplusplus
 
-// How far beyond its real place a grid coordinate may be, for coordinates up to `largest` (the bound of the fit is 4u;
-// all uses of this have room for several times as much); and what underflow can add.
+static __global const float4* prepared_table(__global const uint2* ranges, uint offset) {
+    return (__global const float4*)ranges + offset;
+}
+static __global const PreparedDomain* prepared_domains_of(PreparedTables tables, __global const uint2* ranges) {
+    return (__global const PreparedDomain*)prepared_table(ranges, tables.domains);
+}
+
+// The error of a grid coordinate, in parts of the largest coordinate (the bound of the fit is 4u; all uses of this have
+// room for several times as much), and what underflow can add.
 #define PREPARED_PADDING (32.0f * GN_U)
 #define PREPARED_UNDERFLOW 0x1p-120f
 
-// For the lanes that belong to this frame: which are lit for certain, and for which the fit's bounds hold.
+// Of the lanes that belong to this frame: the lanes that are lit for certain, and the lanes that the fit's bounds hold
+// for.
 typedef struct PreparedAnswer {
     LaneInt lit, inside;
 } PreparedAnswer;
@@ -38,7 +68,7 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
     LaneInt outside = (LaneInt)(domain->has_triangles ? 0 : -1), nearest = (LaneInt)(0);
     if (IS_PERSPECTIVE(frame)) {
         // The ratios of a face's points are at most 1 (and 8u), so that the lit bounds can hold their error. Nearer to
-        // the lamp than `low` not even the face is certain.
+        // the point light than `low` not even the face is certain.
         answer.inside = LANE_COMPARE(values.z, >, (LaneFloat)(domain->world_low[2])) &
                         LANE_COMPARE(values.z, <=, (LaneFloat)(domain->world_high[2]));
     } else {
@@ -58,7 +88,7 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
     return answer;
 }
 
-// Of the open lanes: those that stay open, and those that are strays. The others are lit.
+// Returns the open lanes that stay open, and sets those that are fallback points. The others are lit.
 static LaneInt prepared_lanes(LightFrame light_frame, __global const PreparedDomain* domains, PointBlock points,
                               LaneInt lanes, LaneInt* fallback_points) {
     LaneInt frames = frames_of(light_frame, points), open = (LaneInt)(0);
@@ -78,7 +108,7 @@ static LaneInt lanes_between(LaneFloat v, float low, float high) {
     return LANE_COMPARE(v, >=, (LaneFloat)(low)) & LANE_COMPARE(v, <=, (LaneFloat)(high));
 }
 
-// Of a direction's frame, with world coordinates in the order of its axes.
+// Of a directional light's frame, with world coordinates in the order of its axes.
 static PreparedDomain domain_in_order(__global const PreparedDomain* domain, LightFrame frame) {
     PreparedDomain ordered = *domain;
     const uint axes[3] = {frame.axis_x, frame.axis_y, frame.axis_z};
@@ -89,9 +119,9 @@ static PreparedDomain domain_in_order(__global const PreparedDomain* domain, Lig
     return ordered;
 }
 
-// Which points of a direction's frame are within the world's bounds and the lit ones, so that prepared_lanes() would
-// leave them open (or say that they are lit, which a trace comes to as well). `points` and `domain` are in the order
-// of the frame's axes, `values` are the points' grid values.
+// The points of a directional light's frame that are within the world's bounds and the lit ones, so that
+// prepared_lanes() would leave them open (or find them lit, which a trace finds as well). `points` and `domain` are in
+// the order of the frame's axes, `values` are the points' grid values.
 static LaneInt lanes_stay_open(const PreparedDomain* domain, PointBlock points, PointBlock values) {
     return lanes_between(values.x, domain->lit_low[0], domain->lit_high[0]) &
            lanes_between(values.y, domain->lit_low[1], domain->lit_high[1]) &
@@ -104,8 +134,8 @@ static bool is_between(float low, float high, float least, float greatest) {
     return (low >= least) & (high <= greatest);
 }
 
-// Whether that holds for all points that a block's bounds are of, as far as these say. All comparisons at once: there
-// is nearly always one answer, and no jump for each.
+// True only if that holds for all points within a block's bounds. All comparisons at once: the outcome is nearly always
+// the same, and one jump is cheaper than one for each.
 static bool block_stays_open(const PreparedDomain* domain, LightFrame frame, const BlockBounds* block) {
     float z_low = frame.sign_z < 0.0f ? block->minus_height : block->height;
     float z_high = frame.sign_z < 0.0f ? -block->height : -block->minus_height;

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Contract of lit receivers: triangles of which a prepared light knows that nothing shadows them. A point on one needs
-// neither map nor list.
+// Contract of unshadowed triangles: under a prepared light nothing shadows them. A point on one needs neither map nor
+// list.
 //
-// Of each triangle R a bit is kept: set only if no other triangle can block any point in R's interior
+// Each triangle R has a bit, which is set only if no other triangle can block any point in R's interior
 // (unshadowed_triangles.cl). Let P be a point with receiver R, lifted (on R's plane or on its light's side, exactly),
-// and strictly within R as the light sees it: P = Q + t D, t >= 0, Q in R's interior, D towards the light. P's ray is
-// part of Q's, so what would block P would block Q: P is lit, wherever on its ray it is. A triangle in whose plane Q
-// lies has no other point on the ray, so that the contract's exception for such Q takes nothing away.
+// and strictly within R in the light's view: P = Q + t D, t >= 0, Q in R's interior, D towards the light. P's ray is
+// part of Q's, so a triangle that blocked P would block Q: P is lit, wherever on its ray it is. A triangle whose plane
+// holds Q has no other point on the ray, so that the contract's exception for such Q takes nothing away.
 //
-// Within R: the three edges' determinants of blocks(), by det3's float level alone, which is certain but for points a
-// millionth of R's size from an edge. Those are asked as ever.
+// Whether P is within R is decided by the three edges' determinants of blocks(), by det3's float level alone, which is
+// certain but for points a millionth of R's size from an edge. Such points are traced.
 #ifndef GN_UNSHADOWED_TRIANGLES_H
 #define GN_UNSHADOWED_TRIANGLES_H
 
 #include "simd/points.h"
 
-// Triangles' bits in a word, and how many work-items share out a triangle's bins.
+// Bits in a word, and the number of work-items that share a triangle's bins.
 #define UNSHADOWED_WORD_BITS 32u
 #define UNSHADOWED_TEAM 32u
 
@@ -23,13 +23,13 @@
 
 #include "exact/det3.clh"
 
-static uint lit_bit(uint id) { return 1u << (id % UNSHADOWED_WORD_BITS); }
+static uint unshadowed_bit(uint id) { return 1u << (id % UNSHADOWED_WORD_BITS); }
 
-static bool is_lit_receiver(__global const uint* lit, uint id) {
-    return (lit[id / UNSHADOWED_WORD_BITS] & lit_bit(id)) != 0u;
+static bool is_unshadowed(__global const uint* unshadowed, uint id) {
+    return (unshadowed[id / UNSHADOWED_WORD_BITS] & unshadowed_bit(id)) != 0u;
 }
 
-// A direction's light alone.
+// For a directional light.
 static bool is_certainly_within(Triangle t, float3 p, float3 towards_light) {
     const float3 zero = (float3)(0.0f);
     int ab, bc, ca;

@@ -1,33 +1,37 @@
 // SPDX-License-Identifier: MIT
 // Irregular z-buffer: the points that the map leaves open, listed by bin of light space, contiguous (count, scan,
-// scatter) and as a structure of arrays (Johnson et al. 2005, Aila and Laine 2004). What traversal=triangles walks.
+// scatter) and as a structure of arrays (Johnson et al. 2005, Aila and Laine 2004); and the traversal of triangles over
+// these lists (Wyman et al. 2016; Mizoguchi and Tokuyoshi), by the filter of the trace.
 //
-// Listed points are lit from here on; trace_triangles puts into shadow those that something blocks.
-#include "occluders/triangle_setup.h"
-#include "trace/coarse_test.clh"
+// Listed points are lit after izb_scatter; izb_trace puts those into shadow that a triangle blocks.
+#include "techniques/izb.h"
 
-// Where there are no lists of triangles (an overflow: the host will grow them and run again, from the same visibility)
-// none of points are made.
-__kernel void izb_count(LightFrame light_frame, uint first_frame, PointsLayout layout,
-                        __constant const Projection* projection, uint has_map, __global const float* positions,
-                        __global const uint* map, __global float* visibility, __global uint* counts,
-                        __global FrameCounters* counters) {
+#include "occluders/bin_lists.h"
+#include "trace/coarse_test.clh"
+#include "trace/filter.clh"
+
+// If a list of triangles overflowed, the host will grow it and run again from the same visibility: then no lists of
+// points are made.
+__kernel void izb_count(const IzbParams params, __constant const Projection* projection,
+                        __global const float* positions, __global const uint* map, __global float* visibility,
+                        __global uint* counts, __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
+    PointsLayout layout = params.layout;
     uint decided = 0, listed = 0;
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
         if (!LANES_ANY(open_lanes(state))) continue;
         PointBlock points = load_block(positions, layout, block);
         LaneInt lanes =
-            open_lanes(state) & LANE_COMPARE(frames_of(light_frame, points), ==, (LaneInt)((int)first_frame));
-        PointBlock places = project_points(projection, points);
+            open_lanes(state) & LANE_COMPARE(frames_of(params.light_frame, points), ==, (LaneInt)((int)params.frame));
+        PointBlock in_grid = project_points(projection, points);
         LaneInt below = (LaneInt)(0);
-        if (has_map) below = lanes_below_map(projection, places, state, lanes, map);
+        if (params.has_map) below = lanes_below_map(projection, in_grid, state, lanes, map);
         if (LANES_ANY(below)) store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), below), visibility, layout, block);
         decided += count_lanes(below);
         lanes &= ~below;
         listed += count_lanes(lanes);
-        LaneInt bins = bins_of(projection, places);
+        LaneInt bins = bins_of(projection, in_grid);
         for (int lane = 0; lane < GN_LANES; ++lane)
             if (LANE_OF_INT(lanes, lane)) atomic_inc(&counts[LANE_OF_INT(bins, lane)]);
     }
@@ -35,29 +39,73 @@ __kernel void izb_count(LightFrame light_frame, uint first_frame, PointsLayout l
     if (listed != 0) atomic_add(&counters->listed, listed);
 }
 
-__kernel void izb_scatter(LightFrame light_frame, uint first_frame, PointsLayout layout,
-                          __constant const Projection* projection, __global const float* positions,
-                          __global float* visibility, __global const uint* offsets, __global uint* cursors,
-                          __global float* sorted_x, __global float* sorted_y, __global float* sorted_z,
-                          __global uint* order, __global const FrameCounters* counters) {
+__kernel void izb_scatter(const IzbParams params, __constant const Projection* projection,
+                          __global const float* positions, __global const uint* offsets, __global float* visibility,
+                          __global uint* cursors, __global float* lists, __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
+    PointsLayout layout = params.layout;
+    size_t slots = params.slot_count;
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
         if (!LANES_ANY(open_lanes(state))) continue;
         PointBlock points = load_block(positions, layout, block);
         LaneInt lanes =
-            open_lanes(state) & LANE_COMPARE(frames_of(light_frame, points), ==, (LaneInt)((int)first_frame));
-        PointBlock places = project_points(projection, points);
-        LaneInt bins = bins_of(projection, places);
+            open_lanes(state) & LANE_COMPARE(frames_of(params.light_frame, points), ==, (LaneInt)((int)params.frame));
+        PointBlock in_grid = project_points(projection, points);
+        LaneInt bins = bins_of(projection, in_grid);
         for (int lane = 0; lane < GN_LANES; ++lane) {
             if (!LANE_OF_INT(lanes, lane)) continue;
             uint bin = (uint)LANE_OF_INT(bins, lane);
             uint slot = offsets[bin] + atomic_inc(&cursors[bin]);
-            sorted_x[slot] = LANE_OF_FLOAT(places.x, lane);
-            sorted_y[slot] = LANE_OF_FLOAT(places.y, lane);
-            sorted_z[slot] = LANE_OF_FLOAT(places.z, lane);
-            order[slot] = (uint)point_of_lane(layout, block, lane);
+            lists[slot] = as_float((uint)point_of_lane(layout, block, lane));
+            lists[slots + slot] = LANE_OF_FLOAT(in_grid.x, lane);
+            lists[2 * slots + slot] = LANE_OF_FLOAT(in_grid.y, lane);
+            lists[3 * slots + slot] = LANE_OF_FLOAT(in_grid.z, lane);
         }
         store_lanes(LANES_SELECT(state, (LaneFloat)(1.0f), lanes), visibility, layout, block);
     }
+}
+
+// A work-item takes one (triangle, bin) pair. Several may put one point into shadow, so visibility is written by an
+// atomic exchange, and counted where it changes. A pair that finds the queue full is decided in place.
+__kernel void izb_trace(const IzbParams params, __global const float* positions, __global const uint* receivers,
+                        __global const float* vertices, __global const float* lists, __global const uint* offsets,
+                        __global const Pair* triangle_pairs, __global const TriangleRecord* records,
+                        __global const TriangleBounds* bounds, __global uint* visibility_bits, __global uint2* queue,
+                        __global FrameCounters* counters) {
+    if (counters->references == GN_NO_LISTS) return;
+    ExactPairs pairs = exact_pairs(params.light_frame, params.layout, receivers, vertices + params.first_float, queue,
+                                   params.queue_capacity, counters);
+    size_t slots = params.slot_count;
+    __global const uint* order = (__global const uint*)lists;
+    __global const LaneFloat *x = (__global const LaneFloat*)(lists + slots), *y = x + slots / GN_LANES;
+    __global const LaneFloat* z = y + slots / GN_LANES;
+    uint by_trace = 0, by_exact = 0;
+    ulong tests = 0;
+    GN_FOR_EACH(i, counters->pairs) {
+        uint bin = triangle_pairs[i].bin, slot = triangle_pairs[i].slot;
+        if (bin == GN_NO_ID) continue;
+        uint id = bounds[slot].id;
+        uint last = offsets[bin + 1] / GN_LANES;
+        for (uint block = offsets[bin] / GN_LANES; block < last; ++block) {
+            PointBlock in_grid = {x[block], y[block], z[block]};
+            FilterResult found = filter(&records[slot], in_grid, (LaneInt)(-1));
+            ++tests;
+            if (!LANES_ANY(found.possible)) continue;
+            for (uint lane = 0; lane < GN_LANES; ++lane) {
+                uint point = order[block * GN_LANES + lane];
+                if (!LANE_OF_INT(found.possible, lane) || point == GN_NO_ID || is_receiver(&pairs, point, id) ||
+                    atomic_or(&visibility_bits[point], 0u) == 0u)  // 0.0f: already shadowed by another triangle
+                    continue;
+                if (LANE_OF_INT(found.certain, lane))
+                    by_trace += atomic_xchg(&visibility_bits[point], 0u) != 0u;
+                else if (!queue_pair(&pairs, point, id) &&
+                         blocks_exactly(&pairs, load_point(positions, params.layout, point), id))
+                    by_exact += atomic_xchg(&visibility_bits[point], 0u) != 0u;
+            }
+        }
+    }
+    if (by_trace != 0) atomic_add(&counters->decided_by_trace, by_trace);
+    if (by_exact != 0) atomic_add(&counters->decided_by_exact, by_exact);
+    count_tests(tests * GN_LANES, counters);
 }

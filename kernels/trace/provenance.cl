@@ -1,41 +1,44 @@
 // SPDX-License-Identifier: MIT
-// Watches an exact run between its stages: what each of them changed in `visibility` says whom it decided (contract:
-// decisions.h). What visibility does not tell, the map from the filter and the predicate's level, is asked again of the
-// very functions that the stages ask, with the very values: they give the same answers.
+// Records what decided each point (contract: provenance.h). These kernels run between the stages of an exact run and
+// compare visibility before and after a stage. Visibility does not tell the map from the filter, nor the predicate's
+// level: for these the kernels call the functions that the stages call, with the same values, and get the same results.
 #include "exact/blocks.clh"
 #include "simd/frame_counters.h"
 #include "trace/coarse_test.clh"
 #include "trace/provenance.h"
+#include "trace/trace.h"
 
 // After the facing stage.
-__kernel void decisions_of_facing(PointsLayout layout, __global const float* positions,
-                                  __global const float* visibility, __global uint* provenance) {
+__kernel void provenance_of_facing(PointsLayout layout, __global const float* positions,
+                                   __global const float* visibility, __global uint* provenance) {
     GN_FOR_EACH(i, layout.count) {
         float state = visibility[i];
-        uint decision = state >= VISIBILITY_MAY_SELF_SHADOW ? PROVENANCE_DOUBTFUL : PROVENANCE_OPEN;
-        if (state == 0.0f) decision = PROVENANCE_FACES_AWAY;
+        uint found = state >= VISIBILITY_MAY_SELF_SHADOW ? PROVENANCE_MAY_SELF_SHADOW : PROVENANCE_OPEN;
+        if (state == 0.0f) found = PROVENANCE_FACES_AWAY;
         if (state == 1.0f)
-            decision = is_present(load_point(positions, layout, i)) ? PROVENANCE_NOT_ASKED : PROVENANCE_ABSENT;
-        provenance[i] = decision;
+            found = is_present(load_point(positions, layout, i)) ? PROVENANCE_NOT_TRACED : PROVENANCE_ABSENT;
+        provenance[i] = found;
     }
 }
 
 // After the trace of one frame, before the exact stage.
-__kernel void decisions_of_trace(LightFrame light_frame, uint frame, PointsLayout layout,
-                                 __constant const Projection* projection, uint has_map, __global const float* positions,
-                                 __global const uint* map, __global const float* visibility,
-                                 __global uint* provenance) {
+__kernel void provenance_of_trace(const TraceParams params, __constant const Projection* projection,
+                                  __global const float* positions, __global const uint* map,
+                                  __global const float* visibility, __global uint* provenance) {
+    PointsLayout layout = params.layout;
     GN_FOR_EACH(block, block_count(layout)) {
         PointBlock points = load_block(positions, layout, block);
         LaneFloat now = load_lanes(visibility, layout, block);
         LaneInt before = load_lane_ids(provenance, layout, block);
-        LaneInt lanes = valid_lanes(layout, block) & LANE_COMPARE(before, <=, (LaneInt)((int)PROVENANCE_DOUBTFUL)) &
-                        ~open_lanes(now) & LANE_COMPARE(frames_of(light_frame, points), ==, (LaneInt)((int)frame));
+        LaneInt frames = frames_of(params.light_frame, points);
+        LaneInt lanes = valid_lanes(layout, block) &
+                        LANE_COMPARE(before, <=, (LaneInt)((int)PROVENANCE_MAY_SELF_SHADOW)) & ~open_lanes(now) &
+                        LANE_COMPARE(frames, ==, (LaneInt)((int)params.first_frame));
         if (!LANES_ANY(lanes)) continue;
         LaneInt below = (LaneInt)(0);
-        if (has_map) {
+        if (params.has_map) {
             LaneFloat state = LANES_SELECT((LaneFloat)(VISIBILITY_OPEN), (LaneFloat)(VISIBILITY_MAY_SELF_SHADOW),
-                                           LANE_COMPARE(before, ==, (LaneInt)((int)PROVENANCE_DOUBTFUL)));
+                                           LANE_COMPARE(before, ==, (LaneInt)((int)PROVENANCE_MAY_SELF_SHADOW)));
             below = lanes_below_map(projection, project_points(projection, points), state, lanes, map);
         }
         for (int lane = 0; lane < GN_LANES; ++lane)
@@ -47,29 +50,30 @@ __kernel void decisions_of_trace(LightFrame light_frame, uint frame, PointsLayou
     }
 }
 
-// After the exact stage: a lit point was asked about all its pairs; one in shadow counts those that put it there.
-__kernel void decisions_of_pairs(float4 light, PointsLayout layout, ulong first_float, uint queue_capacity,
-                                 __global const float* positions, __global const float* vertices,
-                                 __global const uint2* queue, __global const float* visibility,
-                                 __global uint* provenance, __global const FrameCounters* counters) {
-    uint count = min(counters->uncertain, queue_capacity);
+// After the exact stage. All pairs of a lit point count; of a point in shadow only the pairs that block it.
+__kernel void provenance_of_pairs(const TraceParams params, __global const float* positions,
+                                  __global const float* vertices, __global const uint2* queue,
+                                  __global const float* visibility, __global uint* provenance,
+                                  __global const FrameCounters* counters) {
+    uint count = min(counters->uncertain, params.queue_capacity);
     GN_FOR_EACH(i, count) {
         uint2 pair = queue[i];
         int level = DET3_BY_FLOAT;
-        bool blocked =
-            blocks(load_triangle(vertices + first_float, pair.y), load_point(positions, layout, pair.x), light, &level);
+        bool blocked = blocks(load_triangle(vertices + params.first_float, pair.y),
+                              load_point(positions, params.layout, pair.x), light_of(params.light_frame), &level);
         if (blocked || visibility[pair.x] != 0.0f) atomic_max(&provenance[pair.x], PROVENANCE_BY_FLOAT + (uint)level);
     }
 }
 
-// Before a second look: it is for the points of this frame that are still open.
-__kernel void decisions_of_second_look(LightFrame light_frame, uint frame, PointsLayout layout,
-                                       __global const float* positions, __global const float* visibility,
-                                       __global uint* provenance) {
+// Before the trace of a queue overflow, which decides the points of this frame that are still open.
+__kernel void provenance_of_overflow(const TraceParams params, __global const float* positions,
+                                     __global const float* visibility, __global uint* provenance) {
+    PointsLayout layout = params.layout;
     GN_FOR_EACH(block, block_count(layout)) {
-        LaneInt lanes = open_lanes(load_lanes(visibility, layout, block));
-        lanes &= LANE_COMPARE(frames_of(light_frame, load_block(positions, layout, block)), ==, (LaneInt)((int)frame));
+        LaneInt frames = frames_of(params.light_frame, load_block(positions, layout, block));
+        LaneInt lanes = open_lanes(load_lanes(visibility, layout, block)) &
+                        LANE_COMPARE(frames, ==, (LaneInt)((int)params.first_frame));
         for (int lane = 0; lane < GN_LANES; ++lane)
-            if (LANE_OF_INT(lanes, lane)) provenance[point_of_lane(layout, block, lane)] = PROVENANCE_SECOND_LOOK;
+            if (LANE_OF_INT(lanes, lane)) provenance[point_of_lane(layout, block, lane)] = PROVENANCE_QUEUE_OVERFLOW;
     }
 }

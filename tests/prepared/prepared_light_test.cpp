@@ -31,8 +31,9 @@ enum Verdict { absent = 0, lit = 1, open = 2, fallback_point = 3 };
 
 constexpr const char* classify_source = R"(
 #include "prepared/prepared_light.h"
-__kernel void classify(LightFrame light_frame, PointsLayout layout, __global const PreparedDomain* domains,
-                       __global const float* positions, __global float* verdicts) {
+__kernel void classify(LightFrame light_frame, PointsLayout layout, PreparedTables tables,
+                       __global const uint2* ranges, __global const float* positions, __global float* verdicts) {
+    __global const PreparedDomain* domains = prepared_domains_of(tables, ranges);
     GN_FOR_EACH(block, block_count(layout)) {
         PointBlock points = load_block(positions, layout, block);
         LaneInt lanes = valid_lanes(layout, block) & present_lanes(points), fallback_points;
@@ -84,7 +85,7 @@ TEST(PreparedDomain, PointsThatItCallsLitAreLit) {
         const gnomon::PointInputs inputs = gnomon::point_inputs(points);
         const gnomon::cl::Buffer verdicts(session, points.count() * sizeof(float));
         session.launch("classify.cl", "classify", gnomon::cl::Range::items(points.count()), prepared.light_frame(),
-                       inputs.layout, prepared.domains(), inputs.positions, verdicts);
+                       inputs.layout, prepared.lists().tables, prepared.lists().ranges, inputs.positions, verdicts);
         const auto found = downloaded<float>(session, verdicts.get(), points.count());
         Floats asked;
         for (std::size_t i = 0; i < found.size(); ++i) {
@@ -106,14 +107,15 @@ TEST(PreparedDomain, PointsThatItCallsLitAreLit) {
 
 constexpr const char* compare_planes_source = R"(
 #include "prepared/prepared_facing.clh"
-__kernel void compare_planes(float4 light, uint triangle_count, __global const float* vertices,
-                             __global const float4* planes, __global const uint* largest, __global const float* eyes,
-                             __global float* verdicts) {
+__kernel void compare_planes(float4 light, uint triangle_count, PreparedTables tables, __global const float* vertices,
+                             __global const uint2* ranges, __global const float* eyes, __global float* verdicts) {
+    __global const float4* planes = prepared_table(ranges, tables.planes);
+    __global const float* largest = (__global const float*)prepared_table(ranges, tables.largest);
     GN_FOR_EACH(i, triangle_count) {
         float3 eye = (float3)(eyes[3 * i], eyes[3 * i + 1], eyes[3 * i + 2]);
         float4 p = planes[i];
         float above = (p.x * eye.x + p.y * eye.y) + (p.z * eye.z + p.w);
-        bool certain = fabs(above) > plane_bound(as_float(*largest), eye);
+        bool certain = fabs(above) > plane_bound(*largest, eye);
         int level = DET3_BY_FLOAT;
         bool away = faces_away(load_triangle(vertices, i), light, eye, &level);
         verdicts[i] = !certain ? 0.0f : (above < 0.0f) == away ? 1.0f : 2.0f;
@@ -161,8 +163,8 @@ TEST(PreparedPlanes, WhatTheyCallCertainIsRight) {
             verdicts(session, count * sizeof(float));
         session.write(eye_buffer.get(), eyes.data(), eyes.size() * sizeof(float));
         session.launch("compare_planes.cl", "compare_planes", gnomon::cl::Range::items(count),
-                       gnomon::float4_of(scene.light), count, triangles.buffer(), prepared.receivers().planes,
-                       prepared.receivers().largest_coordinate, eye_buffer, verdicts);
+                       gnomon::float4_of(scene.light), count, prepared.lists().tables, triangles.buffer(),
+                       prepared.lists().ranges, eye_buffer, verdicts);
         const auto found = downloaded<float>(session, verdicts.get(), count);
         for (std::size_t i = 0; i < count; ++i) {
             ++counts[static_cast<int>(found[i])];
@@ -458,9 +460,6 @@ TEST(Prepared, AnyTechniqueTakesIt) {
     other->prepare(still.triangles, still.sun);
     EXPECT_EQ(ask(still.device, *other, still.triangles, still.points, still.sun).visibility, before);
     other->forget();
-    still.technique->set("traversal", "triangles");
-    EXPECT_EQ(still.technique->prepare(still.triangles, still.sun).count("prepared"), 0u);
-    EXPECT_EQ(still.run(still.triangles, still.sun).statistics.count("prepared"), 0u);
 }
 
 // ---- Memory and faults ----------------------------------------------------------------------------------------------

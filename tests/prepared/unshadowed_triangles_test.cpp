@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lit receivers: what is found to be lit is what nothing shadows, by the exact oracle, for points on, above and beside
-// their receivers; and it is found where it matters: in meshes, under roofs not, and beside walls.
+// Unshadowed triangles: nothing shadows a triangle that is found, by the exact oracle, for points on, above and beside
+// it; and triangles are found where it matters: in meshes and beside walls, but not under roofs.
 #include <gtest/gtest.h>
 
 #include "prepared/prepared_light.hpp"
@@ -29,7 +29,7 @@ std::vector<bool> unshadowed_triangles(const Device& device, const Floats& verti
     const gnomon::PreparedLight prepared(session, statistics, triangles, {light}, {size, 0}, with_map, 0);
     std::vector<bool> lit(triangles.count());
     if (!prepared.is_usable()) return lit;
-    const auto words = downloaded<std::uint32_t>(session, prepared.receivers().lit.get(), lit.size() / 32 + 1);
+    const std::vector<cl_uint> words = prepared.unshadowed_bits(session);
     for (std::size_t i = 0; i < lit.size(); ++i) lit[i] = (words[i / 32] >> (i % 32) & 1) != 0;
     return lit;
 }

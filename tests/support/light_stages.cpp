@@ -38,15 +38,13 @@ std::vector<SetUpTriangle> read_triangles(Session& session, const LightStages& s
 
 std::vector<ListedPoint> read_points(Session& session, const LightStages& stages, std::uint32_t bin_count) {
     const auto offsets = downloaded<std::uint32_t>(session, stages.izb.offsets().get(), bin_count + 1);
-    const std::size_t slots = offsets[bin_count];
-    const auto x = downloaded<float>(session, stages.izb.x().get(), slots);
-    const auto y = downloaded<float>(session, stages.izb.y().get(), slots);
-    const auto z = downloaded<float>(session, stages.izb.z().get(), slots);
-    const auto order = downloaded<std::uint32_t>(session, stages.izb.order().get(), slots);
+    const std::size_t stride = stages.izb.slot_count();  // arrays of the point's index, X, Y and Z
+    const auto lists = downloaded<float>(session, stages.izb.lists().get(), IZB_WORDS * stride);
     std::vector<ListedPoint> points;
     for (std::uint32_t bin = 0; bin < bin_count; ++bin)
         for (std::size_t i = offsets[bin]; i < offsets[bin + 1]; ++i)
-            if (order[i] != GN_NO_ID) points.push_back({order[i], bin, x[i], y[i], z[i]});
+            if (const auto id = std::bit_cast<std::uint32_t>(lists[i]); id != GN_NO_ID)
+                points.push_back({id, bin, lists[stride + i], lists[2 * stride + i], lists[3 * stride + i]});
     std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     return points;
 }
@@ -124,23 +122,17 @@ UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& sce
 
 namespace {
 
-/// The other traversal from the same state on: lists the points, and must come to `expected`.
-void run_triangles_traversal(Session& session, LightStages& stages, const UploadedScene& scene,
-                             const StageSettings& settings, std::uint32_t face, const gnomon::FrameCounters& counted,
-                             FrameOutput& out, const std::vector<float>& expected) {
-    const gnomon::PointInputs points = scene.point_inputs();
-    const cl_mem visibility = scene.visibility.get();
-    session.write(visibility, out.visibility_before.data(), out.visibility_before.size() * sizeof(float));
+/// The traversal of izb from the same state on: lists the points, and must come to `expected`.
+void run_izb(Session& session, LightStages& stages, const UploadedScene& scene, const gnomon::TraceInputs& inputs,
+             const gnomon::FrameCounters& counted, FrameOutput& out, const std::vector<float>& expected) {
+    session.write(inputs.visibility, out.visibility_before.data(), out.visibility_before.size() * sizeof(float));
     session.write(scene.counters.get(), &counted, sizeof(counted));
-    stages.izb.run(session, gnomon::make_light_frame(scene.light, settings.grid), face, points, stages.projection,
-                   settings.with_map ? &stages.map.map() : nullptr, visibility, scene.counters);
-    out.visibility_after_izb = downloaded<float>(session, visibility, scene.points.count());
+    stages.izb.run(session, inputs);
+    out.visibility_after_izb = downloaded<float>(session, inputs.visibility, scene.points.count());
     session.read(scene.counters.get(), &out.izb_counters, sizeof(out.izb_counters));
-    stages.trace.run_triangles(session, out.frame, scene.triangle_inputs(), points, stages.izb, stages.bins,
-                               stages.setup, visibility, scene.counters);
-    gnomon::run_exact_trace(session, scene.triangle_inputs(), points, scene.light, stages.trace, visibility,
-                            scene.counters);
-    EXPECT_EQ(downloaded<float>(session, visibility, scene.points.count()), expected)
+    stages.izb.trace(session, inputs, stages.bins, stages.trace);
+    gnomon::run_exact_trace(session, inputs, stages.trace);
+    EXPECT_EQ(downloaded<float>(session, inputs.visibility, scene.points.count()), expected)
         << "triangles over points and points over triangles differ";
 }
 
@@ -186,7 +178,7 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
                                      map,         gnomon::list_buffers(stages.bins, stages.setup),
                                      visibility,  scene.counters};
     stages.trace.run(session, inputs, scene.facing.blocks());
-    gnomon::run_exact_trace(session, triangles, points, scene.light, stages.trace, visibility, scene.counters);
+    gnomon::run_exact_trace(session, inputs, stages.trace);
     session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     const bool setup = stages.setup.fitted(session, out.counters);
     const bool references = stages.bins.fitted(session, out.counters, setup);
@@ -196,7 +188,7 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
         session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     }
     out.visibility = downloaded<float>(session, visibility, scene.points.count());
-    run_triangles_traversal(session, stages, scene, settings, face, listed, out, out.visibility);
+    run_izb(session, stages, scene, inputs, listed, out, out.visibility);
     return true;
 }
 

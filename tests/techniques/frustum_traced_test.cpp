@@ -628,7 +628,7 @@ TEST(AutomaticMap, OfAGpuIsTheFasterOne) {
         counted.edge_on = 10;
         counted.hidden = frame.hidden;
         counted.references = frame.references;
-        EXPECT_EQ(gnomon::FrustumTraced::was_worth_a_map(counted), frame.ms_with < frame.ms_without) << frame.name;
+        EXPECT_EQ(gnomon::FrustumTraced::map_was_worth_drawing(counted), frame.ms_with < frame.ms_without) << frame.name;
     }
 }
 

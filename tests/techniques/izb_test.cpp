@@ -46,7 +46,7 @@ void check_frame(const FrameOutput& all, const FrameOutput& out, const LightScen
         EXPECT_EQ(listed.contains(p.id), !decided) << "point " << p.id;
         EXPECT_EQ(out.visibility_after_izb[p.id], decided ? 0.0f : 1.0f) << "point " << p.id;
     }
-    for (const gnomon::FrameCounters& counted : {out.izb_counters, out.counters}) {  // of both traversals
+    for (const gnomon::FrameCounters& counted : {out.izb_counters, out.counters}) {  // of izb and of the trace
         EXPECT_EQ(counted.listed, out.points.size());
         EXPECT_EQ(counted.listed + counted.decided_by_map, all.points.size());
     }
@@ -172,7 +172,7 @@ TEST(izb, lists_are_whole_blocks) {
     }
     const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y, lanes = session.lanes();
     const auto offsets = downloaded<std::uint32_t>(session, stages.izb.offsets().get(), bin_count + 1);
-    const auto order = downloaded<std::uint32_t>(session, stages.izb.order().get(), offsets[bin_count]);
+    const auto order = downloaded<std::uint32_t>(session, stages.izb.lists().get(), offsets[bin_count]);
     const std::uint32_t points = static_cast<std::uint32_t>(scene.points.size() / 3);
     std::uint32_t listed = 0;
     for (std::uint32_t bin = 0; bin < bin_count; ++bin) {
@@ -201,16 +201,30 @@ TEST(izb, writes_only_its_own) {
     }
     scene.points.resize(3 * 500);
     const UploadedScene inputs(device, scene);
-    const gnomon::cl::Buffer* lists[] = {&stages.izb.x(), &stages.izb.y(), &stages.izb.z()};
-    for (const gnomon::cl::Buffer* list : lists) put_canaries(session, *list);
     gnomon::Izb& izb = stages.izb;
-    izb.run(session, out.frame, 0, inputs.point_inputs(), stages.projection, nullptr, inputs.visibility.get(),
-            inputs.counters);
+    put_canaries(session, izb.lists());
+    const gnomon::TriangleInputs triangles = inputs.triangle_inputs();
+    const gnomon::PointInputs points = inputs.point_inputs();
+    izb.run(session, {.light_frame = out.frame,
+                      .first_frame = 0,
+                      .frame_count = 1,
+                      .triangles = triangles,
+                      .points = points,
+                      .projections = stages.projection,
+                      .map = nullptr,
+                      .lists = gnomon::list_buffers(stages.bins, stages.setup),
+                      .visibility = inputs.visibility.get(),
+                      .counters = inputs.counters});
     const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y;
     const std::uint32_t slots = downloaded<std::uint32_t>(session, izb.offsets().get(), bin_count + 1)[bin_count];
     ASSERT_GT(slots, 499u);
-    for (const gnomon::cl::Buffer* list : lists)
-        expect_canaries(session, *list, slots * sizeof(float), "a coordinate list");
+    ASSERT_LE(slots, izb.slot_count());
+    const std::size_t stride = izb.slot_count();
+    const auto words = downloaded<std::uint32_t>(session, izb.lists().get(), IZB_WORDS * stride);
+    for (std::size_t array = 1; array < IZB_WORDS; ++array)
+        for (std::size_t i = array * stride + slots; i < (array + 1) * stride; ++i)
+            ASSERT_EQ(words[i], CANARY) << "array " << array;
+    expect_canaries(session, izb.lists(), IZB_WORDS * stride * sizeof(float), "the lists of points");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 
 constexpr Color lit_by_filter{221, 230, 240}, shadowed_by_filter{70, 120, 175}, by_map{25, 50, 110},
     faces_away{20, 20, 20}, not_asked{255, 255, 255}, absent{96, 96, 96};
-/// The exact predicate in float, in double and in integers, and the second look.
+/// The exact predicate in float, in double and in integers, and the queue overflow.
 constexpr std::array<Color, 4> lit_exactly{{{160, 220, 120}, {255, 215, 80}, {255, 110, 90}, {220, 150, 255}}},
     shadowed_exactly{{{60, 130, 40}, {200, 140, 0}, {190, 0, 30}, {130, 40, 220}}};
 
@@ -151,7 +151,7 @@ void expect_counts(const Question& question, const std::string& what, std::map<s
         ASSERT_EQ(is_lit, answer.visibility[i] == 1) << "point " << i;
     }
     seen["map"] += answer.count(by_map);
-    seen["second look"] += second + answer.count(lit_exactly[3]);
+    seen["queue overflow"] += second + answer.count(lit_exactly[3]);
     for (int level = 0; level < 3; ++level) {
         seen[std::string(levels[level]) + ", lit"] += answer.count(lit_exactly[level]);
         seen[std::string(levels[level]) + ", shadowed"] += answer.count(shadowed_exactly[level]);
@@ -173,12 +173,12 @@ TEST(provenance, count_what_the_statistics_count) {
             expect_counts(ties, "lattice, " + name, seen);
         }
     for (const char* const what :
-         {"map", "second look", "decided_by_float, lit", "decided_by_float, shadowed", "decided_by_integers, lit",
+         {"map", "queue overflow", "decided_by_float, lit", "decided_by_float, shadowed", "decided_by_integers, lit",
           "decided_by_integers, shadowed", "decided_by_double, lit", "decided_by_double, shadowed"})
         EXPECT_GT(seen[what], 0u) << what << " never happened";
 }
 
-TEST(provenance, other_names_and_the_other_traversal_are_refused) {
+TEST(provenance, other_names_are_refused) {
     const gnomon::Device device;
     const Question question = roof();
     const auto triangles = gnomon::Triangles::upload(device, question.triangles);
@@ -186,8 +186,6 @@ TEST(provenance, other_names_and_the_other_traversal_are_refused) {
     const auto technique = gnomon::make_technique("frustum-traced", device);
     const gnomon::Light light{question.light};
     EXPECT_THROW(technique->diagnose("grid", triangles, points, light), gnomon::InvalidArgument);
-    technique->set("traversal", "triangles");
-    EXPECT_THROW(technique->diagnose("decided", triangles, points, light), gnomon::InvalidArgument);
 }
 
 }  // namespace

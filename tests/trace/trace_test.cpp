@@ -279,12 +279,20 @@ TEST(trace, writes_only_its_own) {
     gnomon::FrameCounters counted = out.counters;
     counted.uncertain = 0;
     session.write(inputs.counters.get(), &counted, sizeof(counted));
-    stages.trace.run(session,
-                     {out.frame, 0, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection, nullptr,
-                      gnomon::list_buffers(stages.bins, stages.setup), visibility.get(), inputs.counters},
-                     nullptr);
-    gnomon::run_exact_trace(session, inputs.triangle_inputs(), inputs.point_inputs(), inputs.light, stages.trace,
-                            visibility.get(), inputs.counters);
+    const gnomon::TriangleInputs triangles = inputs.triangle_inputs();
+    const gnomon::PointInputs points = inputs.point_inputs();
+    const gnomon::TraceInputs trace_inputs{.light_frame = out.frame,
+                                           .first_frame = 0,
+                                           .frame_count = 1,
+                                           .triangles = triangles,
+                                           .points = points,
+                                           .projections = stages.projection,
+                                           .map = nullptr,
+                                           .lists = gnomon::list_buffers(stages.bins, stages.setup),
+                                           .visibility = visibility.get(),
+                                           .counters = inputs.counters};
+    stages.trace.run(session, trace_inputs, nullptr);
+    gnomon::run_exact_trace(session, trace_inputs, stages.trace);
     session.read(inputs.counters.get(), &counted, sizeof(counted));
     ASSERT_GT(counted.uncertain, 0u);
     expect_canaries(session, visibility, count * sizeof(float), "visibility");

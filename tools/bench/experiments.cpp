@@ -8,7 +8,7 @@ namespace gnomon::bench {
 namespace {
 
 constexpr Size quarter_hd{480, 270}, hd{960, 540}, full_hd{1920, 1080}, uhd{3840, 2160}, uhd_8k{7680, 4320};
-constexpr const char* technique = "frustum-traced";
+constexpr const char *technique = "frustum-traced", *papers_technique = "izb";
 
 std::uint64_t pixels(Size size) { return std::uint64_t(size.width) * size.height; }
 
@@ -203,12 +203,6 @@ std::vector<Block> skips(const SceneShelf& shelf, const Limits& limits) {
 // The paper's grid: 1024² for 1920x1080, 2048² for 3840x2160.
 Settings papers_grid(Size size) { return {{"map-size", size.width > 1920 ? "2048" : "1024"}}; }
 
-// The paper's traversal, from triangles to the points under them, where this build has it.
-Settings papers_traversal(Settings settings) {
-    if (has_setting(technique, "traversal")) settings.emplace_back("traversal", "triangles");
-    return settings;
-}
-
 std::vector<SceneView> papers_views(const SceneShelf& shelf, const Limits& limits) {
     std::vector<SceneView> views;
     if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty())
@@ -221,9 +215,9 @@ std::vector<SceneView> papers_views(const SceneShelf& shelf, const Limits& limit
 std::vector<Block> table1(const SceneShelf& shelf, const Limits& limits) {
     std::vector<Block> blocks;
     for (const SceneView& view : papers_views(shelf, limits)) {
-        Block papers = block_of("table1", view, within(limits, {full_hd, uhd}),
-                                {{technique, papers_traversal({{"conservative-map", "off"}})},
-                                 {technique, papers_traversal({{"conservative-map", "on"}})}});
+        Block papers = block_of(
+            "table1", view, within(limits, {full_hd, uhd}),
+            {{papers_technique, {{"conservative-map", "off"}}}, {papers_technique, {{"conservative-map", "on"}}}});
         papers.more_settings = papers_grid;
         papers.take_turns = papers.stages = true;
         blocks.push_back(papers);

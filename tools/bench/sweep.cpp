@@ -104,7 +104,7 @@ Configuration truth_configuration() {
 
 const std::vector<Family>& families() {
     static const std::vector<Family> all{
-        {"exact", {"frustum-traced"}},
+        {"exact", {"frustum-traced", "izb"}},
         {"hard shadow maps", {"shadow-map", "adaptive-bias", "dual-layer"}},
         {"filtered maps",
          {"pcf", "gaussian-12-tap", "fast-9x9", "pcss", "vsm", "vsm-remap", "vsm-edges", "vsm-mip", "layered-vsm",
@@ -115,13 +115,6 @@ const std::vector<Family>& families() {
         {"Embree", {"embree"}},
     };
     return all;
-}
-
-bool has_setting(const std::string& technique, const std::string& setting) {
-    for (const TechniqueDescription& description : techniques())
-        if (description.name == technique)
-            return std::ranges::any_of(description.settings, [&](const auto& s) { return s.name == setting; });
-    return false;
 }
 
 }  // namespace gnomon::bench

@@ -38,7 +38,4 @@ struct Family {
 /// Each technique, gnomon's or a rival's, is in one of these eight at most.
 const std::vector<Family>& families();
 
-/// Whether this build's technique has the setting.
-bool has_setting(const std::string& technique, const std::string& setting);
-
 }  // namespace gnomon::bench

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Contract of the technique izb: lists of points by bin of light space.
+#ifndef GN_IZB_H
+#define GN_IZB_H
+
+#include "receivers/light_frame.h"
+#include "simd/points.h"
+
+GN_STRUCT_BEGIN(IzbParams)
+    ulong first_float;       // of the first triangle in the buffer of vertices
+    LightFrame light_frame;  // the light's first frame
+    PointsLayout layout;
+    uint frame;           // whose points are listed
+    uint has_map;         // 0: the map's buffer is not read
+    uint slot_count;      // of the lists, a multiple of 16
+    uint queue_capacity;  // pairs
+GN_STRUCT_END(IzbParams, 136)
+
+// The lists as a structure of arrays: slot_count words each of the point's index, GN_NO_ID in an empty slot, and of its
+// X, Y, Z in the grid.
+#define IZB_WORDS 4u
+
+#endif

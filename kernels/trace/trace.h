@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Contract of the trace: open points against the map and against the triangles of their bins' lists. All its kernels
+// take the same parameters and the same buffers.
+#ifndef GN_TRACE_H
+#define GN_TRACE_H
+
+#include "receivers/light_frame.h"
+#include "simd/points.h"
+
+// A prepared light keeps its tables in one buffer with the ranges of its bins, which come first
+// (prepared/prepared_light.h). Where each table begins, in units of 16 bytes; all 0 for lists that one run makes.
+GN_STRUCT_BEGIN(PreparedTables)
+    uint largest;     // the largest coordinate of all finite triangles, as the bits of a float
+    uint unshadowed;  // GPU: a bit per triangle (unshadowed_triangles.h)
+    uint domains;     // a PreparedDomain per frame
+    uint planes;      // a float4 per triangle
+    uint slots;       // GPU: the slot of each triangle's record, GN_NO_ID where it has none
+GN_STRUCT_END(PreparedTables, 20)
+
+GN_STRUCT_BEGIN(TraceParams)
+    ulong first_float;       // of the first triangle in the buffer of vertices
+    LightFrame light_frame;  // the light's first frame
+    PointsLayout layout;
+    PreparedTables tables;
+    uint first_frame, frame_count;  // the frames of this launch: their projections, ranges and maps lie in this order
+    uint triangle_count;
+    uint has_map;           // 0: the map's buffer is not read
+    uint has_block_bounds;  // CPU, 0: the buffer of block bounds is not read
+    uint queue_capacity;    // pairs
+    uint round_points;      // GPU: points that a work-group takes in a round; the local memory has a word for each
+GN_STRUCT_END(TraceParams, 168)
+
+#endif
