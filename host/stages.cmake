@@ -49,7 +49,7 @@ gnomon_wing(api errors inputs light_and_camera parts settings_table statistics v
 
 gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing_cache facing
             receiver_depth_pyramid light_frames)
-gnomon_wing(occluders bin_lists record_blocks bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
+gnomon_wing(occluders bin_lists bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records tile_bins triangle_tiles bins occluder_lists)
 gnomon_wing(camera camera camera_rays shading_point shade)
 gnomon_wing(trace trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance)

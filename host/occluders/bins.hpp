@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage bins: per bin of a projection, the list of the triangles that may block a point in it
-// (kernels/occluders/bins.cl).
+// Stage bins: per bin of a projection, the list of triangles that may block a point (kernels/occluders/bins.cl).
 #pragma once
 
 #include "occluders/triangle_setup.hpp"
@@ -9,8 +8,7 @@ namespace gnomon {
 
 class Bins {
 public:
-    /// Makes room for the lists of `bin_count` bins and zeroes the counts of the bins. The setup may append pairs to
-    /// the result before run().
+    /// Makes room for the lists of so many bins, and zeroes their counts. The setup may append pairs before run().
     PairBuffers begin(cl::Session& session, std::uint32_t bin_count, const TriangleSetup& setup);
     /// Fills pairs(), ranges() and entries() from the bounds, records and tiles of the setup. `pyramid`
     /// (receiver_depth_pyramid) may be null: then no bin is left out for its depth.

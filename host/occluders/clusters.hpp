@@ -28,8 +28,7 @@ private:
     cl::Buffer boxes_, vertices_, numbers_;
 };
 
-/// The triangles in the order of the clusters, which the setup uses: `numbers` is null if a triangle's position is its
-/// number.
+/// The triangles in the order of the clusters; `numbers` is null if a triangle's position is its number.
 struct OrderedTriangles {
     cl_mem vertices;
     cl_ulong first_float;

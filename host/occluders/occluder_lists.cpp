@@ -38,9 +38,4 @@ bool OccluderLists::fitted(cl::Session& session, const FrameCounters& counted) {
     return setup && references;
 }
 
-void OccluderLists::limit_initial_capacity(std::uint32_t capacity) {
-    setup_.limit_initial_capacity(capacity);
-    bins_.limit_initial_capacity(capacity);
-}
-
 }  // namespace gnomon

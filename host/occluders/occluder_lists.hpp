@@ -25,15 +25,17 @@ struct ListSettings {
 
 class OccluderLists {
 public:
-    /// `depths` has run for this projection; here it runs once more, after the map. Returns the map, null if none is
-    /// drawn.
+    /// `depths` has run for this projection; it runs once more, after the map. Returns the map, null if none is drawn.
     const cl::Buffer* run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                           const cl::Buffer& projection, const TriangleInputs& triangles, const ListSettings& settings,
                           ReceiverDepthPyramid& depths, const cl::Buffer& counters);
     /// True if all lists fitted; else they have grown, and the run must be repeated.
     bool fitted(cl::Session& session, const FrameCounters& counted);
 
-    void limit_initial_capacity(std::uint32_t capacity);
+    void limit_initial_capacity(std::uint32_t capacity) {
+        setup_.limit_initial_capacity(capacity);
+        bins_.limit_initial_capacity(capacity);
+    }
 
     const TriangleSetup& setup() const { return setup_; }
     const ConservativeMap& map() const { return map_; }

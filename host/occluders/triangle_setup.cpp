@@ -40,11 +40,12 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
     // As many as there are bounds, also where an earlier run failed between these lists; one tile for each.
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
     const OrderedTriangles ordered = ordered_triangles(triangles);
-    const TriangleBoundsParams params{.first_float = ordered.first_float,
-                                      .triangle_count = triangles.count,
-                                      .capacity = capacity(),
-                                      .has_clusters = clusters != nullptr,
-                                      .has_pyramid = pyramid != nullptr};
+    TriangleSetupParams params{};
+    params.first_float = ordered.first_float;
+    params.triangle_count = triangles.count;
+    params.capacity = capacity();
+    params.has_clusters = clusters != nullptr;
+    params.has_pyramid = pyramid != nullptr;
     session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional),
                    cl::Range::items(triangles.count / session.lanes() + 1), params, projection.buffer, ordered.vertices,
                    clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
@@ -56,31 +57,20 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
                                   const PairBuffers* pairs, const cl::Buffer& counters) {
     const OrderedTriangles ordered = ordered_triangles(triangles);
     const GrowingList& tiles = for_map ? map_tiles_ : tiles_;
-    const TriangleTilesParams params{.first_float = ordered.first_float,
-                                     .capacity = capacity(),
-                                     .tile_capacity = tiles.capacity(),
-                                     .pair_capacity = pairs ? pairs->capacity : 0,
-                                     .has_numbers = ordered.numbers != nullptr,
-                                     .has_pyramid = pyramid != nullptr,
-                                     .for_map = for_map,
-                                     .lists_pairs = pairs != nullptr,
-                                     .padding = 0};
+    TriangleSetupParams params{};
+    params.first_float = ordered.first_float;
+    params.capacity = capacity();
+    params.tile_capacity = tiles.capacity();
+    params.pair_capacity = pairs ? pairs->capacity : 0;
+    params.has_numbers = ordered.numbers != nullptr;
+    params.has_pyramid = pyramid != nullptr;
+    params.for_map = for_map;
+    params.lists_pairs = pairs != nullptr;
     session.launch(variant(session, Task::make_triangle_tiles, projection.is_directional), cl::Range::items(capacity()),
                    params, projection.buffer, ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(),
                    pyramid ? *pyramid : bounds(), map_candidates_.buffer(), bounds(), records(), tiles.buffer(),
                    pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
                    cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
-}
-
-void TriangleSetup::run_map_tiles(cl::Session& session, const ProjectionInput& projection,
-                                  const TriangleInputs& triangles, const cl::Buffer& pyramid,
-                                  const cl::Buffer& counters) {
-    run_tiles_for(session, projection, triangles, &pyramid, true, nullptr, counters);
-}
-
-void TriangleSetup::run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
-                              const cl::Buffer* pyramid, const PairBuffers* pairs, const cl::Buffer& counters) {
-    run_tiles_for(session, projection, triangles, pyramid, false, pairs, counters);
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {

@@ -42,18 +42,21 @@ struct PairBuffers {
 
 class TriangleSetup {
 public:
-    /// Fills bounds() and the list of the map's candidates, and their counts in `counters`. `clusters`: the listed ones
-    /// (clusters.hpp); null: all triangles. `pyramid` (receiver_depth_pyramid) may be null: then no triangle is dropped
-    /// for its depth.
+    /// Fills bounds() and the list of the map's candidates, and counts in `counters`. `clusters`: the listed ones;
+    /// null: all triangles. `pyramid` (receiver_depth_pyramid) may be null: then no triangle is dropped for its depth.
     void run_bounds(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                     const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters);
     /// Fills records() and map_tiles() for the map's candidates, by the same pyramid.
     void run_map_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
-                       const cl::Buffer& pyramid, const cl::Buffer& counters);
+                       const cl::Buffer& pyramid, const cl::Buffer& counters) {
+        run_tiles_for(session, projection, triangles, &pyramid, true, nullptr, counters);
+    }
     /// Fills records() and tiles() for the triangles that are not wholly below `pyramid` (or null). With `pairs` a CPU
     /// appends the pairs of small triangles at once, and makes tiles of the others alone.
     void run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
-                   const cl::Buffer* pyramid, const PairBuffers* pairs, const cl::Buffer& counters);
+                   const cl::Buffer* pyramid, const PairBuffers* pairs, const cl::Buffer& counters) {
+        run_tiles_for(session, projection, triangles, pyramid, false, pairs, counters);
+    }
     /// True if all lists fitted; else grows them, and the run must be repeated.
     bool fitted(cl::Session& session, const FrameCounters& counted);
 

@@ -32,14 +32,12 @@ GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 
 #define BOUNDS_FOR_MAP 0x8000u  // may cover a whole texel
 
-// A triangle (the slot of its record) and a bin, and the pair's index in the bin's list. bin is GN_NO_ID in slots that
-// were reserved and not used.
+// A triangle (its record's slot) in a bin, and the pair's index in the bin's list. An unused slot has bin GN_NO_ID.
 GN_STRUCT_BEGIN(Pair)
     uint bin, slot, index;
 GN_STRUCT_END(Pair, 12)
 
-// Bins that a GPU's work-group tests before it reserves slots for the pairs, for each of its items: all items wait for
-// a reservation.
+// Bins, for each item, that a GPU's work-group tests before it reserves slots: all items wait for a reservation.
 #define PAIRS_AT_ONCE 4u
 
 GN_STRUCT_BEGIN(BinsParams)
@@ -85,7 +83,7 @@ static ushort quantised_texel(float coordinate, uint texels) {
 static ushort quantised_height(float z, float z_origin, float z_scale) {
     return (ushort)clamp((z - z_origin) * z_scale, 0.0f, 65535.0f);
 }
-// Both for lanes, of coordinates and heights in units.
+// Both for lanes, from coordinates and heights in units.
 static LaneInt quantised(LaneFloat units) {
     const LaneFloat least = (LaneFloat)(0.0f), most = (LaneFloat)(65535.0f);
     units = LANES_MAX(units, least);
@@ -107,32 +105,7 @@ static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt
     QuantisedBlock block = {(ushort)x0, (ushort)y0, (ushort)x1, (ushort)y1, (ushort)lowest};
     return lanes ? block : none;
 }
-#else
-// Least values of eights: a transposition halves the work of each step; five separate reductions would not.
-static ushort8 least_eight(int16 v, ushort16 others) {
-    ushort16 values = convert_ushort16(v) | others;
-    return min(values.lo, values.hi);
-}
-static ushort8 least_in_turn(ushort8 a, ushort8 b) {
-    ushort8 low = (ushort8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3);
-    ushort8 high = (ushort8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
-    return min(low, high);
-}
 
-static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
-    const LaneInt bits = (LaneInt)(65535);
-    ushort16 others = convert_ushort16(~lanes & bits);
-    ushort8 x = least_in_turn(least_eight(x0, others), least_eight(bits - x1, others));
-    ushort8 y = least_in_turn(least_eight(y0, others), least_eight(bits - y1, others));
-    ushort8 z = least_eight(lowest, others);
-    z = least_in_turn(z, z);
-    ushort8 all = least_in_turn(least_in_turn(x, y), least_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
-    QuantisedBlock block = {all.s0, all.s2, (ushort)(65535 - all.s4), (ushort)(65535 - all.s6), all.s1};
-    return block;
-}
-#endif
-
-#if GN_LANES == 1
 typedef uint4 EntryWords;  // one load
 
 static bool entry_is_below(EntryWords entry, QuantisedBlock block) { return (entry.z & 0xFFFFu) < block.z; }
@@ -161,9 +134,35 @@ static uint next_that_meet(__global const BinEntries* entries, uint2 range, uint
     *next = last + (run_is_done ? LIST_RUN - (last - range.x) % LIST_RUN : 1u);
     return meeting;
 }
-#endif
 
-#if GN_LANES != 1
+// Bit i: entry i of a BinEntries may meet the block.
+static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock block) {
+    return entry_meets(*(__global const EntryWords*)entries, block) ? 1u : 0u;
+}
+#else
+// Least values of eights: a transposition halves the work of each step; five separate reductions would not.
+static ushort8 least_eight(int16 v, ushort16 others) {
+    ushort16 values = convert_ushort16(v) | others;
+    return min(values.lo, values.hi);
+}
+static ushort8 least_in_turn(ushort8 a, ushort8 b) {
+    ushort8 low = (ushort8)(a.s0, b.s0, a.s1, b.s1, a.s2, b.s2, a.s3, b.s3);
+    ushort8 high = (ushort8)(a.s4, b.s4, a.s5, b.s5, a.s6, b.s6, a.s7, b.s7);
+    return min(low, high);
+}
+
+static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
+    const LaneInt bits = (LaneInt)(65535);
+    ushort16 others = convert_ushort16(~lanes & bits);
+    ushort8 x = least_in_turn(least_eight(x0, others), least_eight(bits - x1, others));
+    ushort8 y = least_in_turn(least_eight(y0, others), least_eight(bits - y1, others));
+    ushort8 z = least_eight(lowest, others);
+    z = least_in_turn(z, z);
+    ushort8 all = least_in_turn(least_in_turn(x, y), least_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
+    QuantisedBlock block = {all.s0, all.s2, (ushort)(65535 - all.s4), (ushort)(65535 - all.s6), all.s1};
+    return block;
+}
+
 static uint bits_of_shorts(short16 mask) {
 #ifdef GN_X86_SIGNS
     return (uint)__builtin_ia32_pmovmskb128(convert_char16(mask));
@@ -177,22 +176,14 @@ static uint bits_of_shorts(short16 mask) {
     return (uint)(b.x | b.y) | (uint)(b.z | b.w);
 #endif
 }
-#endif
 
-// Bit i: entry i of a BinEntries may meet the block.
 static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock block) {
-#if GN_LANES == 1
-    return entry_meets(*(__global const EntryWords*)entries, block) ? 1u : 0u;
-#else
     short16 meets = (entries->x0 <= block.x1) & (entries->y0 <= block.y1) & (entries->x1 >= block.x0) &
                     (entries->y1 >= block.y0) & (entries->z >= block.z) & (entries->x0 <= entries->x1);
     return bits_of_shorts(meets);
-#endif
 }
 
-#if GN_LANES != 1
-// The same for entries[i], 0 from `end` on; fetches the records meanwhile: in large scenes most of a walk's time went
-// into waiting for records.
+// The same for entries[i], 0 from `end` on. Fetches the records: in large scenes a walk mostly waited for them.
 static uint entries_to_look_at(__global const BinEntries* entries, __global const TriangleRecord* records,
                                __global const TriangleBounds* bounds, uint i, uint end, QuantisedBlock block) {
     if (i >= end) return 0u;

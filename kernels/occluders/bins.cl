@@ -160,8 +160,7 @@ __kernel void bins_scatter(BinsParams params, __global const Pair* pairs, __glob
 
 #if GN_LANES == 1
 // Sorts each run of each list, highest first; equal heights keep their order. An item takes one entry at a time, so
-// that all items have about as much to do. `heights`: of the work-group's entries and of the rest of their runs: one
-// for each item, and a run on either side.
+// that all have about as much to do. `heights`: one for each item of the work-group, and a run on either side.
 __kernel void bins_order(__global const uint4* listed, __global uint4* entries, __global const FrameCounters* counters,
                          __local uint* heights) {
     __local uint span[2];

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Clusters: boxes around neighbouring triangles (made once for a scene that does not change), and their cull for a
-// projection (in every run). The cull is that of triangle_bounds, applied to a box (cluster_boxes.clh): a cluster is
-// dropped only where it lies behind the light or outside the grid, or is farther from the light than every point that
-// it could cover.
+// projection (in every run). The cull is that of triangle_bounds, applied to a box (cluster_boxes.clh): it drops only
+// clusters behind the light, outside the grid, or farther from the light than every point that they could cover.
 #include "lists/group_scan.clh"
 #include "occluders/cluster_boxes.clh"
 

@@ -117,10 +117,9 @@ __kernel void conservative_map_draw(ConservativeMapParams params, __constant con
     add_in_group(written, &sum, &counters->map_texels);
 }
 
-// One work-item, before anything is drawn: decides whether a map is worth its cost. A map decides neighbouring points
-// at once, but every point pays for the look-up. Measured on a CPU, 1920x1080 (docs/performance.md): where a tenth of
-// the texels or more are written, a frame with the map is 3 to 28 % faster; where a twenty-fifth or fewer, 2 to 7 %
-// slower.
+// One work-item, before anything is drawn: is a map worth its cost? It decides neighbouring points at once, but every
+// point pays for the look-up. Measured on a CPU, 1920x1080 (docs/performance.md): where a tenth of the texels or more
+// are written, a frame with the map is 3 to 28 % faster; where a twenty-fifth or fewer, 2 to 7 % slower.
 __kernel void conservative_map_judge(__global Projection* projection, __global const FrameCounters* counters) {
     if (get_global_id(0) == 0)
         projection->map_disabled = counters->map_expected < texels_worth_a_map(projection->width, projection->height);

@@ -28,8 +28,7 @@ static LaneInt contains_centre(LaneFloat low, LaneFloat high, uint texels) {
 // texel's worst corner: for the corner opposite the edge (x, y), s = (|x| + |y|) / 2 / (2 area). The three s sum up to
 // S = (breadth + depth) / (2 area). If S > 1 there is no such p; else these p make up a triangle, the original times
 // 1 - S, with its first corner at a + s_b ab + s_c ac + (1 - S) 0; and some texel's centre must be within its bounds.
-// The area of that triangle is the number of texels that the original covers on average over all shifts of the grid:
-// `expected`.
+// Its area, `expected`, is the number of texels that the original covers on average over all shifts of the grid.
 static LaneInt can_cover_texel(const Projected* v, Rectangles rectangle, __constant const Projection* projection,
                                LaneInt lanes, LaneFloat* expected) {
     lanes &= LANE_COMPARE(rectangle.x1 - rectangle.x0, >=, (LaneFloat)(1.0f)) &
@@ -77,13 +76,14 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
                                __global const uint* pyramid, bool has_pyramid, BoundsBlock* bounds) {
     *bounds = unbounded(projection);
     if (projection->indistinct) return lanes;
-    ProjectedTriangles p = project_triangles(t, projection);
+    Projected v[3];
+    HullSides sides = project_triangles(t, projection, v);
     Rectangles rectangle;
-    LaneInt out_of_range = lanes & p.sides.out_of_range, inside = lanes & ~p.sides.out_of_range & ~p.sides.behind;
-    inside &= covered_rectangles(p.v, 3, projection, &rectangle);
+    LaneInt out_of_range = lanes & sides.out_of_range, inside = lanes & ~sides.out_of_range & ~sides.behind;
+    inside &= covered_rectangles(v, 3, projection, &rectangle);
     if (!LANES_ANY(inside)) return out_of_range;
     LaneFloat z_low, z_high;
-    height_intervals(p.v, 3, p.sides.straddles, projection, &z_low, &z_high);
+    height_intervals(v, 3, sides.straddles, projection, &z_low, &z_high);
     if (has_pyramid) inside &= ~lanes_hidden(rectangle, z_high, inside, projection, pyramid);
     if (!LANES_ANY(inside)) return out_of_range;
     float x_units = texel_units(projection->width), y_units = texel_units(projection->height);
@@ -94,9 +94,9 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
     LaneInt z = projection->z_scale == 0.0f ? quantised_nearness(z_high)
                                             : quantised((z_high - projection->z_origin) * projection->z_scale);
     bounds->z = LANES_SELECT(bounds->z, z, inside);
-    LaneInt for_map = inside & p.sides.straddles;
+    LaneInt for_map = inside & sides.straddles;
     bounds->expected = (rectangle.x1 - rectangle.x0) * (rectangle.y1 - rectangle.y0);  // no more than the grid has
-    for_map |= can_cover_texel(p.v, rectangle, projection, inside & ~p.sides.straddles, &bounds->expected);
+    for_map |= can_cover_texel(v, rectangle, projection, inside & ~sides.straddles, &bounds->expected);
     bounds->flags = LANES_SELECT(bounds->flags, (LaneInt)(BOUNDS_FOR_MAP), for_map);
     return inside | out_of_range;
 }
@@ -107,13 +107,8 @@ typedef struct BoundsCounts {
     LaneFloat expected;
 } BoundsCounts;
 
-static BoundsCounts no_bounds_counts(void) {
-    BoundsCounts counts = {0u, 0u, 0u, 0u, (LaneFloat)(0.0f)};
-    return counts;
-}
-
 // The survivors among GN_LANES triangles, of which *first is the first.
-static LaneInt bound_block(uint block, TriangleBoundsParams params, __constant const Projection* projection,
+static LaneInt bound_block(uint block, TriangleSetupParams params, __constant const Projection* projection,
                            __global const float* vertices, __global const uint* pyramid, uint* first,
                            BoundsBlock* found, BoundsCounts* counts) {
     *first = block * GN_LANES;
@@ -138,7 +133,7 @@ static uint4 lane_bounds(const BoundsBlock* found, uint lane, uint id) {
 #ifdef GN_CPU
 // The inputs of a CPU's work-item, the lists that its survivors go to, and its counts.
 typedef struct BoundsWork {
-    TriangleBoundsParams params;
+    TriangleSetupParams params;
     __constant const Projection* projection;
     __global const float* vertices;  // from the first triangle on
     __global const uint* pyramid;
@@ -170,7 +165,7 @@ static void append_block(BoundsWork* work, uint block) {
     }
 }
 
-// A CPU takes GN_LANES clusters at a time: the clusters that were listed, or (if none were) those whose boxes, made on
+// A CPU takes GN_LANES clusters at a time: the listed clusters, or (if no clusters are kept) those whose boxes, made on
 // the way, survive the cull. A box around triangles takes a small part of the time that bounding them one by one does;
 // where its test drops fewer than one in LEAST_DROPPED clusters, the next groups of clusters go without it.
 #define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
@@ -231,7 +226,7 @@ GN_NOINLINE_ON_CPU void bound_clusters(ItemRange items, uint cluster_count, __gl
 
 // A GPU's work-group keeps its survivors in `found`, BOUNDS_AT_ONCE for each of its items, and reserves slots for all
 // of them by one atomic: an atomic for each warp takes longer than the pass.
-__kernel void triangle_bounds(TriangleBoundsParams params, __constant const Projection* projection,
+__kernel void triangle_bounds(TriangleSetupParams params, __constant const Projection* projection,
                               __global const float* vertices, __global const uint* clusters,
                               __global const uint* pyramid, __global TriangleBounds* bounds,
                               __global uint* map_candidates, __global FrameCounters* counters, __local uint4* found) {
@@ -241,8 +236,7 @@ __kernel void triangle_bounds(TriangleBoundsParams params, __constant const Proj
     uint cluster_count = params.triangle_count / CLUSTER_TRIANGLES + (params.triangle_count % CLUSTER_TRIANGLES != 0u);
     if (params.has_clusters) cluster_count = counters->clusters_listed;
     if (projection->active_points == 0u) cluster_count = 0u;
-    BoundsWork work = {params,         projection, vertices,         pyramid,          bounds,
-                       map_candidates, counters,   no_reservation(), no_reservation(), no_bounds_counts()};
+    BoundsWork work = {params, projection, vertices, pyramid, bounds, map_candidates, counters};
     ItemRange items = {get_global_id(0), (cluster_count + GN_LANES - 1u) / GN_LANES, get_global_size(0)};
     bound_clusters(items, cluster_count, clusters, &work);
     BoundsCounts counts = work.counts;
@@ -254,7 +248,7 @@ __kernel void triangle_bounds(TriangleBoundsParams params, __constant const Proj
 #else
     uint blocks = params.has_clusters ? counters->clusters_listed * CLUSTER_TRIANGLES : params.triangle_count;
     if (projection->active_points == 0u) blocks = 0u;
-    BoundsCounts counts = no_bounds_counts();
+    BoundsCounts counts = {0u};
     __local uint reserved[GROUP_APPEND_WORDS];
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), many = items * BOUNDS_AT_ONCE;
     if (item == 0u) reserved[0] = 0u;

@@ -23,25 +23,20 @@ GN_STRUCT_BEGIN(TriangleRecord)
     float z_high;
 GN_ALIGNED_STRUCT_END(TriangleRecord, 64)
 
-GN_STRUCT_BEGIN(TriangleBoundsParams)
+// Of both kernels; members that a kernel does not use are 0.
+GN_STRUCT_BEGIN(TriangleSetupParams)
     ulong first_float;  // of the first triangle, in `vertices`
     uint triangle_count;
-    uint capacity;      // of the bounds, and of the map's candidates
-    uint has_clusters;  // 1: only the triangles of the listed clusters
-    uint has_pyramid;   // 0: no triangle is dropped for its depth
-GN_STRUCT_END(TriangleBoundsParams, 24)
-
-GN_STRUCT_BEGIN(TriangleTilesParams)
-    ulong first_float;  // of the first triangle, in `vertices`
-    uint capacity;      // of the bounds, the records and the map's candidates
+    uint capacity;  // of the bounds, the records and the map's candidates
     uint tile_capacity;
     uint pair_capacity;
-    uint has_numbers;  // 1: clusters have an order of their own, and `numbers` has the triangle at each position
-    uint has_pyramid;  // 0: no triangle is dropped for its depth
-    uint for_map;      // 1: tiles of the map's candidates; 0: tiles of all triangles, for the lists
-    uint lists_pairs;  // 1: a CPU appends the pairs of small triangles at once
+    uint has_clusters;  // 1: only the triangles of the listed clusters
+    uint has_numbers;   // 1: clusters have an order of their own, and `numbers` has the triangle at each position
+    uint has_pyramid;   // 0: no triangle is dropped for its depth
+    uint for_map;       // 1: tiles of the map's candidates; 0: tiles of all triangles, for the lists
+    uint lists_pairs;   // 1: a CPU appends the pairs of small triangles at once
     uint padding;
-GN_STRUCT_END(TriangleTilesParams, 40)
+GN_STRUCT_END(TriangleSetupParams, 48)
 
 // Triangles that a GPU's work-item bounds before its group reserves slots for the survivors.
 #define BOUNDS_AT_ONCE 4

@@ -12,7 +12,7 @@
 #include "occluders/triangle_records.clh"
 
 typedef struct TileWork {
-    TriangleTilesParams params;
+    TriangleSetupParams params;
     __constant const Projection* projection;
     __global const float* vertices;  // from the first triangle on
     __global const uint* numbers;    // of the triangles in the clusters' order, if `has_numbers`
@@ -225,10 +225,8 @@ GN_NOINLINE_ON_CPU void append_tiles(ItemRange items, TileWork* work, uint count
 }
 #endif
 
-// ---- The kernel -----------------------------------------------------------------------------------------------------
-
 // Local memory: bins, tile counts and slots of the group's triangles, 16 + 4 + 4 bytes for each item.
-__kernel void triangle_tiles(TriangleTilesParams params, __constant const Projection* projection,
+__kernel void triangle_tiles(TriangleSetupParams params, __constant const Projection* projection,
                              __global const float* vertices, __global const uint* numbers, __global const uint* pyramid,
                              __global const uint* map_candidates, __global TriangleBounds* bounds,
                              __global TriangleRecord* records, __global uint2* tiles, __global uint* bin_counts,
