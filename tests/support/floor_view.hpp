@@ -3,7 +3,7 @@
 #pragma once
 
 #include "device.hpp"
-#include "scene_makers.hpp"
+#include "expect_exact.hpp"
 
 namespace support {
 
@@ -24,8 +24,6 @@ inline Floats over_a_floor(const Floats& casters) {
 }
 
 inline const Floats one_triangle{-1, 0.5f, -1, 1, 0.75f, -0.5f, 0, 0.25f, 1};
-
-using Settings = std::vector<std::pair<std::string, std::string>>;
 
 struct Errors {
     std::size_t wrongly_lit = 0, wrongly_shadowed = 0, in_shadow = 0, lit = 0;
@@ -52,11 +50,9 @@ protected:
         const auto triangles = gnomon::Triangles::upload(device_, scene);
         const auto camera = gnomon::Camera::look_at({0, 2, 4}, {0, -0.25f, 0}, {0, 1, 0}, 60);
         const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
-        const auto made = gnomon::make_technique(technique, device_);
-        for (const auto& [key, value] : settings) made->set(key, value);
-        const gnomon::Visibility visibility(device_, view.points.count());
-        statistics_ = made->run(triangles, view.points, light, visibility);
-        return visibility.read();
+        Answer found = answer(device_, *technique_with(device_, settings, technique), triangles, view.points, light);
+        statistics_ = found.statistics;
+        return found.visibility;
     }
 
     Errors errors(const Floats& scene, const gnomon::Light& light, const std::string& technique,

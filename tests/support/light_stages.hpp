@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "device.hpp"
+#include "light_scene.hpp"
 #include "occluders/clusters.hpp"
 #include "occluders/conservative_map.hpp"
 #include "receivers/facing.hpp"
@@ -17,15 +18,6 @@
 #include "trace/exact_trace.hpp"
 
 namespace support {
-
-struct LightScene {
-    std::string name;
-    std::vector<float> triangles;  ///< 9 each
-    std::vector<float> points;     ///< 3 each
-    std::array<float, 4> light;
-    std::vector<std::uint32_t> receivers{};  ///< one per point, or none
-    std::optional<reference::Float3> eye{};
-};
 
 /// A listed point as the trace sees it.
 struct ListedPoint {
