@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Small cases to be run under oclgrind, which executes every load and store of the kernels in an interpreter and
-// reports what is out of bounds or a data race (tests/pipeline.cmake registers it so). Each case also compares every
+// reports what is out of bounds or a data race (tests/CMakeLists.txt registers it so). Each case also compares every
 // point with the oracle: oclgrind is a device like any other, and must give the same bits.
 // Plain program, no GoogleTest: one process, so that kernels are compiled once. Exit status 0: all as it should be.
 #include <algorithm>

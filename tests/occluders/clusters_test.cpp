@@ -352,7 +352,7 @@ TEST(clusters, none_is_dropped_wrongly_in_scenes_of_ties) {
 }
 
 TEST(clusters, none_is_dropped_wrongly_around_a_lamp) {
-    const Tally tally = attack(lamp_plane_scenes(), "around a lamp");
+    const Tally tally = attack(point_light_plane_scenes(), "around a lamp");
     EXPECT_GT(tally.outside, 100u);
 }
 

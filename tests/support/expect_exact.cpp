@@ -46,7 +46,8 @@ Answer answer(const gnomon::Device& device, const LightScene& scene, const Setti
 
 std::size_t expect_equal(const std::vector<float>& got, const std::vector<float>& wanted, const LightScene& scene,
                          const std::string& what) {
-    EXPECT_EQ(got.size(), wanted.size()) << scene.name << ": " << what;
+    const std::string title = scene.name + (what.empty() ? "" : ": " + what);
+    EXPECT_EQ(got.size(), wanted.size()) << title;
     if (got.size() != wanted.size()) return wanted.size();
     std::size_t wrong = 0, false_shadows = 0, first = 0;
     for (std::size_t i = 0; i < got.size(); ++i) {
@@ -57,9 +58,10 @@ std::size_t expect_equal(const std::vector<float>& got, const std::vector<float>
     if (wrong == 0) return 0;
     const Float3 point = vertex(scene.points, first);
     const std::uint32_t receiver = scene.receivers.empty() ? gnomon::no_receiver : scene.receivers[first];
-    ADD_FAILURE() << scene.name << ": " << what << ": " << wrong << " of " << got.size() << " points wrong ("
-                  << false_shadows << " false shadows), first " << first << " at ("
-                  << gnomon_test::rerun_numbers(point[0], point[1], point[2]) << "), receiver " << receiver << ": "
+    ADD_FAILURE() << title << ": " << wrong << " of " << got.size() << " points wrong (" << false_shadows
+                  << " false shadows), first " << first << " at ("
+                  << gnomon_test::rerun_numbers(point[0], point[1], point[2]) << "), "
+                  << (receiver == gnomon::no_receiver ? "no receiver" : "receiver " + std::to_string(receiver)) << ": "
                   << got[first] << ", must be " << wanted[first] << "; light ("
                   << gnomon_test::rerun_numbers(scene.light[0], scene.light[1], scene.light[2])
                   << "; w = " << scene.light[3] << "), " << scene.triangles.size() / 9 << " triangles\n"

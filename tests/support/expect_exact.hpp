@@ -21,8 +21,8 @@ struct Answer {
 
 /// Sums over many runs, to show that a test is not vacuous.
 struct AnswerTally {
-    std::uint64_t lit = 0, shadowed = 0;  ///< points, by the truth
-    std::uint64_t pairs = 0;              ///< of a point and a triangle
+    std::uint64_t lit = 0, shadowed = 0;                                  ///< points, by the truth
+    std::uint64_t pairs = 0;                                              ///< of a point and a triangle
     std::uint64_t uncertain = 0, by_map = 0, by_trace = 0, by_exact = 0;  ///< of animated runs
 
     void add(const std::vector<float>& truth);
@@ -36,7 +36,7 @@ std::unique_ptr<gnomon::Technique> technique_with(const gnomon::Device& device, 
                                                   const std::string& name = "frustum-traced");
 Answer answer(const gnomon::Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
               const gnomon::Points& points, const gnomon::Light& light);
-/// By a new frustum-traced. A prepared light has a coarser grid than its own unless the settings name one: else
+/// Makes a new frustum-traced for the run. A prepared light gets a grid of 128 unless the settings name one: else
 /// clearing maps would take most of the time.
 Answer answer(const gnomon::Device& device, const LightScene& scene, const Settings& settings,
               Mode mode = Mode::animated);
@@ -45,7 +45,7 @@ Answer answer(const gnomon::Device& device, const LightScene& scene, const Setti
 std::size_t expect_equal(const std::vector<float>& got, const std::vector<float>& wanted, const LightScene& scene,
                          const std::string& what);
 
-/// answer(), every point of which must be the oracle's. `truth`: as truth_of() returns it, where it is known already.
+/// Runs answer() and expects the oracle's visibility at every point. `truth`: truth_of(scene), if it is known already.
 Answer expect_exact(const gnomon::Device& device, const LightScene& scene, const Settings& settings, AnswerTally& tally,
                     Mode mode = Mode::animated, const std::vector<float>* truth = nullptr);
 

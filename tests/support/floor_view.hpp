@@ -7,7 +7,7 @@
 
 namespace support {
 
-/// Slanted suns and a lamp.
+/// Two slanted directional lights and a point light.
 inline const std::vector<gnomon::Light>& lights() {
     static const std::vector<gnomon::Light> all = {gnomon::Light::directional({-0.4f, -1, -0.3f}),
                                                    gnomon::Light::directional({1, -0.75f, 0.5f}),
@@ -38,6 +38,12 @@ inline Errors errors_of(const std::vector<float>& mask, const std::vector<float>
         errors.lit += truth[i] == 1;
     }
     return errors;
+}
+
+inline double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::fabs(double(a[i]) - b[i]);
+    return sum / double(a.size());
 }
 
 /// A camera above the floor, and any technique's mask of it.

@@ -118,7 +118,7 @@ UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& sce
 
 namespace {
 
-/// The other traversal from the same state on: lists the points, and must come to `expected`.
+/// Runs the other traversal from the same state: it lists the points, and its visibility must be `expected`.
 void run_triangles_traversal(Session& session, LightStages& stages, const UploadedScene& scene,
                              const StageSettings& settings, std::uint32_t face, const gnomon::FrameCounters& counted,
                              FrameOutput& out, const std::vector<float>& expected) {

@@ -92,7 +92,8 @@ void check_answers(const LightScene& scene, const std::vector<FrameOutput>& fram
 
 std::vector<LightScene> all_scenes() {
     std::vector<LightScene> scenes = light_scenes();
-    for (const auto& more : {reference_scenes(), huge_triangle_scenes(), underflow_scenes(), lamp_plane_scenes()})
+    for (const auto& more :
+         {reference_scenes(), huge_triangle_scenes(), underflow_scenes(), point_light_plane_scenes()})
         scenes.insert(scenes.end(), more.begin(), more.end());
     return scenes;
 }
