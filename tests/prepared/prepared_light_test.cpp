@@ -20,7 +20,8 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 std::vector<LightScene> all_scenes() {
     std::vector<LightScene> scenes = light_scenes();
-    for (const auto& more : {lamp_plane_scenes(), huge_triangle_scenes(), underflow_scenes(), reference_scenes()})
+    for (const auto& more :
+         {point_light_plane_scenes(), huge_triangle_scenes(), underflow_scenes(), reference_scenes()})
         scenes.insert(scenes.end(), more.begin(), more.end());
     return scenes;
 }
@@ -338,9 +339,7 @@ void check_eyes_and_lights_in_planes(const Device& device) {
 
 TEST(Prepared, EyesAndLightsInThePlanesOfReceivers) { check_eyes_and_lights_in_planes(Device()); }
 TEST(Prepared, EyesAndLightsInThePlanesOfReceiversWithTheKernelsMadeForGpus) {
-    gnomon::DeviceOptions options;
-    options.gpu_kernels = true;
-    check_eyes_and_lights_in_planes(Device({}, options));
+    check_eyes_and_lights_in_planes(Device({}, {.gpu_kernels = true}));
 }
 
 /// All x, all y, all z.
@@ -467,9 +466,7 @@ TEST(PreparedMemory, IsCountedAndFreed) {
 
 TEST(PreparedMemory, ALimitThatItDoesNotFitUnderLeavesRunsAlone) {
     const Still still;
-    gnomon::DeviceOptions options;
-    options.memory_limit_bytes = 8u << 20;
-    const Device device({}, options);
+    const Device device({}, {.memory_limit_bytes = 8u << 20});
     const auto triangles = gnomon::Triangles::upload(device, still.vertices);
     const gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
     const auto technique = gnomon::make_technique("frustum-traced", device);

@@ -14,11 +14,7 @@ using namespace support;
 using gnomon::Device;
 
 /// They are sought with the kernels that are made for GPUs alone.
-Device device_like_a_gpu() {
-    gnomon::DeviceOptions options;
-    options.gpu_kernels = true;
-    return Device({}, options);
-}
+Device device_like_a_gpu() { return Device({}, {.gpu_kernels = true}); }
 
 std::vector<bool> unshadowed_triangles(const Device& device, const Floats& vertices, const Light& light,
                                        std::uint32_t size) {

@@ -24,7 +24,6 @@ namespace {
 
 using namespace support;
 using gnomon::Device;
-using gnomon::DeviceOptions;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
@@ -438,9 +437,7 @@ TEST(SameBits, WhateverTheSettings) {
 }
 
 TEST(SameBits, WithDoublePrecisionHidden) {
-    DeviceOptions options;
-    options.hide_fp64 = true;
-    const Device without({}, options);
+    const Device without({}, {.hide_fp64 = true});
     std::uint64_t by_integers = 0;
     AnswerTally tally;
     const auto expect_same = [&](const LightScene& question) {
@@ -455,9 +452,7 @@ TEST(SameBits, WithDoublePrecisionHidden) {
 
 // The kernels with one point per work-item and work-groups that share what they count, also where there is no GPU.
 TEST(SameBits, WithTheKernelsMadeForGpus) {
-    DeviceOptions options;
-    options.gpu_kernels = true;
-    const Device other({}, options);
+    const Device other({}, {.gpu_kernels = true});
     ASSERT_EQ(other.session().lanes(), 1u);
     AnswerTally tally;
     for (const LightScene& question : typical_questions())
@@ -473,9 +468,7 @@ TEST(SameBits, WithTheKernelsMadeForGpus) {
 class WorkGroup : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(WorkGroup, OfAnySizeGivesTheSameBits) {
-    DeviceOptions options;
-    options.work_group_size = GetParam();
-    const Device other({}, options);
+    const Device other({}, {.work_group_size = GetParam()});
     AnswerTally tally;
     for (const LightScene& question : typical_questions())
         for (const Settings& settings : {map_on, Settings{{"map-size", "100"}, {"first-capacity", "3"}}})
@@ -537,9 +530,7 @@ TEST(AutomaticMap, OfAGpuIsTheFasterOne) {
 // A GPU goes by the last map: where that one saved little it does without for a while, then looks again. The bits are
 // the same.
 TEST(AutomaticMap, OfAGpuGoesByTheLastMap) {
-    DeviceOptions options;
-    options.gpu_kernels = true;
-    const Device other({}, options);
+    const Device other({}, {.gpu_kernels = true});
     const std::vector<float> points = random_points(5000, -1, 1, 11);
     const gnomon::Points uploaded_points = gnomon::Points::upload(other, points);
     const auto technique = gnomon::make_technique("frustum-traced", other);

@@ -3,8 +3,7 @@
 // lights, both ways of counting, and what the cancellation saves.
 #include <gtest/gtest.h>
 
-#include "support/device.hpp"
-#include "support/expect_exact.hpp"
+#include "support/floor_view.hpp"
 
 namespace {
 
@@ -19,17 +18,8 @@ struct Scene {
     Float3 eye{0, 2, 4};
 };
 
-Floats floor_below() {
-    Floats triangles;
-    add(triangles, {-6, -1, -6}, {-6, -1, 6}, {6, -1, 6});
-    add(triangles, {-6, -1, -6}, {6, -1, 6}, {6, -1, -6});
-    return triangles;
-}
-
 Scene with_floor(std::string name, const Floats& casters, Float3 eye = {0, 2, 4}) {
-    Scene scene{std::move(name), floor_below(), eye};
-    append(scene.triangles, casters);
-    return scene;
+    return {std::move(name), over_a_floor(casters), eye};
 }
 
 /// Three triangles on one edge: no pairing of neighbours would be right.
@@ -143,7 +133,7 @@ TEST_F(ShadowVolumes, NothingThereIsLit) {
 }
 
 TEST_F(ShadowVolumes, RefusesPointsThatAreNoPicture) {
-    const auto triangles = gnomon::Triangles::upload(device_, floor_below());
+    const auto triangles = gnomon::Triangles::upload(device_, over_a_floor({}));
     const auto points = gnomon::Points::upload(device_, Floats{0, 0, 0});
     const gnomon::Visibility visibility(device_, 1);
     const auto technique = gnomon::make_technique("shadow-volumes", device_);

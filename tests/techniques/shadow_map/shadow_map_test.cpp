@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <gnomon.hpp>
-#include "support/device.hpp"
-#include "support/expect_exact.hpp"
+#include "support/floor_view.hpp"
 
 namespace {
 
@@ -34,12 +33,6 @@ std::vector<float> visibility_of(const gnomon::Device& device, const LightScene&
     gnomon::Points points = upload_points(device, scene);
     points.set_camera(gnomon::Camera::look_at({0, 2, 3}, {0, 0, 0}, {0, 1, 0}, 60), 400, 200);
     return answer(device, *technique_with(device, settings, technique), triangles, points, light).visibility;
-}
-
-double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += std::fabs(double(a[i]) - b[i]);
-    return sum / double(a.size());
 }
 
 const Light sun = Light::directional({-0.3f, -1, -0.2f}), lamp = Light::positional({0.3f, 3, 0.2f});
@@ -112,11 +105,8 @@ TEST(ShadowMap, every_preset) {
 /// gnomon's own buffers in a run of technique shadow-map.
 std::uint64_t memory_of(const gnomon::Device& device, const LightScene& scene, const Settings& settings) {
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
-    const auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
-    const gnomon::Visibility visibility(device, points.count());
-    const auto made = gnomon::make_technique("shadow-map", device);
-    for (const auto& [name, value] : settings) made->set(name, value);
-    return made->run(triangles, points, sun, visibility).device_memory_bytes;
+    const auto technique = technique_with(device, settings, "shadow-map");
+    return answer(device, *technique, triangles, upload_points(device, scene), sun).statistics.device_memory_bytes;
 }
 
 // Of four numbers a texel, stored and filtered: 64 bits of memory, or 128; and almost the same shadow.
@@ -174,11 +164,8 @@ TEST(ShadowMap, slices_blend_evenly_within_the_overlap) {
                                          {"far", "41"},
                                          {"lambda", "0"},
                                          {"overlap", "0.1"}});
-        const auto technique = gnomon::make_technique("shadow-map", device);
-        for (const auto& [name, value] : settings) technique->set(name, value);
-        const gnomon::Visibility visibility(device, points.count());
-        technique->run(triangles, points, Light::directional({0, -1, 0}), visibility);
-        return visibility.read();
+        const auto technique = technique_with(device, settings, "shadow-map");
+        return answer(device, *technique, triangles, points, Light::directional({0, -1, 0})).visibility;
     };
     for (const Settings& settings : {Settings{{"lookup", "bilinear"}, {"taps", "5"}},
                                      Settings{{"store", "variance"}, {"prefilter", "gaussian"}}}) {

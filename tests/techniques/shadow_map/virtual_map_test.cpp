@@ -7,8 +7,7 @@
 #include <cmath>
 
 #include "kernels/techniques/shadow_map/lookup.h"
-#include "support/device.hpp"
-#include "support/expect_exact.hpp"
+#include "support/floor_view.hpp"
 #include "techniques/shadow_map/depth_pass.hpp"
 #include "techniques/shadow_map/projection.hpp"
 
@@ -60,12 +59,6 @@ protected:
 
     gnomon::Device device_;
 };
-
-double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += std::fabs(double(a[i]) - b[i]);
-    return sum / double(a.size());
-}
 
 // Without a camera all points ask for one level. On the finest, each finds in its page what the whole map of that size
 // holds.
@@ -260,9 +253,7 @@ TEST_F(VirtualMap, page_diagnostic_shows_the_levels) {
     const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 60);
     const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
     const auto drawn = [&](const gnomon::Points& points, const Settings& settings) {
-        const auto technique = gnomon::make_technique("virtual-shadow-map", device_);
-        for (const auto& [key, value] : settings) technique->set(key, value);
-        return technique->diagnose("page", triangles, points, sun);
+        return technique_with(device_, settings, "virtual-shadow-map")->diagnose("page", triangles, points, sun);
     };
     const auto fine = drawn(view.points, {{"size", "4096"}}),
                coarse = drawn(view.points, {{"size", "4096"}, {"detail", "0.5"}});
