@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# What the test rooms call to register their tests.
+# Functions that register tests.
 #
 #   gnomon_test(name SOURCES a.cpp ... [LIBRARIES targets ...] [LABEL label] [TIMEOUT seconds])
 #     A GoogleTest program `name`; each of its tests becomes a ctest test. Paths are relative to the calling
@@ -15,11 +15,11 @@ include(GoogleTest)
 # Compiled kernels of the tests stay in the build folder, so that a test run neither uses nor fills the user's cache.
 set(GNOMON_TEST_CACHE_DIR "${PROJECT_BINARY_DIR}/test_kernel_cache")
 set(GNOMON_TESTS_DIR "${CMAKE_CURRENT_LIST_DIR}")
-# Under the sanitizers everything takes several times as long. And once in some thousand programs LeakSanitizer's own
-# tracer crashes at the end (google/sanitizers issue 1353; seen here with PoCL's threads): where a test had passed till
-# then, ctest lists it as skipped, since nothing is known of its leaks.
+# Under the sanitizers everything takes several times as long. LeakSanitizer's own tracer crashes at the end of one in
+# some thousand programs (google/sanitizers issue 1353; seen here with PoCL's threads). If the test passed before the
+# crash, ctest lists it as skipped, because its leaks are unknown.
 set(GNOMON_TEST_TIMEOUT_S 300)
-# Not a bracket at its end: gtest_discover_tests of CMake 4.4 writes what it is given between two of them.
+# The expression must not end with a bracket: gtest_discover_tests of CMake 4.4 puts it between brackets.
 set(GNOMON_TEST_SKIPPED "\\[  SKIPPED \\] ")
 if(GNOMON_SANITIZE)
   set(GNOMON_TEST_TIMEOUT_S 900)

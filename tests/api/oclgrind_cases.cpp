@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Small cases to be run under oclgrind, which executes every load and store of the kernels in an interpreter and
-// reports what is out of bounds or a data race (tests/pipeline.cmake registers it so). Each case also compares every
+// reports what is out of bounds or a data race (tests/CMakeLists.txt registers it so). Each case also compares every
 // point with the oracle: oclgrind is a device like any other, and must give the same bits.
 // Plain program, no GoogleTest: one process, so that kernels are compiled once. Exit status 0: all as it should be.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 #include <string>
 
 #include <gnomon.hpp>
-#include "reference/visibility.hpp"
-#include "support/scene_makers.hpp"
+#include "support/light_scene.hpp"
 
 namespace {
 
@@ -24,40 +23,33 @@ void require(bool is_right, const std::string& what) {
     all_right = false;
 }
 
-struct Case {
-    std::string name;
-    Floats triangles, points;
-    std::vector<std::uint32_t> receivers;
-    Light light;
-    std::optional<Float3> eye;
-    std::vector<std::pair<std::string, std::string>> settings;
-    bool is_watched = false;  ///< by the diagnostic "decided" too
-    bool keeps_clusters = false;
-};
+std::size_t differences(const std::vector<float>& got, const std::vector<float>& wanted) {
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < wanted.size(); ++i) wrong += got[i] != wanted[i];
+    return wrong;
+}
 
-void trace(const gnomon::Device& device, const Case& c) {
-    auto triangles = gnomon::Triangles::upload(device, c.triangles);
-    if (c.keeps_clusters) triangles.keep_clusters(device);
-    gnomon::Points points = gnomon::Points::upload(device, c.points, c.receivers);
-    if (c.eye) points.set_eye(*c.eye);
+/// `is_watched`: by the diagnostic "decided" too.
+void trace(const gnomon::Device& device, const LightScene& scene, const Settings& settings, bool is_watched = false,
+           bool keeps_clusters = false) {
+    auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    if (keeps_clusters) triangles.keep_clusters(device);
+    const gnomon::Points points = upload_points(device, scene);
     const gnomon::Visibility visibility(device, points.count());
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    for (const auto& [name, value] : c.settings) technique->set(name, value);
-    const gnomon::Statistics statistics = technique->run(triangles, points, gnomon::Light{c.light}, visibility);
-    const std::vector<float> got = visibility.read();
-    const auto shadowed = reference::shadowed(c.triangles, c.points, c.receivers, c.light, c.eye);
-    std::size_t wrong = 0, dark = 0;
-    for (std::size_t i = 0; i < got.size(); ++i) {
-        wrong += got[i] != (shadowed[i] ? 0.0f : 1.0f);
-        dark += shadowed[i];
-    }
-    require(wrong == 0, c.name + ": " + std::to_string(wrong) + " points");
-    require(dark > 0 && dark < got.size(), c.name + ": both answers must occur");
-    if (c.is_watched)
-        require(technique->diagnose("decided", triangles, points, gnomon::Light{c.light}).size() == 4 * got.size(),
-                c.name + ": what decided each point");
-    std::printf("%s: %zu points, %zu in shadow, %llu by the map, %llu uncertain pairs\n", c.name.c_str(), got.size(),
-                dark, static_cast<unsigned long long>(statistics.count("points_decided_by_map")),
+    for (const auto& [name, value] : settings) technique->set(name, value);
+    const gnomon::Light light{scene.light};
+    const gnomon::Statistics statistics = technique->run(triangles, points, light, visibility);
+    const std::vector<float> got = visibility.read(), truth = truth_of(scene);
+    const std::size_t wrong = differences(got, truth);
+    const auto dark = static_cast<std::size_t>(std::ranges::count(truth, 0.0f));
+    require(wrong == 0, scene.name + ": " + std::to_string(wrong) + " points");
+    require(dark > 0 && dark < got.size(), scene.name + ": both answers must occur");
+    if (is_watched)
+        require(technique->diagnose("decided", triangles, points, light).size() == 4 * got.size(),
+                scene.name + ": what decided each point");
+    std::printf("%s: %zu points, %zu in shadow, %llu by the map, %llu uncertain pairs\n", scene.name.c_str(),
+                got.size(), dark, static_cast<unsigned long long>(statistics.count("points_decided_by_map")),
                 static_cast<unsigned long long>(statistics.count("uncertain_pairs")));
 }
 
@@ -69,14 +61,12 @@ void prepare(const gnomon::Device& device, const gnomon::Triangles& triangles, c
     technique->set("map-size", "32");
     technique->prepare(triangles, gnomon::Light{light});
     const gnomon::PointsOnHost host = gnomon::read(device, view.points);
-    const auto shadowed = reference::shadowed(scene, host.position, host.receiver, light, view.points.eye());
+    const std::vector<float> truth = truth_of({"", scene, host.position, light, host.receiver, view.points.eye()});
     gnomon::Points unlifted = view.points;
     unlifted.set_eye(*view.points.eye());
     for (const gnomon::Points& points : {view.points, unlifted}) {
         const gnomon::Statistics statistics = technique->run(triangles, points, gnomon::Light{light}, visibility);
-        const std::vector<float> got = visibility.read();
-        std::size_t wrong = 0;
-        for (std::size_t i = 0; i < got.size(); ++i) wrong += got[i] != (shadowed[i] ? 0.0f : 1.0f);
+        const std::size_t wrong = differences(visibility.read(), truth);
         require(wrong == 0, "prepared light: " + std::to_string(wrong) + " pixels");
         require(statistics.count("prepared") == 1, "the prepared light must be used");
     }
@@ -138,7 +128,7 @@ void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size)
 /// A technique that may be wrong, as much as its small maps let it.
 struct Approximation {
     std::string technique;
-    std::vector<std::pair<std::string, std::string>> settings;
+    Settings settings;
     Light light;
     double most_error;            ///< mean over the pixels that see something
     bool is_lower_bound = false;  ///< never wrongly dark
@@ -165,8 +155,7 @@ void approximate(const gnomon::Device& device, const Floats& scene, const Approx
         error += std::fabs(got[i] - (shadowed[i] ? 0 : 1));
     }
     error /= double(seen);
-    std::string name = a.technique;
-    for (const auto& [key, value] : a.settings) name += " " + key + "=" + value;
+    const std::string name = a.technique + " " + text_of(a.settings);
     std::printf("%s: %zu pixels, %zu in shadow, mean error %.3f\n", name.c_str(), seen, dark, error);
     require(error <= a.most_error, name + ": too far from the truth");
     require(dark > seen / 8 && dark < seen * 7 / 8, name + ": light and shadow must occur");
@@ -185,25 +174,16 @@ int main() try {
         options.work_group_size = work_group_size;
         const gnomon::Device device({}, options);
         std::printf("%s, work-groups of %u\n", device.description().name.c_str(), work_group_size);
-        const std::vector<std::pair<std::string, std::string>> small = {
-            {"conservative-map", "on"}, {"map-size", "32"}, {"first-capacity", "5"}};
-        trace(
-            device,
-            {"lattice, directional, ties", blocks, points, receivers, along(1, 1, 1), {}, small, work_group_size == 0});
-        trace(device, {"soup, with map and eye",
-                       soup(20, 1.2f, 4),
-                       places,
-                       {},
-                       along(0.1f, -1, 0.2f),
-                       Float3{0, 5, 0},
-                       small,
-                       false,
-                       true});
+        const Settings small = {{"conservative-map", "on"}, {"map-size", "32"}, {"first-capacity", "5"}};
+        trace(device, {"lattice, directional, ties", blocks, points, along(1, 1, 1), receivers}, small,
+              work_group_size == 0);
+        const LightScene over{"soup, with map and eye", soup(20, 1.2f, 4), places, along(0.1f, -1, 0.2f), {},
+                              Float3{0, 5, 0}};
+        trace(device, over, small, false, true);
         if (work_group_size != 0) continue;
-        trace(device, {"lattice, positional", blocks, points, {}, at(1.5f, 6, 1.5f), {}, small});
-        trace(
-            device,
-            {"soup, no map", soup(20, 1.2f, 4), places, {}, along(0.1f, -1, 0.2f), {}, {{"conservative-map", "off"}}});
+        trace(device, {"lattice, positional", blocks, points, at(1.5f, 6, 1.5f)}, small);
+        trace(device, {"soup, no map", soup(20, 1.2f, 4), places, along(0.1f, -1, 0.2f)},
+              {{"conservative-map", "off"}});
         look(device, blocks, 24);
         const Light sun = along(-0.3f, -1, 0.2f), lamp = at(1.5f, 6, 1.5f);
         Floats on_floor = blocks;

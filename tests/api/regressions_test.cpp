@@ -13,51 +13,16 @@
 #include <gnomon.hpp>
 #include "reference/view.hpp"
 #include "support/environment.hpp"
-#include "support/scene_makers.hpp"
+#include "support/expect_exact.hpp"
 
 namespace {
 
 using namespace support;
 using gnomon::Device;
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-struct Question {
-    Floats triangles, points;
-    Light light{};
-    std::vector<std::uint32_t> receivers{};  ///< one per point, or none
-    std::optional<Float3> eye{};
-};
-
-/// What was right and what it cost, over one or many questions.
-struct Tally {
-    std::uint64_t lit = 0, shadowed = 0, wrong = 0, false_shadows = 0, pairs = 0, uncertain = 0;
-};
 
 Device& device() {
     static Device opened;
     return opened;
-}
-
-gnomon::Statistics ask(const Question& question, const Settings& settings, Tally& tally, const Device& on = device()) {
-    const auto truth =
-        reference::shadowed(question.triangles, question.points, question.receivers, question.light, question.eye);
-    gnomon::Points points = gnomon::Points::upload(on, question.points, question.receivers);
-    if (question.eye) points.set_eye(*question.eye);
-    const auto technique = gnomon::make_technique("frustum-traced", on);
-    for (const auto& [name, value] : settings) technique->set(name, value);
-    const gnomon::Visibility visibility(on, points.count());
-    const auto triangles = gnomon::Triangles::upload(on, question.triangles);
-    const auto statistics = technique->run(triangles, points, gnomon::Light{question.light}, visibility);
-    const std::vector<float> got = visibility.read();
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-        ++(truth[i] ? tally.shadowed : tally.lit);
-        if (got[i] == (truth[i] ? 0.0f : 1.0f)) continue;
-        ++tally.wrong;
-        if (!truth[i]) ++tally.false_shadows;
-    }
-    tally.pairs += points.count() * triangles.count();
-    tally.uncertain += statistics.count("uncertain_pairs");
-    return statistics;
 }
 
 /// The light's ray through a point of a triangle, followed `past` times the triangle's distance beyond it.
@@ -73,9 +38,8 @@ Float3 behind(const Light& light, const Floats& triangles, std::size_t triangle,
 }
 
 /// Triangles around a place, and points behind them and before them as the lamp sees it.
-Question soup_around(const Light& lamp, float scale, std::size_t triangles, std::size_t points, Random& random) {
-    Question question;
-    question.light = lamp;
+LightScene soup_around(const Light& lamp, float scale, std::size_t triangles, std::size_t points, Random& random) {
+    LightScene question{"soup around a lamp, " + std::to_string(std::log10(scale)), {}, {}, lamp};
     for (std::size_t t = 0; t < triangles; ++t) {
         const Float3 centre = random_vector(random, -1, 1);
         for (int v = 0; v < 3; ++v) {
@@ -95,40 +59,37 @@ Question soup_around(const Light& lamp, float scale, std::size_t triangles, std:
 
 // Slopes of edges near a lamp are so small that their squares underflow; the map's circle test took its margin for 0.
 TEST(Regressions, MapByCirclesNearALampDrawsNoFalseShadows) {
-    Tally tally;
+    AnswerTally tally;
     Random random(1);
     for (const float scale : {1e-10f, 3e-11f, 1e-11f, 4e-12f, 1e-12f, 1e-13f, 1e-14f})
         for (int i = 0; i < 4; ++i)
-            ask(soup_around(at(0, 0, 0), scale, 20, 800, random),
-                {{"conservative-map", "on"}, {"cover-test", "circle"}, {"map-size", "16"}}, tally);
-    EXPECT_EQ(tally.wrong, 0u) << tally.false_shadows << " false shadows";
+            expect_exact(device(), soup_around(at(0, 0, 0), scale, 20, 800, random),
+                         {{"conservative-map", "on"}, {"cover-test", "circle"}, {"map-size", "16"}}, tally);
     EXPECT_GT(tally.lit, 1000u);
     EXPECT_GT(tally.shadowed, 1000u);
 }
 
 /// Triangles and points a few denormals apart, around a lamp; 24 scenes, the map on and off.
-Tally ask_within_denormals_of_a_lamp(const Device& on) {
-    Tally tally;
+void expect_exact_within_denormals_of_a_lamp(const Device& on) {
+    AnswerTally tally;
     Random random(2);
     const auto near = [&random](float from) { return from + std::ldexp(float(random.below(17)) - 8, -149); };
     for (int i = 0; i < 24; ++i) {
         const Light lamps[] = {at(0, 0, 0), at(1e-40f, -3e-41f, 1e-44f), at(0x1p-126f, 0, 1e-43f)};
-        Question question;
-        question.light = lamps[i % 3];
+        LightScene question{"within denormals of a lamp", {}, {}, lamps[i % 3]};
         for (int v = 0; v < 12; ++v)
             for (int k = 0; k < 3; ++k) question.triangles.push_back(near(question.light[k]));
         for (int p = 0; p < 150; ++p)
             for (int k = 0; k < 3; ++k) question.points.push_back(near(question.light[k]));
         // Half of the time farther points too, so that the near ones are not the whole grid.
         for (int p = 0; p < (i % 2) * 50; ++p) add(question.points, random_vector(random, -1, 1));
-        for (const char* map : {"on", "off"}) ask(question, {{"conservative-map", map}}, tally, on);
+        for (const char* map : {"on", "off"}) expect_exact(on, question, {{"conservative-map", map}}, tally);
     }
     EXPECT_GT(tally.lit, 1000u);
     EXPECT_GT(tally.shadowed, 200u);
-    return tally;
 }
 
-TEST(Regressions, PointsWithinDenormalsOfALamp) { EXPECT_EQ(ask_within_denormals_of_a_lamp(device()).wrong, 0u); }
+TEST(Regressions, PointsWithinDenormalsOfALamp) { expect_exact_within_denormals_of_a_lamp(device()); }
 
 /// A copy of the kernels in which one text is replaced, used by every Device opened while it lives.
 class ChangedKernels {
@@ -160,13 +121,13 @@ TEST(Regressions, PointsWithinFlushedDenormalsOfALamp) {
         flush += " " + v + " = LANES_SELECT(" + v + ", (LaneFloat)(0.0f), LANE_COMPARE(fabs(" + v +
                  "), <, (LaneFloat)(FLT_MIN)));";
     const ChangedKernels kernels("receivers/light_frame.h", difference, difference + flush);
-    EXPECT_EQ(ask_within_denormals_of_a_lamp(Device()).wrong, 0u);
+    expect_exact_within_denormals_of_a_lamp(Device());
 }
 
 /// Small triangles in a box above many points, as wide as the box, all times `scale`; the light comes from above or
 /// from a lamp. By chance a pair is within reach of the float filter's error; else it is decided.
-Question wide_scene(float scale, bool has_lamp, Random& random) {
-    Question question;
+LightScene wide_scene(float scale, bool has_lamp, Random& random) {
+    LightScene question{std::to_string(scale) + (has_lamp ? ", lamp" : "")};
     question.light = has_lamp ? at(0.3f * scale, 0.2f * scale, 2 * scale) : along(0.1f, 0.2f, -1);
     const auto scaled = [scale](Float3 v) {
         for (float& x : v) x *= scale;
@@ -192,9 +153,8 @@ TEST(Regressions, ScenesUpTo1e30DoNotLeaveEveryPairOpen) {
     for (const bool has_lamp : {false, true})
         for (const float scale : {1e10f, 1e16f, 1e22f, 2e29f}) {
             if (has_lamp && scale > 1e28f) continue;
-            Tally tally;
-            ask(wide_scene(scale, has_lamp, random), {}, tally);
-            EXPECT_EQ(tally.wrong, 0u) << scale << (has_lamp ? ", lamp" : "");
+            AnswerTally tally;
+            expect_exact(device(), wide_scene(scale, has_lamp, random), {}, tally);
             EXPECT_LT(tally.uncertain, tally.pairs / 1000) << scale << (has_lamp ? ", lamp" : "");
             EXPECT_GT(tally.shadowed, 50u);
         }
@@ -206,11 +166,10 @@ TEST(Regressions, OneStrayPointDoesNotLeaveEveryPairOpen) {
     Random random(4);
     for (const bool has_lamp : {false, true})
         for (const float scale : {1e14f, 1e20f, 1e25f}) {
-            Question question = wide_scene(scale, has_lamp, random);
+            LightScene question = wide_scene(scale, has_lamp, random);
             add(question.points, {20 * scale, 10 * scale, -100 * scale});
-            Tally tally;
-            ask(question, {}, tally);
-            EXPECT_EQ(tally.wrong, 0u) << scale << (has_lamp ? ", lamp" : "");
+            AnswerTally tally;
+            expect_exact(device(), question, {}, tally);
             EXPECT_LT(tally.uncertain, tally.pairs / 100) << scale << (has_lamp ? ", lamp" : "");
         }
 }
@@ -282,8 +241,7 @@ std::uint64_t cells_on_face(const std::array<std::array<double, 3>, 3>& triangle
 TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
     constexpr int reach = 10;
     const Float3 lamp = {3, 5, -2};
-    Question question;
-    question.light = at(lamp[0], lamp[1], lamp[2]);
+    LightScene question{"behind a lamp", {}, {}, at(lamp[0], lamp[1], lamp[2])};
     // A floor and a wall, both through lattice points that share coordinates with the lamp.
     for (int u = -reach; u < reach; ++u)
         for (int v = -reach; v < reach; ++v)
@@ -306,9 +264,8 @@ TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
         for (int k = 0; k < 3; ++k) point[k] += lamp[k];
         add(question.points, point);
     }
-    Tally tally;
-    const gnomon::Statistics statistics = ask(question, {{"map-size", "64"}}, tally);
-    EXPECT_EQ(tally.wrong, 0u);
+    AnswerTally tally;
+    const Answer found = expect_exact(device(), question, {{"map-size", "64"}}, tally);
     EXPECT_GT(tally.lit, 500u);
     EXPECT_GT(tally.shadowed, 500u);
     // Seen by a face: its pyramid holds some of the triangle. A grid has at most 16 x 16 bins.
@@ -324,14 +281,14 @@ TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
                 cells += on_face;
             }
     }
-    EXPECT_LE(statistics.count("triangles_kept"), seen);
-    EXPECT_LE(statistics.count("references"), cells);
+    EXPECT_LE(found.count("triangles_kept"), seen);
+    EXPECT_LE(found.count("references"), cells);
 }
 
 // An eye says on which side of the receiver's plane it is, not where the caller's point is: a point below its own
 // receiver is not shadowed by it.
 TEST(Regressions, PointBelowItsOwnReceiverWithAnEye) {
-    Question question;
+    LightScene question{"below its own receiver"};
     add(question.triangles, {-1, 0, -1}, {-1, 0, 1}, {1, 0, 0});
     for (int i = 0; i < 20; ++i) add(question.points, {-0.5f + 0.01f * float(i), -0.1f, 0});
     question.light = along(0, -1, 0);
@@ -343,9 +300,8 @@ TEST(Regressions, PointBelowItsOwnReceiverWithAnEye) {
         question.receivers.push_back(gnomon::no_receiver);
     }
     for (const char* map : {"on", "off"}) {
-        Tally tally;
-        ask(question, {{"conservative-map", map}}, tally);
-        EXPECT_EQ(tally.wrong, 0u) << "map " << map;
+        AnswerTally tally;
+        expect_exact(device(), question, {{"conservative-map", map}}, tally);
         EXPECT_GT(tally.shadowed, 100u);
     }
 }

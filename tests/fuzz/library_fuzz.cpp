@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Fuzz target: the bytes choose what an embedder hands to the library (triangles, points in any layout, receivers,
-// lights, cameras, settings, buffers that are too small or that overlap), sound or not. What is not sound is refused
-// with InvalidArgument and nothing else; what is sound gets the oracle's answer; and all device memory is given back.
+// lights, cameras, settings, buffers that are too small or that overlap), sound or not. The
+// library must refuse unsound inputs with InvalidArgument, give the oracle's visibility for sound ones, and free all
+// device memory.
 #include <signal.h>
 
 #include <algorithm>

@@ -66,7 +66,7 @@ TEST(bins, equals_reference_in_the_oracles_own_scenes) {
     for (const LightScene& scene : reference_scenes()) check(device, scene, {32, 2}, tally);
     for (const LightScene& scene : huge_triangle_scenes()) check(device, scene, {100, 3}, tally);
     for (const LightScene& scene : underflow_scenes()) check(device, scene, {64, 3}, tally);
-    for (const LightScene& scene : lamp_plane_scenes()) check(device, scene, {64, 3}, tally);
+    for (const LightScene& scene : point_light_plane_scenes()) check(device, scene, {64, 3}, tally);
     EXPECT_GT(tally.referenced, 1000u);
 }
 

@@ -11,6 +11,7 @@
 
 #include "kernels/occluders/clusters.h"
 #include "support/camera_scenes.hpp"
+#include "support/expect_exact.hpp"
 #include "support/light_scenes.hpp"
 #include "support/truth.hpp"
 
@@ -351,7 +352,7 @@ TEST(clusters, none_is_dropped_wrongly_in_scenes_of_ties) {
 }
 
 TEST(clusters, none_is_dropped_wrongly_around_a_lamp) {
-    const Tally tally = attack(lamp_plane_scenes(), "around a lamp");
+    const Tally tally = attack(point_light_plane_scenes(), "around a lamp");
     EXPECT_GT(tally.outside, 100u);
 }
 
@@ -413,20 +414,9 @@ TEST(clusters, none_is_dropped_wrongly_by_a_hair) {
 
 // ---- The whole ------------------------------------------------------------------------------------------------------
 
-struct Answer {
-    std::vector<float> visibility;
-    gnomon::Statistics statistics;
-};
-
 Answer answer(const gnomon::Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
               const LightScene& scene) {
-    auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
-    if (scene.eye) points.set_eye(*scene.eye);
-    const gnomon::Visibility visibility(device, points.count());
-    Answer answer;
-    answer.statistics = technique.run(triangles, points, gnomon::Light{scene.light}, visibility);
-    answer.visibility = visibility.read();
-    return answer;
+    return support::answer(device, technique, triangles, upload_points(device, scene), gnomon::Light{scene.light});
 }
 
 /// Hundreds of different triangles per scene, in disorder and sorted along x (so that clusters lie apart).

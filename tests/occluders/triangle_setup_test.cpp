@@ -168,7 +168,7 @@ TEST(triangle_setup, equals_reference_under_huge_triangles) {
 
 // Not vacuous: every second triangle has a vertex in the plane W = 0 of a face, or an ulp beside it.
 TEST(triangle_setup, equals_reference_around_a_lamp) {
-    const Tally tally = attack(lamp_plane_scenes(), "around a lamp");
+    const Tally tally = attack(point_light_plane_scenes(), "around a lamp");
     EXPECT_GT(tally.behind, 1000u);
 }
 

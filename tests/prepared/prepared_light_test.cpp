@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "prepared/prepared_light.hpp"
-#include "reference/visibility.hpp"
+#include "support/expect_exact.hpp"
 #include "support/light_scenes.hpp"
 
 namespace {
@@ -20,7 +20,8 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 std::vector<LightScene> all_scenes() {
     std::vector<LightScene> scenes = light_scenes();
-    for (const auto& more : {lamp_plane_scenes(), huge_triangle_scenes(), underflow_scenes(), reference_scenes()})
+    for (const auto& more :
+         {point_light_plane_scenes(), huge_triangle_scenes(), underflow_scenes(), reference_scenes()})
         scenes.insert(scenes.end(), more.begin(), more.end());
     return scenes;
 }
@@ -178,26 +179,11 @@ TEST(PreparedPlanes, WhatTheyCallCertainIsRight) {
 
 // ---- The same bits --------------------------------------------------------------------------------------------------
 
-struct Asked {
-    std::vector<float> visibility;
-    gnomon::Statistics statistics;
-};
-
-Asked ask(const Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
-          const gnomon::Points& points, const Light& light) {
-    const gnomon::Visibility visibility(device, points.count());
-    Asked asked;
-    asked.statistics = technique.run(triangles, points, light, visibility);
-    asked.visibility = visibility.read();
-    return asked;
-}
-
-gnomon::Points uploaded_points(const Device& device, const LightScene& scene, const Floats& positions) {
-    std::vector<std::uint32_t> receivers = scene.receivers;
-    if (!receivers.empty()) receivers.resize(positions.size() / 3, gnomon::no_receiver);
-    gnomon::Points points = gnomon::Points::upload(device, positions, receivers);
-    if (scene.eye) points.set_eye(*scene.eye);
-    return points;
+/// The scene with other points; those past its own have no receiver.
+LightScene with_points(LightScene scene, const Floats& points) {
+    scene.points = points;
+    if (!scene.receivers.empty()) scene.receivers.resize(points.size() / 3, gnomon::no_receiver);
+    return scene;
 }
 
 TEST(Prepared, SameBitsAsUnpreparedOverAllScenesAndPointsEverywhere) {
@@ -214,16 +200,16 @@ TEST(Prepared, SameBitsAsUnpreparedOverAllScenesAndPointsEverywhere) {
         prepared->prepare(triangles, Light{scene.light});
         const Floats everywhere = points_everywhere(scene, ++seed);
         for (const Floats* positions : {&scene.points, &everywhere}) {
-            const gnomon::Points points = uploaded_points(device, scene, *positions);
-            const Asked wanted = ask(device, *plain, triangles, points, Light{scene.light});
-            const Asked got = ask(device, *prepared, triangles, points, Light{scene.light});
+            const gnomon::Points points = upload_points(device, with_points(scene, *positions));
+            const Answer wanted = answer(device, *plain, triangles, points, Light{scene.light});
+            const Answer got = answer(device, *prepared, triangles, points, Light{scene.light});
             ASSERT_EQ(got.visibility, wanted.visibility) << scene.name;
-            const bool was_used = got.statistics.count("prepared") != 0;
-            ASSERT_EQ(wanted.statistics.count("prepared"), 0u);
+            const bool was_used = got.count("prepared") != 0;
+            ASSERT_EQ(wanted.count("prepared"), 0u);
             used += was_used;
-            fallen_back += got.statistics.count("prepared_fallback_points") != 0;
+            fallen_back += got.count("prepared_fallback_points") != 0;
             if (!was_used) continue;
-            by_map += got.statistics.count("points_decided_by_map");
+            by_map += got.count("points_decided_by_map");
             dark += static_cast<std::uint64_t>(std::ranges::count(got.visibility, 0.0f));
         }
     }
@@ -242,7 +228,9 @@ struct Still {
     Light sun = Light::directional({0.2f, -1, 0.1f}), lamp = Light::positional({0.1f, 3, 0.2f});
     std::unique_ptr<gnomon::Technique> technique = gnomon::make_technique("frustum-traced", device);
 
-    Asked run(const gnomon::Triangles& of, const Light& light) { return ask(device, *technique, of, points, light); }
+    Answer run(const gnomon::Triangles& of, const Light& light) {
+        return answer(device, *technique, of, points, light);
+    }
 };
 
 TEST(Prepared, IsUsedForItsOwnTrianglesAndLightAlone) {
@@ -252,13 +240,13 @@ TEST(Prepared, IsUsedForItsOwnTrianglesAndLightAlone) {
     const auto later = gnomon::Triangles::wrap(still.device, still.triangles.buffer(), 200, 900);
     const auto same = gnomon::Triangles::wrap(still.device, still.triangles.buffer(), 300);
     const auto bits = [&](const gnomon::Triangles& triangles, const Light& light) {
-        return ask(still.device, *gnomon::make_technique("frustum-traced", still.device), triangles, still.points,
-                   light)
+        return answer(still.device, *gnomon::make_technique("frustum-traced", still.device), triangles, still.points,
+                      light)
             .visibility;
     };
     const auto expect = [&](const gnomon::Triangles& triangles, const Light& light, bool is_used) {
-        const Asked asked = still.run(triangles, light);
-        EXPECT_EQ(asked.statistics.count("prepared"), is_used);
+        const Answer asked = still.run(triangles, light);
+        EXPECT_EQ(asked.count("prepared"), is_used);
         EXPECT_EQ(asked.visibility, bits(triangles, light));
         for (const gnomon::StageStatistics& stage : asked.statistics.stages)
             EXPECT_EQ(
@@ -304,10 +292,10 @@ TEST(Prepared, ServesEveryCameraOfOneLight) {
                                           gnomon::Float3{0.1f, 0.2f, 0.1f}, gnomon::Float3{-20, 30, -20}}) {
             const auto camera = gnomon::Camera::look_at(eye, {0, 0, 0}, {0, 1, 0}, 40);
             const gnomon::View view = gnomon::look(still.device, still.triangles, camera, 120, 80);
-            const Asked asked = ask(still.device, *still.technique, still.triangles, view.points, light);
-            EXPECT_EQ(asked.statistics.count("prepared"), 1u);
-            EXPECT_EQ(asked.visibility, ask(still.device, *plain, still.triangles, view.points, light).visibility);
-            dark += asked.statistics.count("points_in_shadow");
+            const Answer asked = answer(still.device, *still.technique, still.triangles, view.points, light);
+            EXPECT_EQ(asked.count("prepared"), 1u);
+            EXPECT_EQ(asked.visibility, answer(still.device, *plain, still.triangles, view.points, light).visibility);
+            dark += asked.count("points_in_shadow");
         }
     }
     EXPECT_GT(dark, 5000u);
@@ -331,20 +319,19 @@ void check_eyes_and_lights_in_planes(const Device& device) {
             const auto camera = gnomon::Camera::look_at(eye, {1.5f, 1.25f, 1.5f}, {0, 1, 0.01f}, 40);
             gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
             ASSERT_TRUE(view.points.is_lifted_off(triangles));
-            const Asked asked = ask(device, *prepared, triangles, view.points, light);
-            EXPECT_EQ(asked.statistics.count("prepared"), 1u);
+            const Answer asked = answer(device, *prepared, triangles, view.points, light);
+            EXPECT_EQ(asked.count("prepared"), 1u);
             const gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
-            const auto shadowed = reference::shadowed(blocks, gnomon::read(device, view.points).position, host.receiver,
-                                                      light.xyzw, camera.eye);
-            for (std::size_t i = 0; i < shadowed.size(); ++i)
-                ASSERT_EQ(asked.visibility[i], shadowed[i] ? 0.0f : 1.0f) << "pixel " << i;
-            EXPECT_EQ(asked.visibility, ask(device, *plain, triangles, view.points, light).visibility);
-            dark += asked.statistics.count("points_in_shadow");
-            away += asked.statistics.count("points_facing_away");
-            by_map += asked.statistics.count("points_decided_by_map");
+            const LightScene seen{"blocks",   blocks,        gnomon::read(device, view.points).position,
+                                  light.xyzw, host.receiver, camera.eye};
+            ASSERT_EQ(expect_equal(asked.visibility, truth_of(seen), seen, "prepared"), 0u);
+            EXPECT_EQ(asked.visibility, answer(device, *plain, triangles, view.points, light).visibility);
+            dark += asked.count("points_in_shadow");
+            away += asked.count("points_facing_away");
+            by_map += asked.count("points_decided_by_map");
             view.points.set_eye(eye);
             ASSERT_FALSE(view.points.is_lifted_off(triangles));
-            EXPECT_EQ(asked.visibility, ask(device, *prepared, triangles, view.points, light).visibility);
+            EXPECT_EQ(asked.visibility, answer(device, *prepared, triangles, view.points, light).visibility);
         }
     }
     EXPECT_GT(dark, 10'000u);
@@ -354,9 +341,7 @@ void check_eyes_and_lights_in_planes(const Device& device) {
 
 TEST(Prepared, EyesAndLightsInThePlanesOfReceivers) { check_eyes_and_lights_in_planes(Device()); }
 TEST(Prepared, EyesAndLightsInThePlanesOfReceiversWithTheKernelsMadeForGpus) {
-    gnomon::DeviceOptions options;
-    options.gpu_kernels = true;
-    check_eyes_and_lights_in_planes(Device({}, options));
+    check_eyes_and_lights_in_planes(Device({}, {.gpu_kernels = true}));
 }
 
 /// All x, all y, all z.
@@ -399,16 +384,14 @@ TEST(Prepared, LiftedPointsAnywhere) {
                                             : gnomon::Points::upload(device, positions, receivers);
             points.set_eye({0.5f, 9, 0.5f});
             points.set_lifted_off(triangles);
-            const Asked asked = ask(device, *prepared, triangles, points, light);
-            EXPECT_EQ(asked.visibility, ask(device, *plain, triangles, points, light).visibility);
-            const auto shadowed =
-                reference::shadowed(vertices, positions, receivers, light.xyzw, gnomon::Float3{0.5f, 9, 0.5f});
-            for (std::size_t i = 0; i < shadowed.size(); ++i)
-                ASSERT_EQ(asked.visibility[i], shadowed[i] ? 0.0f : 1.0f) << "point " << i;
-            used += asked.statistics.count("prepared");
-            fallen_back += asked.statistics.count("prepared_fallback_points") != 0;
-            dark += asked.statistics.count("points_in_shadow");
-            lit += positions.size() / 3 - asked.statistics.count("points_in_shadow");
+            const Answer asked = answer(device, *prepared, triangles, points, light);
+            EXPECT_EQ(asked.visibility, answer(device, *plain, triangles, points, light).visibility);
+            const LightScene lifted{"lifted", vertices, positions, light.xyzw, receivers, Float3{0.5f, 9, 0.5f}};
+            ASSERT_EQ(expect_equal(asked.visibility, truth_of(lifted), lifted, "prepared"), 0u);
+            used += asked.count("prepared");
+            fallen_back += asked.count("prepared_fallback_points") != 0;
+            dark += asked.count("points_in_shadow");
+            lit += positions.size() / 3 - asked.count("points_in_shadow");
         }
     }
     EXPECT_GT(used, 6u);
@@ -424,13 +407,13 @@ TEST(Prepared, BinsOfManyTriangles) {
     const gnomon::Points points = gnomon::Points::upload(device, random_points(20'000, -1, 1, 9));
     const auto technique = gnomon::make_technique("frustum-traced", device);
     for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::positional({0.1f, 0.3f, 0.2f})}) {
-        const Asked wanted = ask(device, *technique, triangles, points, light);
+        const Answer wanted = answer(device, *technique, triangles, points, light);
         technique->prepare(triangles, light);
-        const Asked asked = ask(device, *technique, triangles, points, light);
-        EXPECT_EQ(asked.statistics.count("prepared"), 1u);
+        const Answer asked = answer(device, *technique, triangles, points, light);
+        EXPECT_EQ(asked.count("prepared"), 1u);
         EXPECT_EQ(asked.visibility, wanted.visibility);
-        EXPECT_GT(asked.statistics.count("points_in_shadow"), 1000u);
-        EXPECT_LT(asked.statistics.count("points_in_shadow"), 19'000u);
+        EXPECT_GT(asked.count("points_in_shadow"), 1000u);
+        EXPECT_LT(asked.count("points_in_shadow"), 19'000u);
     }
 }
 
@@ -446,19 +429,19 @@ TEST(Prepared, NothingToPrepareIsNoTrouble) {
     still.technique->prepare(still.triangles, still.sun);
     const gnomon::Points no_points = gnomon::Points::upload(still.device, {}),
                          no_place = gnomon::Points::upload(still.device, Floats(300, not_a_number));
-    EXPECT_TRUE(ask(still.device, *still.technique, still.triangles, no_points, still.sun).visibility.empty());
-    const Asked absent_points = ask(still.device, *still.technique, still.triangles, no_place, still.sun);
+    EXPECT_TRUE(answer(still.device, *still.technique, still.triangles, no_points, still.sun).visibility.empty());
+    const Answer absent_points = answer(still.device, *still.technique, still.triangles, no_place, still.sun);
     EXPECT_EQ(absent_points.visibility, std::vector<float>(100, 1.0f));
-    EXPECT_EQ(absent_points.statistics.count("points_absent"), 100u);
+    EXPECT_EQ(absent_points.count("points_absent"), 100u);
     EXPECT_THROW(still.technique->prepare(still.triangles, Light{}), gnomon::InvalidArgument);
 }
 
 TEST(Prepared, AnyTechniqueTakesIt) {
     Still still;
     const auto other = gnomon::make_technique("shadow-map", still.device);
-    const std::vector<float> before = ask(still.device, *other, still.triangles, still.points, still.sun).visibility;
+    const std::vector<float> before = answer(still.device, *other, still.triangles, still.points, still.sun).visibility;
     other->prepare(still.triangles, still.sun);
-    EXPECT_EQ(ask(still.device, *other, still.triangles, still.points, still.sun).visibility, before);
+    EXPECT_EQ(answer(still.device, *other, still.triangles, still.points, still.sun).visibility, before);
     other->forget();
 }
 
@@ -482,14 +465,12 @@ TEST(PreparedMemory, IsCountedAndFreed) {
 
 TEST(PreparedMemory, ALimitThatItDoesNotFitUnderLeavesRunsAlone) {
     const Still still;
-    gnomon::DeviceOptions options;
-    options.memory_limit_bytes = 8u << 20;
-    const Device device({}, options);
+    const Device device({}, {.memory_limit_bytes = 8u << 20});
     const auto triangles = gnomon::Triangles::upload(device, still.vertices);
     const gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("first-capacity", "1000");
-    const Asked wanted = ask(device, *technique, triangles, points, still.lamp);
+    const Answer wanted = answer(device, *technique, triangles, points, still.lamp);
     technique->set("map-size", "1024");
     try {
         technique->prepare(triangles, still.lamp);
@@ -498,9 +479,9 @@ TEST(PreparedMemory, ALimitThatItDoesNotFitUnderLeavesRunsAlone) {
         EXPECT_NE(std::string(error.what()).find("limit"), std::string::npos) << error.what();
     }
     technique->set("map-size", "auto");
-    const Asked after = ask(device, *technique, triangles, points, still.lamp);
+    const Answer after = answer(device, *technique, triangles, points, still.lamp);
     EXPECT_EQ(after.visibility, wanted.visibility);
-    EXPECT_EQ(after.statistics.count("prepared"), 0u);
+    EXPECT_EQ(after.count("prepared"), 0u);
 }
 
 /// A light that is prepared anew and used, again and again.
@@ -516,15 +497,15 @@ struct PreparedAnew {
                   still.run(still.triangles, light).visibility)),
           session(still.device.session()) {}
 
-    Asked prepare_and_run() {
+    Answer prepare_and_run() {
         still.technique->prepare(still.triangles, light);
         return still.run(still.triangles, light);
     }
     void expect_sound(std::size_t failed) {
         ASSERT_EQ(still.run(still.triangles, light).visibility, wanted) << "after a failure of call " << failed;
-        const Asked again = prepare_and_run();
+        const Answer again = prepare_and_run();
         ASSERT_EQ(again.visibility, wanted) << "after a failure of call " << failed;
-        ASSERT_EQ(again.statistics.count("prepared"), 1u);
+        ASSERT_EQ(again.count("prepared"), 1u);
     }
 };
 
@@ -532,7 +513,7 @@ TEST(PreparedFaults, EveryCallFailsOnceAndNothingIsLost) {
     for (const bool has_lamp : {false, true}) {
         // Lists that never grow, so that the calls are the same each time.
         PreparedAnew anew(has_lamp, "262144");
-        EXPECT_EQ(anew.prepare_and_run().statistics.count("prepared"), 1u);
+        EXPECT_EQ(anew.prepare_and_run().count("prepared"), 1u);
         std::size_t calls = 0;
         anew.session.inject_faults([&](std::string_view) { return ++calls, CL_SUCCESS; });
         ASSERT_EQ(anew.prepare_and_run().visibility, anew.wanted);
@@ -583,8 +564,8 @@ TEST_P(WorkGroups, OfAnySizeGiveTheSameBits) {
     const auto technique = gnomon::make_technique("frustum-traced", device);
     for (const Light& light : {still.sun, still.lamp}) {
         technique->prepare(triangles, light);
-        const Asked asked = ask(device, *technique, triangles, points, light);
-        EXPECT_EQ(asked.statistics.count("prepared"), 1u);
+        const Answer asked = answer(device, *technique, triangles, points, light);
+        EXPECT_EQ(asked.count("prepared"), 1u);
         EXPECT_EQ(asked.visibility, still.run(still.triangles, light).visibility);
     }
 }

@@ -5,7 +5,7 @@
 
 #include "prepared/prepared_light.hpp"
 #include "reference/predicates.hpp"
-#include "reference/visibility.hpp"
+#include "support/expect_exact.hpp"
 #include "support/light_scenes.hpp"
 
 namespace {
@@ -14,11 +14,7 @@ using namespace support;
 using gnomon::Device;
 
 /// They are sought with the kernels that are made for GPUs alone.
-Device device_like_a_gpu() {
-    gnomon::DeviceOptions options;
-    options.gpu_kernels = true;
-    return Device({}, options);
-}
+Device device_like_a_gpu() { return Device({}, {.gpu_kernels = true}); }
 
 std::vector<bool> unshadowed_triangles(const Device& device, const Floats& vertices, const Light& light,
                                        std::uint32_t size) {
@@ -34,19 +30,15 @@ std::vector<bool> unshadowed_triangles(const Device& device, const Floats& verti
     return lit;
 }
 
-struct PointsOnTriangles {
-    Floats positions;
-    std::vector<std::uint32_t> receivers;
-};
-
 /// Inside, on edges and vertices, and beside, in the plane and above it, as far as promised: never below.
-PointsOnTriangles points_about(const Floats& vertices, const Light& light, const Float3& eye, std::uint64_t seed) {
+void add_points_about(LightScene& scene, std::uint64_t seed) {
+    const Floats& vertices = scene.triangles;
+    const Light& light = scene.light;
     Random random(seed);
-    PointsOnTriangles points;
     reference::Effort effort;
     for (std::uint32_t id = 0; id < vertices.size() / 9; ++id) {
         const reference::Triangle t = reference::triangle_at(vertices, id);
-        if (!reference::is_finite(t) || !reference::is_facing(t, light, eye, effort)) continue;
+        if (!reference::is_finite(t) || !reference::is_facing(t, light, *scene.eye, effort)) continue;
         for (int i = 0; i < 24; ++i) {
             const float least = i % 4 == 0 ? -1.0f : i % 4 == 1 ? 0.0f : 0.01f;
             float u = random.between(least, 0.5f), v = random.between(least, 0.5f);
@@ -60,11 +52,10 @@ PointsOnTriangles points_about(const Floats& vertices, const Light& light, const
             for (int k = 0; k < 3; ++k) p[k] = a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]) + up * light[k];
             const int side = reference::side_of_direction({light[0], light[1], light[2]}, t, effort);
             if (!reference::is_finite(p) || reference::side_of_point(p, t, effort) * side > 0) continue;
-            add(points.positions, p);
-            points.receivers.push_back(id);
+            add(scene.points, p);
+            scene.receivers.push_back(id);
         }
     }
-    return points;
 }
 
 TEST(UnshadowedTriangles, NothingShadowsThem) {
@@ -78,30 +69,29 @@ TEST(UnshadowedTriangles, NothingShadowsThem) {
     }
     const auto technique = gnomon::make_technique("frustum-traced", device);
     std::size_t prepared = 0, found = 0, points_on_found = 0, dark = 0;
-    for (const LightScene& scene : scenes) {
+    for (LightScene& scene : scenes) {
         if (scene.light[3] != 0) continue;
         const Light& l = scene.light;
         const float far = std::min(1e6f / std::max({std::abs(l[0]), std::abs(l[1]), std::abs(l[2])}), 1e30f);
-        const Float3 eye = {far * l[0], far * l[1], far * l[2]};
-        const PointsOnTriangles asked = points_about(scene.triangles, scene.light, eye, 5);
-        if (asked.receivers.empty()) continue;
+        scene.eye = {far * l[0], far * l[1], far * l[2]};
+        scene.points.clear();
+        scene.receivers.clear();
+        add_points_about(scene, 5);
+        if (scene.receivers.empty()) continue;
         const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
-        gnomon::Points points = gnomon::Points::upload(device, asked.positions, asked.receivers);
-        points.set_eye(eye);
+        gnomon::Points points = upload_points(device, scene);
         points.set_lifted_off(triangles);
-        const auto truth = reference::shadowed(scene.triangles, asked.positions, asked.receivers, scene.light, eye);
+        const std::vector<float> truth = truth_of(scene);
         const std::uint32_t size = (&scene - scenes.data()) % 2 == 0 ? 16 : 256;
         technique->set("map-size", std::to_string(size));
         technique->prepare(triangles, {scene.light});
-        const gnomon::Visibility visibility(device, points.count());
-        prepared += technique->run(triangles, points, {scene.light}, visibility).count("prepared");
-        const std::vector<float> got = visibility.read();
+        const Answer found_visibility = answer(device, *technique, triangles, points, {scene.light});
+        prepared += found_visibility.count("prepared");
         const std::vector<bool> lit = unshadowed_triangles(device, scene.triangles, scene.light, size);
+        ASSERT_EQ(expect_equal(found_visibility.visibility, truth, scene, "prepared"), 0u);
         for (std::size_t i = 0; i < truth.size(); ++i) {
-            ASSERT_EQ(got[i], truth[i] ? 0.0f : 1.0f) << scene.name << ": point " << i << " on " << asked.receivers[i]
-                                                      << (lit[asked.receivers[i]] ? ", found to be lit" : "");
-            points_on_found += lit[asked.receivers[i]];
-            dark += truth[i];
+            points_on_found += lit[scene.receivers[i]];
+            dark += truth[i] == 0;
         }
         found += static_cast<std::size_t>(std::count(lit.begin(), lit.end(), true));
     }
@@ -142,8 +132,8 @@ TEST(UnshadowedTriangles, AreFoundInMeshesAndNotUnderRoofs) {
                                      triangles[9 * id + 6 + k] * v);
             }
             const std::vector<std::uint32_t> receivers(inside.size() / 3, id);
-            const auto shadowed = reference::shadowed(triangles, inside, receivers, light);
-            const bool is_lit = std::count(shadowed.begin(), shadowed.end(), 1) == 0;
+            const std::vector<float> truth = truth_of({"", triangles, inside, light, receivers});
+            const bool is_lit = std::count(truth.begin(), truth.end(), 0.0f) == 0;
             EXPECT_EQ(lit[id], is_lit) << "triangle " << id;
             lit_squares += id < floor && is_lit;
         }

@@ -8,7 +8,7 @@
 namespace support {
 
 /// The middles of samples x samples equal parts of a horizontal square with sides of length `side`.
-inline std::vector<gnomon::Light> square_lamp(const Float3& center, float side, int samples) {
+inline std::vector<gnomon::Light> square_light(const Float3& center, float side, int samples) {
     std::vector<gnomon::Light> lights;
     const auto offset = [&](int i) { return side * ((float(i) + 0.5f) / float(samples) - 0.5f); };
     for (int i = 0; i < samples * samples; ++i)
@@ -17,14 +17,14 @@ inline std::vector<gnomon::Light> square_lamp(const Float3& center, float side, 
     return lights;
 }
 
-/// The same infinitely far above: light straight down, `tangent` across as seen from the ground.
+/// The same square infinitely far above: light straight down; `tangent` is its width as seen from the ground.
 inline std::vector<gnomon::Light> square_sun(float tangent, int samples) {
-    std::vector<gnomon::Light> lights = square_lamp({0, 1, 0}, tangent, samples);
+    std::vector<gnomon::Light> lights = square_light({0, 1, 0}, tangent, samples);
     for (gnomon::Light& light : lights) light.xyzw[3] = 0;
     return lights;
 }
 
-/// ItemRange of the lights that each point sees.
+/// The share of the lights that each point sees.
 inline std::vector<double> area_visibility(const gnomon::Device& device, const gnomon::Triangles& triangles,
                                            const gnomon::Points& points, const std::vector<gnomon::Light>& lights) {
     const auto exact = gnomon::make_technique("frustum-traced", device);

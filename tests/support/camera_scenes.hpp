@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Views against which the camera is held: closed meshes, lattices whose edges pass through pixel centres, needles,
+// Views that test the camera: closed meshes, lattices whose edges pass through pixel centres, needles,
 // far from the origin, from inside, with triangles behind and across the eye.
 #pragma once
 
@@ -40,7 +40,7 @@ struct CameraScene {
         return camera;
     }
 
-    /// Half of it has the tangent 1/2, in doubles exactly: see lattice_view().
+    /// tan(half of it) is exactly 1/2 in doubles: see lattice_view().
     static constexpr double LATTICE_FOV = 53.13010235415598;
     static double lattice_fov() {
         double fov = 2 * std::atan(0.5);

@@ -11,7 +11,7 @@
 
 namespace support {
 
-/// Work-group sizes that a stage with cheap kernels is run with: one, powers of two, and sizes that divide nothing.
+/// Work-group sizes for stages with cheap kernels: one, powers of two, and sizes that divide nothing.
 inline constexpr std::uint32_t WORK_GROUP_SIZES[] = {1, 2, 3, 7, 16, 33, 64, 128};
 /// The same for stages whose kernels take long to compile (a CPU driver compiles them anew for each size).
 inline constexpr std::uint32_t FEW_WORK_GROUP_SIZES[] = {3, 64};
@@ -44,7 +44,7 @@ inline void put_canaries(gnomon::cl::Session& session, const gnomon::cl::Buffer&
     session.fill(buffer, CANARY, buffer.bytes() / 4 * 4);
 }
 
-/// Expects every word from byte `first` on to be a canary still, and that there is one to look at.
+/// Expects at least one word from byte `first` on, and a canary in each of them.
 inline void expect_canaries(gnomon::cl::Session& session, const gnomon::cl::Buffer& buffer, std::size_t first,
                             const char* what) {
     ASSERT_GE(buffer.bytes(), first + 4) << what << " leaves no room for canaries";

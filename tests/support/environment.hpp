@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An environment variable for as long as a test needs it.
+// Sets an environment variable for as long as a test needs it.
 #pragma once
 
 #include <stdlib.h>  // setenv, unsetenv: POSIX, not in <cstdlib>
@@ -9,7 +9,7 @@
 
 namespace support {
 
-/// Sets an environment variable for a while.
+/// Sets the variable while it lives, and restores the value from before.
 class Environment {
 public:
     Environment(const char* name, const std::string& value) : name_(name) {

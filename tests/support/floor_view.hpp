@@ -3,11 +3,11 @@
 #pragma once
 
 #include "device.hpp"
-#include "scene_makers.hpp"
+#include "expect_exact.hpp"
 
 namespace support {
 
-/// Slanted suns and a lamp.
+/// Two slanted directional lights and a point light.
 inline const std::vector<gnomon::Light>& lights() {
     static const std::vector<gnomon::Light> all = {gnomon::Light::directional({-0.4f, -1, -0.3f}),
                                                    gnomon::Light::directional({1, -0.75f, 0.5f}),
@@ -25,8 +25,6 @@ inline Floats over_a_floor(const Floats& casters) {
 
 inline const Floats one_triangle{-1, 0.5f, -1, 1, 0.75f, -0.5f, 0, 0.25f, 1};
 
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
 struct Errors {
     std::size_t wrongly_lit = 0, wrongly_shadowed = 0, in_shadow = 0, lit = 0;
 };
@@ -42,6 +40,12 @@ inline Errors errors_of(const std::vector<float>& mask, const std::vector<float>
     return errors;
 }
 
+inline double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += std::fabs(double(a[i]) - b[i]);
+    return sum / double(a.size());
+}
+
 /// A camera above the floor, and any technique's mask of it.
 class FloorView : public testing::Test {
 protected:
@@ -52,11 +56,9 @@ protected:
         const auto triangles = gnomon::Triangles::upload(device_, scene);
         const auto camera = gnomon::Camera::look_at({0, 2, 4}, {0, -0.25f, 0}, {0, 1, 0}, 60);
         const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
-        const auto made = gnomon::make_technique(technique, device_);
-        for (const auto& [key, value] : settings) made->set(key, value);
-        const gnomon::Visibility visibility(device_, view.points.count());
-        statistics_ = made->run(triangles, view.points, light, visibility);
-        return visibility.read();
+        Answer found = answer(device_, *technique_with(device_, settings, technique), triangles, view.points, light);
+        statistics_ = found.statistics;
+        return found.visibility;
     }
 
     Errors errors(const Floats& scene, const gnomon::Light& light, const std::string& technique,

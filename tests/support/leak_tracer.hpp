@@ -6,9 +6,9 @@
 
 namespace support {
 
-/// Did LeakSanitizer's own tracer crash at a program's end, by what the program wrote to its standard error? It does so
-/// once in some thousand programs (google/sanitizers issue 1353; seen with PoCL's threads), and nothing is known then
-/// of the program's leaks, nor its exit code. So it has to be started once more.
+/// Whether LeakSanitizer's own tracer crashed at a program's end, judged by the program's standard error. The tracer
+/// crashes in one of some thousand programs (google/sanitizers issue 1353; seen with PoCL's threads). The program's
+/// leaks and its exit code are unknown then, so the test starts the program once more.
 inline bool leak_tracer_crashed(std::string_view errors) {
     return errors.find("LeakSanitizer has encountered a fatal error") != std::string_view::npos;
 }

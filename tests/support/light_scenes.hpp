@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Scenes against which the stages of a light are held: points exactly on the rays through edges and vertices, on
-// planes, and an ulp beside them; near, far, tiny, huge, grazing, and with triangles on all sides of a positional
+// Scenes that test the stages of a light. Points lie exactly on the shadow rays through edges and vertices, on planes,
+// and an ulp beside them; scenes are near, far, tiny, huge or grazing, or have triangles on all sides of a point
 // light.
 #pragma once
 
@@ -51,9 +51,9 @@ inline std::vector<LightScene> light_scenes() {
     return scenes;
 }
 
-/// Triangles around a lamp, from near to far, with vertices in the planes W = 0 of the cube's faces and an ulp beside
-/// them, so that what a triangle covers of a face reaches to infinity on one side or not at all.
-inline std::vector<LightScene> lamp_plane_scenes() {
+/// Triangles around a point light, from near to far, with vertices in the planes W = 0 of the cube's faces and an ulp
+/// beside these planes. A triangle then covers a part of a face that reaches to infinity on one side, or no part.
+inline std::vector<LightScene> point_light_plane_scenes() {
     std::vector<LightScene> scenes;
     const Light lamp = at(0.05f, -0.1f, 0.2f);
     for (const float size : {1e-4f, 0.01f, 0.1f, 1.0f, 30.0f}) {
@@ -85,8 +85,8 @@ inline std::vector<LightScene> huge_triangle_scenes() {
     return scenes;
 }
 
-/// Scales at which products of floats underflow: heights of denormals over a floor of ordinary size, and a lamp among
-/// triangles that are 1e-15 .. 1e-12 away.
+/// Scales at which products of floats underflow: heights of denormals over a floor of ordinary size, and a point light
+/// with triangles at distances of 1e-15 to 1e-12.
 inline std::vector<LightScene> underflow_scenes() {
     std::vector<LightScene> scenes;
     for (const double height : {1e-30, 1e-36, 1e-39, 1e-42, 1e-44}) {
@@ -106,7 +106,7 @@ inline std::vector<LightScene> underflow_scenes() {
     return scenes;
 }
 
-/// The reference's own hard scenes (reference/scenes_for_tests.hpp), with and without receivers' help.
+/// The oracle's own hard scenes (reference/scenes_for_tests.hpp), once for each of their lights.
 inline std::vector<LightScene> reference_scenes() {
     std::vector<LightScene> scenes;
     for (const reference::TestScene& scene : reference::all_test_scenes())

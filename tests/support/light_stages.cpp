@@ -11,12 +11,6 @@ namespace {
 using gnomon::cl::Buffer;
 using gnomon::cl::Session;
 
-gnomon::Points upload_points(const gnomon::Device& device, const LightScene& scene) {
-    gnomon::Points points = gnomon::Points::upload(device, scene.points, scene.receivers);
-    if (scene.eye) points.set_eye(*scene.eye);
-    return points;
-}
-
 std::size_t pyramid_cells(const gnomon::LightFrame& frame) {
     std::size_t cells = 0;
     for (std::uint32_t w = frame.bins_x, h = frame.bins_y;; w = (w + 1) / 2, h = (h + 1) / 2) {

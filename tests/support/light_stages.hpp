@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Runs the stages of a light one by one, as frustum_traced.cpp orders them, and brings every stage's output to the
-// host, so that a stage's test can look at what goes in and what comes out.
+// host, so that a stage's test can check its inputs and outputs.
 #pragma once
 
 #include <bit>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "device.hpp"
+#include "light_scene.hpp"
 #include "occluders/clusters.hpp"
 #include "occluders/conservative_map.hpp"
 #include "receivers/facing.hpp"
@@ -17,15 +18,6 @@
 #include "trace/exact_trace.hpp"
 
 namespace support {
-
-struct LightScene {
-    std::string name;
-    std::vector<float> triangles;  ///< 9 each
-    std::vector<float> points;     ///< 3 each
-    std::array<float, 4> light;
-    std::vector<std::uint32_t> receivers{};  ///< one per point, or none
-    std::optional<reference::Float3> eye{};
-};
 
 /// A listed point as the trace sees it.
 struct ListedPoint {
@@ -78,7 +70,7 @@ struct StageSettings {
 /// Visibility of a point that is still to be decided (kernels/simd/point_blocks.clh).
 inline bool is_open(float visibility) { return visibility >= 2.0f; }
 inline bool may_self_shadow(float visibility) { return visibility == 3.0f; }
-/// Visibility as a run leaves it, from that of its last frame: points of frames that did not run stay lit.
+/// A run's visibility, from the visibility after its last frame. Points of frames that did not run are lit.
 inline float decided(float visibility) { return is_open(visibility) ? 1.0f : visibility; }
 
 /// All frames of a light, as the kernels make them.
@@ -110,8 +102,8 @@ struct LightStages {
     gnomon::cl::Buffer projection;  ///< of the frame that runs
 };
 
-/// Runs the stages once for one frame, `out.frame`; both traversals, whose answers must be equal. False if a list was
-/// too short (it is longer now): to be repeated.
+/// Runs the stages once for one frame, `out.frame`, with both traversals; their visibility must be equal. False if a
+/// list was too short: the list is longer now, and the caller repeats the call.
 bool run_stages_once(gnomon::cl::Session& session, LightStages& stages, const UploadedScene& scene,
                      const StageSettings& settings, FrameOutput& out);
 
@@ -119,7 +111,7 @@ bool run_stages_once(gnomon::cl::Session& session, LightStages& stages, const Up
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
                                           const StageSettings& settings = {});
 
-/// The order-preserving map of floats to integers, backwards (kernels/prelude.h).
+/// The inverse of the order-preserving map from floats to integers (kernels/prelude.h).
 inline float float_of_key(std::uint32_t key) {
     return std::bit_cast<float>((key & 0x80000000u) != 0 ? key & 0x7FFFFFFFu : ~key);
 }

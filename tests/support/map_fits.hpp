@@ -6,15 +6,13 @@
 
 #include "api/vectors.hpp"
 #include "device.hpp"
-#include "scene_makers.hpp"
+#include "light_scene.hpp"
 #include "techniques/shadow_map/projection.hpp"
 
 namespace support {
 
 using gnomon::Double3;
 using gnomon::MapView;
-
-using Settings = std::vector<std::pair<std::string, std::string>>;
 
 /// A wide floor with posts.
 inline Floats yard() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Views of shadow maps made by hand, and what is true of them in double: where the ray of a texel's centre runs and
-// what it meets. Shares nothing with the kernels but the contract (kernels/techniques/shadow_map/map_view.h).
+// Views of shadow maps made by hand, and their truth in double: the ray of a texel's centre and its first
+// intersection. Shares nothing with the kernels but the contract (kernels/techniques/shadow_map/map_view.h).
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ struct RayOfLight {
     double depth_per_s;
 };
 
-/// A view, and its truth: the ray through (u, v), and (u, v) of a warped place in the map.
+/// A view, and its truth: the ray through (u, v), and (u, v) of a warped position in the map.
 struct ViewCase {
     std::string name;
     gnomon::MapView view;
@@ -89,7 +89,7 @@ inline ViewCase logarithmic_view(std::uint32_t width, std::uint32_t height) {
     return c;
 }
 
-/// Two pieces for u: the first half of the scene takes three quarters of the map. v: one piece, straight.
+/// u has two segments: the first half of the scene takes three quarters of the map. v has one straight segment.
 inline ViewCase rectilinear_view(std::uint32_t width, std::uint32_t height) {
     ViewCase c = straight_view(width, height);
     c.name = "rectilinear";

@@ -19,7 +19,7 @@ inline Float3 nudged(Random& random, Float3 v) {
     return v;
 }
 
-/// A place on the triangle: a vertex, on an edge, or inside.
+/// A position on the triangle: a vertex, on an edge, or inside.
 inline std::array<double, 3> place_on(Random& random, const Floats& triangles, std::size_t triangle) {
     const Float3 v[3] = {vertex(triangles, 3 * triangle), vertex(triangles, 3 * triangle + 1),
                          vertex(triangles, 3 * triangle + 2)};
@@ -37,8 +37,8 @@ inline std::array<double, 3> place_on(Random& random, const Floats& triangles, s
     return place;
 }
 
-/// `count` points that a place of a random triangle is on the way to the light from (or beyond), to the last ulp.
-/// `reach`: how far away from the triangle at most.
+/// `count` points on the lines from the light through positions on random triangles, rounded to the last ulp: most lie
+/// behind the triangle, some before or on it. `reach`: the largest distance from the triangle.
 inline Floats points_behind(const Floats& triangles, const Light& light, std::size_t count, double reach,
                             std::uint64_t seed) {
     Random random(seed);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The exact answers to what a triangle's record claims of a point (kernels/occluders/triangle_setup.h), and the real
-// map behind a projection's floats.
+// Exact truth for the bounds that a triangle's record gives for a point (kernels/occluders/triangle_setup.h), and the
+// real map that a projection's floats stand for.
 #pragma once
 
 #include "kernels/simd/projection.h"
@@ -9,7 +9,7 @@
 
 namespace support {
 
-/// What the contract of TriangleRecord speaks of, for the ray of a light through a point.
+/// The facts that the contract of TriangleRecord names, for the ray of a light through a point.
 struct ExactPair {
     bool covers;  ///< the ray through the point meets the closed triangle (before or after the point)
     bool nearer;  ///< the point is strictly nearer to the light than the triangle's plane
@@ -31,7 +31,7 @@ inline ExactPair exact_pair(const reference::Triangle& t, const reference::Float
         pair.behind = side_point * along > 0;
         pair.nearer = side_point * along < 0;
     } else {
-        // The ray that starts at the light: what lies behind the light is not on it.
+        // This ray starts at the light: nothing behind the light lies on it.
         const reference::Ray from_light = reference::Ray::to_light(xyz, {p[0], p[1], p[2], 1});
         const int orientation = reference::covering_orientation(from_light, t, effort);
         const int side_light = reference::side_of_point(xyz, t, effort);

@@ -18,14 +18,12 @@
 #include "frustum_traced.hpp"
 #include "reference/view.hpp"
 #include "scene/scene.hpp"
-#include "support/scene_makers.hpp"
+#include "support/expect_exact.hpp"
 
 namespace {
 
 using namespace support;
 using gnomon::Device;
-using gnomon::DeviceOptions;
-using Settings = std::vector<std::pair<std::string, std::string>>;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
@@ -33,122 +31,34 @@ constexpr float denormal = std::numeric_limits<float>::denorm_min();
 
 const Settings map_on = {{"conservative-map", "on"}}, map_off = {{"conservative-map", "off"}};
 
-// ---- One question, asked of the product and of the oracle -----------------------------------------------------------
-
-struct Question {
-    Floats triangles, points;
-    std::vector<std::uint32_t> receivers;  ///< one per point, or none
-    Light light{};
-    std::optional<Float3> eye;
-};
-
-struct Answer {
-    std::vector<float> visibility;
-    gnomon::Statistics statistics;
-};
-
 Device& device() {
     static Device opened;
     return opened;
 }
 
-gnomon::Points points_of(const Device& on, const Question& question) {
-    gnomon::Points points = gnomon::Points::upload(on, question.points, question.receivers);
-    if (question.eye) points.set_eye(*question.eye);
-    return points;
-}
-
-std::string text_of(const Settings& settings) {
-    std::string text;
-    for (const auto& [name, value] : settings) text += name + "=" + value + " ";
-    return text;
-}
-
-/// How a question is asked: as it is, or with the light prepared.
-enum class Mode { animated, prepared };
-
-Answer ask(const Device& on, const Question& question, const Settings& settings, Mode mode = Mode::animated) {
-    const auto triangles = gnomon::Triangles::upload(on, question.triangles);
-    const gnomon::Points points = points_of(on, question);
-    const auto technique = gnomon::make_technique("frustum-traced", on);
-    for (const auto& [name, value] : settings) technique->set(name, value);
-    // A coarser grid than its own, or clearing maps would take most of the time.
-    if (mode == Mode::prepared && text_of(settings).find("map-size") == std::string::npos)
-        technique->set("map-size", "128");
-    if (mode == Mode::prepared) technique->prepare(triangles, gnomon::Light{question.light});
-    const gnomon::Visibility visibility(on, points.count());
-    Answer answer;
-    answer.statistics = technique->run(triangles, points, gnomon::Light{question.light}, visibility);
-    answer.visibility = visibility.read();
-    return answer;
-}
-
-std::vector<float> truth_of(const Question& question) {
-    const auto shadowed =
-        reference::shadowed(question.triangles, question.points, question.receivers, question.light, question.eye);
-    std::vector<float> visibility;
-    for (const std::uint8_t in_shadow : shadowed) visibility.push_back(in_shadow ? 0.0f : 1.0f);
-    return visibility;
-}
-
-/// Fails with the first wrong point unless all are right.
-void expect_equal(const std::vector<float>& got, const std::vector<float>& wanted, const Question& question,
-                  const std::string& what) {
-    ASSERT_EQ(got.size(), wanted.size()) << what;
-    std::size_t wrong = 0, first = 0;
-    for (std::size_t i = 0; i < got.size(); ++i)
-        if (got[i] != wanted[i] && wrong++ == 0) first = i;
-    if (wrong == 0) return;
-    const Light& light = question.light;
-    ADD_FAILURE() << what << ": " << wrong << " of " << got.size() << " points wrong, first " << first << " at ("
-                  << question.points[3 * first] << ", " << question.points[3 * first + 1] << ", "
-                  << question.points[3 * first + 2] << ")"
-                  << (question.receivers.empty() ? "" : ", receiver " + std::to_string(question.receivers[first]))
-                  << ": " << got[first] << ", must be " << wanted[first] << "; light (" << light[0] << ", " << light[1]
-                  << ", " << light[2] << ", " << light[3] << "), " << question.triangles.size() / 9 << " triangles";
-}
-
-/// What was seen over many questions, to show that a test is not vacuous.
-struct Tally {
-    std::uint64_t lit = 0, shadowed = 0, uncertain = 0, by_map = 0, by_trace = 0, by_exact = 0;
-    std::uint64_t prepared = 0;  ///< runs that used a prepared light
-
-    void add(const std::vector<float>& truth) {
-        for (const float visibility : truth) ++(visibility != 0 ? lit : shadowed);
-    }
-    void add(const gnomon::Statistics& statistics) {
-        uncertain += statistics.count("uncertain_pairs");
-        by_map += statistics.count("points_decided_by_map");
-        by_trace += statistics.count("points_decided_by_trace");
-        by_exact += statistics.count("points_decided_by_exact");
-    }
-};
-
-void expect_exact(const Question& question, const std::vector<Settings>& ways, const std::string& what, Tally& tally) {
-    const std::vector<float> truth = truth_of(question);
+/// All points are right with each of the settings, and with the first of them with the light prepared, too.
+void expect_exact(const LightScene& scene, const std::vector<Settings>& ways, AnswerTally& tally) {
+    const std::vector<float> truth = truth_of(scene);
     tally.add(truth);
-    for (const Settings& settings : ways) {
-        const Answer answer = ask(device(), question, settings);
-        tally.add(answer.statistics);
-        expect_equal(answer.visibility, truth, question, what + " " + text_of(settings));
-        if (&settings != &ways.front()) continue;
-        const Answer prepared = ask(device(), question, settings, Mode::prepared);
-        tally.prepared += prepared.statistics.count("prepared");
-        expect_equal(prepared.visibility, truth, question, what + ", prepared " + text_of(settings));
-    }
+    for (const Settings& settings : ways)
+        support::expect_exact(device(), scene, settings, tally, Mode::animated, &truth);
+    support::expect_exact(device(), scene, ways.front(), tally, Mode::prepared, &truth);
 }
 
 // ---- Scenes ---------------------------------------------------------------------------------------------------------
 
-struct Scene {
-    std::string name;
-    Floats triangles, points;
-    std::vector<std::uint32_t> receivers;
-    std::vector<Light> lights;
-    std::optional<Float3> eye;
+/// A scene for several lights.
+struct Scene : LightScene {
+    std::vector<Light> lights{};
     std::uint64_t least_uncertain = 0;  ///< pairs that the float filter must leave open, over all lights
     bool both_answers = true;
 
+    LightScene lit_by(const Light& one, const std::optional<Float3>& seen_from = std::nullopt) const {
+        LightScene scene = *this;
+        scene.light = one;
+        scene.eye = seen_from;
+        return scene;
+    }
     friend std::ostream& operator<<(std::ostream& out, const Scene& scene) { return out << scene.name; }
 };
 
@@ -172,13 +82,13 @@ void add_points_on_triangles(Scene& scene, std::size_t count, std::uint64_t seed
 }
 
 Scene lattice(const std::string& name = "lattice") {
-    Scene scene{name, lattice_blocks(24, 5, 7), lattice_points(600, 5, 8), {}, lattice_lights, {}, 1000};
+    Scene scene{{name, lattice_blocks(24, 5, 7), lattice_points(600, 5, 8)}, lattice_lights, 1000};
     add_points_on_triangles(scene, 400, 9);
     return scene;
 }
 
 Scene random_soup(const std::string& name = "soup") {
-    Scene scene{name, soup(400, 0.3f, 1), random_points(800, -1.2f, 1.2f, 2), {}, {}, {}};
+    Scene scene{{name, soup(400, 0.3f, 1), random_points(800, -1.2f, 1.2f, 2)}};
     scene.lights = {along(0.2f, -1, 0.3f), along(1, 0, 0), along(-0.577f, 0.577f, 0.578f), at(0.1f, 0.2f, 0.3f),
                     at(0.5f, 5, 1)};
     add_points_on_triangles(scene, 700, 3);
@@ -205,12 +115,8 @@ std::vector<Scene> general_scenes() {
     std::vector<Scene> scenes = {random_soup(), lattice()};
 
     // A closed disc of needles: every point under it is in shadow, ties along all shared edges and at the tip.
-    Scene fan{"needle fan",
-              needle_fan(3000, 8),
-              {},
-              {},
+    Scene fan{{"needle fan", needle_fan(3000, 8)},
               {along(0, -1, 0), along(1, -1, 0), along(0.3f, -1, 0.2f), at(0, 1, 0), at(4, 0, 1), at(2, 0.001f, 3)},
-              {},
               1000};
     for (int i = 0; i < 400; ++i) add(fan.points, {float(i % 20) * 0.5f - 5, -1, float(i / 20) * 0.5f - 5});
     for (int i = 0; i < 300; ++i) {  // exactly below rim vertices and middles of edges
@@ -221,12 +127,12 @@ std::vector<Scene> general_scenes() {
     scenes.push_back(fan);
 
     // Nearly parallel and nearly edge-on, thinner than any texel.
-    Scene thin{"slivers through one texel", slivers(20000, 1e-4f, 4), random_points(300, -1e-3f, 1e-3f, 5), {}, {}, {}};
+    Scene thin{{"slivers through one texel", slivers(20000, 1e-4f, 4), random_points(300, -1e-3f, 1e-3f, 5)}};
     append(thin.points, random_points(300, -1, 1, 6));
     thin.lights = {along(0, -1, 0), along(0.01f, -1, 0.02f), at(0, 3, 0), along(0.1f, -0.01f, 0)};
     scenes.push_back(thin);
 
-    Scene skinny{"skinny and nearly parallel", {}, random_points(800, -1, 1, 13), {}, {}, {}, 100};
+    Scene skinny{{"skinny and nearly parallel", {}, random_points(800, -1, 1, 13)}, {}, 100};
     Random random(12);
     for (int i = 0; i < 500; ++i) {
         const float y = random.between(-1, 1), z = random.between(-1, 1);
@@ -238,7 +144,7 @@ std::vector<Scene> general_scenes() {
     scenes.push_back(skinny);
 
     // A flat floor of integer vertices under light that touches it almost: points on it, one ulp over and under it.
-    Scene grazing{"grazing", {}, {}, {}, {}, {}, 500};
+    Scene grazing{{"grazing"}, {}, 500};
     for (int x = 0; x < 16; ++x)
         for (int z = 0; z < 16; ++z) {
             const float X = float(x), Z = float(z);
@@ -256,7 +162,7 @@ std::vector<Scene> general_scenes() {
     scenes.push_back(grazing);
 
     // Every triangle three times: as it is, again, and with the other face in front.
-    Scene duplicates{"duplicates and coincident opposite faces", soup(60, 0.6f, 21), {}, {}, {}, {}};
+    Scene duplicates{{"duplicates and coincident opposite faces", soup(60, 0.6f, 21)}};
     const Floats once = duplicates.triangles;
     append(duplicates.triangles, once);
     append(duplicates.triangles, reversed_winding(once));
@@ -269,7 +175,7 @@ std::vector<Scene> general_scenes() {
     scenes.push_back(duplicates);
 
     // Texels as large as a house; half the yard is covered.
-    Scene giant{"one triangle over everything", {}, random_points(1000, -1, 1, 31), {}, {}, {}};
+    Scene giant{{"one triangle over everything", {}, random_points(1000, -1, 1, 31)}};
     add(giant.triangles, {0.25f, 3, -1e6f}, {0.25f, 3, 1e6f}, {1e6f, 3.5f, 0});
     append(giant.triangles, soup(50, 0.2f, 32));
     giant.lights = {along(0, -1, 0), along(0.3f, -1, 0.2f), at(0, 50, 0), at(0.5f, 2, 0), along(0, 1, 0)};
@@ -283,7 +189,7 @@ std::vector<Scene> general_scenes() {
 
     // The reference's own hard scenes, at all scales of float32.
     for (const reference::TestScene& hard : reference::all_test_scenes())
-        scenes.push_back({hard.name, hard.triangles, hard.points, hard.receivers, hard.lights, {}});
+        scenes.push_back({{hard.name, hard.triangles, hard.points, {}, hard.receivers}, hard.lights});
     return scenes;
 }
 
@@ -293,7 +199,7 @@ std::vector<Scene> extreme_scenes() {
     const auto add_scene = [&](const std::string& name, std::uint64_t seed, auto coordinate,
                                std::vector<Light> lights) {
         Random random(seed);
-        Scene scene{name, {}, {}, {}, std::move(lights), {}};
+        Scene scene{{name}, std::move(lights)};
         for (int i = 0; i < 80 * 9; ++i) scene.triangles.push_back(coordinate(random, i % 3));
         for (int i = 0; i < 500 * 3; ++i) scene.points.push_back(coordinate(random, i % 3));
         add_points_on_triangles(scene, 200, seed + 1);
@@ -331,12 +237,12 @@ class ExactOn : public testing::TestWithParam<Scene> {};
 
 TEST_P(ExactOn, EveryPointWithEveryLight) {
     const Scene& scene = GetParam();
-    Tally tally;
+    AnswerTally tally;
     for (const Light& light : scene.lights) {
-        Question question{scene.triangles, scene.points, scene.receivers, light, scene.eye};
-        expect_exact(question, {map_on, map_off}, scene.name, tally);
-        question.receivers.clear();
-        expect_exact(question, {map_on}, scene.name + ", no receivers", tally);
+        LightScene lit = scene.lit_by(light);
+        expect_exact(lit, {map_on, map_off}, tally);
+        lit.receivers.clear();
+        expect_exact(lit, {map_on}, tally);
     }
     if (scene.both_answers) {
         EXPECT_GT(tally.lit, scene.points.size() / 100);
@@ -357,7 +263,7 @@ INSTANTIATE_TEST_SUITE_P(Extremes, ExactOn, testing::ValuesIn(extreme_scenes()),
 
 // No oracle is needed to know this: whatever the tessellation, no light from outside reaches the inside of a sphere.
 TEST(ClosedMesh, InsideIsDarkFromEveryDirectionAndEveryPlaceOutside) {
-    Question question{icosphere(3, 2), random_points(1000, -1, 1, 61), {}, {}, {}};  // |point| < sqrt(3) < the inradius
+    LightScene question{"sphere", icosphere(3, 2), random_points(1000, -1, 1, 61)};  // |point| < sqrt(3) < the inradius
     const std::size_t inside = question.points.size() / 3;
     append(question.points, random_points(300, 2.5f, 3, 62));
     Random random(63);
@@ -368,10 +274,10 @@ TEST(ClosedMesh, InsideIsDarkFromEveryDirectionAndEveryPlaceOutside) {
         if (i % 4 == 1) v[i % 3] = 0;
         question.light = i % 2 == 0 ? Light{v[0], v[1], v[2], 0} : at(v[0] * 9 + 3, v[1] * 9, v[2] * 9);
         if (i % 2 != 0 && std::hypot(question.light[0], question.light[1], question.light[2]) < 2.1f) continue;
-        const Answer answer = ask(device(), question, i % 3 == 0 ? map_off : map_on);
-        for (std::size_t k = 0; k < inside; ++k) ASSERT_EQ(answer.visibility[k], 0.0f) << "leak at point " << k;
-        for (std::size_t k = inside; k < answer.visibility.size(); ++k) lit_outside += answer.visibility[k] != 0;
-        if (i % 6 == 0) expect_equal(answer.visibility, truth_of(question), question, "sphere");
+        const Answer found = answer(device(), question, i % 3 == 0 ? map_off : map_on);
+        for (std::size_t k = 0; k < inside; ++k) ASSERT_EQ(found.visibility[k], 0.0f) << "leak at point " << k;
+        for (std::size_t k = inside; k < found.visibility.size(); ++k) lit_outside += found.visibility[k] != 0;
+        if (i % 6 == 0) expect_equal(found.visibility, truth_of(question), question, "");
     }
     EXPECT_GT(lit_outside, 1000u);
 }
@@ -379,23 +285,23 @@ TEST(ClosedMesh, InsideIsDarkFromEveryDirectionAndEveryPlaceOutside) {
 // ---- Lights and points in special places ----------------------------------------------------------------------------
 
 TEST(PositionalLight, InsideOutsideAtAVertexInAPlaneAtAPoint) {
-    Question question{icosphere(2, 2), random_points(500, -3, 3, 71), {}, {}, {}};
+    LightScene question{"positional light", icosphere(2, 2), random_points(500, -3, 3, 71)};
     append(question.triangles, lattice_blocks(5, 3, 72));
     append(question.points, lattice_points(500, 3, 73));
     const Float3 corner = vertex(question.triangles, 17), b = vertex(question.triangles, 3);
     const Float3 a_point = {question.points[30], question.points[31], question.points[32]};
-    Tally tally;
+    AnswerTally tally;
     for (const Light& light : {at(0, 0, 0), at(0.3f, 0.2f, 0.1f), at(5, 6, 7), at(corner[0], corner[1], corner[2]),
                                at(1, 1, 1), at(0.5f, 1, 0.5f), at(b[0] * 2, b[1] * 2, b[2] * 2), at(1, 7.25f, 2.5f),
                                at(a_point[0], a_point[1], a_point[2]), at(1.5f, 1.5f, 2)}) {
         question.light = light;
-        expect_exact(question, {map_on, map_off}, "positional light", tally);
+        expect_exact(question, {map_on, map_off}, tally);
     }
     EXPECT_GT(tally.lit, 500u);
     EXPECT_GT(tally.shadowed, 500u);
     EXPECT_GT(tally.uncertain, 500u);
     question.light = at(a_point[0], a_point[1], a_point[2]);
-    EXPECT_EQ(ask(device(), question, map_on).visibility[10], 1.0f) << "nothing lies between a light and itself";
+    EXPECT_EQ(answer(device(), question, map_on).visibility[10], 1.0f) << "nothing lies between a light and itself";
 }
 
 // A caller may say any receiver: then the point need not lie on it, and may be on its far side.
@@ -419,15 +325,14 @@ TEST(Receivers, AnyTriangleOrNoneWithAnEyeOrWithout) {
                                    v * scene.triangles[9 * id + 6 + k] - (k == 1 ? depth : 0));
         scene.receivers.push_back(id);
     }
-    Tally tally;
+    AnswerTally tally;
     std::uint64_t facing_away = 0;
     for (const Light& light : {along(0, -1, 0), along(0.3f, -1, 0.2f), at(0.3f, 4, 0), along(0, 1, 0)})
         for (const std::optional<Float3>& eye :
              {std::optional<Float3>(), std::optional<Float3>({0.5f, 3, 0.2f}), std::optional<Float3>({1, 0, 0})}) {
-            const Question question{scene.triangles, scene.points, scene.receivers, light, eye};
-            const std::vector<Settings> ways = {{{"conservative-map", "on"}, {"map-size", "256"}}, map_on, map_off};
-            expect_exact(question, ways, eye ? "eye" : "no eye", tally);
-            facing_away += ask(device(), question, map_on).statistics.count("points_facing_away");
+            const LightScene question = scene.lit_by(light, eye);
+            expect_exact(question, {{{"conservative-map", "on"}, {"map-size", "256"}}, map_on, map_off}, tally);
+            facing_away += answer(device(), question, map_on).statistics.count("points_facing_away");
         }
     EXPECT_GT(tally.lit, 1000u);
     EXPECT_GT(tally.shadowed, 1000u);
@@ -444,12 +349,12 @@ TEST(BadNumbers, TrianglesAndPointsThatAreNotFinite) {
         if (random.below(3) == 0) scene.triangles[i + random.below(9)] = bad[random.below(3)], ++broken;
     for (std::size_t i = 0; i < scene.points.size(); i += 3)
         if (random.below(5) == 0) scene.points[i + random.below(3)] = bad[random.below(3)];
-    Tally tally;
+    AnswerTally tally;
     for (const Light& light : scene.lights)
         for (const std::optional<Float3>& eye : {std::optional<Float3>(), std::optional<Float3>({0, 3, 0})}) {
-            const Question question{scene.triangles, scene.points, scene.receivers, light, eye};
-            expect_exact(question, {map_on, map_off}, "not finite", tally);
-            const gnomon::Statistics statistics = ask(device(), question, map_on).statistics;
+            const LightScene question = scene.lit_by(light, eye);
+            expect_exact(question, {map_on, map_off}, tally);
+            const gnomon::Statistics statistics = answer(device(), question, map_on).statistics;
             EXPECT_GT(statistics.count("points_absent"), 200u);
             if (light[3] == 0) {
                 EXPECT_EQ(statistics.count("triangles_not_finite"), broken);
@@ -460,38 +365,38 @@ TEST(BadNumbers, TrianglesAndPointsThatAreNotFinite) {
 }
 
 TEST(NothingToDo, NoTrianglesNoPointsNoneFinite) {
-    const Question full{soup(10, 1, 1), random_points(100, -1, 1, 2), {}, along(0, -1, 0), {}};
+    const LightScene full{"full", soup(10, 1, 1), random_points(100, -1, 1, 2), along(0, -1, 0)};
     for (const Light& light : {along(0, -1, 0), at(0, 3, 0)})
         for (const Settings& settings : {map_on, map_off}) {
-            Question question = full;
+            LightScene question = full;
             question.light = light;
             question.triangles.clear();
-            EXPECT_EQ(ask(device(), question, settings).visibility, std::vector<float>(100, 1.0f));
+            EXPECT_EQ(answer(device(), question, settings).visibility, std::vector<float>(100, 1.0f));
             question.triangles.assign(90, not_a_number);
-            EXPECT_EQ(ask(device(), question, settings).visibility, std::vector<float>(100, 1.0f));
+            EXPECT_EQ(answer(device(), question, settings).visibility, std::vector<float>(100, 1.0f));
             question.triangles = full.triangles;
             question.points.clear();
-            EXPECT_TRUE(ask(device(), question, settings).visibility.empty());
+            EXPECT_TRUE(answer(device(), question, settings).visibility.empty());
             question.points.assign(300, not_a_number);
-            EXPECT_EQ(ask(device(), question, settings).visibility, std::vector<float>(100, 1.0f));
+            EXPECT_EQ(answer(device(), question, settings).visibility, std::vector<float>(100, 1.0f));
         }
 }
 
 TEST(NothingToDo, OnePointUnderOneTriangleAndBesideIt) {
     for (const Light& light : {along(0, -1, 0), at(0, 5, 0)})
         for (const Settings& settings : {map_on, map_off}) {
-            Question question{{-1, 1, -1, 1, 1, -1, 0, 1, 1}, {0, 0, 0}, {}, light, {}};
-            EXPECT_EQ(ask(device(), question, settings).visibility, std::vector<float>{0});
+            LightScene question{"one triangle", {-1, 1, -1, 1, 1, -1, 0, 1, 1}, {0, 0, 0}, light};
+            EXPECT_EQ(answer(device(), question, settings).visibility, std::vector<float>{0});
             question.points = {4, 0, 0};
-            EXPECT_EQ(ask(device(), question, settings).visibility, std::vector<float>{1});
+            EXPECT_EQ(answer(device(), question, settings).visibility, std::vector<float>{1});
         }
 }
 
 // ---- The same bits whatever the settings ----------------------------------------------------------------------------
 
 /// Enough points that the map is drawn of itself; ties, both kinds of light, receivers.
-std::vector<Question> typical_questions() {
-    std::vector<Question> questions;
+std::vector<LightScene> typical_questions() {
+    std::vector<LightScene> questions;
     Scene soup_scene = random_soup(), lattice_scene = lattice();
     append(soup_scene.triangles, soup(6, 1.5f, 101));
     append(soup_scene.points, random_points(4000, -1.2f, 1.2f, 102));
@@ -499,10 +404,8 @@ std::vector<Question> typical_questions() {
     for (Scene* scene : {&soup_scene, &lattice_scene})
         scene->receivers.resize(scene->points.size() / 3, gnomon::no_receiver);
     for (const Light& light : {soup_scene.lights[0], soup_scene.lights[3]})
-        questions.push_back(
-            {soup_scene.triangles, soup_scene.points, soup_scene.receivers, light, Float3{0.3f, 4, 0.5f}});
-    for (const Light& light : {lattice_lights[2], lattice_lights[5]})
-        questions.push_back({lattice_scene.triangles, lattice_scene.points, lattice_scene.receivers, light, {}});
+        questions.push_back(soup_scene.lit_by(light, Float3{0.3f, 4, 0.5f}));
+    for (const Light& light : {lattice_lights[2], lattice_lights[5]}) questions.push_back(lattice_scene.lit_by(light));
     return questions;
 }
 
@@ -521,10 +424,10 @@ TEST(SameBits, WhateverTheSettings) {
                                         {{"first-capacity", "1"}},
                                         {{"first-capacity", "1"}, {"conservative-map", "off"}, {"map-size", "64"}},
                                         {{"first-capacity", "100"}}};
-    Tally tally;
-    for (const Question& question : typical_questions()) {
-        expect_exact(question, ways, "settings", tally);
-        EXPECT_GT(ask(device(), question, {{"first-capacity", "1"}}).statistics.count("lists_grown"), 0u);
+    AnswerTally tally;
+    for (const LightScene& question : typical_questions()) {
+        expect_exact(question, ways, tally);
+        EXPECT_GT(answer(device(), question, {{"first-capacity", "1"}}).statistics.count("lists_grown"), 0u);
     }
     EXPECT_GT(tally.lit, 2000u);
     EXPECT_GT(tally.shadowed, 2000u);
@@ -534,50 +437,42 @@ TEST(SameBits, WhateverTheSettings) {
 }
 
 TEST(SameBits, WithDoublePrecisionHidden) {
-    DeviceOptions options;
-    options.hide_fp64 = true;
-    const Device without({}, options);
+    const Device without({}, {.hide_fp64 = true});
     std::uint64_t by_integers = 0;
-    const auto expect_same = [&](const Question& question, const std::string& what) {
-        const Answer answer = ask(without, question, map_on);
-        expect_equal(answer.visibility, truth_of(question), question, what);
-        EXPECT_EQ(answer.statistics.count("decided_by_double"), 0u);
-        by_integers += answer.statistics.count("decided_by_integers");
+    AnswerTally tally;
+    const auto expect_same = [&](const LightScene& question) {
+        const Answer found = support::expect_exact(without, question, map_on, tally);
+        EXPECT_EQ(found.count("decided_by_double"), 0u);
+        by_integers += found.count("decided_by_integers");
     };
-    for (const Question& question : typical_questions()) expect_same(question, "no fp64");
-    for (const Scene& scene : extreme_scenes())
-        expect_same({scene.triangles, scene.points, scene.receivers, scene.lights[0], scene.eye}, scene.name);
+    for (const LightScene& question : typical_questions()) expect_same(question);
+    for (const Scene& scene : extreme_scenes()) expect_same(scene.lit_by(scene.lights[0]));
     EXPECT_GT(by_integers, 1000u);
 }
 
 // The kernels with one point per work-item and work-groups that share what they count, also where there is no GPU.
 TEST(SameBits, WithTheKernelsMadeForGpus) {
-    DeviceOptions options;
-    options.gpu_kernels = true;
-    const Device other({}, options);
+    const Device other({}, {.gpu_kernels = true});
     ASSERT_EQ(other.session().lanes(), 1u);
-    for (const Question& question : typical_questions())
+    AnswerTally tally;
+    for (const LightScene& question : typical_questions())
         for (const Settings& settings : {map_on, Settings{{"map-size", "100"}, {"first-capacity", "3"}}}) {
-            const Answer answer = ask(other, question, settings);
-            expect_equal(answer.visibility, truth_of(question), question, "kernels for GPUs " + text_of(settings));
+            const Answer found = support::expect_exact(other, question, settings, tally);
             // What the work-groups sum up.
-            const auto shadowed = std::uint64_t(std::ranges::count(answer.visibility, 0.0f));
-            EXPECT_EQ(answer.statistics.count("points_in_shadow"), shadowed);
+            const auto shadowed = std::uint64_t(std::ranges::count(found.visibility, 0.0f));
+            EXPECT_EQ(found.count("points_in_shadow"), shadowed);
         }
-    expect_equal(ask(other, typical_questions().back(), map_on, Mode::prepared).visibility,
-                 truth_of(typical_questions().back()), typical_questions().back(), "kernels for GPUs, prepared");
+    support::expect_exact(other, typical_questions().back(), map_on, tally, Mode::prepared);
 }
 
 class WorkGroup : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(WorkGroup, OfAnySizeGivesTheSameBits) {
-    DeviceOptions options;
-    options.work_group_size = GetParam();
-    const Device other({}, options);
-    for (const Question& question : typical_questions())
+    const Device other({}, {.work_group_size = GetParam()});
+    AnswerTally tally;
+    for (const LightScene& question : typical_questions())
         for (const Settings& settings : {map_on, Settings{{"map-size", "100"}, {"first-capacity", "3"}}})
-            expect_equal(ask(other, question, settings).visibility, truth_of(question), question,
-                         "work-groups of " + std::to_string(GetParam()));
+            support::expect_exact(other, question, settings, tally);
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, WorkGroup, testing::Values(1, 3, 7, 33, 64));
 
@@ -585,12 +480,12 @@ INSTANTIATE_TEST_SUITE_P(Sizes, WorkGroup, testing::Values(1, 3, 7, 33, 64));
 TEST(AutomaticMap, IsDrawnWhereItCoversEnough) {
     if (device().session().lanes() == 1) GTEST_SKIP() << "a GPU goes by the last map";
     const auto asked_under = [](float roof, const Settings& settings) {
-        Question question{{}, random_points(5000, -1, 1, 11), {}, along(0, -1, 0), {}};
+        LightScene question{"roof", {}, random_points(5000, -1, 1, 11), along(0, -1, 0)};
         add(question.triangles, {-roof, 2, -roof}, {roof, 2, -roof}, {-roof, 2, roof});
-        const Answer answer = ask(device(), question, settings);
-        expect_equal(answer.visibility, truth_of(question), question, text_of(settings));
-        EXPECT_GT(answer.statistics.count("map_candidates"), 0u);
-        return answer.statistics.count("map_texels_written");
+        AnswerTally tally;
+        const Answer found = support::expect_exact(device(), question, settings, tally);
+        EXPECT_GT(found.count("map_candidates"), 0u);
+        return found.count("map_texels_written");
     };
     EXPECT_GT(asked_under(1.5f, {}), 256u);
     EXPECT_GT(asked_under(0.1f, map_on), 0u);
@@ -635,21 +530,17 @@ TEST(AutomaticMap, OfAGpuIsTheFasterOne) {
 // A GPU goes by the last map: where that one saved little it does without for a while, then looks again. The bits are
 // the same.
 TEST(AutomaticMap, OfAGpuGoesByTheLastMap) {
-    DeviceOptions options;
-    options.gpu_kernels = true;
-    const Device other({}, options);
+    const Device other({}, {.gpu_kernels = true});
     const std::vector<float> points = random_points(5000, -1, 1, 11);
     const gnomon::Points uploaded_points = gnomon::Points::upload(other, points);
-    const gnomon::Visibility visibility(other, uploaded_points.count());
     const auto technique = gnomon::make_technique("frustum-traced", other);
     const auto texels_under = [&](float roof) {
-        Question question{{}, points, {}, along(0, -1, 0), {}};
+        LightScene question{"a roof of " + std::to_string(roof), {}, points, along(0, -1, 0)};
         add(question.triangles, {-roof, 2, -roof}, {roof, 2, -roof}, {-roof, 2, roof});
-        const gnomon::Statistics statistics =
-            technique->run(gnomon::Triangles::upload(other, question.triangles), uploaded_points,
-                           gnomon::Light{question.light}, visibility);
-        expect_equal(visibility.read(), truth_of(question), question, "a roof of " + std::to_string(roof));
-        return statistics.count("map_texels_written");
+        const Answer found = answer(other, *technique, gnomon::Triangles::upload(other, question.triangles),
+                                    uploaded_points, gnomon::Light{question.light});
+        expect_equal(found.visibility, truth_of(question), question, "");
+        return found.count("map_texels_written");
     };
     // 5000 points save too little whatever the roof is.
     EXPECT_GT(texels_under(1.5f), 0u);
@@ -661,11 +552,11 @@ TEST(AutomaticMap, OfAGpuGoesByTheLastMap) {
 // ---- Laws between scenes --------------------------------------------------------------------------------------------
 
 TEST(Law, OrderAndWindingOfTrianglesMeanNothing) {
-    for (const Question& question : typical_questions()) {
+    for (const LightScene& question : typical_questions()) {
         const std::vector<float> truth = truth_of(question);
-        Question other = question;
+        LightScene other = question;
         other.triangles = reversed_winding(question.triangles);
-        expect_equal(ask(device(), other, map_on).visibility, truth, other, "reversed winding");
+        expect_equal(answer(device(), other, map_on).visibility, truth, other, "reversed winding");
 
         const auto old_of_new = shuffled_order(question.triangles.size() / 9, 111);
         std::vector<std::uint32_t> new_of_old(old_of_new.size());
@@ -678,7 +569,7 @@ TEST(Law, OrderAndWindingOfTrianglesMeanNothing) {
         EXPECT_NE(other.triangles, question.triangles);
         for (std::uint32_t& id : other.receivers)
             if (id < new_of_old.size()) id = new_of_old[id];
-        expect_equal(ask(device(), other, map_on).visibility, truth, other, "shuffled");
+        expect_equal(answer(device(), other, map_on).visibility, truth, other, "shuffled");
     }
 }
 
@@ -695,10 +586,10 @@ void turn(Vector& v, int times) {
 }
 
 TEST(Law, TurningEverythingByNinetyDegreesChangesNothing) {
-    for (const Question& question : typical_questions()) {
+    for (const LightScene& question : typical_questions()) {
         const std::vector<float> truth = truth_of(question);
         for (int times = 0; times < 3; ++times) {
-            Question turned = question;
+            LightScene turned = question;
             const auto turn_all = [times](Floats& floats) {
                 for (std::size_t i = 0; i < floats.size(); i += 3) {
                     Float3 v = {floats[i], floats[i + 1], floats[i + 2]};
@@ -710,23 +601,23 @@ TEST(Law, TurningEverythingByNinetyDegreesChangesNothing) {
             turn_all(turned.points);
             turn(turned.light, times);
             if (turned.eye) turn(*turned.eye, times);
-            expect_equal(ask(device(), turned, map_on).visibility, truth, turned, "turned");
+            expect_equal(answer(device(), turned, map_on).visibility, truth, turned, "turned");
         }
     }
 }
 
 TEST(Law, LengthOfTheLightDirectionMeansNothing) {
-    for (const Question& question : typical_questions()) {
+    for (const LightScene& question : typical_questions()) {
         if (question.light[3] != 0) continue;
         const std::vector<float> truth = truth_of(question);
         for (const int exponent : {-140, -40, -1, 1, 40, 120}) {
-            Question other = question;
+            LightScene other = question;
             for (int i = 0; i < 3; ++i) other.light[i] = std::ldexp(other.light[i], exponent);
             // A direction that lost bits to denormals is another direction: the oracle knows it.
             const bool is_same = std::ldexp(other.light[0], -exponent) == question.light[0] &&
                                  std::ldexp(other.light[1], -exponent) == question.light[1] &&
                                  std::ldexp(other.light[2], -exponent) == question.light[2];
-            expect_equal(ask(device(), other, map_on).visibility, is_same ? truth : truth_of(other), other,
+            expect_equal(answer(device(), other, map_on).visibility, is_same ? truth : truth_of(other), other,
                          "direction times 2^" + std::to_string(exponent));
         }
     }
@@ -738,16 +629,16 @@ TEST(Law, ScalingByPowersOfTwoChangesNothing) {
     append(scene.points, lattice_points(600, 5, 115));
     scene.receivers.resize(scene.points.size() / 3, gnomon::no_receiver);
     for (const Light& light : lattice_lights) {
-        const Question question{scene.triangles, scene.points, scene.receivers, light, {}};
+        const LightScene question = scene.lit_by(light);
         const std::vector<float> truth = truth_of(question);
         for (const int exponent : {-147, -100, -60, -20, 20, 45, 50, 60, 124}) {
-            Question scaled = question;
+            LightScene scaled = question;
             const auto scale = [exponent](float& x) { x = std::ldexp(x, exponent); };
             std::for_each(scaled.triangles.begin(), scaled.triangles.end(), scale);
             std::for_each(scaled.points.begin(), scaled.points.end(), scale);
             if (light[3] != 0) std::for_each(scaled.light.begin(), scaled.light.begin() + 3, scale);
             for (const Settings& settings : {map_on, map_off})
-                expect_equal(ask(device(), scaled, settings).visibility, truth, scaled,
+                expect_equal(answer(device(), scaled, settings).visibility, truth, scaled,
                              "times 2^" + std::to_string(exponent));
         }
     }
@@ -755,12 +646,12 @@ TEST(Law, ScalingByPowersOfTwoChangesNothing) {
 
 TEST(Law, AddingATriangleNeverLightsAPoint) {
     std::size_t newly_dark = 0;
-    for (Question question : typical_questions()) {
-        std::vector<float> before = ask(device(), question, map_on).visibility;
+    for (LightScene question : typical_questions()) {
+        std::vector<float> before = answer(device(), question, map_on).visibility;
         for (int step = 0; step < 5; ++step) {
             append(question.triangles, soup(20, 0.5f, 121 + step));
             append(question.triangles, lattice_blocks(1, 5, 131 + step));
-            const std::vector<float> after = ask(device(), question, step % 2 == 0 ? map_on : map_off).visibility;
+            const std::vector<float> after = answer(device(), question, step % 2 == 0 ? map_on : map_off).visibility;
             for (std::size_t i = 0; i < after.size(); ++i) {
                 ASSERT_LE(after[i], before[i]) << "point " << i << " was lit by an added triangle";
                 newly_dark += after[i] != before[i];
@@ -773,9 +664,9 @@ TEST(Law, AddingATriangleNeverLightsAPoint) {
 
 TEST(Law, SplittingTrianglesAtExactMiddlesChangesNothing) {
     for (const Light& light : lattice_lights) {
-        Question question{
-            placed(lattice_blocks(24, 5, 7), 2, {}), placed(lattice_points(800, 5, 141), 2, {}), {}, light, {}};
-        std::vector<float> whole = ask(device(), question, map_on).visibility;
+        LightScene question{"lattice", placed(lattice_blocks(24, 5, 7), 2, {}),
+                            placed(lattice_points(800, 5, 141), 2, {}), light};
+        std::vector<float> whole = answer(device(), question, map_on).visibility;
         for (int level = 0; level < 2; ++level) {
             Floats halves;
             for (std::size_t i = 0; i < question.triangles.size() / 9; ++i) {
@@ -787,7 +678,7 @@ TEST(Law, SplittingTrianglesAtExactMiddlesChangesNothing) {
                 add(halves, b, c, middle);
             }
             question.triangles = halves;
-            expect_equal(ask(device(), question, map_on).visibility, whole, question, "split");
+            expect_equal(answer(device(), question, map_on).visibility, whole, question, "split");
         }
     }
 }
@@ -795,20 +686,20 @@ TEST(Law, SplittingTrianglesAtExactMiddlesChangesNothing) {
 // ---- Views of whole scenes ------------------------------------------------------------------------------------------
 
 /// The camera's own points, judged on every pixel. Returns how many points were lit and in shadow.
-Tally expect_exact_view(const Floats& triangles_on_host, const gnomon::Camera& camera, const Light& light,
-                        std::uint32_t width, std::uint32_t height, const std::string& what) {
+AnswerTally expect_exact_view(const Floats& triangles_on_host, const gnomon::Camera& camera, const Light& light,
+                              std::uint32_t width, std::uint32_t height, const std::string& what) {
     const auto triangles = gnomon::Triangles::upload(device(), triangles_on_host);
     const gnomon::View view = gnomon::look(device(), triangles, camera, width, height);
     const auto technique = gnomon::make_technique("frustum-traced", device());
-    const gnomon::Visibility visibility(device(), view.points.count());
-    Tally tally;
-    tally.add(technique->run(triangles, view.points, gnomon::Light{light}, visibility));
+    const Answer found = answer(device(), *technique, triangles, view.points, gnomon::Light{light});
+    AnswerTally tally;
+    tally.add(found.statistics);
     const gnomon::ViewOnHost host = gnomon::read(device(), triangles, view);
-    Question question{triangles_on_host, host.position, host.receiver, light, camera.eye};
+    LightScene question{what, triangles_on_host, host.position, light, host.receiver, camera.eye};
     for (std::size_t i = 0; i < host.receiver.size(); ++i)  // the sky is absent
         if (host.receiver[i] == gnomon::no_receiver) question.points[3 * i] = not_a_number;
     const std::vector<float> truth = truth_of(question);
-    expect_equal(visibility.read(), truth, question, what);
+    expect_equal(found.visibility, truth, question, "");
     for (std::size_t i = 0; i < truth.size(); ++i)
         if (host.receiver[i] != gnomon::no_receiver) ++(truth[i] != 0 ? tally.lit : tally.shadowed);
     return tally;
@@ -823,8 +714,8 @@ TEST_P(CommittedScene, EveryPixelOfEveryCameraWithEveryLight) {
     std::uint64_t lit = 0, shadowed = 0;
     for (const auto& camera : scene.cameras)
         for (const auto& light : scene.lights) {
-            const Tally tally = expect_exact_view(scene.triangles, camera.camera, light.light.xyzw, 160, 96,
-                                                  GetParam() + " " + camera.name + " " + light.name);
+            const AnswerTally tally = expect_exact_view(scene.triangles, camera.camera, light.light.xyzw, 160, 96,
+                                                        GetParam() + " " + camera.name + " " + light.name);
             lit += tally.lit;
             shadowed += tally.shadowed;
         }
@@ -865,7 +756,8 @@ TEST_P(RealScene, EveryPixelWithAGrazingLightAndALamp) {
     const reference::PinholeCamera& from = GetParam().camera;
     const auto camera = gnomon::Camera::look_at(from.eye, from.target, from.up, from.fov_y_degrees);
     for (const Light& light : {GetParam().grazing, GetParam().lamp}) {
-        const Tally tally = expect_exact_view(scene.triangles, camera, light, from.width, from.height, file.stem());
+        const AnswerTally tally =
+            expect_exact_view(scene.triangles, camera, light, from.width, from.height, file.stem());
         EXPECT_GT(tally.lit, 1000u);
         EXPECT_GT(tally.shadowed, 1000u);
         EXPECT_GT(tally.by_map + tally.by_trace, 1000u);

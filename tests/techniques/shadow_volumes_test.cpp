@@ -3,8 +3,7 @@
 // lights, both ways of counting, and what the cancellation saves.
 #include <gtest/gtest.h>
 
-#include "support/device.hpp"
-#include "support/scene_makers.hpp"
+#include "support/floor_view.hpp"
 
 namespace {
 
@@ -19,17 +18,8 @@ struct Scene {
     Float3 eye{0, 2, 4};
 };
 
-Floats floor_below() {
-    Floats triangles;
-    add(triangles, {-6, -1, -6}, {-6, -1, 6}, {6, -1, 6});
-    add(triangles, {-6, -1, -6}, {6, -1, 6}, {6, -1, -6});
-    return triangles;
-}
-
 Scene with_floor(std::string name, const Floats& casters, Float3 eye = {0, 2, 4}) {
-    Scene scene{std::move(name), floor_below(), eye};
-    append(scene.triangles, casters);
-    return scene;
+    return {std::move(name), over_a_floor(casters), eye};
 }
 
 /// Three triangles on one edge: no pairing of neighbours would be right.
@@ -55,13 +45,6 @@ const std::vector<gnomon::Light>& lights() {
     return all;
 }
 
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-struct Answer {
-    std::vector<float> mask;
-    gnomon::Statistics statistics;
-};
-
 class ShadowVolumes : public testing::Test {
 protected:
     Answer run(const Scene& scene, const gnomon::Light& light, const std::string& technique,
@@ -69,11 +52,7 @@ protected:
         const auto triangles = gnomon::Triangles::upload(device_, scene.triangles);
         const auto camera = gnomon::Camera::look_at(scene.eye, {0, -0.25f, 0}, {0, 1, 0}, 60);
         const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
-        const auto made = gnomon::make_technique(technique, device_);
-        for (const auto& [key, value] : settings) made->set(key, value);
-        const gnomon::Visibility visibility(device_, view.points.count());
-        gnomon::Statistics statistics = made->run(triangles, view.points, light, visibility);
-        return {visibility.read(), std::move(statistics)};
+        return answer(device_, *technique_with(device_, settings, technique), triangles, view.points, light);
     }
 
     gnomon::Device device_;
@@ -104,8 +83,8 @@ TEST_F(ShadowVolumes, AreTheTruthAwayFromItsEdges) {
         for (const gnomon::Light& light : lights())
             for (const char* method : {"z-pass", "z-fail"}) {
                 SCOPED_TRACE(scene.name + ", " + method + ", w " + std::to_string(light.xyzw[3]));
-                const std::vector<float> truth = run(scene, light, "frustum-traced").mask;
-                const std::vector<float> mask = run(scene, light, "shadow-volumes", {{"method", method}}).mask;
+                const std::vector<float> truth = run(scene, light, "frustum-traced").visibility;
+                const std::vector<float> mask = run(scene, light, "shadow-volumes", {{"method", method}}).visibility;
                 ASSERT_GT(std::count(truth.begin(), truth.end(), 0.0f), 100) << "a scene without shadow proves nothing";
                 ASSERT_GT(std::count(truth.begin(), truth.end(), 1.0f), 100);
                 EXPECT_EQ(wrong_inside(mask, truth), 0u);
@@ -115,8 +94,8 @@ TEST_F(ShadowVolumes, AreTheTruthAwayFromItsEdges) {
 
 TEST_F(ShadowVolumes, TheEyeInAShadowIsCounted) {
     const Answer answer = run(scenes().back(), lights().front(), "shadow-volumes");
-    EXPECT_EQ(answer.statistics.count("eye_inside"), 1u);
-    EXPECT_EQ(run(scenes().front(), lights().front(), "shadow-volumes").statistics.count("eye_inside"), 0u);
+    EXPECT_EQ(answer.count("eye_inside"), 1u);
+    EXPECT_EQ(run(scenes().front(), lights().front(), "shadow-volumes").count("eye_inside"), 0u);
 }
 
 TEST_F(ShadowVolumes, CancellationChangesNoPixelAndSavesMost) {
@@ -124,12 +103,12 @@ TEST_F(ShadowVolumes, CancellationChangesNoPixelAndSavesMost) {
     for (const gnomon::Light& light : lights()) {
         const Answer with = run(scene, light, "shadow-volumes");
         const Answer without = run(scene, light, "shadow-volumes", {{"cancel", "off"}});
-        EXPECT_EQ(with.mask, without.mask);
+        EXPECT_EQ(with.visibility, without.visibility);
         // Of a closed sphere of 320 triangles only the silhouette is left. Every edge is in two triangles.
         const std::uint64_t halves = light.is_directional() ? 1 : 2;  // a positional light's side is drawn in two
-        EXPECT_EQ(without.statistics.count("sides"), without.statistics.count("edges") * halves);
-        EXPECT_LT(with.statistics.count("sides") * 5, without.statistics.count("sides"));
-        EXPECT_LT(with.statistics.count("pixels_written") * 3, without.statistics.count("pixels_written"));
+        EXPECT_EQ(without.count("sides"), without.count("edges") * halves);
+        EXPECT_LT(with.count("sides") * 5, without.count("sides"));
+        EXPECT_LT(with.count("pixels_written") * 3, without.count("pixels_written"));
     }
 }
 
@@ -137,12 +116,12 @@ TEST_F(ShadowVolumes, FrontFacesAreEnoughForAClosedMesh) {
     const Scene scene = scenes().front();
     const Answer both = run(scene, lights().front(), "shadow-volumes");
     const Answer front = run(scene, lights().front(), "shadow-volumes", {{"faces", "front"}});
-    EXPECT_LT(front.statistics.count("triangles_casting"), both.statistics.count("triangles_casting"));
-    EXPECT_LE(differences(front.mask, both.mask), both.mask.size() / 500);
+    EXPECT_LT(front.count("triangles_casting"), both.count("triangles_casting"));
+    EXPECT_LE(differences(front.visibility, both.visibility), both.visibility.size() / 500);
     // And not enough for an open one that turns its back to the light.
     Scene turned = with_floor("turned", {-1, 0.5f, -1, 1, 0.5f, -1, 0, 0.5f, 1});
     const auto lit = [&](const Settings& settings) {
-        const std::vector<float> mask = run(turned, lights().front(), "shadow-volumes", settings).mask;
+        const std::vector<float> mask = run(turned, lights().front(), "shadow-volumes", settings).visibility;
         return std::count(mask.begin(), mask.end(), 1.0f);
     };
     EXPECT_LT(lit({}), lit({{"faces", "front"}}));
@@ -150,11 +129,11 @@ TEST_F(ShadowVolumes, FrontFacesAreEnoughForAClosedMesh) {
 
 TEST_F(ShadowVolumes, NothingThereIsLit) {
     const Scene nothing{"nothing", {}, {0, 2, 4}};
-    for (const float v : run(nothing, lights().front(), "shadow-volumes").mask) ASSERT_EQ(v, 1.0f);
+    for (const float v : run(nothing, lights().front(), "shadow-volumes").visibility) ASSERT_EQ(v, 1.0f);
 }
 
 TEST_F(ShadowVolumes, RefusesPointsThatAreNoPicture) {
-    const auto triangles = gnomon::Triangles::upload(device_, floor_below());
+    const auto triangles = gnomon::Triangles::upload(device_, over_a_floor({}));
     const auto points = gnomon::Points::upload(device_, Floats{0, 0, 0});
     const gnomon::Visibility visibility(device_, 1);
     const auto technique = gnomon::make_technique("shadow-volumes", device_);
@@ -168,7 +147,7 @@ TEST_F(ShadowVolumes, SameBitsForEveryWorkGroupSize) {
     const Answer expected = run(scene, lights().back(), "shadow-volumes");
     for (const std::uint32_t size : FEW_WORK_GROUP_SIZES) {
         device_ = device_with(size);
-        EXPECT_EQ(run(scene, lights().back(), "shadow-volumes").mask, expected.mask) << size;
+        EXPECT_EQ(run(scene, lights().back(), "shadow-volumes").visibility, expected.visibility) << size;
     }
 }
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <map>
 
-#include "support/scene_makers.hpp"
+#include "support/expect_exact.hpp"
 #include "support/tie_points.hpp"
 
 #include <gnomon.hpp>
@@ -15,7 +15,6 @@ namespace {
 
 using namespace support;
 using Color = std::array<int, 3>;
-using Settings = std::vector<std::pair<std::string, std::string>>;
 
 constexpr Color lit_by_filter{221, 230, 240}, shadowed_by_filter{70, 120, 175}, by_map{25, 50, 110},
     faces_away{20, 20, 20}, not_asked{255, 255, 255}, absent{96, 96, 96};
@@ -23,18 +22,10 @@ constexpr Color lit_by_filter{221, 230, 240}, shadowed_by_filter{70, 120, 175}, 
 constexpr std::array<Color, 4> lit_exactly{{{160, 220, 120}, {255, 215, 80}, {255, 110, 90}, {220, 150, 255}}},
     shadowed_exactly{{{60, 130, 40}, {200, 140, 0}, {190, 0, 30}, {130, 40, 220}}};
 
-struct Question {
-    Floats triangles, points;
-    std::vector<std::uint32_t> receivers;
-    Light light{};
-    std::optional<Float3> eye;
-    Settings settings;
-};
-
-struct Answer {
+/// What a run answers, and the colour of each point's provenance.
+struct ColoredAnswer {
+    Answer run;
     std::vector<Color> colors;
-    std::vector<float> visibility;
-    gnomon::Statistics statistics;
 
     std::size_t count(const Color& color) const { return std::size_t(std::count(colors.begin(), colors.end(), color)); }
     std::size_t count(std::span<const Color> some) const {
@@ -44,77 +35,64 @@ struct Answer {
     }
 };
 
-Answer ask(const gnomon::Device& device, const Question& question) {
-    const auto triangles = gnomon::Triangles::upload(device, question.triangles);
-    gnomon::Points points = gnomon::Points::upload(device, question.points, question.receivers);
-    if (question.eye) points.set_eye(*question.eye);
-    const auto run = gnomon::make_technique("frustum-traced", device),
-               watched = gnomon::make_technique("frustum-traced", device);
-    for (const auto& [name, value] : question.settings) {
-        run->set(name, value);
-        watched->set(name, value);
-    }
-    const gnomon::Visibility visibility(device, points.count());
-    const gnomon::Light light{question.light};
-    Answer answer;
-    answer.statistics = run->run(triangles, points, light, visibility);
-    answer.visibility = visibility.read();
+ColoredAnswer answer_with_colors(const gnomon::Device& device, const LightScene& scene, const Settings& settings = {}) {
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::Points points = upload_points(device, scene);
+    const gnomon::Light light{scene.light};
+    const auto watched = technique_with(device, settings);
+    ColoredAnswer found{answer(device, *technique_with(device, settings), triangles, points, light), {}};
     const auto rgba = watched->diagnose("decided", triangles, points, light);
     EXPECT_EQ(rgba.size(), 4 * points.count());
     for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
-        answer.colors.push_back({rgba[i], rgba[i + 1], rgba[i + 2]});
+        found.colors.push_back({rgba[i], rgba[i + 1], rgba[i + 2]});
         EXPECT_EQ(rgba[i + 3], 255);
     }
     // Being watched changes nothing.
-    watched->run(triangles, points, light, visibility);
-    EXPECT_EQ(visibility.read(), answer.visibility);
-    return answer;
+    EXPECT_EQ(answer(device, *watched, triangles, points, light).visibility, found.run.visibility);
+    return found;
 }
 
 /// A square roof, 2 m wide and 2 m above the ground, under light from straight above.
-Question roof() {
-    Question question;
-    question.triangles = {-1, 2, -1, 1, 2, -1, 1, 2, 1, -1, 2, -1, 1, 2, 1, -1, 2, 1};
-    question.light = along(0, -1, 0);
-    return question;
+LightScene roof() {
+    return {"roof", {-1, 2, -1, 1, 2, -1, 1, 2, 1, -1, 2, -1, 1, 2, 1, -1, 2, 1}, {}, along(0, -1, 0)};
 }
 
 TEST(provenance, exact_ties_are_decided_by_the_wider_levels) {
     const gnomon::Device device;
-    Question question = roof();
-    question.triangles.resize(9);  // the half with the vertices (-1, -1), (1, -1), (1, 1) in x and z
+    LightScene scene = roof();
+    scene.triangles.resize(9);  // the half with the vertices (-1, -1), (1, -1), (1, 1) in x and z
     const float nan = std::numeric_limits<float>::quiet_NaN();
     // Under it, beside it, the sky; exactly under the slanted edge, and under the one at x = 1.
-    question.points = {0.5f, 0, -0.25f, 3, 0, 0, nan, 0, 0, 0.25f, 0, 0.25f, 1, 0, 0.25f};
-    question.settings = {{"conservative-map", "off"}};
+    scene.points = {0.5f, 0, -0.25f, 3, 0, 0, nan, 0, 0, 0.25f, 0, 0.25f, 1, 0, 0.25f};
     // The slanted edge's determinant is the difference of two products that are equal and not 0: integers alone know
     // that it is 0. Of the other edge each product has a factor 0, which double proves (docs/numerics.md, 7).
-    EXPECT_EQ(ask(device, question).colors, (std::vector<Color>{shadowed_by_filter, lit_by_filter, absent,
-                                                                shadowed_exactly[2], shadowed_exactly[1]}));
+    EXPECT_EQ(
+        answer_with_colors(device, scene, {{"conservative-map", "off"}}).colors,
+        (std::vector<Color>{shadowed_by_filter, lit_by_filter, absent, shadowed_exactly[2], shadowed_exactly[1]}));
 }
 
 TEST(provenance, what_is_not_traced_says_why) {
     const gnomon::Device device;
-    Question question = roof();
+    LightScene scene = roof();
     // The first point is on the roof's underside, seen from below, the second in the open.
-    question.points = {0, 2, 0.5f, 5, 0, 5};
-    question.receivers = {1, gnomon::no_receiver};
-    question.eye = Float3{0, 0, 0};
-    EXPECT_EQ(ask(device, question).colors, (std::vector<Color>{faces_away, lit_by_filter}));
-    question.triangles.clear();
-    EXPECT_EQ(ask(device, question).colors, (std::vector<Color>{not_asked, not_asked}));
-    question.points.clear();
-    question.receivers.clear();
-    EXPECT_TRUE(ask(device, question).colors.empty());
+    scene.points = {0, 2, 0.5f, 5, 0, 5};
+    scene.receivers = {1, gnomon::no_receiver};
+    scene.eye = Float3{0, 0, 0};
+    EXPECT_EQ(answer_with_colors(device, scene).colors, (std::vector<Color>{faces_away, lit_by_filter}));
+    scene.triangles.clear();
+    EXPECT_EQ(answer_with_colors(device, scene).colors, (std::vector<Color>{not_asked, not_asked}));
+    scene.points.clear();
+    scene.receivers.clear();
+    EXPECT_TRUE(answer_with_colors(device, scene).colors.empty());
 }
 
 /// Each colour's points are what the statistics of the same run counted, and lit or dark as visibility says.
-void expect_counts(const Question& question, const std::string& what, std::map<std::string, std::size_t>& seen) {
+void expect_counts(const LightScene& scene, const Settings& settings, std::map<std::string, std::size_t>& seen) {
     static const gnomon::Device device;
     const char* const levels[] = {"decided_by_float", "decided_by_double", "decided_by_integers"};
-    SCOPED_TRACE(what);
-    const Answer answer = ask(device, question);
-    const gnomon::Statistics& s = answer.statistics;
+    SCOPED_TRACE(scene.name + " " + text_of(settings));
+    const ColoredAnswer answer = answer_with_colors(device, scene, settings);
+    const gnomon::Statistics& s = answer.run.statistics;
     ASSERT_EQ(answer.colors.size(), s.count("points"));
     EXPECT_EQ(answer.count(absent), s.count("points_absent"));
     EXPECT_EQ(answer.count(faces_away), s.count("points_facing_away"));
@@ -132,7 +110,7 @@ void expect_counts(const Question& question, const std::string& what, std::map<s
     }
     // Which pairs find room in a queue that is too short depends on which work-items ran when, and these are two runs:
     // a point that is postponed may then be decided by another of its triangles.
-    const bool has_room = std::none_of(question.settings.begin(), question.settings.end(),
+    const bool has_room = std::none_of(settings.begin(), settings.end(),
                                        [](const auto& setting) { return setting.first == "first-capacity"; });
     if (has_room) {
         EXPECT_EQ(second, 0u);
@@ -148,7 +126,7 @@ void expect_counts(const Question& question, const std::string& what, std::map<s
     for (std::size_t i = 0; i < answer.colors.size(); ++i) {
         const bool is_lit = answer.colors[i] == lit_by_filter || answer.colors[i] == absent ||
                             std::find(lit_exactly.begin(), lit_exactly.end(), answer.colors[i]) != lit_exactly.end();
-        ASSERT_EQ(is_lit, answer.visibility[i] == 1) << "point " << i;
+        ASSERT_EQ(is_lit, answer.run.visibility[i] == 1) << "point " << i;
     }
     seen["map"] += answer.count(by_map);
     seen["queue overflow"] += second + answer.count(lit_exactly[3]);
@@ -165,12 +143,12 @@ TEST(provenance, count_what_the_statistics_count) {
          {Settings{{"conservative-map", "on"}, {"map-size", "64"}}, Settings{{"conservative-map", "off"}},
           Settings{{"conservative-map", "on"}, {"first-capacity", "5"}}})
         for (const auto& [name, light] : lights_of_every_kind()) {
-            Question question{triangles, points_behind(triangles, light, 3000, 3, 7), {}, light, {}, settings};
-            expect_counts(question, "soup, " + name, seen);
-            Question ties{blocks, lattice_points(3000, 6, 3), {}, moved(light, 3, {3.5, 3.5, 3.5}), {}, settings};
+            const Floats points = points_behind(triangles, light, 3000, 3, 7);
+            expect_counts({"soup, " + name, triangles, points, light}, settings, seen);
+            LightScene ties{"lattice, " + name, blocks, lattice_points(3000, 6, 3), moved(light, 3, {3.5, 3.5, 3.5})};
             for (std::uint32_t i = 0; i < 3000; ++i) ties.receivers.push_back(i % std::uint32_t(blocks.size() / 9));
             ties.eye = Float3{20, 30, 40};
-            expect_counts(ties, "lattice, " + name, seen);
+            expect_counts(ties, settings, seen);
         }
     for (const char* const what :
          {"map", "queue overflow", "decided_by_float, lit", "decided_by_float, shadowed", "decided_by_integers, lit",
@@ -180,11 +158,11 @@ TEST(provenance, count_what_the_statistics_count) {
 
 TEST(provenance, other_names_are_refused) {
     const gnomon::Device device;
-    const Question question = roof();
-    const auto triangles = gnomon::Triangles::upload(device, question.triangles);
+    const LightScene scene = roof();
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
     const auto points = gnomon::Points::upload(device, std::vector<float>{0, 0, 0});
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    const gnomon::Light light{question.light};
+    const gnomon::Light light{scene.light};
     EXPECT_THROW(technique->diagnose("grid", triangles, points, light), gnomon::InvalidArgument);
 }
 

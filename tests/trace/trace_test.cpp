@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "reference/visibility.hpp"
+#include "support/expect_exact.hpp"
 #include "support/light_scenes.hpp"
 #include "support/truth.hpp"
 
@@ -25,7 +25,7 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
     SCOPED_TRACE(scene.name);
     gnomon::cl::Session& session = device.session();
     const UploadedScene inputs(device, scene);
-    const auto truth = reference::shadowed(scene.triangles, scene.points, scene.receivers, scene.light);
+    const std::vector<float> truth = truth_of(scene);
     const std::size_t count = scene.points.size() / 3;
     const gnomon::LightFrame first_frame = gnomon::make_light_frame(inputs.light, StageSettings{}.grid);
     const auto frames = light_frames(inputs.light, StageSettings{}.grid);
@@ -63,7 +63,7 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
         std::uint64_t decided = 0;
         for (std::uint32_t i = 0; i < count; ++i) {
             if (traced[i] == 0.0f) {
-                EXPECT_EQ(truth[i], 1) << "the filter decided wrongly about point " << i;
+                EXPECT_EQ(truth[i], 0.0f) << "the filter decided wrongly about point " << i;
             }
             if (traced[i] == 1.0f && after[i] == 0.0f) {
                 EXPECT_TRUE(waiting.contains(i)) << "nothing blocking is queued for point " << i;
@@ -80,11 +80,10 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
 void check_answers(const LightScene& scene, const std::vector<FrameOutput>& frames, Tally& tally) {
     std::vector<float> visibility(scene.points.size() / 3, 1.0f);
     if (!frames.empty()) visibility = frames.back().visibility;
-    const auto truth = reference::shadowed(scene.triangles, scene.points, scene.receivers, scene.light, scene.eye);
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-        EXPECT_EQ(decided(visibility[i]), truth[i] != 0 ? 0.0f : 1.0f) << "point " << i;
-        tally.lit += truth[i] == 0;
-    }
+    std::transform(visibility.begin(), visibility.end(), visibility.begin(), decided);
+    const std::vector<float> truth = truth_of(scene);
+    expect_equal(visibility, truth, scene, "trace");
+    tally.lit += static_cast<std::uint64_t>(std::ranges::count(truth, 1.0f));
     for (const FrameOutput& out : frames) {
         tally.by_exact += out.counters.decided_by_exact;
         tally.by_integers += out.counters.exact_exact;
@@ -93,7 +92,8 @@ void check_answers(const LightScene& scene, const std::vector<FrameOutput>& fram
 
 std::vector<LightScene> all_scenes() {
     std::vector<LightScene> scenes = light_scenes();
-    for (const auto& more : {reference_scenes(), huge_triangle_scenes(), underflow_scenes(), lamp_plane_scenes()})
+    for (const auto& more :
+         {reference_scenes(), huge_triangle_scenes(), underflow_scenes(), point_light_plane_scenes()})
         scenes.insert(scenes.end(), more.begin(), more.end());
     return scenes;
 }

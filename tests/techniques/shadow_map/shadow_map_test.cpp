@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <gnomon.hpp>
-#include "support/device.hpp"
-#include "support/scene_makers.hpp"
+#include "support/floor_view.hpp"
 
 namespace {
 
@@ -13,13 +12,8 @@ using namespace support;
 using gnomon::Light;
 
 /// A floor (triangle 0) with points on it, and slabs above.
-struct Scene {
-    Floats triangles, points;
-    std::vector<std::uint32_t> receivers;
-};
-
-Scene floor_and_slabs(std::size_t slabs) {
-    Scene scene;
+LightScene floor_and_slabs(std::size_t slabs) {
+    LightScene scene{"floor and slabs"};
     add(scene.triangles, {-40, 0, -40}, {40, 0, -40}, {0, 0, 80});
     Random random(12);
     for (std::size_t i = 0; i < slabs; ++i) {
@@ -33,24 +27,12 @@ Scene floor_and_slabs(std::size_t slabs) {
     return scene;
 }
 
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-std::vector<float> visibility_of(const gnomon::Device& device, const Scene& scene, const Light& light,
+std::vector<float> visibility_of(const gnomon::Device& device, const LightScene& scene, const Light& light,
                                  const std::string& technique, const Settings& settings = {}) {
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
-    auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
+    gnomon::Points points = upload_points(device, scene);
     points.set_camera(gnomon::Camera::look_at({0, 2, 3}, {0, 0, 0}, {0, 1, 0}, 60), 400, 200);
-    const gnomon::Visibility visibility(device, points.count());
-    const auto made = gnomon::make_technique(technique, device);
-    for (const auto& [name, value] : settings) made->set(name, value);
-    made->run(triangles, points, light, visibility);
-    return visibility.read();
-}
-
-double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += std::fabs(double(a[i]) - b[i]);
-    return sum / double(a.size());
+    return answer(device, *technique_with(device, settings, technique), triangles, points, light).visibility;
 }
 
 const Light sun = Light::directional({-0.3f, -1, -0.2f}), lamp = Light::positional({0.3f, 3, 0.2f});
@@ -58,7 +40,7 @@ const Light sun = Light::directional({-0.3f, -1, -0.2f}), lamp = Light::position
 // The share of wrong points is that of texels on shadow edges: it falls as the texels' side.
 TEST(ShadowMap, error_falls_with_resolution_towards_the_truth) {
     const gnomon::Device device;
-    const Scene scene = floor_and_slabs(12);
+    const LightScene scene = floor_and_slabs(12);
     for (const Light& light : {sun, lamp}) {
         const auto truth = visibility_of(device, scene, light, "frustum-traced");
         const auto error = [&](const char* size) {
@@ -76,7 +58,7 @@ TEST(ShadowMap, error_falls_with_resolution_towards_the_truth) {
 // shadows itself.
 TEST(ShadowMap, flat_floor_under_grazing_light) {
     const gnomon::Device device;
-    const Scene scene = floor_and_slabs(0);
+    const LightScene scene = floor_and_slabs(0);
     const Light grazing = Light::directional({1, -0.05f, 0.3f});
     const auto lit = [&](const Settings& settings) {
         double sum = 0;
@@ -91,7 +73,7 @@ TEST(ShadowMap, flat_floor_under_grazing_light) {
 
 TEST(ShadowMap, adaptive_bias_needs_less_than_slope_scaled_bias) {
     const gnomon::Device device;
-    const Scene scene = floor_and_slabs(12);
+    const LightScene scene = floor_and_slabs(12);
     const auto truth = visibility_of(device, scene, sun, "frustum-traced");
     const Settings common{{"size", "256"}, {"lookup", "pcf"}, {"taps", "5"}};
     Settings scaled = common, adaptive = common;
@@ -104,7 +86,7 @@ TEST(ShadowMap, adaptive_bias_needs_less_than_slope_scaled_bias) {
 // Every technique of the family: near the truth, within [0, 1], the same bits for every group size.
 TEST(ShadowMap, every_preset) {
     const gnomon::Device devices[] = {device_with(3), device_with(64)};
-    const Scene scene = floor_and_slabs(12);
+    const LightScene scene = floor_and_slabs(12);
     for (const Light& light : {sun, lamp}) {
         const auto truth = visibility_of(devices[1], scene, light, "frustum-traced");
         for (const auto& technique : gnomon::techniques()) {
@@ -121,19 +103,16 @@ TEST(ShadowMap, every_preset) {
 }
 
 /// gnomon's own buffers in a run of technique shadow-map.
-std::uint64_t memory_of(const gnomon::Device& device, const Scene& scene, const Settings& settings) {
+std::uint64_t memory_of(const gnomon::Device& device, const LightScene& scene, const Settings& settings) {
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
-    const auto points = gnomon::Points::upload(device, scene.points, scene.receivers);
-    const gnomon::Visibility visibility(device, points.count());
-    const auto made = gnomon::make_technique("shadow-map", device);
-    for (const auto& [name, value] : settings) made->set(name, value);
-    return made->run(triangles, points, sun, visibility).device_memory_bytes;
+    const auto technique = technique_with(device, settings, "shadow-map");
+    return answer(device, *technique, triangles, upload_points(device, scene), sun).statistics.device_memory_bytes;
 }
 
 // Of four numbers a texel, stored and filtered: 64 bits of memory, or 128; and almost the same shadow.
 TEST(ShadowMap, moments_of_64_bits_take_64_bits) {
     const gnomon::Device device;
-    const Scene scene = floor_and_slabs(12);
+    const LightScene scene = floor_and_slabs(12);
     constexpr std::uint64_t texels = 256 * 256;
     for (const auto& [prefilter, maps] : {std::pair{"none", 1}, {"gaussian", 2}}) {
         Settings narrow{{"store", "moments"}, {"size", "256"}, {"prefilter", prefilter}, {"bits", "64"}}, wide = narrow;
@@ -148,7 +127,7 @@ TEST(ShadowMap, moments_of_64_bits_take_64_bits) {
 // A box of one texel is the bilinear lookup itself.
 TEST(ShadowMap, summed_areas_of_one_texel_change_nothing) {
     const gnomon::Device device;
-    const Scene scene = floor_and_slabs(12);
+    const LightScene scene = floor_and_slabs(12);
     for (const auto& [store, bits] :
          {std::pair{"variance", "128"}, {"layered", "128"}, {"convolution", "128"}, {"moments", "64"}}) {
         const Settings plain{{"store", store}, {"size", "256"}, {"bits", bits}};
@@ -185,11 +164,8 @@ TEST(ShadowMap, slices_blend_evenly_within_the_overlap) {
                                          {"far", "41"},
                                          {"lambda", "0"},
                                          {"overlap", "0.1"}});
-        const auto technique = gnomon::make_technique("shadow-map", device);
-        for (const auto& [name, value] : settings) technique->set(name, value);
-        const gnomon::Visibility visibility(device, points.count());
-        technique->run(triangles, points, Light::directional({0, -1, 0}), visibility);
-        return visibility.read();
+        const auto technique = technique_with(device, settings, "shadow-map");
+        return answer(device, *technique, triangles, points, Light::directional({0, -1, 0})).visibility;
     };
     for (const Settings& settings : {Settings{{"lookup", "bilinear"}, {"taps", "5"}},
                                      Settings{{"store", "variance"}, {"prefilter", "gaussian"}}}) {
@@ -209,17 +185,17 @@ TEST(ShadowMap, slices_blend_evenly_within_the_overlap) {
 
 TEST(ShadowMap, nothing_to_do) {
     const gnomon::Device device;
-    Scene scene = floor_and_slabs(1);
-    for (const float value : visibility_of(device, {{}, scene.points, scene.receivers}, sun, "shadow-map"))
+    LightScene scene = floor_and_slabs(1);
+    for (const float value : visibility_of(device, {"", {}, scene.points, {}, scene.receivers}, sun, "shadow-map"))
         ASSERT_EQ(value, 1);
-    EXPECT_TRUE(visibility_of(device, {scene.triangles, {}, {}}, sun, "vsm").empty());
+    EXPECT_TRUE(visibility_of(device, {"", scene.triangles}, sun, "vsm").empty());
     // Light from below: every point faces away.
     for (const float value : visibility_of(device, scene, Light::directional({0, 1, 0}), "msm128")) ASSERT_EQ(value, 0);
 }
 
 TEST(ShadowMap, bad_settings_are_refused_in_one_sentence) {
     const gnomon::Device device;
-    const Scene scene = floor_and_slabs(1);
+    const LightScene scene = floor_and_slabs(1);
     const auto expect_refused = [&](const Settings& settings, const std::string& part) {
         try {
             visibility_of(device, scene, sun, "shadow-map", settings);

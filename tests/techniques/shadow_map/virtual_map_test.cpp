@@ -7,8 +7,7 @@
 #include <cmath>
 
 #include "kernels/techniques/shadow_map/lookup.h"
-#include "support/device.hpp"
-#include "support/scene_makers.hpp"
+#include "support/floor_view.hpp"
 #include "techniques/shadow_map/depth_pass.hpp"
 #include "techniques/shadow_map/projection.hpp"
 
@@ -40,13 +39,6 @@ Floats floor_slabs_and_sheets() {
 
 const Light sun = Light::directional({-0.3f, -1, -0.2f}), lamp = Light::positional({0.3f, 3, 0.2f});
 
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-struct Answer {
-    std::vector<float> mask;
-    gnomon::Statistics statistics;
-};
-
 /// What a camera sees of the scene, with the camera known or not.
 class VirtualMap : public testing::Test {
 protected:
@@ -57,11 +49,8 @@ protected:
         const gnomon::View view = gnomon::look(device, triangles, camera, width, height);
         const auto bare = gnomon::Points::wrap(device, view.points.positions(), view.points.layout(),
                                                view.points.count(), view.points.receivers());
-        const gnomon::Visibility visibility(device, view.points.count());
-        const auto made = gnomon::make_technique(technique, device);
-        for (const auto& [key, value] : settings) made->set(key, value);
-        gnomon::Statistics statistics = made->run(triangles, with_camera ? view.points : bare, light, visibility);
-        return {visibility.read(), std::move(statistics)};
+        return support::answer(device, *technique_with(device, settings, technique), triangles,
+                               with_camera ? view.points : bare, light);
     }
     Answer answer(const Light& light, bool with_camera, const std::string& technique,
                   const Settings& settings = {}) const {
@@ -71,12 +60,6 @@ protected:
     gnomon::Device device_;
 };
 
-double mean_error(const std::vector<float>& a, const std::vector<float>& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += std::fabs(double(a[i]) - b[i]);
-    return sum / double(a.size());
-}
-
 // Without a camera all points ask for one level. On the finest, each finds in its page what the whole map of that size
 // holds.
 TEST_F(VirtualMap, finest_level_is_the_shadow_map_of_its_size) {
@@ -85,10 +68,10 @@ TEST_F(VirtualMap, finest_level_is_the_shadow_map_of_its_size) {
             SCOPED_TRACE(size);
             const Answer whole = answer(light, false, "shadow-map", {{"size", size}});
             const Answer pages = answer(light, false, "virtual-shadow-map", {{"size", size}});
-            EXPECT_EQ(pages.mask, whole.mask);
-            EXPECT_EQ(pages.statistics.count("points_outside"), 0u);
-            EXPECT_GT(std::count(whole.mask.begin(), whole.mask.end(), 0.0f), 400);
-            EXPECT_LE(pages.statistics.count("map_texels"), whole.statistics.count("map_texels"));
+            EXPECT_EQ(pages.visibility, whole.visibility);
+            EXPECT_EQ(pages.count("points_outside"), 0u);
+            EXPECT_GT(std::count(whole.visibility.begin(), whole.visibility.end(), 0.0f), 400);
+            EXPECT_LE(pages.count("map_texels"), whole.count("map_texels"));
         }
 }
 
@@ -155,9 +138,9 @@ TEST_F(VirtualMap, coarser_levels_are_coarser_maps) {
 // As fine as pixels ask for, the error is that of shadow edges within a pixel; coarser texels cost error.
 TEST_F(VirtualMap, error_falls_with_detail_and_size_towards_the_truth) {
     for (const Light& light : {sun, lamp}) {
-        const std::vector<float> truth = answer(light, true, "frustum-traced").mask;
+        const std::vector<float> truth = answer(light, true, "frustum-traced").visibility;
         const auto error = [&](const char* technique, const Settings& settings) {
-            return mean_error(truth, answer(light, true, technique, settings).mask);
+            return mean_error(truth, answer(light, true, technique, settings).visibility);
         };
         const double rough = error("virtual-shadow-map", {{"detail", "0.125"}});
         const double plain = error("virtual-shadow-map", {{"detail", "1"}});
@@ -194,9 +177,9 @@ TEST_F(VirtualMap, gives_the_same_bits_for_every_work_group_size) {
         const Answer expected = answer(light, true, "virtual-shadow-map");
         for (const std::uint32_t size : {1u, 7u, 33u, 64u}) {
             const Answer got = answer(device_with(size), light, true, "virtual-shadow-map");
-            EXPECT_EQ(got.mask, expected.mask) << size;
-            EXPECT_EQ(got.statistics.count("pages_requested"), expected.statistics.count("pages_requested"));
-            EXPECT_EQ(got.statistics.count("pages_drawn"), expected.statistics.count("pages_drawn"));
+            EXPECT_EQ(got.visibility, expected.visibility) << size;
+            EXPECT_EQ(got.count("pages_requested"), expected.count("pages_requested"));
+            EXPECT_EQ(got.count("pages_drawn"), expected.count("pages_drawn"));
         }
     }
 }
@@ -236,7 +219,7 @@ TEST_F(VirtualMap, lights_in_one_pool_are_as_each_alone) {
     for (std::size_t i = 0; i < lights.size(); ++i) {
         SCOPED_TRACE(i);
         const Answer alone = answer(lights[i], true, "virtual-shadow-map", {{"size", "4096"}});
-        EXPECT_EQ(together[i].read(), alone.mask);
+        EXPECT_EQ(together[i].read(), alone.visibility);
         EXPECT_EQ(statistics[i].counts, alone.statistics.counts);
     }
     EXPECT_EQ(statistics[1].count("pages_requested"), 0u);
@@ -270,9 +253,7 @@ TEST_F(VirtualMap, page_diagnostic_shows_the_levels) {
     const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 60);
     const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
     const auto drawn = [&](const gnomon::Points& points, const Settings& settings) {
-        const auto technique = gnomon::make_technique("virtual-shadow-map", device_);
-        for (const auto& [key, value] : settings) technique->set(key, value);
-        return technique->diagnose("page", triangles, points, sun);
+        return technique_with(device_, settings, "virtual-shadow-map")->diagnose("page", triangles, points, sun);
     };
     const auto fine = drawn(view.points, {{"size", "4096"}}),
                coarse = drawn(view.points, {{"size", "4096"}, {"detail", "0.5"}});
