@@ -14,8 +14,8 @@
 //
 // Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
 //
-// Footprints (settled_samples.cpp) take the same way, with one stage, settle, in place of the last two; these follow
-// for the samples of mixed footprints, over the same lists.
+// Footprints (samples/fragments.cpp) take the same way, with one stage, classify_footprints, in place of the last two;
+// these follow for the samples of mixed footprints, over the same lists.
 //
 // Lists are filled optimistically: a list that turns out too short is grown and the frame is run again; the trace does
 // nothing before all lists fit. Undecided pairs that found no room are decided by trace_queue_overflow.
@@ -165,8 +165,8 @@ std::optional<FrameCounters> FrustumTraced::decide(const TraceInputs& inputs, St
     cl::Session& session = device_.session();
     const bool are_footprints = inputs.points.footprints != nullptr;
     if (are_footprints) {
-        cl::StageTimer timer(session, statistics, "settle");
-        run_settle(session, inputs);
+        cl::StageTimer timer(session, statistics, "classify_footprints");
+        run_classify_footprints(session, inputs);
     } else {
         {
             cl::StageTimer timer(session, statistics, "trace");
@@ -297,8 +297,9 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     return run_on(triangles, inputs, light, visibility.buffer());
 }
 
-Statistics FrustumTraced::settle(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
-                                 const Light& light, const Visibility& answers) {
+Statistics FrustumTraced::classify_footprints(const Triangles& triangles, const Points& centres,
+                                              const cl::Buffer& footprints, const Light& light,
+                                              const Visibility& answers) {
     require_run(triangles, centres, light, answers);
     PointInputs inputs = point_inputs(centres);
     inputs.footprints = footprints.get();
