@@ -57,6 +57,7 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
                                   const PairBuffers* pairs, const cl::Buffer& counters) {
     const OrderedTriangles ordered = ordered_triangles(triangles);
     const GrowingList& tiles = for_map ? map_tiles_ : tiles_;
+    const cl::Buffer& selection = for_map ? map_candidates_.buffer() : ordered.numbers ? *ordered.numbers : bounds();
     TriangleSetupParams params{};
     params.first_float = ordered.first_float;
     params.capacity = capacity();
@@ -67,10 +68,9 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
     params.for_map = for_map;
     params.lists_pairs = pairs != nullptr;
     session.launch(variant(session, Task::make_triangle_tiles, projection.is_directional), cl::Range::items(capacity()),
-                   params, projection.buffer, ordered.vertices, ordered.numbers ? *ordered.numbers : bounds(),
-                   pyramid ? *pyramid : bounds(), map_candidates_.buffer(), bounds(), records(), tiles.buffer(),
-                   pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
-                   cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
+                   params, projection.buffer, ordered.vertices, selection, pyramid ? *pyramid : bounds(), bounds(),
+                   records(), tiles.buffer(), pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(),
+                   counters, cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {

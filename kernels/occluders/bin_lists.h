@@ -184,8 +184,8 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
 }
 
 // The same for entries[i], 0 from `end` on. Fetches the records: in large scenes a walk mostly waited for them.
-static uint entries_to_look_at(__global const BinEntries* entries, __global const TriangleRecord* records,
-                               __global const TriangleBounds* bounds, uint i, uint end, QuantisedBlock block) {
+static uint prefetch_entries_that_meet(__global const BinEntries* entries, __global const TriangleRecord* records,
+                                       __global const TriangleBounds* bounds, uint i, uint end, QuantisedBlock block) {
     if (i >= end) return 0u;
     uint meeting = entries_that_meet(&entries[i], block);
     for (uint ahead = meeting; ahead != 0u;) {

@@ -15,9 +15,8 @@ typedef struct TileWork {
     TriangleSetupParams params;
     __constant const Projection* projection;
     __global const float* vertices;  // from the first triangle on
-    __global const uint* numbers;    // of the triangles in the clusters' order, if `has_numbers`
+    __global const uint* selection;  // with for_map: slots of the map's candidates; else with has_numbers: numbers
     __global const uint* pyramid;
-    __global const uint* map_candidates;
     __global TriangleBounds* bounds;
     __global TriangleRecord* records;
     __global uint2* tiles;
@@ -52,7 +51,7 @@ static SurvivingLanes cull_batch(TileWork* work, uint i, uint count) {
     __global const float* rows[GN_LANES];
     if (work->params.for_map) {
         for (int lane = 0; lane < GN_LANES; ++lane)
-            rows[lane] = (__global const float*)&work->map_candidates[(uint)LANE_OF_INT(found.slots, lane)];
+            rows[lane] = (__global const float*)&work->selection[(uint)LANE_OF_INT(found.slots, lane)];
         found.slots = LANES_AS_INT(LANES_OF_ROWS(rows, 0));
         found.lanes &= LANE_COMPARE(found.slots, !=, (LaneInt)((int)GN_NO_ID));
         found.slots = LANES_SELECT((LaneInt)(0), found.slots, found.lanes);
@@ -129,7 +128,7 @@ static LaneInt store_batch(const TileWork* work, const RecordBatch* batch, const
     if (work->params.for_map) return kept & LANE_COMPARE(records->margin_plane, <, (LaneFloat)(INFINITY));
     if (!work->params.has_numbers) return kept;
     for (uint lane = 0; lane < batch->count; ++lane)
-        if (LANE_OF_INT(kept, lane)) work->bounds[batch->slots[lane]].id = work->numbers[batch->ids[lane]];
+        if (LANE_OF_INT(kept, lane)) work->bounds[batch->slots[lane]].id = work->selection[batch->ids[lane]];
     return kept;
 }
 
@@ -225,15 +224,15 @@ GN_NOINLINE_ON_CPU void append_tiles(ItemRange items, TileWork* work, uint count
 }
 #endif
 
-// Local memory: bins, tile counts and slots of the group's triangles, 16 + 4 + 4 bytes for each item.
+// `selection`: with for_map the slots of the map's candidates; else, with has_numbers, the triangles' numbers. Local
+// memory: bins, tile counts and slots of the group's triangles, 16 + 4 + 4 bytes for each item.
 __kernel void triangle_tiles(TriangleSetupParams params, __constant const Projection* projection,
-                             __global const float* vertices, __global const uint* numbers, __global const uint* pyramid,
-                             __global const uint* map_candidates, __global TriangleBounds* bounds,
+                             __global const float* vertices, __global const uint* selection,
+                             __global const uint* pyramid, __global TriangleBounds* bounds,
                              __global TriangleRecord* records, __global uint2* tiles, __global uint* bin_counts,
                              __global Pair* pairs, __global FrameCounters* counters, __local uint4* ranges) {
     __local uint sum;
-    TileWork work = {params,  projection, vertices + params.first_float, numbers, pyramid, map_candidates, bounds,
-                     records, tiles};
+    TileWork work = {params, projection, vertices + params.first_float, selection, pyramid, bounds, records, tiles};
     work.tiles_wanted = params.for_map ? &counters->map_tiles : &counters->tiles;
     uint count = min(params.for_map ? counters->map_slots : counters->slots, params.capacity);
     if (params.for_map && projection->map_disabled) count = 0;
