@@ -43,9 +43,9 @@ void check_nearest(const CameraScene& scene, const std::vector<std::uint32_t>& s
             tally.sky += met.empty();
             ASSERT_EQ(id == gnomon::no_receiver, met.empty()) << "pixel " << x << ", " << y;
             if (met.empty()) continue;
-            const auto claimed = std::find_if(met.begin(), met.end(), [&](const auto& m) { return m.id == id; });
-            ASSERT_NE(claimed, met.end()) << "pixel " << x << ", " << y << " misses triangle " << id;
-            EXPECT_LE(claimed->parameter, met[0].parameter * (1 + SAME_DEPTH))
+            const auto found = std::find_if(met.begin(), met.end(), [&](const auto& m) { return m.id == id; });
+            ASSERT_NE(found, met.end()) << "pixel " << x << ", " << y << " misses triangle " << id;
+            EXPECT_LE(found->parameter, met[0].parameter * (1 + SAME_DEPTH))
                 << "pixel " << x << ", " << y << " sees triangle " << id << " behind " << met[0].id;
             tally.contested += met.size() > 1 && met[1].parameter <= met[0].parameter * (1 + SAME_DEPTH);
         }
@@ -131,7 +131,7 @@ bool same_bits(const gnomon::ViewOnHost& a, const gnomon::ViewOnHost& b) {
     return same(a.position, b.position) && same(a.normal, b.normal) && a.receiver == b.receiver;
 }
 
-// Not vacuous: sizes that are no multiple of a tile, and ties that only a fixed rule settles.
+// Not vacuous: sizes that are no multiple of a tile, and ties that only a fixed rule decides.
 TEST(camera, shape_free) {
     std::vector<CameraScene> scenes = camera_scenes();
     scenes.resize(6);
@@ -171,13 +171,13 @@ TEST(camera, points_keep_their_promises) {
     EXPECT_GT(judged, 5000u);
 }
 
-/// Random places on the scene's triangles, rounded to float32: where a caller's own intersection code would put points.
-struct PlacesOnTriangles {
+/// Random points on the scene's triangles, rounded to float32, as a caller's own intersection code would make them.
+struct PointsOnTriangles {
     Floats points;
     std::vector<std::uint32_t> receivers;
 };
-PlacesOnTriangles places_on(const Floats& triangles, std::size_t each) {
-    PlacesOnTriangles places;
+PointsOnTriangles points_on(const Floats& triangles, std::size_t each) {
+    PointsOnTriangles places;
     Random random(131);
     for (std::size_t id = 0; id < triangles.size() / 9; ++id)
         for (std::size_t k = 0; k < each; ++k) {
@@ -211,7 +211,7 @@ TEST(camera, lifted_points_leave_their_planes) {
     std::size_t lifted_count = 0, under_before = 0;
     for (const CameraScene& scene : camera_scenes()) {
         SCOPED_TRACE(scene.name);
-        const PlacesOnTriangles places = places_on(scene.triangles, 10);
+        const PointsOnTriangles places = points_on(scene.triangles, 10);
         const std::size_t count = places.receivers.size();
         Floats first;
         for (const gnomon::Device& device : {with, without}) {

@@ -47,10 +47,10 @@ Words random_counts(std::size_t count, std::uint32_t below, std::uint64_t seed) 
     return counts;
 }
 
-/// Around the pieces of 256 that work-items take, and around what one work-group takes in turn.
+/// Sizes around the chunks of 256 that work-items take, and around the part that one work-group takes in turn.
 constexpr std::size_t SIZES[] = {0, 1, 2, 255, 256, 257, 511, 1000, 4096, 32767, 32768, 32769, 65537, 100000};
 
-// Not vacuous: hundreds of pieces in the larger sizes, and sums that every element changes.
+// Not vacuous: hundreds of chunks in the larger sizes, and sums that every element changes.
 TEST(scan, equals_reference) {
     const gnomon::Device device = device_with();
     for (const std::size_t size : SIZES)
@@ -61,7 +61,7 @@ TEST(scan, equals_reference) {
         }
 }
 
-// Not vacuous: 100000 counts are 391 pieces, more than the items of any of these groups.
+// Not vacuous: 100000 counts are 391 chunks, more than the items of any of these groups.
 TEST(scan, shape_free) {
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
         const gnomon::Device device = device_with(group);
@@ -77,7 +77,7 @@ TEST(scan, shape_free) {
 // Not vacuous: without saturation every one of these totals is small.
 TEST(scan, survives_overflow) {
     const std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
-    // Within a piece, from piece to piece of one work-item, and from one work-item to the next.
+    // Within a chunk, from chunk to chunk of one work-item, and from one work-item to the next.
     for (const std::uint32_t group : {1u, 3u, 64u}) {
         SCOPED_TRACE("work-groups of " + std::to_string(group));
         const gnomon::Device device = device_with(group);

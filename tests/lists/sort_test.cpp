@@ -20,20 +20,20 @@ struct Sorted {
     bool operator==(const Sorted&) const = default;
 };
 
-/// By the standard library: each value is the place that its key came from.
+/// By the standard library: each value is the index that its key had before.
 Sorted reference_sort(const Words& keys) {
     Sorted sorted{keys, Words(keys.size())};
     std::iota(sorted.values.begin(), sorted.values.end(), 0u);
-    std::ranges::stable_sort(sorted.values, {}, [&](std::uint32_t place) { return keys[place]; });
+    std::ranges::stable_sort(sorted.values, {}, [&](std::uint32_t index) { return keys[index]; });
     std::ranges::sort(sorted.keys);
     return sorted;
 }
 
 Sorted sort(const gnomon::Device& device, gnomon::Sort& stage, const Words& keys) {
     gnomon::cl::Session& session = device.session();
-    Words places(keys.size());
-    std::iota(places.begin(), places.end(), 0u);
-    gnomon::cl::Buffer sorted_keys = uploaded(session, keys), values = uploaded(session, places);
+    Words indices(keys.size());
+    std::iota(indices.begin(), indices.end(), 0u);
+    gnomon::cl::Buffer sorted_keys = uploaded(session, keys), values = uploaded(session, indices);
     stage.run(session, static_cast<std::uint32_t>(keys.size()), sorted_keys, values);
     return {downloaded<std::uint32_t>(session, sorted_keys.get(), keys.size()),
             downloaded<std::uint32_t>(session, values.get(), keys.size())};
@@ -47,10 +47,10 @@ Words random_keys(std::size_t count, std::uint32_t mask, std::uint64_t seed) {
     return keys;
 }
 
-/// Around the pieces that work-items take (4096 on a CPU, 512 on a GPU).
+/// Sizes around the chunks that work-items take (4096 on a CPU, 512 on a GPU).
 constexpr std::size_t SIZES[] = {1, 2, 511, 512, 513, 4095, 4096, 4097, 100000};
 
-// Not vacuous: under the narrow masks most keys have equals, hundreds of them in other pieces.
+// Not vacuous: under the narrow masks most keys have equals, hundreds of them in other chunks.
 TEST(sort, equals_reference) {
     const gnomon::Device device = device_with();
     gnomon::Sort stage;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage samples: the patterns against their published definitions; each sample's ray, receiver and place against exact
+// Stage samples: the patterns against their published definitions; each sample's ray, receiver and point against exact
 // rays; the mean against the oracle's answer for every sample.
 #include "samples/samples.hpp"
 
@@ -112,7 +112,7 @@ TEST(samples, thirty_two_fill_every_elementary_rectangle) {
     }
 }
 
-/// The ideal direction through a place in the picture, in pixels from its upper left corner.
+/// The ideal direction through a position in the picture, in pixels from its upper left corner.
 std::array<long double, 3> ideal_direction(const gnomon::Camera& camera, double width, double height, long double x,
                                            long double y) {
     const long double pixel = std::tan(static_cast<long double>(camera.fov_y_radians) / 2) / (height / 2);
@@ -124,7 +124,7 @@ std::array<long double, 3> ideal_direction(const gnomon::Camera& camera, double 
 }
 
 // Every ray of every sample is the ideal one up to 2^-46. Not vacuous: half a unit of an offset is 2^-7 of a pixel.
-TEST(samples, rays_pass_through_their_places) {
+TEST(samples, rays_pass_through_their_positions) {
     for (const CameraScene& scene : scenes())
         for (const std::uint32_t count : COUNTS)
             for (const SampleOffset& offset : gnomon::sample_pattern(count)) {
@@ -204,14 +204,14 @@ TEST(samples, receivers_and_points_equal_reference) {
                 const auto find = [&](std::uint32_t wanted) {
                     return std::find_if(met.begin(), met.end(), [&](const auto& m) { return m.id == wanted; });
                 };
-                const auto claimed = find(id);
-                ASSERT_NE(claimed, met.end()) << "sample " << k << " of pixel " << pixel << " misses its receiver";
+                const auto found = find(id);
+                ASSERT_NE(found, met.end()) << "sample " << k << " of pixel " << pixel << " misses its receiver";
                 if (find(of_pixel) != met.end()) {
                     ASSERT_EQ(id, of_pixel) << "sample " << k << " of pixel " << pixel;
                     ++on_pixels;
                     hidden_but_kept += met[0].id != id;
                 } else {
-                    ASSERT_LE(claimed->parameter, met[0].parameter * (1 + SAME_DEPTH));
+                    ASSERT_LE(found->parameter, met[0].parameter * (1 + SAME_DEPTH));
                     ++on_own;
                 }
                 const reference::Triangle t = {vertex(scene.triangles, 3 * id), vertex(scene.triangles, 3 * id + 1),
@@ -224,7 +224,7 @@ TEST(samples, receivers_and_points_equal_reference) {
                                     std::uint32_t(pixel / scene.width) + 0.5L + pattern[k].y / 64.0L);
                 long double squared = 0, size = 0;
                 for (std::size_t c = 0; c < 3; ++c) {
-                    const long double hit = scene.eye[c] + claimed->parameter * direction[c];
+                    const long double hit = scene.eye[c] + found->parameter * direction[c];
                     squared += (p[c] - hit) * (p[c] - hit);
                     size = std::max({size, std::fabs(hit), std::fabs(static_cast<long double>(scene.eye[c]))});
                 }
@@ -268,7 +268,7 @@ TEST(samples, mean_equals_oracle) {
     EXPECT_GT(whole, 1000u);
 }
 
-/// A technique of the same answers that cannot settle footprints: every sample of every pixel is a point.
+/// A technique with the same visibility that cannot classify footprints: every sample of every pixel is a point.
 class EverySample final : public gnomon::Technique {
 public:
     explicit EverySample(const gnomon::Device& device) : technique_(gnomon::make_technique("frustum-traced", device)) {}
@@ -282,7 +282,7 @@ private:
     std::unique_ptr<gnomon::Technique> technique_;
 };
 
-/// What was settled, and how many pixels are partly lit, over several runs.
+/// The numbers of samples decided by footprints and traced, and of partly lit pixels, over several runs.
 struct Settled {
     std::uint64_t in_shadow = 0, lit = 0, traced = 0, on_one = 0, on_several = 0, partly = 0;
 };
@@ -292,22 +292,22 @@ void expect_same_means(const gnomon::Device& device, const CameraScene& scene, c
     SCOPED_TRACE(scene.name + ", " + std::to_string(samples) + " samples");
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
     const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
-    const gnomon::Visibility settled(device, view.points.count()), expected(device, view.points.count());
+    const gnomon::Visibility by_fragments(device, view.points.count()), expected(device, view.points.count());
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("conservative-map", "on");  // so few points would go without; mean_equals_oracle does
     technique->set("map-size", map_size);
     const gnomon::Statistics statistics =
-        gnomon::run_samples(*technique, device, triangles, view, light, samples, settled);
+        gnomon::run_samples(*technique, device, triangles, view, light, samples, by_fragments);
     EverySample every(device);
     gnomon::run_samples(every, device, triangles, view, light, samples, expected);
-    const std::vector<float> got = settled.read(), wanted = expected.read();
+    const std::vector<float> got = by_fragments.read(), wanted = expected.read();
     for (std::size_t pixel = 0; pixel < got.size(); ++pixel) {
         ASSERT_EQ(got[pixel], wanted[pixel]) << "pixel " << pixel;
         sum.partly += got[pixel] != 0 && got[pixel] != 1;
     }
-    const std::uint64_t settled_samples =
+    const std::uint64_t decided_samples =
         statistics.count("samples_decided_in_shadow") + statistics.count("samples_decided_lit");
-    ASSERT_EQ(settled_samples + statistics.count("samples_traced"), got.size() * samples);
+    ASSERT_EQ(decided_samples + statistics.count("samples_traced"), got.size() * samples);
     sum.in_shadow += statistics.count("samples_decided_in_shadow");
     sum.lit += statistics.count("samples_decided_lit");
     sum.traced += statistics.count("samples_traced");
@@ -316,7 +316,7 @@ void expect_same_means(const gnomon::Device& device, const CameraScene& scene, c
 }
 
 void expect_not_vacuous(const Settled& sum) {
-    std::cout << sum.in_shadow << " samples settled in shadow, " << sum.lit << " lit, " << sum.traced << " traced; "
+    std::cout << sum.in_shadow << " samples decided in shadow, " << sum.lit << " lit, " << sum.traced << " traced; "
               << sum.on_one << " pixels on one receiver, " << sum.on_several << " on several, " << sum.partly
               << " partly lit\n";
     for (const std::uint64_t count : {sum.in_shadow, sum.lit, sum.traced}) EXPECT_GT(count, 5000u);
@@ -329,7 +329,7 @@ std::vector<gnomon::Light> lights() {
             gnomon::Light::directional({1, 0, -1}), gnomon::Light::positional({1.5f, 2, 1.25f})};
 }
 
-TEST(samples, settled_means_equal_every_sample) {
+TEST(samples, means_by_fragments_equal_every_sample) {
     const gnomon::Device device = device_with();
     Settled sum;
     for (const CameraScene& scene : camera_scenes())
@@ -368,7 +368,8 @@ Floats dust(std::size_t count, std::uint32_t seed) {
     return triangles;
 }
 
-/// Squares whose shadows' edges run through samples and pixels' borders: places in 64ths of a pixel, at whole heights.
+/// Squares whose shadows' edges run through samples and pixels' borders: positions in 64ths of a pixel, at whole
+/// heights.
 Floats squares_on_samples(std::size_t count, std::uint32_t seed) {
     Random random(seed);
     Floats triangles;
@@ -401,9 +402,9 @@ Floats islands(std::size_t count, std::uint32_t seed) {
     return triangles;
 }
 
-// What tries to make a settled pixel wrong: occluders that a pixel's corners do not see, edges exactly through its
+// Scenes that may make a pixel's mean wrong: occluders that a pixel's corners do not see, edges exactly through its
 // corners and samples, occluders that nearly touch the receiver, and lights along the receiver.
-TEST(samples, settled_means_survive_what_hides_in_a_pixel) {
+TEST(samples, means_survive_what_hides_in_a_pixel) {
     const gnomon::Device device = device_with();
     Settled sum;
     const Float3 above = {0.5f, 0.5f, 32}, aside = {-20, 5, 14};
@@ -420,17 +421,18 @@ TEST(samples, settled_means_survive_what_hides_in_a_pixel) {
         hard.push_back(floor_scene("needles", placed(needle_fan(97, 1), 10, {0, 0, 3}), eye));
         hard.push_back(floor_scene("slivers", placed(slivers(40, 1e-6f, 9), 10, {0, 0, 1}), eye));
     }
-    const gnomon::Light lamps[] = {gnomon::Light::directional({1, 0, -1}), gnomon::Light::directional({0.3f, 0.2f, -1}),
-                                   gnomon::Light::directional({1, 0.3f, -0.01f}), gnomon::Light::positional({3, -2, 9}),
-                                   gnomon::Light::positional({-9, 4, 0.25f})};
+    const gnomon::Light lights[] = {gnomon::Light::directional({1, 0, -1}),
+                                    gnomon::Light::directional({0.3f, 0.2f, -1}),
+                                    gnomon::Light::directional({1, 0.3f, -0.01f}),
+                                    gnomon::Light::positional({3, -2, 9}), gnomon::Light::positional({-9, 4, 0.25f})};
     for (const CameraScene& scene : hard)
-        for (const gnomon::Light& light : lamps) expect_same_means(device, scene, light, 32, sum);
+        for (const gnomon::Light& light : lights) expect_same_means(device, scene, light, 32, sum);
     expect_not_vacuous(sum);
 }
 
 // Seen along the floor, a pixel below the horizon holds most of it: more bins than are told of a footprint, so that its
 // samples need lists of their own.
-TEST(samples, settled_means_survive_pixels_of_many_bins) {
+TEST(samples, means_survive_pixels_of_many_bins) {
     const CameraScene scene = floor_scene("along the floor", squares_on_samples(40, 11), {-60, 0.25f, 0.5f});
     Settled sum;
     for (const gnomon::Light& light :
@@ -465,9 +467,10 @@ std::uint64_t traced_samples(const CameraScene& scene, const gnomon::Light& ligh
 
 // Under a roof without holes, whose outline's shadow is not in the picture, only what is around one of its nine inner
 // vertices may be left to be traced: a pixel's footprint is not larger than the pixel, so each touches four at most.
-// Across an edge the two triangles settle it. Not vacuous: edges run through hundreds of pixels.
-TEST(samples, edges_inside_a_shadow_are_settled) {
-    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces what is in doubt";
+// Two triangles that share an edge decide the footprint below that edge. Not vacuous: edges run through hundreds of
+// pixels.
+TEST(samples, footprints_below_an_edge_are_in_shadow) {
+    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto roof = squares_in_a_row(4, -44, 49, [](float x, float y) {
         return Float3{x - y * 0.36f, y + x * 0.36f, 5};
     });
@@ -481,8 +484,8 @@ TEST(samples, edges_inside_a_shadow_are_settled) {
 
 // A flat floor in the light: its triangles' rounded vertices are at most 1.8 ulp of the largest coordinate apart from
 // one plane (camera.h), and the camera lifts points by 4, so no neighbour is a reason to trace anything.
-TEST(samples, neighbours_in_a_plane_are_settled) {
-    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces what is in doubt";
+TEST(samples, neighbours_in_a_plane_leave_footprints_lit) {
+    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto tilted = squares_in_a_row(24, -40, 40, [](float x, float y) {
         return Float3{x, y, x * 0.3f - y * 0.17f};
     });
@@ -514,7 +517,7 @@ TEST(samples, shape_free) {
     EXPECT_TRUE(same(sampled(without, scene, light, 16).position, expected.position)) << "without double precision";
 }
 
-// A GPU's groups share out a pixel: of any size, with pieces that find room at once or only in a second attempt.
+// A GPU's groups share out a pixel: of any size, with fragments that find room at once or only in a second attempt.
 TEST(samples, the_shape_for_gpus_gives_the_same_bits) {
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     for (const CameraScene& scene : scenes()) {
