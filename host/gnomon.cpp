@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The public face: devices and the register of techniques. A new technique is one line in `registered`.
+// The public face: devices and the register of techniques. A new technique is one include and one entry in
+// `registered`.
 #include <gnomon.hpp>
 
 #include <functional>
@@ -86,16 +87,22 @@ std::vector<Statistics> Technique::run_lights(const Triangles& triangles, const 
     return statistics;
 }
 
-std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
-    throw InvalidArgument("this technique has no diagnostic named \"" + std::string(name) +
-                          "\": frustum-traced has decided, virtual-shadow-map has page, shadow-map and its presets "
-                          "have aliasing, grid, views, depth and warp");
-}
-
 std::vector<TechniqueDescription> techniques() {
     std::vector<TechniqueDescription> all;
     for (Registered& r : registered()) all.push_back(std::move(r.description));
     return all;
+}
+
+// Presets have the diagnostics of their technique, which stands before them.
+std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
+    std::string known, names;
+    for (const TechniqueDescription& technique : techniques()) {
+        names.clear();
+        for (const DiagnosticDescription& d : technique.diagnostics) names += (names.empty() ? "" : ", ") + d.name;
+        if (names.empty() || known.find(names) != std::string::npos) continue;
+        known.append(known.empty() ? "" : "; ").append(technique.name).append(" has ").append(names);
+    }
+    throw InvalidArgument("this technique has no diagnostic named \"" + std::string(name) + "\": " + known);
 }
 
 std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device) {

@@ -38,6 +38,10 @@ float SettingText::number(double low, double high) const {
     return static_cast<float>(parsed(*this, low, high, "a number"));
 }
 
+std::optional<float> SettingText::number_or_auto(double low, double high) const {
+    return text == "auto" ? std::nullopt : std::optional(number(low, high));
+}
+
 std::uint32_t SettingText::whole(std::uint32_t low, std::uint32_t high) const {
     return parsed(*this, low, high, "a whole number");
 }
@@ -51,6 +55,11 @@ std::uint32_t SettingText::choice(std::span<const std::string_view> names) const
         if (names[i] == text) return static_cast<std::uint32_t>(i);
     throw InvalidArgument(std::string(name) + " is " + listed(names, " or ", std::identity()) + ", not \"" +
                           std::string(text) + "\"");
+}
+
+std::optional<std::uint32_t> SettingText::choice_or_auto(std::span<const std::string_view> names) const {
+    const std::uint32_t chosen = choice(names);
+    return chosen + 1 == names.size() ? std::nullopt : std::optional(chosen);
 }
 
 void throw_no_setting(std::string_view technique, std::string_view name, std::span<const SettingDescription> settings) {

@@ -15,62 +15,40 @@
 namespace gnomon {
 
 /// A setting's name and the text given for it. Each reader throws InvalidArgument, naming the setting, what is allowed
-/// and the text.
+/// (bounds included) and the text.
 struct SettingText {
     std::string_view name, text;
 
-    /// A number from low to high (both included).
     float number(double low, double high) const;
-    /// A whole number from low to high (both included).
+    std::optional<float> number_or_auto(double low, double high) const;
     std::uint32_t whole(std::uint32_t low, std::uint32_t high) const;
-    /// The same, or 0 for "auto".
-    std::uint32_t whole_or_auto(std::uint32_t low, std::uint32_t high) const;
+    std::uint32_t whole_or_auto(std::uint32_t low, std::uint32_t high) const;  ///< 0 for "auto"
     /// Position of the text among the names.
     std::uint32_t choice(std::span<const std::string_view> names) const;
+    /// The same; nothing for the last name, "auto".
+    std::optional<std::uint32_t> choice_or_auto(std::span<const std::string_view> names) const;
 };
 
-// How a row's text is read into a field. Other ways are lambdas of the same parameters.
+// Each reads a row's text into a field, by the reader of its name. Names must outlive the table.
 namespace setting {
 
-template <typename Settings, typename Field>
-auto number(Field Settings::*field, double low, double high) {
-    return [=](Settings& settings, const SettingText& value) { settings.*field = value.number(low, high); };
-}
-template <typename Settings, typename Field>
-auto whole(Field Settings::*field, std::uint32_t low, std::uint32_t high) {
-    return [=](Settings& settings, const SettingText& value) { settings.*field = value.whole(low, high); };
-}
-template <typename Settings, typename Field>
-auto whole_or_auto(Field Settings::*field, std::uint32_t low, std::uint32_t high) {
-    return [=](Settings& settings, const SettingText& value) { settings.*field = value.whole_or_auto(low, high); };
-}
-/// "auto" leaves the field empty.
-template <typename Settings, typename Field>
-auto number_or_auto(std::optional<Field> Settings::*field, double low, double high) {
-    return [=](Settings& settings, const SettingText& value) {
-        settings.*field = value.text == "auto" ? std::nullopt : std::optional<Field>(value.number(low, high));
+template <auto Reader, typename S, typename Field, typename... Allowed>
+auto read(Field S::*field, const Allowed&... allowed) {
+    return [=](S& settings, const SettingText& value) {
+        settings.*field = static_cast<Field>((value.*Reader)(allowed...));
     };
 }
-/// `names`: of the field's values, which count from 0. They must outlive the table.
-template <typename Settings, typename Field>
-auto choice(Field Settings::*field, std::span<const std::string_view> names) {
-    return [=](Settings& settings, const SettingText& value) {
-        settings.*field = static_cast<Field>(value.choice(names));
-    };
+auto number(auto field, double low, double high) { return read<&SettingText::number>(field, low, high); }
+auto number_or_auto(auto field, double low, double high) {
+    return read<&SettingText::number_or_auto>(field, low, high);
 }
-/// As choice(), where the last name is "auto" and leaves the field empty.
-template <typename Settings, typename Field>
-auto choice_or_auto(std::optional<Field> Settings::*field, std::span<const std::string_view> names) {
-    return [=](Settings& settings, const SettingText& value) {
-        const std::uint32_t chosen = value.choice(names);
-        settings.*field = chosen + 1 == names.size() ? std::nullopt : std::optional(static_cast<Field>(chosen));
-    };
-}
-template <typename Settings>
-auto on_off(bool Settings::*field) {
-    static constexpr std::string_view names[] = {"off", "on"};
-    return choice(field, names);
-}
+auto whole(auto field, auto low, auto high) { return read<&SettingText::whole>(field, low, high); }
+auto whole_or_auto(auto field, auto low, auto high) { return read<&SettingText::whole_or_auto>(field, low, high); }
+using Names = std::span<const std::string_view>;
+auto choice(auto field, Names names) { return read<&SettingText::choice>(field, names); }
+auto choice_or_auto(auto field, Names names) { return read<&SettingText::choice_or_auto>(field, names); }
+inline constexpr std::string_view off_on[] = {"off", "on"};
+auto on_off(auto field) { return choice(field, off_on); }
 
 }  // namespace setting
 

@@ -5,6 +5,13 @@
 
 namespace gnomon {
 
+Statistics MeasuredRun::finish(decltype(Statistics::counts) counts) {
+    stages.counts = std::move(counts);
+    stages.device_memory_bytes = peak_bytes();
+    stages.total_wall_ms = wall_ms();
+    return std::move(stages);
+}
+
 void add_stages(Statistics& total, const Statistics& run) {
     for (const StageStatistics& stage : run.stages) {
         const auto found =

@@ -18,6 +18,10 @@ inline Double3 cross(const Double3& a, const Double3& b) {
 
 inline Double3 scaled(const Double3& v, double factor) { return {v[0] * factor, v[1] * factor, v[2] * factor}; }
 
+inline void store(float* to, const Double3& v) {
+    for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(v[i]);
+}
+
 /// Scales to unit length, by the largest coordinate first so that nothing leaves double's range. False (and v is left
 /// as it is) if v is zero or not finite.
 inline bool normalize(Double3& v) {

@@ -57,10 +57,6 @@ void ConservativeMapAlone::add_counts(Run& run) const {
     run.statistics.counts.emplace_back("map_texels_written", map_texels_);
 }
 
-void ConservativeMapAlone::set(std::string_view name, std::string_view value) {
-    settings_table().set(settings_, "conservative-map", name, value);
-}
-
 TechniqueDescription ConservativeMapAlone::describe() {
     return {"conservative-map",
             "conservative shadow map (Mizoguchi and Tokuyoshi): never wrongly dark, lit wherever it proves nothing",

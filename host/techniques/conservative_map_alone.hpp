@@ -13,7 +13,9 @@ namespace gnomon {
 class ConservativeMapAlone final : public FramedTechnique {
 public:
     explicit ConservativeMapAlone(const Device& device) : FramedTechnique(device) {}
-    void set(std::string_view name, std::string_view value) override;
+    void set(std::string_view name, std::string_view value) override {
+        settings_table().set(settings_, "conservative-map", name, value);
+    }
 
     static TechniqueDescription describe();
 

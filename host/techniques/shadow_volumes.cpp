@@ -4,19 +4,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/statistics.hpp"
 #include "api/vectors.hpp"
 
 namespace gnomon {
 namespace {
 
+constexpr const char* file = "techniques/shadow_volumes.cl";
+
 /// Room for this many (side, tile) pairs at a time; sides are drawn in slices that cannot need more.
 constexpr std::size_t pair_capacity = std::size_t(1) << 23;
 
-void set_vector(float* target, const Double3& v) {
-    for (int i = 0; i < 3; ++i) target[i] = static_cast<float>(v[i]);
-}
-
-cl_uint pieces(cl_uint count, cl_uint size) { return (count + size - 1) / size; }
+cl_uint divided_up(cl_uint count, cl_uint size) { return (count + size - 1) / size; }
 
 }  // namespace
 
@@ -33,31 +32,34 @@ const SettingsTable<ShadowVolumes::Settings>& ShadowVolumes::settings_table() {
     return table;
 }
 
-VolumeView ShadowVolumes::view_of(const Points& points, const Light& light) const {
+VolumeParams ShadowVolumes::params_of(const TriangleInputs& triangles, const Points& points, const Light& light) const {
     const auto& seen = points.camera();
     if (!seen || std::size_t(seen->width) * seen->height != points.count())
         throw InvalidArgument(
-            "shadow-volumes needs the points of a whole picture: make them with look(), or say their camera with "
+            "shadow-volumes needs the points of a whole picture: make them with look(), or name their camera with "
             "set_camera()");
     const Camera& camera = seen->camera;
     // Pixels are square: a pixel's side is 2 tan(fov / 2) / height on the plane at distance 1.
     const double pixel = 2 * std::tan(camera.fov_y_radians / 2) / seen->height;
-    VolumeView view{};
+    VolumeParams view{};
+    view.first_float = triangles.first_float;
+    view.triangle_count = triangles.count;
+    view.cancels = settings_.cancel;
     std::copy(light.xyzw.begin(), light.xyzw.end(), view.light);
     std::copy(camera.eye.begin(), camera.eye.end(), view.eye);
-    set_vector(view.right, scaled(camera.right, pixel));
-    set_vector(view.up, scaled(camera.up, -pixel));
+    store(view.right, scaled(camera.right, pixel));
+    store(view.up, scaled(camera.up, -pixel));
     Double3 corner;
     for (int i = 0; i < 3; ++i)
         corner[i] =
             camera.forward[i] - 0.5 * seen->width * pixel * camera.right[i] + 0.5 * seen->height * pixel * camera.up[i];
-    set_vector(view.forward, corner);
+    store(view.forward, corner);
     view.width = seen->width;
     view.height = seen->height;
-    view.tiles_x = pieces(view.width, VOLUME_TILE);
-    view.tiles_y = pieces(view.height, VOLUME_TILE);
-    view.blocks_x = pieces(view.tiles_x, VOLUME_BLOCK);
-    view.blocks_y = pieces(view.tiles_y, VOLUME_BLOCK);
+    view.tiles_x = divided_up(view.width, VOLUME_TILE);
+    view.tiles_y = divided_up(view.height, VOLUME_TILE);
+    view.blocks_x = divided_up(view.tiles_x, VOLUME_BLOCK);
+    view.blocks_y = divided_up(view.tiles_y, VOLUME_BLOCK);
     view.both_faces = settings_.both_faces;
     view.z_fail = settings_.z_fail;
     return view;
@@ -70,33 +72,32 @@ void ShadowVolumes::reserve_sides(cl_uint count) {
     side_capacity_ = count;
 }
 
-cl_uint ShadowVolumes::make_sides(const VolumeView& view, const TriangleInputs& triangles) {
+cl_uint ShadowVolumes::make_sides(VolumeParams params, cl_mem vertices) {
     cl::Session& session = device_.session();
-    const std::uint64_t edges = 3 * std::uint64_t(triangles.count);
+    const std::uint64_t edges = 3 * std::uint64_t(params.triangle_count);
     if (edges >= (std::uint64_t(1) << 30))
         throw InvalidArgument("shadow-volumes takes at most 357 million triangles, not " +
-                              std::to_string(triangles.count));
-    // Half full at most, so that looking for an edge ends soon.
+                              std::to_string(params.triangle_count));
+    // At most half full, so that the search for an edge is short.
     cl_uint slots = 16;
     while (slots < 2 * edges) slots *= 2;
     slot_edges_.reserve(session, std::size_t(slots) * sizeof(cl_uint));
     slot_weights_.reserve(session, std::size_t(slots) * sizeof(cl_int));
     session.fill(slot_edges_, GN_NO_ID, std::size_t(slots) * sizeof(cl_uint));
     session.fill(slot_weights_, 0, std::size_t(slots) * sizeof(cl_int));
-    session.launch("techniques/shadow_volumes.cl", "shadow_volumes_edges", cl::Range::items(triangles.count), view,
-                   triangles.count, triangles.first_float, slots - 1, cl_uint(settings_.cancel), triangles.vertices,
-                   slot_edges_, slot_weights_, counters_);
+    params.slot_count = slots;
+    session.launch(file, "shadow_volumes_edges", cl::Range::items(params.triangle_count), params, vertices, slot_edges_,
+                   slot_weights_, counters_);
     cursor_.reserve(session, sizeof(cl_uint));
     reserve_sides(1u << 16);
     for (;;) {
+        params.side_capacity = side_capacity_;
         session.fill(cursor_, 0, sizeof(cl_uint));
-        session.launch("techniques/shadow_volumes.cl", "shadow_volumes_sides", cl::Range::items(slots), view, slots,
-                       triangles.first_float, triangles.vertices, slot_edges_, slot_weights_, cursor_, sides_,
-                       side_capacity_);
+        session.launch(file, "shadow_volumes_sides", cl::Range::items(slots), params, vertices, slot_edges_,
+                       slot_weights_, cursor_, sides_);
         if (settings_.z_fail)
-            session.launch("techniques/shadow_volumes.cl", "shadow_volumes_caps", cl::Range::items(triangles.count),
-                           view, triangles.count, triangles.first_float, triangles.vertices, cursor_, sides_,
-                           side_capacity_);
+            session.launch(file, "shadow_volumes_caps", cl::Range::items(params.triangle_count), params, vertices,
+                           cursor_, sides_);
         cl_uint wanted = 0;
         session.read(cursor_.get(), &wanted, sizeof(wanted));
         if (wanted <= side_capacity_) return wanted;
@@ -104,35 +105,34 @@ cl_uint ShadowVolumes::make_sides(const VolumeView& view, const TriangleInputs& 
     }
 }
 
-void ShadowVolumes::draw(const VolumeView& view, const PointInputs& points, cl_uint side_count) {
+void ShadowVolumes::draw(VolumeParams params, const PointInputs& points, cl_uint side_count) {
     cl::Session& session = device_.session();
-    const std::size_t tiles = std::size_t(view.tiles_x) * view.tiles_y;
-    const std::size_t blocks = std::size_t(view.blocks_x) * view.blocks_y;
+    const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
+    const std::size_t blocks = std::size_t(params.blocks_x) * params.blocks_y;
     const auto slice = static_cast<cl_uint>(std::clamp<std::size_t>(pair_capacity / tiles, 1, 1u << 20));
     pairs_.reserve(session, slice * tiles * 2 * sizeof(cl_uint));
     for (cl_uint first = 0; first < side_count; first += slice) {
-        const cl_uint count = std::min(slice, side_count - first);
+        params.first_side = first;
+        params.side_count = std::min(slice, side_count - first);
         session.fill(cursor_, 0, sizeof(cl_uint));
-        session.launch("techniques/shadow_volumes.cl", "shadow_volumes_tiles", cl::Range::items(count * blocks), view,
-                       first, count, sides_, tile_depths_, tile_counts_, pairs_, cursor_, counters_);
-        session.launch("techniques/shadow_volumes.cl", "shadow_volumes_pixels",
-                       cl::Range::items(session.many_groups() * 256), view, points.layout, points.positions,
-                       points.receivers, sides_, pairs_, cursor_, pixel_counts_, counters_);
+        session.launch(file, "shadow_volumes_tiles", cl::Range::items(params.side_count * blocks), params, sides_,
+                       tile_depths_, tile_counts_, pairs_, cursor_, counters_);
+        session.launch(file, "shadow_volumes_pixels", cl::Range::items(session.many_groups() * 256), params,
+                       points.layout, points.positions, points.receivers, sides_, pairs_, cursor_, pixel_counts_,
+                       counters_);
     }
 }
 
 Statistics ShadowVolumes::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
-    const auto start = std::chrono::steady_clock::now();
-    Statistics statistics;
-    if (points.count() == 0) return statistics;
-    const VolumeView view = view_of(points, light);
-    cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
+    if (points.count() == 0) return {};
     const TriangleInputs triangle_data = triangle_inputs(triangles);
     const PointInputs point_data = point_inputs(points);
-    const std::size_t tiles = std::size_t(view.tiles_x) * view.tiles_y;
+    VolumeParams params = params_of(triangle_data, points, light);
+    cl::Session& session = device_.session();
+    MeasuredRun measured(session, kept_bytes_);
+    const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
     counters_.reserve(session, sizeof(VolumeCounters));
     tile_depths_.reserve(session, tiles * 2 * sizeof(cl_float));
     tile_counts_.reserve(session, tiles * sizeof(cl_int));
@@ -143,45 +143,36 @@ Statistics ShadowVolumes::run(const Triangles& triangles, const Points& points, 
 
     cl_uint side_count = 0;
     if (triangles.count() != 0) {
-        cl::StageTimer timer(session, statistics, "volume_sides");
-        side_count = make_sides(view, triangle_data);
+        cl::StageTimer timer(session, measured.stages, "volume_sides");
+        side_count = make_sides(params, triangle_data.vertices);
     }
     {
-        cl::StageTimer timer(session, statistics, "volume_depths");
-        session.launch("techniques/shadow_volumes.cl", "shadow_volumes_depths", cl::Range::items(tiles), view,
-                       point_data.layout, point_data.positions, tile_depths_);
+        cl::StageTimer timer(session, measured.stages, "volume_depths");
+        session.launch(file, "shadow_volumes_depths", cl::Range::items(tiles), params, point_data.layout,
+                       point_data.positions, tile_depths_);
     }
     if (side_count != 0) {
-        cl::StageTimer timer(session, statistics, "volume_draw");
-        draw(view, point_data, side_count);
+        cl::StageTimer timer(session, measured.stages, "volume_draw");
+        draw(params, point_data, side_count);
     }
     {
-        cl::StageTimer timer(session, statistics, "volume_resolve");
-        session.launch("techniques/shadow_volumes.cl", "shadow_volumes_resolve", cl::Range::items(points.count()), view,
-                       point_data.layout, triangle_data.first_float, triangle_data.count, point_data.positions,
-                       point_data.receivers, triangle_data.vertices, tile_counts_, pixel_counts_, counters_,
-                       visibility.buffer());
+        cl::StageTimer timer(session, measured.stages, "volume_resolve");
+        session.launch(file, "shadow_volumes_resolve", cl::Range::items(points.count()), params, point_data.layout,
+                       point_data.positions, point_data.receivers, triangle_data.vertices, tile_counts_, pixel_counts_,
+                       counters_, visibility.buffer());
     }
     VolumeCounters counted;
     session.read(counters_.get(), &counted, sizeof(counted));
-    statistics.counts = {
-        {"points", points.count()},
-        {"triangles", triangles.count()},
-        {"triangles_casting", counted.casting},
-        {"edges", counted.edges},
-        {"sides", side_count},
-        {"eye_inside", counted.eye_inside},
-        {"tiles_whole", counted.tiles_whole},
-        {"pixels_written", counted.pixels_written_low + (std::uint64_t(counted.pixels_written_high) << 32) +
-                               std::uint64_t(counted.tiles_whole) * VOLUME_TILE * VOLUME_TILE}};
-    statistics.device_memory_bytes = memory.peak_bytes();
-    statistics.total_wall_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    return statistics;
-}
-
-void ShadowVolumes::set(std::string_view name, std::string_view value) {
-    settings_table().set(settings_, "shadow-volumes", name, value);
+    return measured.finish(
+        {{"points", points.count()},
+         {"triangles", triangles.count()},
+         {"triangles_casting", counted.casting},
+         {"edges", counted.edges},
+         {"sides", side_count},
+         {"eye_inside", counted.eye_inside},
+         {"tiles_whole", counted.tiles_whole},
+         {"pixels_written", counted.pixels_written_low + (std::uint64_t(counted.pixels_written_high) << 32) +
+                                std::uint64_t(counted.tiles_whole) * VOLUME_TILE * VOLUME_TILE}});
 }
 
 TechniqueDescription ShadowVolumes::describe() {

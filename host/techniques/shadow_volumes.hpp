@@ -15,7 +15,9 @@ public:
     /// rays of pixels.
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
-    void set(std::string_view name, std::string_view value) override;
+    void set(std::string_view name, std::string_view value) override {
+        settings_table().set(settings_, "shadow-volumes", name, value);
+    }
 
     static TechniqueDescription describe();
 
@@ -24,10 +26,10 @@ private:
         bool cancel, both_faces, z_fail;
     };
     static const SettingsTable<Settings>& settings_table();
-    VolumeView view_of(const Points& points, const Light& light) const;
-    cl_uint make_sides(const VolumeView& view, const TriangleInputs& triangles);
+    VolumeParams params_of(const TriangleInputs& triangles, const Points& points, const Light& light) const;
+    cl_uint make_sides(VolumeParams params, cl_mem vertices);
     void reserve_sides(cl_uint count);
-    void draw(const VolumeView& view, const PointInputs& points, cl_uint side_count);
+    void draw(VolumeParams params, const PointInputs& points, cl_uint side_count);
 
     Device device_;
     Settings settings_ = settings_table().defaults();

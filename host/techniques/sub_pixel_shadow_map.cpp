@@ -30,20 +30,26 @@ void SubPixelShadowMap::draw(Run& run) {
     session.fill(heights_, 0, bytes);
     session.fill(ids_, GN_NO_ID, bytes);
     session.fill(map_counters_, 0, sizeof(SubPixelCounters));
-    for (const cl_uint stores_ids : {0u, 1u})
-        session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw",
-                       cl::Range::items(setup_.tiles().capacity()), frames_.projection(), setup_.tiles().capacity(),
-                       stores_ids, setup_.records(), setup_.bounds(), setup_.tiles().buffer(), counters_, heights_,
-                       ids_, map_counters_);
+    SubPixelParams params{};
+    params.tile_capacity = setup_.tiles().capacity();
+    for (params.stores_ids = 0; params.stores_ids < 2; ++params.stores_ids)
+        session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw", cl::Range::items(params.tile_capacity),
+                       params, frames_.projection(), setup_.records(), setup_.bounds(), setup_.tiles().buffer(),
+                       counters_, heights_, ids_, map_counters_);
 }
 
 void SubPixelShadowMap::decide_points(Run& run, cl_uint frame) {
     cl::Session& session = device_.session();
-    const cl_uint reach = settings_.neighbours;
+    SubPixelParams params{};
+    params.first_float = run.triangles.first_float;
+    params.frame = frame;
+    params.reach = settings_.neighbours;
+    params.light_frame = run.light_frame;
+    params.layout = run.points.layout;
     session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
-                   cl::Range::items(run.points.layout.count / session.lanes() + 1), run.light_frame, frame,
-                   run.points.layout, frames_.projection(), reach, run.triangles.first_float, run.points.positions,
-                   run.points.receivers, run.triangles.vertices, ids_, run.visibility, map_counters_);
+                   cl::Range::items(params.layout.count / session.lanes() + 1), params, frames_.projection(),
+                   run.points.positions, run.points.receivers, run.triangles.vertices, ids_, run.visibility,
+                   map_counters_);
 }
 
 void SubPixelShadowMap::run_frame(Run& run, cl_uint frame) {
@@ -71,10 +77,6 @@ void SubPixelShadowMap::begin_counts() {
 void SubPixelShadowMap::add_counts(Run& run) const {
     run.statistics.counts.emplace_back("texels", texels_);
     run.statistics.counts.emplace_back("texels_with_triangle", texels_with_triangle_);
-}
-
-void SubPixelShadowMap::set(std::string_view name, std::string_view value) {
-    settings_table().set(settings_, "sub-pixel", name, value);
 }
 
 TechniqueDescription SubPixelShadowMap::describe() {

@@ -11,7 +11,9 @@ namespace gnomon {
 class SubPixelShadowMap final : public FramedTechnique {
 public:
     explicit SubPixelShadowMap(const Device& device) : FramedTechnique(device) {}
-    void set(std::string_view name, std::string_view value) override;
+    void set(std::string_view name, std::string_view value) override {
+        settings_table().set(settings_, "sub-pixel", name, value);
+    }
 
     static TechniqueDescription describe();
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Technique conservative-map: the open points of one frame by the coarse test alone. Below the map's height of its
-// texel a point is in shadow for certain; all that the map leaves open counts as lit. So what is dark is the exact
-// technique's, and its share says how much of the shadow whole texels under single triangles prove.
+// texel a point is certainly in shadow; every other point counts as lit. So each dark point is dark by the exact
+// technique too, and their share is the part of the shadow that whole texels under single triangles prove.
 #include "occluders/triangle_setup.h"
 #include "trace/coarse_test.clh"
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Shadow volumes: each casting triangle's shadow is a half-open prism, and a point is in shadow if it lies inside one.
-// Inside-ness is counted along the pixel's ray: entering a volume is +1, leaving it -1 (Crow 1977; with a stencil
-// buffer Heidmann 1991, z-fail Bilodeau and Songy 1999 and Carmack 2000).
+// The pixel's ray counts them: entering a volume is +1, leaving it -1 (Crow 1977; with a stencil buffer Heidmann 1991,
+// z-fail Bilodeau and Songy 1999 and Carmack 2000).
 //
-// Sides that two neighbouring triangles share are drawn only where they do not cancel (document 002). That is decided
-// per edge by a sum: each casting triangle, turned so that it faces the light, adds +1 or -1 for the direction in which
-// it runs along the edge; the sum is the number of sides to draw there (Bergeron 1986; Kim et al. 2008, "A shadow
-// volume algorithm for opaque and transparent non-manifold casters"). So open and non-manifold meshes need no care, and
-// no adjacency is stored: edges meet in a hash table, by their vertices' positions.
+// Sides that two neighbouring triangles share are drawn only where they do not cancel. A sum per edge decides: each
+// casting triangle, turned so that it faces the light, adds +1 or -1 for the direction in which it runs along the edge;
+// the sum is the number of sides to draw there (Bergeron 1986; Kim et al. 2008, "A shadow volume algorithm for opaque
+// and transparent non-manifold casters"). So open and non-manifold meshes need no special care, and no adjacency is
+// stored: edges meet in a hash table, by their vertices' positions.
 #include "exact/blocks.clh"
 #include "receivers/facing.clh"
 #include "techniques/shadow_volumes.h"
@@ -15,14 +15,16 @@
 // ---- Edges ----------------------------------------------------------------------------------------------------------
 
 static float3 vector_of(const float* v) { return (float3)(v[0], v[1], v[2]); }
-static float4 light_of(VolumeView view) { return (float4)(view.light[0], view.light[1], view.light[2], view.light[3]); }
+static float4 volume_light(VolumeParams params) {
+    return (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
+}
 
 // The triangle with its winding turned towards the light; false if it casts no shadow.
-static bool casting_triangle(Triangle t, VolumeView view, Triangle* facing) {
+static bool casting_triangle(Triangle t, VolumeParams params, Triangle* facing) {
     if (!is_finite_triangle(t)) return false;
     int level = DET3_BY_FLOAT;
-    int side = side_of_light(t, light_of(view), &level);
-    if (side == 0 || (side < 0 && view.both_faces == 0u)) return false;
+    int side = side_of_light(t, volume_light(params), &level);
+    if (side == 0 || (side < 0 && params.both_faces == 0u)) return false;
     *facing = t;
     if (side < 0) facing->b = t.c, facing->c = t.b;
     return true;
@@ -30,15 +32,15 @@ static bool casting_triangle(Triangle t, VolumeView view, Triangle* facing) {
 
 static float3 corner_of(Triangle t, uint i) { return i == 0u ? t.a : i == 1u ? t.b : t.c; }
 
-// Bits of a position, with one zero: -0 and 0 are the same place.
-static uint3 place_of(float3 v) { return as_uint3(v + 0.0f); }
+// Bits of a position, with one zero: -0 and 0 are the same coordinate.
+static uint3 position_bits(float3 v) { return as_uint3(v + 0.0f); }
 
 static bool is_before(float3 u, float3 v) {
-    uint3 a = place_of(u), b = place_of(v);
+    uint3 a = position_bits(u), b = position_bits(v);
     return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
 }
 
-static bool is_same_place(float3 u, float3 v) { return all(place_of(u) == place_of(v)); }
+static bool is_same_position(float3 u, float3 v) { return all(position_bits(u) == position_bits(v)); }
 
 // Murmur3's finaliser over the six coordinates.
 static uint mixed(uint hash, uint word) {
@@ -48,7 +50,7 @@ static uint mixed(uint hash, uint word) {
 }
 
 static uint hash_of_edge(float3 u, float3 v) {
-    uint3 a = place_of(u), b = place_of(v);
+    uint3 a = position_bits(u), b = position_bits(v);
     uint hash = mixed(mixed(mixed(0u, a.x), a.y), a.z);
     return mixed(mixed(mixed(hash, b.x), b.y), b.z);
 }
@@ -62,7 +64,7 @@ static void load_edge(__global const float* vertices, uint edge, float3* first, 
     *second = in_order ? v : u;
 }
 
-// The slot of an edge, which is any one of the edges between the same two places.
+// The slot of an edge: it keeps any one of the edges between the same two positions.
 static uint slot_of_edge(uint edge, uint slot_mask, __global const float* vertices, __global uint* slot_edges) {
     float3 u, v;
     load_edge(vertices, edge, &u, &v);
@@ -72,33 +74,32 @@ static uint slot_of_edge(uint edge, uint slot_mask, __global const float* vertic
         if (there == GN_NO_ID || there == edge) return slot;
         float3 other_u, other_v;
         load_edge(vertices, there, &other_u, &other_v);
-        if (is_same_place(u, other_u) && is_same_place(v, other_v)) return slot;
+        if (is_same_position(u, other_u) && is_same_position(v, other_v)) return slot;
         slot = (slot + 1u) & slot_mask;
     }
 }
 
 // Sums up the sides of every edge. Without cancellation each edge of each triangle keeps a slot of its own.
-__kernel void shadow_volumes_edges(VolumeView view, uint triangle_count, ulong first_float, uint slot_mask, uint cancel,
-                                   __global const float* vertices_all, __global uint* slot_edges,
+__kernel void shadow_volumes_edges(VolumeParams params, __global const float* vertices_all, __global uint* slot_edges,
                                    __global int* slot_weights, __global VolumeCounters* counters) {
-    __global const float* vertices = vertices_all + first_float;
-    float3 eye = vector_of(view.eye);
+    __global const float* vertices = vertices_all + params.first_float;
+    float3 eye = vector_of(params.eye);
     uint casting = 0, edges = 0, around_eye = 0;
-    GN_FOR_EACH(id, triangle_count) {
+    GN_FOR_EACH(id, params.triangle_count) {
         Triangle t = load_triangle(vertices, id), facing;
-        if (!casting_triangle(t, view, &facing)) continue;
+        if (!casting_triangle(t, params, &facing)) continue;
         ++casting;
         int level = DET3_BY_FLOAT;
-        if (view.z_fail == 0u && blocks(t, eye, light_of(view), &level)) ++around_eye;
-        bool turned = !is_same_place(facing.b, t.b);
+        if (params.z_fail == 0u && blocks(t, eye, volume_light(params), &level)) ++around_eye;
+        bool turned = !is_same_position(facing.b, t.b);
         for (uint i = 0; i < 3u; ++i) {
             float3 u = corner_of(t, i), v = corner_of(t, (i + 1u) % 3u);
-            if (is_same_place(u, v)) continue;
+            if (is_same_position(u, v)) continue;
             ++edges;
             uint edge = 3u * (uint)id + i;
             int direction = is_before(u, v) != turned ? 1 : -1;
-            uint slot = cancel ? slot_of_edge(edge, slot_mask, vertices, slot_edges) : edge;
-            if (!cancel) slot_edges[slot] = edge;
+            uint slot = params.cancels ? slot_of_edge(edge, params.slot_count - 1u, vertices, slot_edges) : edge;
+            if (!params.cancels) slot_edges[slot] = edge;
             atomic_add(&slot_weights[slot], direction);
         }
     }
@@ -111,37 +112,32 @@ __kernel void shadow_volumes_edges(VolumeView view, uint triangle_count, ulong f
 
 // An edge of a cone of rays: det(u, v, ray), computed from the canonical order of u and v, so that the two sides that
 // share it get the same value with opposite signs, and a ray exactly on it belongs to one of them.
-static void set_cone_edge(VolumeSide* side, uint i, float3 u, float3 v, VolumeView view) {
+static void set_cone_edge(VolumeSide* side, uint i, float3 u, float3 v, VolumeParams params) {
     bool in_order = is_before(u, v);
     float3 normal = in_order ? cross(u, v) : cross(v, u);
     if (!in_order) normal = -normal;
-    side->edge_x[i] = dot(normal, vector_of(view.right));
-    side->edge_y[i] = dot(normal, vector_of(view.up));
-    side->edge_0[i] = dot(normal, vector_of(view.forward));
+    side->edge_x[i] = dot(normal, vector_of(params.right));
+    side->edge_y[i] = dot(normal, vector_of(params.up));
+    side->edge_0[i] = dot(normal, vector_of(params.forward));
     if (in_order) side->flags |= 1u << i;
 }
 
-static void negate_edge(VolumeSide* side, uint i) {
-    side->edge_x[i] = -side->edge_x[i];
-    side->edge_y[i] = -side->edge_y[i];
-    side->edge_0[i] = -side->edge_0[i];
-}
-
 // The cone of three vectors from the eye, all in the plane n . x = n . start; n points out of the volume.
-static VolumeSide make_side(float3 u, float3 v, float3 w, float3 n, float3 start, int weight, VolumeView view) {
+static VolumeSide make_side(float3 u, float3 v, float3 w, float3 n, float3 start, int weight, VolumeParams params) {
     VolumeSide side;
     side.flags = 0;
-    set_cone_edge(&side, 0, u, v, view);
-    set_cone_edge(&side, 1, v, w, view);
-    set_cone_edge(&side, 2, w, u, view);
+    set_cone_edge(&side, 0, u, v, params);
+    set_cone_edge(&side, 1, v, w, params);
+    set_cone_edge(&side, 2, w, u, params);
     // Turned so that the inside is where all three are positive.
     if (dot(cross(u, v), w) < 0.0f) {
-        for (uint i = 0; i < 3u; ++i) negate_edge(&side, i);
+        for (uint i = 0; i < 3u; ++i)
+            side.edge_x[i] = -side.edge_x[i], side.edge_y[i] = -side.edge_y[i], side.edge_0[i] = -side.edge_0[i];
         side.flags ^= 7u;
     }
-    side.plane_x = dot(n, vector_of(view.right));
-    side.plane_y = dot(n, vector_of(view.up));
-    side.plane_0 = dot(n, vector_of(view.forward));
+    side.plane_x = dot(n, vector_of(params.right));
+    side.plane_y = dot(n, vector_of(params.up));
+    side.plane_0 = dot(n, vector_of(params.forward));
     side.plane_start = dot(n, start);
     side.weight = weight;
     side.cap_of = GN_NO_ID;
@@ -149,52 +145,51 @@ static VolumeSide make_side(float3 u, float3 v, float3 w, float3 n, float3 start
 }
 
 // From a point towards infinity, away from the light.
-static float3 away_from_light(float3 a, float3 eye, VolumeView view) {
-    float3 light = vector_of(view.light);
-    return view.light[3] != 0.0f ? (a + eye) - light : -light;
+static float3 away_from_light(float3 a, float3 eye, VolumeParams params) {
+    float3 light = vector_of(params.light);
+    return params.light[3] != 0.0f ? (a + eye) - light : -light;
 }
 
-// Two records per slot: a directional light's side is one cone, a positional light's two.
-__kernel void shadow_volumes_sides(VolumeView view, uint slot_count, ulong first_float,
-                                   __global const float* vertices_all, __global const uint* slot_edges,
-                                   __global const int* slot_weights, __global uint* cursor, __global VolumeSide* sides,
-                                   uint capacity) {
-    float3 eye = vector_of(view.eye);
-    GN_FOR_EACH(slot, slot_count) {
+// A slot's side is one cone for a directional light, two for a point light.
+__kernel void shadow_volumes_sides(VolumeParams params, __global const float* vertices_all,
+                                   __global const uint* slot_edges, __global const int* slot_weights,
+                                   __global uint* cursor, __global VolumeSide* sides) {
+    float3 eye = vector_of(params.eye);
+    GN_FOR_EACH(slot, params.slot_count) {
         int weight = slot_edges[slot] == GN_NO_ID ? 0 : slot_weights[slot];
         if (weight == 0) continue;
         float3 a, b;
-        load_edge(vertices_all + first_float, slot_edges[slot], &a, &b);
+        load_edge(vertices_all + params.first_float, slot_edges[slot], &a, &b);
         a -= eye;
         b -= eye;
-        float3 c_a = away_from_light(a, eye, view), c_b = away_from_light(b, eye, view);
+        float3 c_a = away_from_light(a, eye, params), c_b = away_from_light(b, eye, params);
         // Seen from the light the triangle lies to the left of a -> b, so this points out of its volume.
         float3 n = cross(c_a, b - a);
-        bool two = view.light[3] != 0.0f;
+        bool two = params.light[3] != 0.0f;
         uint at = atomic_add(cursor, two ? 2u : 1u);
-        if (at + (two ? 2u : 1u) > capacity) continue;
-        sides[at] = make_side(a, b, c_a, n, a, weight, view);
-        if (two) sides[at + 1] = make_side(b, c_b, c_a, n, a, weight, view);
+        if (at + (two ? 2u : 1u) > params.side_capacity) continue;
+        sides[at] = make_side(a, b, c_a, n, a, weight, params);
+        if (two) sides[at + 1] = make_side(b, c_b, c_a, n, a, weight, params);
     }
 }
 
-// Caps, which z-fail needs: the triangle itself and, for a positional light, its shadow at infinity.
-__kernel void shadow_volumes_caps(VolumeView view, uint triangle_count, ulong first_float,
-                                  __global const float* vertices_all, __global uint* cursor, __global VolumeSide* sides,
-                                  uint capacity) {
-    float3 eye = vector_of(view.eye);
-    uint each = view.light[3] != 0.0f ? 2u : 1u;
-    GN_FOR_EACH(id, triangle_count) {
+// Caps, which z-fail needs: the triangle itself and, for a point light, its shadow at infinity.
+__kernel void shadow_volumes_caps(VolumeParams params, __global const float* vertices_all, __global uint* cursor,
+                                  __global VolumeSide* sides) {
+    float3 eye = vector_of(params.eye);
+    uint each = params.light[3] != 0.0f ? 2u : 1u;
+    GN_FOR_EACH(id, params.triangle_count) {
         Triangle t;
-        if (!casting_triangle(load_triangle(vertices_all + first_float, id), view, &t)) continue;
+        if (!casting_triangle(load_triangle(vertices_all + params.first_float, id), params, &t)) continue;
         float3 a = t.a - eye, b = t.b - eye, c = t.c - eye;
         uint at = atomic_add(cursor, each);
-        if (at + each > capacity) continue;
-        sides[at] = make_side(a, b, c, cross(b - a, c - a), a, 1, view);
+        if (at + each > params.side_capacity) continue;
+        sides[at] = make_side(a, b, c, cross(b - a, c - a), a, 1, params);
         sides[at].cap_of = (uint)id;
         if (each == 1u) continue;
-        float3 u = away_from_light(a, eye, view), v = away_from_light(b, eye, view), w = away_from_light(c, eye, view);
-        sides[at + 1] = make_side(u, v, w, -cross(v - u, w - u), u, 1, view);
+        float3 u = away_from_light(a, eye, params), v = away_from_light(b, eye, params),
+               w = away_from_light(c, eye, params);
+        sides[at + 1] = make_side(u, v, w, -cross(v - u, w - u), u, 1, params);
         sides[at + 1].flags |= VOLUME_AT_INFINITY;
     }
 }
@@ -202,18 +197,18 @@ __kernel void shadow_volumes_caps(VolumeView view, uint triangle_count, ulong fi
 // ---- Tiles ----------------------------------------------------------------------------------------------------------
 
 // Nearest and farthest view depth of each tile's points; (inf, -inf) where there are none.
-__kernel void shadow_volumes_depths(VolumeView view, PointsLayout layout, __global const float* positions,
+__kernel void shadow_volumes_depths(VolumeParams params, PointsLayout layout, __global const float* positions,
                                     __global float2* tile_depths) {
-    float3 eye = vector_of(view.eye);
+    float3 eye = vector_of(params.eye);
     // The view depth of x is forward_unit . x with ray's forward component 1: given by the cross product of the axes.
-    float3 axis = cross(vector_of(view.right), vector_of(view.up));
-    float scale = 1.0f / dot(axis, vector_of(view.forward));
-    GN_FOR_EACH(tile, view.tiles_x * view.tiles_y) {
-        uint x0 = (uint)(tile % view.tiles_x) * VOLUME_TILE, y0 = (uint)(tile / view.tiles_x) * VOLUME_TILE;
+    float3 axis = cross(vector_of(params.right), vector_of(params.up));
+    float scale = 1.0f / dot(axis, vector_of(params.forward));
+    GN_FOR_EACH(tile, params.tiles_x * params.tiles_y) {
+        uint x0 = (uint)(tile % params.tiles_x) * VOLUME_TILE, y0 = (uint)(tile / params.tiles_x) * VOLUME_TILE;
         float2 range = (float2)(INFINITY, -INFINITY);
-        for (uint y = y0; y < min(y0 + VOLUME_TILE, view.height); ++y)
-            for (uint x = x0; x < min(x0 + VOLUME_TILE, view.width); ++x) {
-                float3 p = load_point(positions, layout, (size_t)y * view.width + x);
+        for (uint y = y0; y < min(y0 + VOLUME_TILE, params.height); ++y)
+            for (uint x = x0; x < min(x0 + VOLUME_TILE, params.width); ++x) {
+                float3 p = load_point(positions, layout, (size_t)y * params.width + x);
                 if (!is_present(p)) continue;
                 float depth = dot(axis, p - eye) * scale;
                 range = (float2)(fmin(range.x, depth), fmax(range.y, depth));
@@ -249,8 +244,8 @@ static bool is_eye_outside(__global const VolumeSide* side) { return side->plane
 
 static bool is_at_infinity(__global const VolumeSide* side) { return (side->flags & VOLUME_AT_INFINITY) != 0u; }
 
-// Is the side's plane between the eye and each (WHOLLY), none (MISSED) or some (PARTLY) of a tile's points? Near the
-// plane, where single precision could err, it is PARTLY.
+// Whether the side's plane lies between the eye and each (WHOLLY), none (MISSED) or some (PARTLY) of a tile's points.
+// Near the plane, where single precision could err, the result is PARTLY.
 static int plane_over(__global const VolumeSide* side, float4 rectangle, float2 depths) {
     if (is_at_infinity(side)) return MISSED;
     float2 slope = range_over(side->plane_x, side->plane_y, side->plane_0, rectangle);
@@ -264,41 +259,42 @@ static int plane_over(__global const VolumeSide* side, float4 rectangle, float2 
 
 // What crossing the side adds to the count. z-pass: entered before the point +1, left -1. z-fail: the opposite, beyond;
 // `slope` is n . ray.
-static int crossing_of(VolumeView view, __global const VolumeSide* side, float slope) {
-    if (view.z_fail) return slope < 0.0f ? -side->weight : side->weight;
+static int crossing_of(VolumeParams params, __global const VolumeSide* side, float slope) {
+    if (params.z_fail) return slope < 0.0f ? -side->weight : side->weight;
     return is_eye_outside(side) ? side->weight : -side->weight;
 }
 
-static float4 tile_rectangle(VolumeView view, uint x, uint y, uint side) {
-    return (float4)((float)(x * side) + 0.5f, (float)(y * side) + 0.5f, (float)min((x + 1u) * side, view.width) - 0.5f,
-                    (float)min((y + 1u) * side, view.height) - 0.5f);
+static float4 tile_rectangle(VolumeParams params, uint x, uint y, uint side) {
+    return (float4)((float)(x * side) + 0.5f, (float)(y * side) + 0.5f,
+                    (float)min((x + 1u) * side, params.width) - 0.5f,
+                    (float)min((y + 1u) * side, params.height) - 0.5f);
 }
 
-// One work-item per (side of the slice, block of tiles): settles whole tiles, queues the others.
-__kernel void shadow_volumes_tiles(VolumeView view, uint first_side, uint side_count, __global const VolumeSide* sides,
+// One work-item per (side of the slice, block of tiles): counts whole tiles at once, queues the others.
+__kernel void shadow_volumes_tiles(VolumeParams params, __global const VolumeSide* sides,
                                    __global const float2* tile_depths, __global int* tile_counts, __global uint2* pairs,
                                    __global uint* pair_count, __global VolumeCounters* counters) {
-    uint block_count = view.blocks_x * view.blocks_y;
+    uint block_count = params.blocks_x * params.blocks_y;
     uint whole = 0;
-    GN_FOR_EACH(i, (size_t)side_count * block_count) {
-        uint index = first_side + (uint)(i / block_count), block = (uint)(i % block_count);
+    GN_FOR_EACH(i, (size_t)params.side_count * block_count) {
+        uint index = params.first_side + (uint)(i / block_count), block = (uint)(i % block_count);
         __global const VolumeSide* side = &sides[index];
-        uint block_x = block % view.blocks_x, block_y = block / view.blocks_x;
-        if (cone_over(side, tile_rectangle(view, block_x, block_y, VOLUME_TILE * VOLUME_BLOCK)) == MISSED) continue;
-        for (uint y = block_y * VOLUME_BLOCK; y < min((block_y + 1u) * VOLUME_BLOCK, view.tiles_y); ++y)
-            for (uint x = block_x * VOLUME_BLOCK; x < min((block_x + 1u) * VOLUME_BLOCK, view.tiles_x); ++x) {
-                uint tile = y * view.tiles_x + x;
+        uint block_x = block % params.blocks_x, block_y = block / params.blocks_x;
+        if (cone_over(side, tile_rectangle(params, block_x, block_y, VOLUME_TILE * VOLUME_BLOCK)) == MISSED) continue;
+        for (uint y = block_y * VOLUME_BLOCK; y < min((block_y + 1u) * VOLUME_BLOCK, params.tiles_y); ++y)
+            for (uint x = block_x * VOLUME_BLOCK; x < min((block_x + 1u) * VOLUME_BLOCK, params.tiles_x); ++x) {
+                uint tile = y * params.tiles_x + x;
                 float2 depths = tile_depths[tile];
                 if (!(depths.x <= depths.y)) continue;
-                float4 rectangle = tile_rectangle(view, x, y, VOLUME_TILE);
+                float4 rectangle = tile_rectangle(params, x, y, VOLUME_TILE);
                 int cone = cone_over(side, rectangle);
                 if (cone == MISSED) continue;
                 int before = plane_over(side, rectangle, depths);
-                if (before == (view.z_fail ? WHOLLY : MISSED)) continue;
+                if (before == (params.z_fail ? WHOLLY : MISSED)) continue;
                 float2 slope = range_over(side->plane_x, side->plane_y, side->plane_0, rectangle);
-                bool one_way = view.z_fail == 0u || slope.x >= 0.0f || slope.y < 0.0f;
+                bool one_way = params.z_fail == 0u || slope.x >= 0.0f || slope.y < 0.0f;
                 if (cone == WHOLLY && before != PARTLY && one_way) {
-                    atomic_add(&tile_counts[tile], crossing_of(view, side, slope.x));
+                    atomic_add(&tile_counts[tile], crossing_of(params, side, slope.x));
                     ++whole;
                 } else {
                     pairs[atomic_inc(pair_count)] = (uint2)(index, tile);
@@ -319,24 +315,24 @@ static bool is_in_cone(__global const VolumeSide* side, float x, float y) {
 }
 
 // One work-item per row of a queued tile.
-__kernel void shadow_volumes_pixels(VolumeView view, PointsLayout layout, __global const float* positions,
+__kernel void shadow_volumes_pixels(VolumeParams params, PointsLayout layout, __global const float* positions,
                                     __global const uint* receivers, __global const VolumeSide* sides,
                                     __global const uint2* pairs, __global const uint* pair_count,
                                     __global int* pixel_counts, __global VolumeCounters* counters) {
-    float3 eye = vector_of(view.eye);
-    float3 axis = cross(vector_of(view.right), vector_of(view.up));
-    float scale = 1.0f / dot(axis, vector_of(view.forward));
+    float3 eye = vector_of(params.eye);
+    float3 axis = cross(vector_of(params.right), vector_of(params.up));
+    float scale = 1.0f / dot(axis, vector_of(params.forward));
     uint written = 0;
     GN_FOR_EACH(i, (size_t)*pair_count * VOLUME_TILE) {
         uint2 pair = pairs[i / VOLUME_TILE];
         __global const VolumeSide* side = &sides[pair.x];
-        uint x0 = (pair.y % view.tiles_x) * VOLUME_TILE;
-        uint y = (pair.y / view.tiles_x) * VOLUME_TILE + (uint)(i % VOLUME_TILE);
-        if (y >= view.height) continue;
-        for (uint x = x0; x < min(x0 + VOLUME_TILE, view.width); ++x) {
+        uint x0 = (pair.y % params.tiles_x) * VOLUME_TILE;
+        uint y = (pair.y / params.tiles_x) * VOLUME_TILE + (uint)(i % VOLUME_TILE);
+        if (y >= params.height) continue;
+        for (uint x = x0; x < min(x0 + VOLUME_TILE, params.width); ++x) {
             float pixel_x = (float)x + 0.5f, pixel_y = (float)y + 0.5f;
             if (!is_in_cone(side, pixel_x, pixel_y)) continue;
-            size_t pixel = (size_t)y * view.width + x;
+            size_t pixel = (size_t)y * params.width + x;
             float3 p = load_point(positions, layout, pixel);
             if (!is_present(p)) continue;
             float slope = fma(side->plane_x, pixel_x, fma(side->plane_y, pixel_y, side->plane_0));
@@ -344,8 +340,8 @@ __kernel void shadow_volumes_pixels(VolumeView view, PointsLayout layout, __glob
             bool is_outside = slope * depth > side->plane_start;
             bool is_own_cap = layout.has_receivers && side->cap_of != GN_NO_ID && receivers[pixel] == side->cap_of;
             bool crossed_before = !is_at_infinity(side) && !is_own_cap && is_outside != is_eye_outside(side);
-            if (crossed_before == (view.z_fail != 0u)) continue;
-            atomic_add(&pixel_counts[pixel], crossing_of(view, side, slope));
+            if (crossed_before == (params.z_fail != 0u)) continue;
+            atomic_add(&pixel_counts[pixel], crossing_of(params, side, slope));
             ++written;
         }
     }
@@ -354,20 +350,20 @@ __kernel void shadow_volumes_pixels(VolumeView view, PointsLayout layout, __glob
     if (before + written < before) atomic_inc(&counters->pixels_written_high);
 }
 
-// A point is in shadow if it faces away or lies in a volume. Absent points are lit.
-__kernel void shadow_volumes_resolve(VolumeView view, PointsLayout layout, ulong first_float, uint triangle_count,
-                                     __global const float* positions, __global const uint* receivers,
-                                     __global const float* vertices, __global const int* tile_counts,
-                                     __global const int* pixel_counts, __global const VolumeCounters* counters,
-                                     __global float* visibility) {
+// A point is in shadow if it is backfacing or lies in a volume. Absent points are lit.
+__kernel void shadow_volumes_resolve(VolumeParams params, PointsLayout layout, __global const float* positions,
+                                     __global const uint* receivers, __global const float* vertices,
+                                     __global const int* tile_counts, __global const int* pixel_counts,
+                                     __global const VolumeCounters* counters, __global float* visibility) {
     GN_FOR_EACH(pixel, layout.count) {
         visibility[pixel] = 1.0f;
         if (!is_present(load_point(positions, layout, pixel))) continue;
         int level = DET3_BY_FLOAT;
-        bool has_receiver = layout.has_receivers && receivers[pixel] < triangle_count;
-        uint tile = (uint)(pixel / view.width) / VOLUME_TILE * view.tiles_x + (uint)(pixel % view.width) / VOLUME_TILE;
-        if ((has_receiver && is_backfacing(load_triangle(vertices + first_float, receivers[pixel]), light_of(view),
-                                           vector_of(view.eye), &level)) ||
+        bool has_receiver = layout.has_receivers && receivers[pixel] < params.triangle_count;
+        uint tile =
+            (uint)(pixel / params.width) / VOLUME_TILE * params.tiles_x + (uint)(pixel % params.width) / VOLUME_TILE;
+        if ((has_receiver && is_backfacing(load_triangle(vertices + params.first_float, receivers[pixel]),
+                                           volume_light(params), vector_of(params.eye), &level)) ||
             tile_counts[tile] + pixel_counts[pixel] + (int)counters->eye_inside != 0)
             visibility[pixel] = 0.0f;
     }

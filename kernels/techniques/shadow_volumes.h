@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Contract of the shadow volumes: what a side of a volume is, and how a pixel's ray crosses it.
+// Contract of the shadow volumes: the sides of a volume, and how a pixel's ray crosses them.
 //
 // Everything is relative to the eye. A pixel's ray is  ray(X, Y) = forward + X right + Y up  in pixels, and a shading
 // point is w ray with view depth w. A side is the flat piece {a + s (b - a) + t c : 0 <= s <= 1, t >= 0} behind the
-// edge ab (for a position S the direction c goes from a - S to b - S). Rays through it are the cone of a, b and the
-// directions, so all tests are signs of functions that are linear in (X, Y):
+// edge ab (for a point light at S the direction c goes from a - S to b - S). Rays through it are the cone of a, b and
+// the directions, so all tests are signs of functions that are linear in (X, Y):
 //     inside the cone   det(u, v, ray) for its edges u, v
 //     crossed before P  the eye and P lie on different sides of the side's plane  n . x = n . a:  w (n . ray) - n . a
 // A work-item never divides and nothing is clipped. In float: this technique is not exact.
@@ -13,19 +13,26 @@
 
 #include "prelude.h"
 
-// The view. right and up are a pixel's width and height; ray(0, 0) = forward is the picture's upper left corner.
-GN_STRUCT_BEGIN(VolumeView)
-    float light[4];    // homogeneous: w = 0 minus the direction of travel, w = 1 the position
-    float eye[4];      // world; [3] unused
-    float right[4];    // world, [3] unused
-    float up[4];       // world, points down the picture; [3] unused
-    float forward[4];  // world, [3] unused
+// The view and what a launch works on. right and up are a pixel's width and height; ray(0, 0) = forward is the
+// picture's upper left corner.
+GN_STRUCT_BEGIN(VolumeParams)
+    ulong first_float;  // where the triangles begin in their buffer
+    uint triangle_count;
+    uint slot_count;              // of the hash table of edges: a power of two
+    uint side_capacity;           // of the buffer of sides
+    uint first_side, side_count;  // of the slice of sides that a launch draws
+    uint cancels;                 // 1: sides that neighbouring triangles share cancel
+    float light[4];               // homogeneous: w = 0 minus the direction of travel, w = 1 the position
+    float eye[4];                 // world; [3] unused
+    float right[4];               // world, [3] unused
+    float up[4];                  // world, points down the picture; [3] unused
+    float forward[4];             // world, [3] unused
     uint width, height;
     uint tiles_x, tiles_y;    // of TILE x TILE pixels
     uint blocks_x, blocks_y;  // of BLOCK x BLOCK tiles
     uint both_faces;          // 1: every triangle casts; 0: those whose winding faces the light
     uint z_fail;              // 1: crossings behind the point are counted, caps too; 0: those before it
-GN_STRUCT_END(VolumeView, 112)
+GN_STRUCT_END(VolumeParams, 144)
 
 // One triangle of rays: a volume's side, a half of one, or a cap.
 GN_STRUCT_BEGIN(VolumeSide)
@@ -36,16 +43,16 @@ GN_STRUCT_BEGIN(VolumeSide)
     float edge_0[3];
     float plane_0;      // n . forward
     float plane_start;  // n . a
-    int weight;         // volumes whose side this is, + where n points out of them; 0: nothing to draw
-    uint cap_of;        // a cap's triangle: points on that one lie before it, whatever rounding says; else GN_NO_ID
+    int weight;         // number of volumes with this side, + where n points out of them; 0: nothing to draw
+    uint cap_of;        // a cap's triangle: points on it always lie before it, whatever the rounding; else GN_NO_ID
     uint flags;         // bit i < 3: a ray exactly on edge i belongs to this side and not to its neighbour; AT_INFINITY
 GN_STRUCT_END(VolumeSide, 64)
 
 GN_STRUCT_BEGIN(VolumeCounters)
     uint casting;             // triangles that cast
-    uint edges;               // of those, none of length 0
-    uint eye_inside;          // volumes that hold the eye (z-pass starts there)
-    uint tiles_whole;         // (side, tile) pairs settled by one addition for all pixels
+    uint edges;               // of casting triangles, without those of length 0
+    uint eye_inside;          // volumes that contain the eye (z-pass starts there)
+    uint tiles_whole;         // (side, tile) pairs that one addition counted for all pixels
     uint pixels_written_low;  // additions to single pixels: 64 bits in two words
     uint pixels_written_high;
     uint padding[2];

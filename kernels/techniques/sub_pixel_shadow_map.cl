@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Sub-pixel shadow map: the nearest triangle of each texel, and points against the triangles near them.
 //
-// Bins are texels here (bin_log2 is 0), so that bin_test.h rasterizes conservatively: a triangle is left out of a texel
-// only where it certainly misses it.
+// Bins are texels here (bin_log2 is 0), so that bin_test.clh rasterizes conservatively: a texel leaves a triangle out
+// only if the triangle certainly misses it.
 #include "techniques/sub_pixel_shadow_map.h"
 
 #include "exact/blocks.clh"
@@ -17,21 +17,21 @@
 #define TILE_ITEMS 8u
 #endif
 
-// How near to the light the triangle comes in a texel, as a key: its plane's highest corner, or its highest vertex. A
-// height that floats cannot tell must not hide one that they can, so it counts as the farthest.
+// The triangle's greatest height in a texel, towards the light, as a key: its plane's highest corner, or its highest
+// vertex. A height that floats cannot represent counts as the farthest, so that it hides no other.
 static uint height_key(const TriangleRecord* record, float4 square) {
     float plane = highest_at_corners(record->plane_x, record->plane_y, record->plane_0, square) + record->margin_plane;
     float height = fmin(plane, record->z_high);
     return float_to_key(height < INFINITY ? height : -INFINITY);
 }
 
-// Run twice. First the nearest height of each texel is found; then (`stores_ids`) of the triangles at that height the
-// one with the lowest id, so that the order of work does not matter. Cleared before: heights 0, ids GN_NO_ID.
-__kernel void sub_pixel_draw(__constant const Projection* projection, uint tile_capacity, uint stores_ids,
+// Runs twice. The first run finds the nearest height of each texel, the second (stores_ids) the lowest id among the
+// triangles at that height, so that the order of work does not change the map. Cleared before: heights 0, ids GN_NO_ID.
+__kernel void sub_pixel_draw(SubPixelParams params, __constant const Projection* projection,
                              __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                              __global const uint2* tiles, __global const FrameCounters* frame_counters,
                              __global uint* heights, __global uint* ids, __global SubPixelCounters* counters) {
-    uint tile_count = min(frame_counters->tiles, tile_capacity), texels = 0;
+    uint tile_count = min(frame_counters->tiles, params.tile_capacity), texels = 0;
     GN_FOR_EACH(i, tile_count * TILE_ITEMS) {
         uint2 tile = tiles[i / TILE_ITEMS];
         if (tile.x == GN_NO_ID) continue;
@@ -43,7 +43,7 @@ __kernel void sub_pixel_draw(__constant const Projection* projection, uint tile_
             if (!survives_cull(&record, projection, texel, 0u, heights)) continue;
             uint at = texel.y * projection->width + texel.x;
             uint key = height_key(&record, square_of_bins(texel, projection));
-            if (!stores_ids)
+            if (!params.stores_ids)
                 atomic_max(&heights[at], key);
             else if (heights[at] == key && atomic_min(&ids[at], bounds[tile.x].id) == GN_NO_ID)
                 ++texels;
@@ -52,43 +52,46 @@ __kernel void sub_pixel_draw(__constant const Projection* projection, uint tile_
     if (texels != 0) atomic_add(&counters->texels, texels);
 }
 
-// Does a stored triangle block the point? Asks the texels at most `reach` away from (x, y), as far as there are any.
+// Whether a stored triangle blocks the point: those of the map's texels at most `reach` away from (x, y).
 static bool is_blocked(float3 point, uint receiver, int x, int y, int reach, __constant const Projection* projection,
                        float4 light, __global const float* vertices, __global const uint* ids) {
     int last_x = min(x + reach, (int)projection->width - 1), last_y = min(y + reach, (int)projection->height - 1);
-    uint asked = GN_NO_ID;  // neighbours mostly hold the same triangle
+    uint tested = GN_NO_ID;  // neighbours mostly store the same triangle
     for (int v = max(y - reach, 0); v <= last_y; ++v)
         for (int u = max(x - reach, 0); u <= last_x; ++u) {
             uint id = ids[(uint)v * projection->width + (uint)u];
-            if (id == GN_NO_ID || id == receiver || id == asked) continue;
+            if (id == GN_NO_ID || id == receiver || id == tested) continue;
             int level = DET3_BY_FLOAT;
             if (blocks(load_triangle(vertices, id), point, light, &level)) return true;
-            asked = id;
+            tested = id;
         }
     return false;
 }
 
 // Decides the open points of one frame.
-__kernel void sub_pixel_lookup(LightFrame light_frame, uint frame, PointsLayout layout,
-                               __constant const Projection* projection, uint reach, ulong first_float,
+__kernel void sub_pixel_lookup(SubPixelParams params, __constant const Projection* projection,
                                __global const float* positions, __global const uint* receivers,
                                __global const float* vertices, __global const uint* ids, __global float* visibility,
                                __global SubPixelCounters* counters) {
+    LightFrame light_frame = params.light_frame;
+    PointsLayout layout = params.layout;
     float4 light = light_of(light_frame);
     uint in_shadow = 0;
     GN_FOR_EACH(block, block_count(layout)) {
         LaneFloat state = load_lanes(visibility, layout, block);
         if (!LANES_ANY(open_lanes(state))) continue;
         PointBlock points = load_block(positions, layout, block);
-        LaneInt lanes = open_lanes(state) & LANE_COMPARE(frames_of(light_frame, points), ==, (LaneInt)((int)frame));
-        PointBlock places = project_points(projection, points);
-        LaneInt x = texel_indices(places.x, projection->width), y = texel_indices(places.y, projection->height);
+        LaneInt lanes =
+            open_lanes(state) & LANE_COMPARE(frames_of(light_frame, points), ==, (LaneInt)((int)params.frame));
+        PointBlock grid_positions = project_points(projection, points);
+        LaneInt x = texel_indices(grid_positions.x, projection->width),
+                y = texel_indices(grid_positions.y, projection->height);
         LaneInt blocked = (LaneInt)(0);
         for (int lane = 0; lane < GN_LANES; ++lane) {
             if (!LANE_OF_INT(lanes, lane)) continue;
             uint receiver = layout.has_receivers ? receivers[point_of_lane(layout, block, lane)] : GN_NO_ID;
-            if (is_blocked(lane_point(points, lane), receiver, LANE_OF_INT(x, lane), LANE_OF_INT(y, lane), (int)reach,
-                           projection, light, vertices + first_float, ids))
+            if (is_blocked(lane_point(points, lane), receiver, LANE_OF_INT(x, lane), LANE_OF_INT(y, lane),
+                           (int)params.reach, projection, light, vertices + params.first_float, ids))
                 LANE_OF_INT(blocked, lane) = -1;
         }
         in_shadow += count_lanes(blocked);

@@ -7,7 +7,7 @@
 #include "api/vectors.hpp"
 #include "device.hpp"
 #include "light_scene.hpp"
-#include "techniques/shadow_map/projection.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
 
 namespace support {
 
@@ -84,7 +84,7 @@ inline Fitted fit(Scene& scene, const gnomon::Light& light, const Settings& sett
             map_views.set};
 }
 
-struct Place {
+struct SceneBox {
     double u, v, depth, w;
 };
 
@@ -92,7 +92,7 @@ inline double apply(const float* row, const Double3& q) {
     return row[0] * q[0] + row[1] * q[1] + row[2] * q[2] + row[3];
 }
 
-inline Place place(const MapView& view, const Double3& p) {
+inline SceneBox place(const MapView& view, const Double3& p) {
     const Double3 q{p[0] - view.origin[0], p[1] - view.origin[1], p[2] - view.origin[2]};
     const double w = apply(view.row_w, q);
     return {apply(view.row_u, q) / w, apply(view.row_v, q) / w, apply(view.row_depth, q), w};
@@ -105,6 +105,6 @@ inline double slope(const MapView& view, const float* row, double value, const D
     return std::sqrt(gnomon::dot(gradient, gradient)) / std::fabs(place(view, p).w);
 }
 
-inline bool is_inside(const Place& at) { return at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1; }
+inline bool is_inside(const SceneBox& at) { return at.u >= 0 && at.u <= 1 && at.v >= 0 && at.v <= 1; }
 
 }  // namespace support

@@ -69,7 +69,7 @@ inline ViewCase projective_view(std::uint32_t width, std::uint32_t height, float
 }
 
 /// A light at the origin that looks along +z with a right angle: u = (x / z + 1) / 2, depth = z.
-inline ViewCase positional_view(std::uint32_t width, std::uint32_t height) {
+inline ViewCase perspective_view(std::uint32_t width, std::uint32_t height) {
     ViewCase c{"positional", bare_view(width, height), {}, {}};
     set_row(c.view.row_u, {0.5f, 0, 0.5f, 0});
     set_row(c.view.row_v, {0, 0.5f, 0.5f, 0});
@@ -102,7 +102,7 @@ inline ViewCase rectilinear_view(std::uint32_t width, std::uint32_t height) {
 
 inline std::vector<ViewCase> view_cases(std::uint32_t width, std::uint32_t height) {
     return {straight_view(width, height),   projective_view(width, height, 1), projective_view(width, height, -1),
-            positional_view(width, height), logarithmic_view(width, height),   rectilinear_view(width, height)};
+            perspective_view(width, height), logarithmic_view(width, height),   rectilinear_view(width, height)};
 }
 
 /// The views of all cases in one map, one after the other.

@@ -105,7 +105,7 @@ TEST_F(ShadowVolumes, CancellationChangesNoPixelAndSavesMost) {
         const Answer without = run(scene, light, "shadow-volumes", {{"cancel", "off"}});
         EXPECT_EQ(with.visibility, without.visibility);
         // Of a closed sphere of 320 triangles only the silhouette is left. Every edge is in two triangles.
-        const std::uint64_t halves = light.is_directional() ? 1 : 2;  // a positional light's side is drawn in two
+        const std::uint64_t halves = light.is_directional() ? 1 : 2;  // a point light's side is drawn in two
         EXPECT_EQ(without.count("sides"), without.count("edges") * halves);
         EXPECT_LT(with.count("sides") * 5, without.count("sides"));
         EXPECT_LT(with.count("pixels_written") * 3, without.count("pixels_written"));

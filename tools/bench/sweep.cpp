@@ -19,10 +19,10 @@ struct Sweep {
 std::vector<Sweep> sweeps() {
     return {
         {"frustum-traced", {{"conservative-map", {"on", "off"}}}},
-        // The basic map (survey, slides 13-21): no bias at all, a constant one, and the default, scaled by the slope.
+        // The basic map (Williams 1978): no bias at all, a constant one, and the default, scaled by the slope.
         {"shadow-map", {{"size", {"512", "1024", "4096", "8192"}}}},
         {"shadow-map", {{"constant-bias", {"0", "0.001"}}, {"slope-bias", {"0"}}, {"size", {"512", "2048", "8192"}}}},
-        // The 12-tap soft map (document 004).
+        // The 12-tap soft map.
         {"gaussian-12-tap", {{"size", {"512", "1024", "4096", "8192"}}}},
         {"pcf", {{"size", {"512", "4096"}}}},
         {"msm64", {{"size", {"512", "4096"}}}},

@@ -6,7 +6,7 @@ namespace {
 
 constexpr const char* file = "techniques/shadow_map/depth_pass.cl";
 
-// A little more than the texels: the last are read in groups of lanes.
+// A little more than the texels: kernels read the last ones in blocks of lanes.
 void clear(cl::Session& session, const MapSet& set, cl::Buffer& keys, std::uint32_t word) {
     keys.reserve(session, (std::size_t(set.texels) + session.lanes()) * sizeof(cl_uint));
     session.launch(file, "depth_pass_clear", cl::Range::items(set.texels), set, cl_uint(word), keys);
@@ -18,18 +18,16 @@ void DepthMap::draw(cl::Session& session, const TriangleInputs& triangles, const
                     cl::Buffer& output) {
     if (triangles.count == 0) return;
     chunk_count_.reserve(session, sizeof(cl_uint));
-    for (cl_uint view = 0; view < map_views.set.view_count; ++view) {
+    for (pass.view_index = 0; pass.view_index < map_views.set.view_count; ++pass.view_index) {
         // A minimum stays one when triangles are drawn twice: after growing, the view is drawn again.
         for (bool fitted = false; !fitted;) {
             chunks_.reserve(session, std::size_t(chunk_capacity_) * 2 * sizeof(cl_uint));
             pass.chunk_capacity = chunk_capacity_;
             session.fill(chunk_count_, 0, sizeof(cl_uint));
-            session.launch(file, "depth_pass_small", cl::Range::items(triangles.count), pass, map_views.set, view,
-                           triangles.first_float, triangles.vertices, map_views.views, map_views.tables, keys_, output,
-                           chunk_count_, chunks_);
-            session.launch(file, "depth_pass_large", session.small_groups(), pass, map_views.set, view,
-                           triangles.first_float, triangles.vertices, map_views.views, map_views.tables, keys_, output,
-                           chunk_count_, chunks_);
+            session.launch(file, "depth_pass_small", cl::Range::items(triangles.count), pass, triangles.vertices,
+                           map_views.views, map_views.tables, keys_, output, chunk_count_, chunks_);
+            session.launch(file, "depth_pass_large", session.small_groups(), pass, triangles.vertices, map_views.views,
+                           map_views.tables, keys_, output, chunk_count_, chunks_);
             std::uint32_t wanted = 0;
             session.read(chunk_count_.get(), &wanted, sizeof(wanted));
             fitted = wanted <= chunk_capacity_;
@@ -41,6 +39,7 @@ void DepthMap::draw(cl::Session& session, const TriangleInputs& triangles, const
 void DepthMap::run(cl::Session& session, const TriangleInputs& triangles, const MapViews& map_views,
                    const DepthBias& bias, bool with_slopes) {
     DepthPass pass{};
+    pass.first_float = triangles.first_float;
     pass.triangle_count = triangles.count;
     pass.slope_bias = bias.slope;
     pass.slope_limit = bias.slope_limit;

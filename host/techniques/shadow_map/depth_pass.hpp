@@ -9,7 +9,7 @@ namespace gnomon {
 
 /// Bias that is built into the map. All in units of depth, 0 to 1 over the receivers.
 struct DepthBias {
-    float slope = 0;        ///< times the steeper of the two depth slopes per texel (survey slide 21)
+    float slope = 0;        ///< times the steeper of the two depth slopes per texel
     float slope_limit = 1;  ///< most that the slope adds
     float dual_limit = 0;   ///< more than 0: half-way to the second layer, at most this (Weiskopf and Ertl 2003)
 };

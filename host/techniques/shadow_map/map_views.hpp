@@ -4,8 +4,8 @@
 #pragma once
 
 #include "api/inputs.hpp"
-#include "kernels/techniques/shadow_map/footprint.h"
 #include "kernels/techniques/shadow_map/map_view.h"
+#include "kernels/techniques/shadow_map/texel_footprint.h"
 
 namespace gnomon {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage lamp perspective: warps the faces of a lamp's cube along the view
+// Stage point_light_perspective: warps the faces of a point light's cube along the view
 // (kernels/techniques/shadow_map/point_light_perspective.h).
 #pragma once
 
@@ -11,7 +11,7 @@ namespace gnomon {
 class PointLightPerspective {
 public:
     /// Gives `planned` (after its entries that are no views: the plain faces) the warp of least error over the open
-    /// points. `bounds` holds what the faces' points range over, and is empty again for the faces afterwards.
+    /// points. `bounds` contains the faces' bounds of the points; afterwards those of the faces are empty again.
     void run(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, const cl::Buffer& planned,
              const cl::Buffer& bounds);
 

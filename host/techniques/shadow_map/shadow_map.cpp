@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The pipeline of shadow maps:
 //
-//   facing      points that face away are decided
-//   fit         projection x partition: views fitted to the others
+//   facing      decides backfacing points
+//   fit         projection x partition: views fitted to the other points
 //   depth_pass  the nearest caster per texel
 //   moments     the stored quantity, where it is more than depth
 //   prefilter   its means over neighbourhoods
@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 
+#include "api/statistics.hpp"
 #include "kernels/simd/frame_counters.h"
 #include "receivers/facing.hpp"
 #include "techniques/shadow_map/diagnostic.hpp"
@@ -59,7 +60,7 @@ const SettingsTable<ShadowMapSettings>& settings_table() {
         {{"constant-bias", "0.0001",
           "subtracted from the receiver's depth, 0 to 1; 1 is the map's depth range: the receivers' (pcss: to the "
           "casters)"},
-         setting::number(&S::constant_bias, 0, 1)},
+         setting::number(&S::receiver_bias, 0, 1)},
         {{"slope-bias", "1.5", "of bias scaled: times the caster's depth per texel, 0 to 100"},
          setting::number(&S::slope_bias, 0, 100)},
         {{"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}, setting::number(&S::slope_limit, 0, 1)},
@@ -78,7 +79,7 @@ const SettingsTable<ShadowMapSettings>& settings_table() {
         {{"moment-bias", "auto",
           "of moments: share of a constant mixed in, 0 to 1; of the others: least deviation of depth; auto: the "
           "store's"},
-         setting::number_or_auto(&S::moment_bias, 0, 1)},
+         setting::number_or_auto(&S::set_moment_bias, 0, 1)},
         {{"bits", "128", "of store moments: 64 or 128 bits of memory per texel"},
          setting::choice(&S::all_bits, bits_names)},
         {{"edges-only", "off", "of store variance: on filters only where the four texels around a point disagree"},
@@ -88,7 +89,7 @@ const SettingsTable<ShadowMapSettings>& settings_table() {
 }
 
 // Twelve points distributed like a Gaussian of deviation 1: radii at the middles of twelve equal shares of its
-// probability, angles turned by the golden one. (Document 004 does not give its values.)
+// probability, angles turned by the golden one.
 std::array<float, 24> gaussian_offsets() {
     std::array<float, 24> offsets{};
     for (int i = 0; i < 12; ++i) {
@@ -133,52 +134,33 @@ void ShadowMap::require_consistent() const {
 
 StorePlan ShadowMap::store_plan() const {
     const ShadowMapSettings& s = settings_;
-    StorePlan plan{};
-    plan.store = s.store;
-    plan.layers = s.layers;
-    plan.terms = s.terms;
-    plan.exponent = s.exponent;
-    plan.negative_exponent = s.negative_exponent;
-    plan.receiver_bias = s.constant_bias;
-    plan.bleeding = s.bleeding;
+    StorePlan plan = s;
     plan.half_bits = !s.all_bits && s.store == STORE_MOMENTS;
     plan.edges_only = s.edges_only && s.store == STORE_VARIANCE;
     // Peters and Klein 2015 for moments; the others: what rounding of their squares needs.
     const float own_bias = s.store != STORE_MOMENTS ? (s.store <= STORE_LAYERED ? 1e-3f : 1e-4f)
                            : s.all_bits             ? 3e-7f
                                                     : 3e-5f;
-    plan.moment_bias = s.moment_bias.value_or(own_bias);
-    switch (s.store) {
-        case STORE_LAYERED:
-            plan.planes = 2 * s.layers;
-            break;
-        case STORE_CONVOLUTION:
-            plan.planes = 2 * s.terms;
-            break;
-        case STORE_EXPONENTIAL:
-            plan.planes = 1;
-            break;
-        case STORE_EVSM4:
-        case STORE_MOMENTS:
-            plan.planes = 4;
-            break;
-        default:
-            plan.planes = 2;
-            break;
-    }
+    plan.moment_bias = s.set_moment_bias.value_or(own_bias);
+    plan.planes = s.store == STORE_LAYERED                             ? 2 * s.layers
+                  : s.store == STORE_CONVOLUTION                       ? 2 * s.terms
+                  : s.store == STORE_EXPONENTIAL                       ? 1
+                  : s.store == STORE_EVSM4 || s.store == STORE_MOMENTS ? 4
+                                                                       : 2;
     return plan;
 }
 
 LookupPlan ShadowMap::lookup_plan(const TriangleInputs& triangles) const {
-    LookupPlan plan{};
-    plan.lookup = settings_.lookup;
-    plan.taps = settings_.taps;
-    plan.adaptive = settings_.bias == ShadowMapSettings::Bias::adaptive;
-    plan.receiver_bias = settings_.constant_bias;
-    plan.softness = settings_.softness;
-    plan.light_size = settings_.light_size;
-    plan.triangle_count = triangles.count;
-    return plan;
+    const ShadowMapSettings& s = settings_;
+    return {.first_float = triangles.first_float,
+            .lookup = s.lookup,
+            .taps = s.taps,
+            .adaptive = s.bias == ShadowMapSettings::Bias::adaptive,
+            .receiver_bias = s.receiver_bias,
+            .softness = s.softness,
+            .light_size = s.light_size,
+            .triangle_count = triangles.count,
+            .padding = 0};
 }
 
 void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
@@ -205,9 +187,9 @@ void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
         session.write(offsets_.get(), offsets.data(), sizeof(offsets));
         session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup",
                        cl::Range::items(inputs.points.layout.count), lookup_plan(inputs.triangles), map_views_.set,
-                       inputs.points.layout, inputs.triangles.first_float, inputs.points.positions,
-                       inputs.points.receivers, inputs.triangles.vertices, map_views_.views, map_views_.tables,
-                       depths_.keys(), offsets_, inputs.visibility);
+                       inputs.points.layout, inputs.points.positions, inputs.points.receivers,
+                       inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), offsets_,
+                       inputs.visibility);
         return;
     }
     StorePlan plan = store_plan();
@@ -215,7 +197,7 @@ void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
         cl::StageTimer timer(session, statistics, "moments");
         stored_.fill(session, map_views_, depths_, plan);
     }
-    // A footprint is a pixel's: without a camera or receivers there is none.
+    // Pixel footprints need a camera and receivers.
     const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
     const bool lacks_footprints = s.prefilter == Prefilter::mip && !has_footprints;
     {
@@ -225,44 +207,43 @@ void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
     if (lacks_footprints) statistics.stages.back().skipped = "mip needs points of a camera: looked up unfiltered";
     if (s.prefilter == Prefilter::none) statistics.stages.back().skipped = "switched off";
     cl::StageTimer timer(session, statistics, "lookup");
-    session.launch(
-        "techniques/shadow_map/moment_lookup.cl", "moment_lookup", cl::Range::items(inputs.points.layout.count), plan,
-        inputs.camera ? pixel_steps(*inputs.camera) : PixelSteps{}, map_views_.set, inputs.points.layout,
-        inputs.triangles.first_float, inputs.triangles.count, inputs.points.positions, inputs.points.receivers,
-        inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), stored_.planes(),
-        plan.mips != 0 ? stored_.mips() : stored_.planes(), inputs.visibility);
+    MomentLookupPlan lookup{};
+    lookup.first_float = inputs.triangles.first_float;
+    lookup.triangle_count = inputs.triangles.count;
+    lookup.store = plan;
+    if (inputs.camera) lookup.steps = pixel_steps(*inputs.camera);
+    session.launch("techniques/shadow_map/moment_lookup.cl", "moment_lookup",
+                   cl::Range::items(inputs.points.layout.count), lookup, map_views_.set, inputs.points.layout,
+                   inputs.points.positions, inputs.points.receivers, inputs.triangles.vertices, map_views_.views,
+                   map_views_.tables, depths_.keys(), stored_.planes(),
+                   plan.mips != 0 ? stored_.mips() : stored_.planes(), inputs.visibility);
 }
 
 Statistics ShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
                           const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
     require_consistent();
-    const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
+    MeasuredRun measured(session, kept_bytes_);
     FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
-    inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // it measures how far they are
-    Statistics statistics;
+    inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // the lookup measures the distance to casters
     map_views_.set = {};
     const FrameCounters facing =
-        run_facing(session, statistics, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
+        run_facing(session, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
     if (points.count() != 0) {
         if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
-            run_stages(inputs, statistics);
+            run_stages(inputs, measured.stages);
         else
-            statistics.stages.push_back({"depth_pass", 0, 0, "no point faces the light, or there are no triangles"});
+            measured.stages.stages.push_back(
+                {"depth_pass", 0, 0, "no point faces the light, or there are no triangles"});
     }
-    statistics.counts = {{"points", points.count()},
-                         {"points_absent", facing.absent},
-                         {"points_facing_away", facing.facing_away},
-                         {"triangles", triangles.count()},
-                         {"map_views", map_views_.set.view_count},
-                         {"map_texels", map_views_.set.texels}};
     session.finish();
-    statistics.device_memory_bytes = memory.peak_bytes();
-    statistics.total_wall_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    return statistics;
+    return measured.finish({{"points", points.count()},
+                            {"points_absent", facing.absent},
+                            {"points_facing_away", facing.facing_away},
+                            {"triangles", triangles.count()},
+                            {"map_views", map_views_.set.view_count},
+                            {"map_texels", map_views_.set.texels}});
 }
 
 std::vector<std::uint8_t> ShadowMap::diagnose(std::string_view name, const Triangles& triangles, const Points& points,

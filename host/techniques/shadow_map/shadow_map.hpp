@@ -4,25 +4,22 @@
 #pragma once
 
 #include "kernels/techniques/shadow_map/lookup.h"
-#include "techniques/shadow_map/projection.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
 #include "techniques/shadow_map/stored_map.hpp"
 
 namespace gnomon {
 
-/// What is set of a shadow map beside its fit. Depths are in units of the map's depth: 0 to 1 over the receivers.
-struct ShadowMapSettings {
+/// The settings of a shadow map beside its fit. Depths are in units of the map's depth: 0 to 1 over the receivers.
+struct ShadowMapSettings : StorePlan {
     enum class Bias : std::uint32_t { scaled, adaptive, dual };
 
-    std::uint32_t size, store;
+    std::uint32_t size, filter_width, lookup, taps;
     Prefilter prefilter;
-    std::uint32_t filter_width, lookup, taps;
     float softness, light_size;
     Bias bias;
-    float constant_bias, slope_bias, slope_limit, dual_limit;
-    std::uint32_t layers, terms;
-    float exponent, negative_exponent, bleeding;
-    std::optional<float> moment_bias;  ///< none: the store's own
-    bool all_bits, edges_only;
+    float slope_bias, slope_limit, dual_limit;
+    std::optional<float> set_moment_bias;  ///< none: the store's own
+    bool all_bits;
 };
 
 class ShadowMap final : public Technique {

@@ -55,10 +55,10 @@ void StoredMap::prefilter(cl::Session& session, const MapViews& map_views, Prefi
         const std::vector<float> weights = gaussian_weights(width);
         weights_.reserve(session, weights.size() * sizeof(float));
         session.write(weights_.get(), weights.data(), weights.size() * sizeof(float));
-        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), plan, set, width, cl_uint(0),
-                       weights_, map_views.views, planes_, scratch_);
-        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), plan, set, width, cl_uint(1),
-                       weights_, map_views.views, scratch_, planes_);
+        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), plan, set,
+                       GaussianPass{width, 0}, weights_, map_views.views, planes_, scratch_);
+        session.launch(prefilter_file, "prefilter_gaussian", cl::Range::items(numbers), plan, set,
+                       GaussianPass{width, 1}, weights_, map_views.views, scratch_, planes_);
         return;
     }
     // Sums of a box stay below 2^32: as many bits as its number of texels leaves.

@@ -12,8 +12,9 @@ enum class Prefilter { none, gaussian, summed_area, mip };
 
 class StoredMap {
 public:
-    /// Fills planes() from the depths. `plan.summed` and what goes with it are set here.
+    /// Fills planes() from the depths.
     void fill(cl::Session& session, const MapViews& map_views, const DepthMap& depths, const StorePlan& plan);
+    /// Sets `plan.summed`, or `plan.mips`, and the members that belong to it.
     void prefilter(cl::Session& session, const MapViews& map_views, Prefilter prefilter, std::uint32_t width,
                    StorePlan& plan);
     const cl::Buffer& planes() const { return planes_; }

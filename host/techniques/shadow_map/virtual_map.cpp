@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The pipeline of virtual shadow maps:
 //
-//   facing   points that face away are decided
-//   fit      views fitted to the others, as shadow-map's
-//   request  each point asks for the page under it, at its pixel's level
-//   pages    a prefix sum gives every requested page its place
+//   facing   decides backfacing points
+//   fit      views fitted to the other points, as shadow-map's
+//   request  each point requests the page under it, at its pixel's level
+//   pages    a prefix sum gives every requested page its slot
 //   draw     the nearest caster per texel of these pages
 //   lookup   visibility of the points that face the light
 //
@@ -15,6 +15,7 @@
 #include <bit>
 #include <cmath>
 
+#include "api/statistics.hpp"
 #include "kernels/simd/frame_counters.h"
 #include "receivers/facing.hpp"
 #include "techniques/shadow_map/diagnostic.hpp"
@@ -24,7 +25,7 @@ namespace {
 
 constexpr const char* file = "techniques/shadow_map/virtual_map.cl";
 
-// From one page on, each the double of the one before.
+// The least is one page; each is the double of the one before.
 constexpr std::string_view sizes[] = {"128", "256", "512", "1024", "2048", "4096", "8192", "16384"};
 
 // Texels are counted in 32 bits.
@@ -69,11 +70,11 @@ void VirtualShadowMap::request(LightRun& run, const VirtualPlan& plan) {
     cl::Session& session = device_.session();
     const MapViews& views = light_views_[run.index];
     const PointInputs& points = run.inputs.points;
-    session.launch(file, "virtual_map_levels", cl::Range::items(views.set.view_count * plan.levels), plan,
-                   run.first_view, views.set.view_count, views.views, level_views_.views);
-    session.launch(file, "virtual_map_request", cl::Range::items(points.layout.count), plan, run.first_view,
-                   first_point(run), views.set, points.layout, points.positions, run.inputs.visibility, views.views,
-                   views.tables, requested_, point_entries_, counters_);
+    session.launch(file, "virtual_map_levels", cl::Range::items(views.set.view_count * plan.levels), plan, run.light,
+                   views.views, level_views_.views);
+    session.launch(file, "virtual_map_request", cl::Range::items(points.layout.count), plan, run.light, views.set,
+                   points.layout, points.positions, run.inputs.visibility, views.views, views.tables, requested_,
+                   point_entries_, counters_);
     const VirtualCounters before = counted_;
     session.read(counters_.get(), &counted_, sizeof(counted_));
     run.outside = counted_.points_outside - before.points_outside;
@@ -87,13 +88,13 @@ void VirtualShadowMap::allocate(const VirtualPlan& plan) {
     scan_.run(session, entries, 1, requested_, page_of_);
     const cl_uint pages = counted_.pages_requested;
     if (pages > most_pages)
-        throw InvalidArgument("the points ask for " + std::to_string(pages) + " pages of a virtual map of size " +
+        throw InvalidArgument("the points request " + std::to_string(pages) + " pages of a virtual map of size " +
                               std::to_string(settings_.size) + ", and there can be " + std::to_string(most_pages) +
                               ": set a smaller size or detail");
     pages_.reserve(session, pages * sizeof(MapView));
     touched_.reserve(session, pages * sizeof(cl_uint));
     session.fill(touched_, 0, pages * sizeof(cl_uint));
-    // A little more than the texels: the last are read in groups of lanes.
+    // A little more than the texels: kernels read the last ones in blocks of lanes.
     const std::size_t bytes = (std::size_t(pages) * PAGE_TEXELS + session.lanes()) * sizeof(cl_uint);
     keys_.reserve(session, bytes);
     session.fill(keys_, EMPTY_KEY, bytes);
@@ -105,6 +106,7 @@ void VirtualShadowMap::draw(const TriangleInputs& triangles, const VirtualPlan& 
     cl::Session& session = device_.session();
     DepthPass pass{};
     pass.pass = PASS_NEAREST;
+    pass.first_float = triangles.first_float;
     pass.triangle_count = triangles.count;
     pass.slope_bias = settings_.slope_bias;
     pass.slope_limit = settings_.slope_limit;
@@ -112,11 +114,11 @@ void VirtualShadowMap::draw(const TriangleInputs& triangles, const VirtualPlan& 
     for (;;) {
         pairs_.reserve(session, std::size_t(pair_capacity_) * 2 * sizeof(cl_uint));
         pass.chunk_capacity = pair_capacity_;
-        session.launch(file, "virtual_map_small", cl::Range::items(triangles.count), plan, pass, triangles.first_float,
-                       triangles.vertices, level_views_.views, level_views_.tables, requested_, page_of_, pages_,
-                       touched_, keys_, counters_, pairs_);
-        session.launch(file, "virtual_map_large", session.small_groups(), plan, pass, triangles.first_float,
-                       triangles.vertices, level_views_.tables, page_of_, pages_, keys_, counters_, pairs_);
+        session.launch(file, "virtual_map_small", cl::Range::items(triangles.count), plan, pass, triangles.vertices,
+                       level_views_.views, level_views_.tables, requested_, page_of_, pages_, touched_, keys_,
+                       counters_, pairs_);
+        session.launch(file, "virtual_map_large", session.small_groups(), plan, pass, triangles.vertices,
+                       level_views_.tables, page_of_, pages_, keys_, counters_, pairs_);
         session.read(counters_.get(), &counted_, sizeof(counted_));
         if (counted_.pairs <= pair_capacity_) return;
         pair_capacity_ = counted_.pairs + counted_.pairs / 4;
@@ -132,18 +134,16 @@ std::uint64_t VirtualShadowMap::pages_drawn(std::uint64_t first, std::uint64_t c
     return std::uint64_t(std::count(touched.begin() + std::ptrdiff_t(first), touched.end(), 1u));
 }
 
-cl_ulong VirtualShadowMap::first_point(const LightRun& run) {
-    return cl_ulong(run.index) * run.inputs.points.layout.count;
-}
-
 void VirtualShadowMap::run_stages(std::vector<LightRun*>& runs) {
     cl::Session& session = device_.session();
     cl_uint view_count = 0;
     for (LightRun* run : runs) {
         cl::StageTimer timer(session, run->statistics, "fit");
         fit_.run(session, run->inputs, settings_.size, light_views_[run->index]);
-        run->first_view = view_count;
-        view_count += light_views_[run->index].set.view_count;
+        run->light.first_point = cl_ulong(run->index) * run->inputs.points.layout.count;
+        run->light.first_view = view_count;
+        run->light.view_count = light_views_[run->index].set.view_count;
+        view_count += run->light.view_count;
     }
     const FitInputs& any = runs.front()->inputs;
     const VirtualPlan plan = plan_of(any, view_count);
@@ -174,7 +174,7 @@ void VirtualShadowMap::run_stages(std::vector<LightRun*>& runs) {
         if (run != runs.front())
             run->statistics.stages.push_back({"draw", 0, 0, "in one pass with the first light that is drawn"});
         cl::StageTimer timer(session, run->statistics, "lookup");
-        session.launch(file, "virtual_map_lookup", cl::Range::items(any.points.layout.count), plan, first_point(*run),
+        session.launch(file, "virtual_map_lookup", cl::Range::items(any.points.layout.count), plan, run->light,
                        any.points.layout, any.points.positions, level_views_.tables, point_entries_, page_of_, pages_,
                        keys_, run->inputs.visibility);
     }
@@ -189,9 +189,8 @@ std::vector<Statistics> VirtualShadowMap::run_lights(const Triangles& triangles,
                                                      std::span<const Light> lights,
                                                      std::span<const Visibility> visibilities) {
     require_run_lights(triangles, points, lights, visibilities);
-    const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
+    const MeasuredRun measured(session, kept_bytes_);
     light_views_.resize(lights.size());
     counted_ = {};
     static_assert(sizeof(VirtualCounters) <= sizeof(FrameCounters));
@@ -218,7 +217,7 @@ std::vector<Statistics> VirtualShadowMap::run_lights(const Triangles& triangles,
 
     std::vector<Statistics> all;
     std::uint64_t first_page = 0;
-    const double total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double total_ms = measured.wall_ms();
     for (LightRun& run : runs) {
         const std::uint64_t view_count = light_views_[run.index].set.view_count;
         Statistics& s = run.statistics;
@@ -233,8 +232,8 @@ std::vector<Statistics> VirtualShadowMap::run_lights(const Triangles& triangles,
                     {"pages_requested", run.pages},
                     {"pages_drawn", pages_drawn(first_page, run.pages)}};
         first_page += run.pages;
-        s.device_memory_bytes = memory.peak_bytes();  // of the pool
-        // The time of the whole is shared out evenly: most of it serves all.
+        s.device_memory_bytes = measured.peak_bytes();  // of the pool
+        // Every light gets an even share of the time: most of the work serves all lights.
         s.total_wall_ms = total_ms / double(runs.size());
         all.push_back(std::move(s));
     }
@@ -246,7 +245,7 @@ std::vector<std::uint8_t> VirtualShadowMap::diagnose(std::string_view name, cons
     if (name != "page") return Technique::diagnose(name, triangles, points, light);
     cl::Session& session = device_.session();
     const std::size_t count = points.count();
-    // Where no point faces the light the run asks for no page.
+    // Where no point faces the light the run requests no page.
     point_entries_.reserve(session, count * sizeof(cl_uint));
     session.fill(point_entries_, NO_PAGE, count * sizeof(cl_uint));
     const Visibility visibility(device_, count);
@@ -260,10 +259,6 @@ std::vector<std::uint8_t> VirtualShadowMap::diagnose(std::string_view name, cons
     std::vector<float> drawn(3 * count);
     session.read(colors.get(), drawn.data(), drawn.size() * sizeof(float));
     return opaque_bytes(drawn);
-}
-
-void VirtualShadowMap::set(std::string_view name, std::string_view value) {
-    settings_table().set(settings_, "virtual-shadow-map", name, value);
 }
 
 TechniqueDescription VirtualShadowMap::describe() {

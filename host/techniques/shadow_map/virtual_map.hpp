@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Technique virtual-shadow-map: a large shadow map of which only the pages that shading points ask for exist
+// Technique virtual-shadow-map: a large shadow map of which only the pages that shading points request exist
 // (kernels/techniques/shadow_map/virtual_map.h).
 #pragma once
 
@@ -7,7 +7,7 @@
 #include "kernels/techniques/shadow_map/virtual_map.h"
 #include "lists/scan.hpp"
 #include "techniques/shadow_map/depth_pass.hpp"
-#include "techniques/shadow_map/projection.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
 
 namespace gnomon {
 
@@ -19,7 +19,9 @@ public:
     /// All lights' pages lie in one pool, drawn in one pass.
     std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
                                        std::span<const Visibility> visibilities) override;
-    void set(std::string_view name, std::string_view value) override;
+    void set(std::string_view name, std::string_view value) override {
+        settings_table().set(settings_, "virtual-shadow-map", name, value);
+    }
     /// "page": which page serves each point. Of any points, not only a camera's.
     std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                        const Light& light) override;
@@ -33,24 +35,23 @@ private:
         float constant_bias, slope_bias, slope_limit;  ///< as shadow-map's
     };
     static const SettingsTable<Settings>& settings_table();
-    /// A light, what its points still need, and where its views and points stand among those of all lights.
+    /// A light, the inputs of its stages, and the position of its views and points among those of all lights.
     struct LightRun {
         FitInputs inputs;
         Statistics statistics{};
         std::uint64_t facing_away = 0, absent = 0, outside = 0, pages = 0;
         std::size_t index = 0;
-        cl_uint first_view = 0;
+        VirtualLight light{};
     };
 
     VirtualPlan plan_of(const FitInputs& inputs, std::uint32_t view_count) const;
-    static cl_ulong first_point(const LightRun& run);
     /// Views, requests, pages, drawing and lookup for the lights that some point faces.
     void run_stages(std::vector<LightRun*>& runs);
     void request(LightRun& run, const VirtualPlan& plan);
-    /// Makes a physical page of every entry that was asked for.
+    /// Makes a physical page of every requested entry.
     void allocate(const VirtualPlan& plan);
     void draw(const TriangleInputs& triangles, const VirtualPlan& plan);
-    /// How many of the pages [first, first + count) some caster's rectangle met.
+    /// How many of the pages [first, first + count) the rectangle of some caster overlaps.
     std::uint64_t pages_drawn(std::uint64_t first, std::uint64_t count) const;
 
     Device device_;

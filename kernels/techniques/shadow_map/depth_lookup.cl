@@ -3,30 +3,31 @@
 //
 //   visibility = sum of weight_i [depth_i >= receiver_i - receiver_bias] / sum of weight_i
 // receiver_i is the point's depth or, with adaptive bias, the depth at texel i's centre of the receiver's plane where
-// that is nearer (Dou, Yan, Kerzner, Dai, Wyman 2014; survey 138): a flat receiver then never shadows itself, whatever
+// that is nearer (Dou, Yan, Kerzner, Dai, Wyman 2014): a flat receiver then never shadows itself, whatever
 // the angle, and the only bias left is for rounding.
 #include "techniques/shadow_map/lookup.h"
 
-static float tap(const LookupPlan* plan, const Receiver* r, __global const float* depths, int x, int y) {
-    float depth = r->depth;
-    if (plan->adaptive && r->has_plane) {
-        __global const float* columns = r->tables + r->view->centres_first;
-        uint column = (uint)clamp(x, 0, (int)r->view->width - 1), row = (uint)clamp(y, 0, (int)r->view->height - 1);
-        depth = fmin(depth, plane_depth(r, (float2)(columns[column], columns[r->view->width + row])));
+static float tap(const LookupPlan* plan, const MapPoint* point, __global const float* depths, int x, int y) {
+    float depth = point->depth;
+    if (plan->adaptive && point->has_plane) {
+        __global const float* columns = point->tables + point->view->centres_first;
+        uint column = (uint)clamp(x, 0, (int)point->view->width - 1),
+             row = (uint)clamp(y, 0, (int)point->view->height - 1);
+        depth = fmin(depth, plane_depth(point, (float2)(columns[column], columns[point->view->width + row])));
     }
-    return depths[texel_at(r, x, y)] >= depth - plan->receiver_bias ? 1.0f : 0.0f;
+    return depths[texel_at(point, x, y)] >= depth - plan->receiver_bias ? 1.0f : 0.0f;
 }
 
-static float lookup_hard(const LookupPlan* plan, const Receiver* r, __global const float* depths, float2 at) {
-    return tap(plan, r, depths, (int)floor(at.x), (int)floor(at.y));
+static float lookup_hard(const LookupPlan* plan, const MapPoint* point, __global const float* depths, float2 at) {
+    return tap(plan, point, depths, (int)floor(at.x), (int)floor(at.y));
 }
 
 // taps x taps points a texel apart, each the texel it lies in.
-static float lookup_pcf(const LookupPlan* plan, const Receiver* r, __global const float* depths) {
+static float lookup_pcf(const LookupPlan* plan, const MapPoint* point, __global const float* depths) {
     float sum = 0.0f, first = -0.5f * (float)(plan->taps - 1);
     for (uint y = 0; y < plan->taps; ++y)
         for (uint x = 0; x < plan->taps; ++x)
-            sum += lookup_hard(plan, r, depths, r->at_texels + first + (float2)(x, y));
+            sum += lookup_hard(plan, point, depths, point->at_texels + first + (float2)(x, y));
     return sum / (float)(plan->taps * plan->taps);
 }
 
@@ -44,8 +45,8 @@ static void smooth_weights(const LookupPlan* plan, float fraction, float* weight
     weights[plan->taps] = before;
 }
 
-static float lookup_smooth(const LookupPlan* plan, const Receiver* r, __global const float* depths) {
-    float2 corner = r->at_texels - 0.5f * (float)plan->taps, whole = floor(corner), fraction = corner - whole;
+static float lookup_smooth(const LookupPlan* plan, const MapPoint* point, __global const float* depths) {
+    float2 corner = point->at_texels - 0.5f * (float)plan->taps, whole = floor(corner), fraction = corner - whole;
     float columns[MOST_TAPS + 1], rows[MOST_TAPS + 1];
     smooth_weights(plan, fraction.x, columns);
     smooth_weights(plan, fraction.y, rows);
@@ -54,95 +55,87 @@ static float lookup_smooth(const LookupPlan* plan, const Receiver* r, __global c
         for (uint x = 0; x <= plan->taps; ++x) {
             float weight = columns[x] * rows[y];
             if (weight == 0.0f) continue;
-            sum += weight * tap(plan, r, depths, (int)whole.x + (int)x, (int)whole.y + (int)y);
+            sum += weight * tap(plan, point, depths, (int)whole.x + (int)x, (int)whole.y + (int)y);
             all += weight;
         }
     return sum / all;
 }
 
-static float lookup_twelve(const LookupPlan* plan, const Receiver* r, __global const float* depths,
+static float lookup_twelve(const LookupPlan* plan, const MapPoint* point, __global const float* depths,
                            __constant const float2* offsets) {
     float sum = 0.0f;
-    for (int i = 0; i < 12; ++i) sum += lookup_hard(plan, r, depths, r->at_texels + plan->softness * offsets[i]);
+    for (int i = 0; i < 12; ++i)
+        sum += lookup_hard(plan, point, depths, point->at_texels + plan->softness * offsets[i]);
     return sum / 12.0f;
 }
 
 // Grid of taps x taps points over `width` texels: mean visibility, and of the blockers their number and mean depth.
-static float grid_of_taps(const LookupPlan* plan, const Receiver* r, __global const float* depths, float2 width,
+static float grid_of_taps(const LookupPlan* plan, const MapPoint* point, __global const float* depths, float2 width,
                           uint* blockers, float* blocker_depth) {
     float lit = 0.0f, depth = 0.0f;
     uint found = 0;
     for (uint y = 0; y < plan->taps; ++y)
         for (uint x = 0; x < plan->taps; ++x) {
-            float2 at = r->at_texels + width * (((float2)(x, y) + 0.5f) / (float)plan->taps - 0.5f);
-            float visible = lookup_hard(plan, r, depths, at);
+            float2 at = point->at_texels + width * (((float2)(x, y) + 0.5f) / (float)plan->taps - 0.5f);
+            float visible = lookup_hard(plan, point, depths, at);
             lit += visible;
             if (visible != 0.0f) continue;
             ++found;
-            depth += depths[texel_at(r, (int)floor(at.x), (int)floor(at.y))];
+            depth += depths[texel_at(point, (int)floor(at.x), (int)floor(at.y))];
         }
     *blockers = found;
     *blocker_depth = found != 0 ? depth / (float)found : 0.0f;
     return lit / (float)(plan->taps * plan->taps);
 }
 
-// Penumbra of a position: (d_receiver - d_blocker) / d_blocker times the light's size; of a direction: their distance
-// times the tangent of the angle. Both as wide as seen at the receiver; the search looks as far as a blocker half-way
-// could reach (position), or one at depth 0 (direction).
-static float lookup_pcss(const LookupPlan* plan, const Receiver* r, __global const float* depths) {
-    __global const MapView* view = r->view;
-    float world_per_depth = 1.0f / length((float3)(view->row_depth[0], view->row_depth[1], view->row_depth[2]));
-    bool positional = view->front_depth > -INFINITY;
-    float2 texels = texels_per_length(r);
-    float reach = positional ? plan->light_size : plan->light_size * fmax(r->depth, 0.0f) * world_per_depth;
+// The penumbra of a point light is (d_receiver - d_blocker) / d_blocker times the light's size; that of a directional
+// light is the distance of receiver and blocker times the tangent of the angle. Both are widths at the receiver. The
+// search covers the reach of a blocker half-way (point light) or of one at depth 0 (directional light).
+static float lookup_pcss(const LookupPlan* plan, const MapPoint* point, __global const float* depths) {
+    __global const MapView* view = point->view;
+    float world_per_depth = 1.0f / length(vload3(0, view->row_depth));
+    bool is_point_light = view->front_depth > -INFINITY;
+    float2 texels = texels_per_length(point);
+    float reach = is_point_light ? plan->light_size : plan->light_size * fmax(point->depth, 0.0f) * world_per_depth;
     uint blockers;
     float blocker_depth, ignored_depth;
-    grid_of_taps(plan, r, depths, reach * texels, &blockers, &blocker_depth);
+    grid_of_taps(plan, point, depths, reach * texels, &blockers, &blocker_depth);
     if (blockers == 0) return 1.0f;
-    float gap = fmax(r->depth - blocker_depth, 0.0f);
+    float gap = fmax(point->depth - blocker_depth, 0.0f);
     float penumbra = plan->light_size *
-                     (positional ? gap / fmax(blocker_depth - view->front_depth, 1.0e-6f) : gap * world_per_depth);
-    return grid_of_taps(plan, r, depths, fmax(fmin(penumbra, reach) * texels, 1.0f), &blockers, &ignored_depth);
+                     (is_point_light ? gap / fmax(blocker_depth - view->front_depth, 1.0e-6f) : gap * world_per_depth);
+    return grid_of_taps(plan, point, depths, fmax(fmin(penumbra, reach) * texels, 1.0f), &blockers, &ignored_depth);
 }
 
-static float lookup_in_view(const LookupPlan* plan, const Receiver* r, __global const float* depths,
+static float lookup_in_view(const LookupPlan* plan, const MapPoint* point, __global const float* depths,
                             __constant const float2* offsets) {
-    switch (plan->lookup) {
-        case LOOKUP_HARD:
-            return lookup_hard(plan, r, depths, r->at_texels);
-        case LOOKUP_PCF:
-            return lookup_pcf(plan, r, depths);
-        case LOOKUP_BILINEAR:
-        case LOOKUP_GAUSSIAN:
-            return lookup_smooth(plan, r, depths);
-        case LOOKUP_TWELVE:
-            return lookup_twelve(plan, r, depths, offsets);
-        case LOOKUP_PCSS:
-            return lookup_pcss(plan, r, depths);
-    }
-    return 1.0f;
+    if (plan->lookup == LOOKUP_HARD) return lookup_hard(plan, point, depths, point->at_texels);
+    if (plan->lookup == LOOKUP_PCF) return lookup_pcf(plan, point, depths);
+    if (plan->lookup == LOOKUP_TWELVE) return lookup_twelve(plan, point, depths, offsets);
+    if (plan->lookup == LOOKUP_PCSS) return lookup_pcss(plan, point, depths);
+    return lookup_smooth(plan, point, depths);
 }
 
-__kernel void depth_lookup(LookupPlan plan, MapSet set, PointsLayout layout, ulong first_float,
-                           __global const float* positions, __global const uint* receivers,
-                           __global const float* vertices, __global const MapView* views, __global const float* tables,
-                           __global const float* depths, __constant const float2* offsets, __global float* visibility) {
+__kernel void depth_lookup(LookupPlan plan, MapSet set, PointsLayout layout, __global const float* positions,
+                           __global const uint* receivers, __global const float* vertices,
+                           __global const MapView* views, __global const float* tables, __global const float* depths,
+                           __constant const float2* offsets, __global float* visibility) {
     GN_FOR_EACH(i, layout.count) {
         float3 p, a, b;
         uint index;
         if (!is_looked_up(set, layout, positions, visibility, views, i, &p, &index)) continue;
         bool has_plane = plan.adaptive && layout.has_receivers && receivers[i] < plan.triangle_count &&
-                         plane_tangents(load_triangle(vertices + first_float, receivers[i]), &a, &b);
-        float items = share_of_next(set, views, index, p), lit = 0.0f;
-        for (uint next = 0; next <= (items > 0.0f ? 1u : 0u); ++next) {
-            Receiver r;
-            make_receiver(views + index + next, tables, p, &r);
-            r.has_plane = has_plane;
+                         plane_tangents(load_triangle(vertices + plan.first_float, receivers[i]), &a, &b);
+        float share = share_of_next(set, views, index, p), lit = 0.0f;
+        for (uint next = 0; next <= (share > 0.0f ? 1u : 0u); ++next) {
+            MapPoint point;
+            make_map_point(views + index + next, tables, p, &point);
+            point.has_plane = has_plane;
             if (has_plane) {
-                r.tangent_a = homogeneous_direction(r.view, a);
-                r.tangent_b = homogeneous_direction(r.view, b);
+                point.tangent_a = homogeneous_direction(point.view, a);
+                point.tangent_b = homogeneous_direction(point.view, b);
             }
-            lit += (next ? items : 1.0f - items) * lookup_in_view(&plan, &r, depths, offsets);
+            lit += (next ? share : 1.0f - share) * lookup_in_view(&plan, &point, depths, offsets);
         }
         visibility[i] = lit;
     }

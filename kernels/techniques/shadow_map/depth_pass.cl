@@ -9,49 +9,49 @@ __kernel void depth_pass_clear(MapSet set, uint word, __global uint* keys) {
     GN_FOR_EACH(i, set.texels) keys[i] = word;
 }
 
-__kernel void depth_pass_small(DepthPass pass, MapSet set, uint view_index, ulong first_float,
-                               __global const float* vertices, __global const MapView* views,
+__kernel void depth_pass_small(DepthPass pass, __global const float* vertices, __global const MapView* views,
                                __global const float* tables, __global uint* nearest, __global uint* output,
                                __global uint* chunk_count, __global uint2* chunks) {
-    __global const MapView* view = views + view_index;
+    __global const MapView* view = views + pass.view_index;
     if (view->width == 0) return;
     GN_FOR_EACH(i, pass.triangle_count) {
         Caster caster;
-        if (!make_caster(view, tables, load_triangle(vertices + first_float, i), &caster)) continue;
-        if (texels_of(&caster) <= SMALL_TEXELS) {
-            draw_rectangle(&pass, view, tables, &caster, caster.low_x, caster.low_y, caster.high_x, caster.high_y,
-                           nearest, output);
+        if (!make_caster(view, tables, load_triangle(vertices + pass.first_float, i), &caster)) continue;
+        if (texels_of(caster.covered) <= SMALL_TEXELS) {
+            draw_rectangle(&pass, view, tables, &caster, caster.covered, nearest, output);
             continue;
         }
-        uint tiles = tiles_across(caster.low_x, caster.high_x) * tiles_across(caster.low_y, caster.high_y);
+        uint tiles = tiles_across(caster.covered.low_x, caster.covered.high_x) *
+                     tiles_across(caster.covered.low_y, caster.covered.high_y);
         uint count = (tiles + CHUNK_TILES - 1) / CHUNK_TILES;
         uint first = atomic_add(chunk_count, count);
         for (uint c = 0; c < count && first + c < pass.chunk_capacity; ++c) chunks[first + c] = (uint2)((uint)i, c);
     }
 }
 
-// Chunks on neighbouring work-items of a CPU would be those of one triangle: groups take them in turn.
-__kernel void depth_pass_large(DepthPass pass, MapSet set, uint view_index, ulong first_float,
-                               __global const float* vertices, __global const MapView* views,
+// On a CPU neighbouring work-items would take the chunks of one triangle, so groups take chunks in turn.
+__kernel void depth_pass_large(DepthPass pass, __global const float* vertices, __global const MapView* views,
                                __global const float* tables, __global uint* nearest, __global uint* output,
                                __global const uint* chunk_count, __global const uint2* chunks) {
-    __global const MapView* view = views + view_index;
+    __global const MapView* view = views + pass.view_index;
     if (view->width == 0) return;
     uint count = min(*chunk_count, pass.chunk_capacity);
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
         uint2 chunk = chunks[i];
         Caster caster;
-        make_caster(view, tables, load_triangle(vertices + first_float, chunk.x), &caster);
-        uint across = tiles_across(caster.low_x, caster.high_x), down = tiles_across(caster.low_y, caster.high_y);
+        make_caster(view, tables, load_triangle(vertices + pass.first_float, chunk.x), &caster);
+        uint across = tiles_across(caster.covered.low_x, caster.covered.high_x),
+             down = tiles_across(caster.covered.low_y, caster.covered.high_y);
         uint last = min((chunk.y + 1) * CHUNK_TILES, across * down);
         for (uint t = chunk.y * CHUNK_TILES + (uint)get_local_id(0); t < last; t += (uint)get_local_size(0)) {
-            uint tile_x = (caster.low_x >> TILE_LOG2) + t % across, tile_y = (caster.low_y >> TILE_LOG2) + t / across;
+            uint tile_x = (caster.covered.low_x >> TILE_LOG2) + t % across,
+                 tile_y = (caster.covered.low_y >> TILE_LOG2) + t / across;
             draw_tile(&pass, view, tables, &caster, tile_x, tile_y, nearest, output);
         }
     }
 }
 
-// Dual depth layers (Weiskopf and Ertl 2003; survey slide 141): the map lies half-way to the second layer, but no
+// Dual depth layers (Weiskopf and Ertl 2003): the map lies half-way to the second layer, but no
 // deeper than `limit` behind the first.
 __kernel void depth_pass_midpoint(MapSet set, float limit, __global uint* nearest, __global const uint* second) {
     GN_FOR_EACH(i, set.texels) {

@@ -32,12 +32,13 @@
 #define CHUNK_TILES 64u
 
 GN_STRUCT_BEGIN(DepthPass)
-    uint pass;
-    uint chunk_capacity;
+    ulong first_float;  // where the triangles begin in their buffer
     uint triangle_count;
-    float slope_bias;   // times max(|dz/dx|, |dz/dy|), depth per texel (survey slide 21)
-    float slope_limit;  // the slope-scaled part is at most this
-    uint padding[3];
+    uint pass;
+    uint view_index;      // the view that depth_pass.cl draws
+    uint chunk_capacity;  // of depth_pass.cl; for virtual_map.cl, of its pairs
+    float slope_bias;     // times max(|dz/dx|, |dz/dy|), depth per texel
+    float slope_limit;    // the slope-scaled part is at most this
 GN_STRUCT_END(DepthPass, 32)
 
 #endif

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
 // Pictures of how a shadow map's texels lie over what the camera sees (diagnostic.h).
 #include "techniques/shadow_map/diagnostic.h"
-#include "techniques/shadow_map/diagnostic_colors.clh"
 
-// Of slide 65: colours at these texels per pixel, linear between.
+// Colours at these texels per pixel, linear between.
 __constant float error_stops[7] = {0.0f, 1.0f / 7.75f, 1.0f / 3.25f, 1.0f, 3.25f, 7.75f, 10.0f};
 __constant float error_colors[7][3] = {{0.2f, 0.0f, 0.0f}, {1.0f, 0.2f, 0.0f}, {1.0f, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f},
                                        {0.3f, 0.8f, 1.0f}, {0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.2f}};
 static float3 error_color(float error) {
     for (int i = 0; i < 6; ++i)
         if (error < error_stops[i + 1]) {
-            float items = (error - error_stops[i]) / (error_stops[i + 1] - error_stops[i]);
-            return mix(color_at(error_colors[i]), color_at(error_colors[i + 1]), items);
+            float share = (error - error_stops[i]) / (error_stops[i + 1] - error_stops[i]);
+            return mix(color_at(error_colors[i]), color_at(error_colors[i + 1]), share);
         }
     return color_at(error_colors[6]);
 }
 
-// Is the texel coordinate on a line of the grid? A line is an eighth of a texel, or a pixel where that is wider.
+// 1 where the texel coordinate is on a line of the grid. A line is an eighth of a texel, or a pixel where that is
+// wider.
 static float grid_line(float at, float pixel) {
     float from_line = fabs(at - rint(at));
     float width = fmax(0.125f, fmin(pixel, 1.0f));
@@ -35,10 +35,10 @@ static float warp_density(__global const MapView* view, __global const float* ta
     if (view->warp == WARP_LOGARITHMIC && axis == 1u)
         return view->log_strength / ((1.0f + view->log_strength * fmax(x, 0.0f)) * log1p(view->log_strength));
     if (view->warp == WARP_RECTILINEAR) {
-        uint pieces = view->warp_size;
-        __global const float* table = tables + view->forward_first + axis * (pieces + 1);
-        uint piece = min((uint)(clamp(x, 0.0f, 1.0f) * (float)pieces), pieces - 1);
-        return (table[piece + 1] - table[piece]) * (float)pieces;
+        uint segments = view->warp_size;
+        __global const float* table = tables + view->forward_first + axis * (segments + 1);
+        uint segment = min((uint)(clamp(x, 0.0f, 1.0f) * (float)segments), segments - 1);
+        return (table[segment + 1] - table[segment]) * (float)segments;
     }
     return 1.0f;
 }
@@ -88,6 +88,6 @@ __kernel void map_diagnostic(DiagnosticPlan plan, MapSet set, PointsLayout layou
             }
         }
         errors[i] = error;
-        store_color(color, i, colors);
+        vstore3(color, i, colors);
     }
 }

@@ -2,21 +2,20 @@
 // Contract of the shadow maps' diagnostics: pictures of how a map's texels lie over what the camera sees.
 //
 //   aliasing  texels per pixel, max(|ds + dt|, |ds - dt|) with ds, dt the steps through the map from a pixel to the
-//   next
-//             along x and y, in the colours of the survey (slides 54, 65): green is one texel to a pixel; yellow, red,
-//             black is too coarse by 3.25, 7.75 and more; light blue, blue, black is finer than needed by as much
-//   grid      the map's texels as lines on the scene, an eighth of a texel or a pixel wide, the wider of the two (59;
-//             thesis 6.8); evenly grey where a pixel is wider than a texel
+//             next along x and y. Green is one texel to a pixel; yellow, red, black is too coarse by 3.25, 7.75 and
+//             more; light blue, blue, black is finer than needed by as much
+//   grid      the map's texels as lines on the scene, an eighth of a texel or a pixel wide, the wider of the two (as
+//             Lloyd 2007, 6.8, draws them); evenly grey where a pixel is wider than a texel
 //   views     a colour per view (cascade, side, cube face); black where no view serves
 //   depth     the map's depth of what is seen, black nearest to the light
 //   warp      a checkerboard of WARP_CELLS x WARP_CELLS equal shares of the map's texels: small where the map is dense.
 //             In the colours of aliasing: how many times denser, per side, the warp (map_view.h) makes texels than
 //             they would be without it; green where it leaves them as they are
-// Steps are those of footprint.h. Points without a camera or a receiver, and the sky, are drawn in SKY.
+// Steps are those of texel_footprint.h. Points without a camera or a receiver, and the sky, are drawn in SKY.
 #ifndef GN_SHADOW_DIAGNOSTIC_H
 #define GN_SHADOW_DIAGNOSTIC_H
 
-#include "techniques/shadow_map/footprint.h"
+#include "techniques/shadow_map/texel_footprint.h"
 
 #define DIAGNOSTIC_ALIASING 0u
 #define DIAGNOSTIC_GRID 1u
@@ -30,5 +29,17 @@ GN_STRUCT_BEGIN(DiagnosticPlan)
     uint diagnostic;
     uint padding[3];
 GN_STRUCT_END(DiagnosticPlan, 80)
+
+#ifndef __cplusplus
+
+#define SKY (float3)(0.25f, 0.25f, 0.25f)
+
+__constant float view_colors[8][3] = {{0.9f, 0.3f, 0.25f}, {0.95f, 0.75f, 0.2f}, {0.4f, 0.75f, 0.3f},
+                                      {0.25f, 0.7f, 0.8f}, {0.3f, 0.4f, 0.9f},   {0.65f, 0.35f, 0.8f},
+                                      {0.9f, 0.5f, 0.7f},  {0.6f, 0.5f, 0.4f}};
+
+static float3 color_at(__constant const float* color) { return vload3(0, color); }
+
+#endif
 
 #endif

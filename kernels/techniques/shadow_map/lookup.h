@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Contract of the lookups: from a shading point and a shadow map to visibility in [0, 1].
 //
-// A point with visibility 1 that a view serves (map_view.h) is looked up there; every other keeps its value: in shadow
-// because it faces away, or lit because it is absent or outside all maps.
+// A point with visibility 1 that a view serves (map_view.h) is looked up there. Every other point keeps its value: a
+// backfacing point is in shadow, a point that is absent or outside all maps is lit.
 #ifndef GN_LOOKUP_H
 #define GN_LOOKUP_H
 
@@ -10,31 +10,32 @@
 
 // Lookups of depths.
 #define LOOKUP_HARD 0u      // the texel under the point (Williams 1978)
-#define LOOKUP_PCF 1u       // mean of taps x taps texels (Reeves, Salesin, Cook 1987; survey 101)
+#define LOOKUP_PCF 1u       // mean of taps x taps texels (Reeves, Salesin, Cook 1987)
 #define LOOKUP_BILINEAR 2u  // the same, moving smoothly: (taps + 1)^2 texels, the outer ones by their share
-#define LOOKUP_GAUSSIAN 3u  // as bilinear, weighted by a Gaussian of sigma taps / 4.5 (Gruen 2010; survey 102-103)
-#define LOOKUP_TWELVE 4u    // 12 taps distributed like a Gaussian of sigma `softness` texels (document 004)
-#define LOOKUP_PCSS 5u      // kernel as wide as the penumbra estimated from the blockers (Fernando 2005; survey 133)
+#define LOOKUP_GAUSSIAN 3u  // as bilinear, weighted by a Gaussian of sigma taps / 4.5 (Gruen 2010)
+#define LOOKUP_TWELVE 4u    // 12 taps distributed like a Gaussian of sigma `softness` texels
+#define LOOKUP_PCSS 5u      // kernel as wide as the penumbra estimated from the blockers (Fernando 2005)
 
 #define MOST_TAPS 33
 
 GN_STRUCT_BEGIN(LookupPlan)
+    ulong first_float;  // where the triangles begin in their buffer
     uint lookup;
     uint taps;
     uint adaptive;        // 1: each texel is compared with the receiver's plane at that texel's centre
     float receiver_bias;  // depth; subtracted from the receiver's
     float softness;       // texels
-    float light_size;     // a position: world units across; a direction: tangent of the angle across
+    float light_size;     // point light: world units across; directional light: tangent of the angle across
     uint triangle_count;
     uint padding;
-GN_STRUCT_END(LookupPlan, 32)
+GN_STRUCT_END(LookupPlan, 40)
 
 #ifndef __cplusplus
 
 #include "simd/points.h"
 
-// What is known of a point in its view.
-typedef struct Receiver {
+// A point in the view that serves it.
+typedef struct MapPoint {
     __global const MapView* view;
     __global const float* tables;
     float2 uv;         // before the warp
@@ -42,8 +43,8 @@ typedef struct Receiver {
     float depth;
     float4 homogeneous;
     bool has_plane;
-    float4 tangent_a, tangent_b;  // of the receiver's plane, as map_homogeneous moves
-} Receiver;
+    float4 tangent_a, tangent_b;  // of the receiver's plane, as map_homogeneous changes along them
+} MapPoint;
 
 // How map_homogeneous changes along a world direction.
 static float4 homogeneous_direction(__global const MapView* view, float3 d) {
@@ -66,18 +67,18 @@ static bool plane_tangents(Triangle t, float3* tangent_a, float3* tangent_b) {
     return true;
 }
 
-// By pointer: oclgrind cannot run what clang makes of a structure this large when it is returned.
-static void make_receiver(__global const MapView* view, __global const float* tables, float3 p, Receiver* r) {
-    r->view = view;
-    r->tables = tables;
-    r->homogeneous = map_homogeneous(view, p);
-    r->uv = r->homogeneous.xy / r->homogeneous.z;
-    r->depth = r->homogeneous.w;
-    r->at_texels = map_texels(view, tables, r->uv);
-    r->has_plane = false;
+// Writes through a pointer: oclgrind cannot run the code that clang makes for returning a structure this large.
+static void make_map_point(__global const MapView* view, __global const float* tables, float3 p, MapPoint* point) {
+    point->view = view;
+    point->tables = tables;
+    point->homogeneous = map_homogeneous(view, p);
+    point->uv = point->homogeneous.xy / point->homogeneous.z;
+    point->depth = point->homogeneous.w;
+    point->at_texels = map_texels(view, tables, point->uv);
+    point->has_plane = false;
 }
 
-// Is the point to be looked up, and in which view?
+// Whether the point is looked up; writes its position and the view.
 static bool is_looked_up(MapSet set, PointsLayout layout, __global const float* positions,
                          __global const float* visibility, __global const MapView* views, size_t i, float3* p,
                          uint* index) {
@@ -91,34 +92,34 @@ static bool is_looked_up(MapSet set, PointsLayout layout, __global const float* 
 // Depth of the receiver's plane on the ray of light through (u, v): p + a tangent_a + b tangent_b lies on it if
 //   (X - u W) = 0 and (Y - v W) = 0,
 // two linear equations in a and b. No plane, or one edge-on to the light: the point's own depth.
-static float plane_depth(const Receiver* r, float2 uv) {
-    float2 column_a = r->tangent_a.xy - uv * r->tangent_a.z, column_b = r->tangent_b.xy - uv * r->tangent_b.z;
-    float2 right = uv * r->homogeneous.z - r->homogeneous.xy;
+static float plane_depth(const MapPoint* point, float2 uv) {
+    float2 column_a = point->tangent_a.xy - uv * point->tangent_a.z,
+           column_b = point->tangent_b.xy - uv * point->tangent_b.z;
+    float2 right = uv * point->homogeneous.z - point->homogeneous.xy;
     float det = column_a.x * column_b.y - column_b.x * column_a.y;
     float a = (right.x * column_b.y - column_b.x * right.y) / det;
     float b = (column_a.x * right.y - right.x * column_a.y) / det;
-    float depth = r->homogeneous.w + a * r->tangent_a.w + b * r->tangent_b.w;
-    return GN_FINITE(depth) ? depth : r->depth;
+    float depth = point->homogeneous.w + a * point->tangent_a.w + b * point->tangent_b.w;
+    return GN_FINITE(depth) ? depth : point->depth;
 }
 
 // Texels that a world length across the light covers at the point, along u and v.
-static float2 texels_per_length(const Receiver* r) {
-    __global const MapView* view = r->view;
-    float u = length((float3)(view->row_u[0] - r->uv.x * view->row_w[0], view->row_u[1] - r->uv.x * view->row_w[1],
-                              view->row_u[2] - r->uv.x * view->row_w[2]));
-    float v = length((float3)(view->row_v[0] - r->uv.y * view->row_w[0], view->row_v[1] - r->uv.y * view->row_w[1],
-                              view->row_v[2] - r->uv.y * view->row_w[2]));
+static float2 texels_per_length(const MapPoint* point) {
+    __global const MapView* view = point->view;
+    float3 row_w = vload3(0, view->row_w);
+    float u = length(vload3(0, view->row_u) - point->uv.x * row_w);
+    float v = length(vload3(0, view->row_v) - point->uv.y * row_w);
     // Of a warped map: how dense its texels are where the point lies.
     float step = 0.5f / (float)max(view->width, view->height);
-    float2 low = map_texels(view, r->tables, clamp(r->uv - step, 0.0f, 1.0f));
-    float2 high = map_texels(view, r->tables, clamp(r->uv + step, 0.0f, 1.0f));
-    float2 span = clamp(r->uv + step, 0.0f, 1.0f) - clamp(r->uv - step, 0.0f, 1.0f);
-    return (float2)(u, v) / fabs(r->homogeneous.z) * (high - low) / span;
+    float2 low = map_texels(view, point->tables, clamp(point->uv - step, 0.0f, 1.0f));
+    float2 high = map_texels(view, point->tables, clamp(point->uv + step, 0.0f, 1.0f));
+    float2 span = clamp(point->uv + step, 0.0f, 1.0f) - clamp(point->uv - step, 0.0f, 1.0f);
+    return (float2)(u, v) / fabs(point->homogeneous.z) * (high - low) / span;
 }
 
-static size_t texel_at(const Receiver* r, int x, int y) {
-    uint column = (uint)clamp(x, 0, (int)r->view->width - 1), row = (uint)clamp(y, 0, (int)r->view->height - 1);
-    return r->view->first_texel + (size_t)row * r->view->row_stride + column;
+static size_t texel_at(const MapPoint* point, int x, int y) {
+    uint column = (uint)clamp(x, 0, (int)point->view->width - 1), row = (uint)clamp(y, 0, (int)point->view->height - 1);
+    return point->view->first_texel + (size_t)row * point->view->row_stride + column;
 }
 
 #endif

@@ -6,21 +6,21 @@
 //   u = (row_u . q) / (row_w . q),  v = (row_v . q) / (row_w . q)   position in the map, [0, 1] inside it
 //   depth = row_depth . q                                           affine along the light, 0 near, 1 far
 // All points of one ray of light share u and v, whatever the sign of row_w . q: a perspective warp that turns the
-// scene inside out (PSM with the light behind the eye) needs no case of its own, because depth decides the order. Of a
-// position's line only the half with depth > front_depth is in front of the light; a direction has front_depth
+// scene inside out (PSM with the light behind the eye) needs no case of its own, because depth decides the order. Only
+// the half of a line with depth > front_depth is in front of a point light; a directional light has front_depth
 // -INFINITY. Casters nearer than depth 0 are kept and clamped to 0.
 //
 // The texel grid may be warped along each axis by a strictly rising function of [0, 1] onto itself:
 //   WARP_NONE         x
 //   WARP_LOGARITHMIC  v only: log(1 + log_strength v) / log(1 + log_strength), u unchanged (LogPSM)
-//   WARP_RECTILINEAR  a table per axis with warp_size pieces of equal length, linear between entries (RTW):
+//   WARP_RECTILINEAR  a table per axis with warp_size segments of equal length, linear between entries (RTW):
 //                     tables[forward_first + i], i in [0, warp_size], for u; the next warp_size + 1 for v
 // The depth pass rasterizes exactly under any of them: it evaluates triangles at the texels' unwarped centres,
 //   tables[centres_first + x], x in [0, width), for u; tables[centres_first + width + y] for v
-// which kernel map_view_centres (map_view.cl) fills from the warp.
+// which kernel map_projection_centres (map_projection.cl) fills from the warp.
 //
-// A view with a face serves only points that are seen through that face of the cube around a positional light: face / 2
-// is the axis, odd faces lie on its negative side. Its map may reach farther.
+// A view with a face serves only the points that a point light sees through that face of the cube around it: face / 2
+// is the axis, odd faces lie on its negative side. The view's map may reach farther.
 //
 // Storage: view's texel (x, y) is texel first_texel + y * row_stride + x of the map. Views one after the other are an
 // array, views that share a row_stride an atlas. A view of width 0 is off.
@@ -45,15 +45,15 @@ GN_STRUCT_BEGIN(MapView)
     float blend_from;               // from this camera depth on the next view takes over, fully at select_far
     uint warp;
     float log_strength;  // > 0
-    uint warp_size;      // pieces of a rectilinear table
+    uint warp_size;      // segments of a rectilinear table
     uint forward_first;  // index in tables
     uint centres_first;  // index in tables
     uint width, height;  // texels
     uint first_texel, row_stride;
-    uint face;  // NO_FACE: serves what lies in its map
+    uint face;  // NO_FACE: the view serves every point in its map
 GN_STRUCT_END(MapView, 132)
 
-// What the host knows of all views.
+// All views together, as far as the host knows them.
 GN_STRUCT_BEGIN(MapSet)
     uint view_count;
     uint texels;           // of all views together: the size of the map
@@ -61,7 +61,7 @@ GN_STRUCT_BEGIN(MapSet)
     uint has_camera;       // 0: camera depth is 0, and selection is by containment alone
     float eye[3];
     float camera_forward[3];
-    float light[3];  // a positional light, in world space
+    float light[3];  // the point light, in world space
 GN_STRUCT_END(MapSet, 52)
 
 #ifndef __cplusplus
@@ -72,13 +72,9 @@ static float dot_row(__global const float* row, float3 q) {
     return row[0] * q.x + row[1] * q.y + row[2] * q.z + row[3];
 }
 
-static float3 view_origin(__global const MapView* view) {
-    return (float3)(view->origin[0], view->origin[1], view->origin[2]);
-}
-
 // Homogeneous position: (u w, v w, w, depth).
 static float4 map_homogeneous(__global const MapView* view, float3 p) {
-    float3 q = p - view_origin(view);
+    float3 q = p - vload3(0, view->origin);
     return (float4)(dot_row(view->row_u, q), dot_row(view->row_v, q), dot_row(view->row_w, q),
                     dot_row(view->row_depth, q));
 }
@@ -89,14 +85,14 @@ static float3 map_uv(__global const MapView* view, float3 p) {
     return (float3)(h.x / h.z, h.y / h.z, h.w);
 }
 
-static float warp_by_table(__global const float* table, uint pieces, float x) {
-    float at = clamp(x, 0.0f, 1.0f) * (float)pieces;
-    uint piece = min((uint)at, pieces - 1);
-    return table[piece] + (at - (float)piece) * (table[piece + 1] - table[piece]);
+static float warp_by_table(__global const float* table, uint segments, float x) {
+    float at = clamp(x, 0.0f, 1.0f) * (float)segments;
+    uint segment = min((uint)at, segments - 1);
+    return table[segment] + (at - (float)segment) * (table[segment + 1] - table[segment]);
 }
 
-static float unwarp_by_table(__global const float* table, uint pieces, float warped) {
-    uint low = 0, high = pieces;  // table[low] <= warped < table[high]
+static float unwarp_by_table(__global const float* table, uint segments, float warped) {
+    uint low = 0, high = segments;  // table[low] <= warped < table[high]
     while (high - low > 1) {
         uint middle = (low + high) / 2;
         if (table[middle] <= warped)
@@ -106,7 +102,7 @@ static float unwarp_by_table(__global const float* table, uint pieces, float war
     }
     float span = table[low + 1] - table[low];
     float inside = span > 0.0f ? clamp((warped - table[low]) / span, 0.0f, 1.0f) : 0.5f;
-    return ((float)low + inside) / (float)pieces;
+    return ((float)low + inside) / (float)segments;
 }
 
 // The warp, axis 0 (u) or 1 (v); outside [0, 1] the value is clamped by the caller where it matters.
@@ -138,7 +134,7 @@ static float camera_depth_of(MapSet set, float3 p) {
            (p.z - set.eye[2]) * set.camera_forward[2];
 }
 
-// Does the light see what lies in this direction through its cube's face, or `rim` times the face's half width beside?
+// Whether the light sees this direction through the face of its cube, widened by `rim` times the face's half width.
 static bool is_on_face(float3 from_light, uint face, float rim) {
     float d[3] = {from_light.x, from_light.y, from_light.z};
     uint axis = face / 2;
@@ -146,7 +142,7 @@ static bool is_on_face(float3 from_light, uint face, float rim) {
     return fabs(d[(axis + 1) % 3]) <= reach && fabs(d[(axis + 2) % 3]) <= reach;
 }
 
-// Does the map serve the point: is it inside, in front of the light, and seen through the map's face, if it has one?
+// Whether the view serves the point: inside the map, in front of the light, and seen through the view's face, if any.
 static bool is_in_map(MapSet set, __global const MapView* view, float3 p) {
     if (view->width == 0) return false;
     if (view->face != NO_FACE &&
@@ -156,8 +152,8 @@ static bool is_in_map(MapSet set, __global const MapView* view, float3 p) {
     return at.x >= 0.0f && at.x <= 1.0f && at.y >= 0.0f && at.y <= 1.0f && at.z > view->front_depth;
 }
 
-// The first view that serves the point: camera depth in its interval, and the point in it. NO_VIEW: outside all maps,
-// lit.
+// The first view that serves the point and whose interval contains its camera depth. NO_VIEW: the point is outside all
+// maps, and lit.
 static uint select_view(MapSet set, __global const MapView* views, float3 p) {
     float camera_depth = camera_depth_of(set, p);
     for (uint i = 0; i < set.view_count; ++i) {
@@ -167,7 +163,7 @@ static uint select_view(MapSet set, __global const MapView* views, float3 p) {
     return NO_VIEW;
 }
 
-// How much of the visibility comes from the view after view `index`, which serves the point: 0 but where slices blend.
+// The share of the visibility that comes from the view after `index`, which serves the point: 0 unless slices blend.
 static float share_of_next(MapSet set, __global const MapView* views, uint index, float3 p) {
     __global const MapView* view = views + index;
     if (!(view->blend_from < view->select_far) || index + 1 >= set.view_count) return 0.0f;

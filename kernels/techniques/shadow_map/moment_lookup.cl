@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Lookup of filtered quantities: bilinear in the prefiltered planes, between two levels of a mip chain, or a box of any
-// width in summed areas; then the store's estimate of visibility (visibility_bounds.h).
-#include "techniques/shadow_map/footprint.h"
+// width in summed areas; then the store's estimate of visibility (visibility_bounds.clh).
 #include "techniques/shadow_map/lookup.h"
-#include "techniques/shadow_map/mip_chain.clh"
+#include "techniques/shadow_map/texel_footprint.h"
 #include "techniques/shadow_map/visibility_bounds.clh"
 
 #define MOST_PLANES 32
 
 // Adds `share` of the bilinear mean of one level.
-static void add_bilinear(const StorePlan* plan, const Receiver* r, MipLevel level, float items, uint texels,
+static void add_bilinear(const StorePlan* plan, const MapPoint* point, MipLevel level, float share, uint texels,
                          __global const void* numbers, float* means) {
-    float2 scale = (float2)(level.width, level.height) / (float2)(r->view->width, r->view->height);
-    float2 corner = r->at_texels * scale - 0.5f, whole = floor(corner), f = corner - whole;
+    float2 scale = (float2)(level.width, level.height) / (float2)(point->view->width, point->view->height);
+    float2 corner = point->at_texels * scale - 0.5f, whole = floor(corner), f = corner - whole;
     int last_x = (int)level.width - 1, last_y = (int)level.height - 1;
     size_t x0 = (size_t)clamp((int)whole.x, 0, last_x), x1 = (size_t)clamp((int)whole.x + 1, 0, last_x);
     size_t row0 = level.first + (size_t)clamp((int)whole.y, 0, last_y) * level.row_stride,
@@ -24,62 +23,62 @@ static void add_bilinear(const StorePlan* plan, const Receiver* r, MipLevel leve
               n01 = load_number(plan->half_bits, numbers, plane + row1 + x0),
               n11 = load_number(plan->half_bits, numbers, plane + row1 + x1);
         float above = n00 + f.x * (n10 - n00), below = n01 + f.x * (n11 - n01);
-        means[p] += items * (above + f.y * (below - above));
+        means[p] += share * (above + f.y * (below - above));
     }
 }
 
 // Level of the chain for a footprint: a texel as wide as its longer side. A whole number and the share of the next.
-static float level_of_footprint(const StorePlan* plan, const PixelSteps* steps, const Receiver* r, Triangle t,
+static float level_of_footprint(const StorePlan* plan, const PixelSteps* steps, const MapPoint* point, Triangle t,
                                 float3 p) {
     float2 ds, dt;
-    pixel_footprint(steps, r->view, r->tables, t, p, &ds, &dt);
+    pixel_footprint(steps, point->view, point->tables, t, p, &ds, &dt);
     float longer = fmax(length(ds), length(dt));
     return longer > 1.0f ? fmin(log2(longer), (float)plan->mips) : 0.0f;  // not a number (no plane): 0
 }
 
-static void fetch(const StorePlan* plan, const Receiver* r, float level, uint texels, __global const void* planes,
+static void fetch(const StorePlan* plan, const MapPoint* point, float level, uint texels, __global const void* planes,
                   __global const void* mips, float* means) {
     for (uint p = 0; p < plan->planes; ++p) means[p] = 0.0f;
     uint whole = (uint)level;
-    while (whole > 0 && mip_level(r->view, whole).width == 0) --whole;  // a view with fewer levels than the largest
-    MipLevel next = mip_level(r->view, whole + 1u);
-    float items = whole < plan->mips && next.width != 0 ? fmin(level - (float)whole, 1.0f) : 0.0f;
-    add_bilinear(plan, r, mip_level(r->view, whole), 1.0f - items, texels, whole == 0 ? planes : mips, means);
-    if (items > 0.0f) add_bilinear(plan, r, next, items, texels, mips, means);
+    while (whole > 0 && mip_level(point->view, whole).width == 0) --whole;  // a view with fewer levels than the largest
+    MipLevel next = mip_level(point->view, whole + 1u);
+    float share = whole < plan->mips && next.width != 0 ? fmin(level - (float)whole, 1.0f) : 0.0f;
+    add_bilinear(plan, point, mip_level(point->view, whole), 1.0f - share, texels, whole == 0 ? planes : mips, means);
+    if (share > 0.0f) add_bilinear(plan, point, next, share, texels, mips, means);
 }
 
 // Sum of all texels with column < x and row < y.
-static uint sum_before(const Receiver* r, __global const uint* sums, int x, int y) {
+static uint sum_before(const MapPoint* point, __global const uint* sums, int x, int y) {
     if (x <= 0 || y <= 0) return 0;
-    return sums[texel_at(r, x - 1, y - 1)];
+    return sums[texel_at(point, x - 1, y - 1)];
 }
 
 // Sum over [x0, x1) x [y0, y1), whole texels inside the view.
-static float box_sum(const Receiver* r, __global const uint* sums, int x0, int y0, int x1, int y1) {
+static float box_sum(const MapPoint* point, __global const uint* sums, int x0, int y0, int x1, int y1) {
     if (x1 <= x0 || y1 <= y0) return 0.0f;
-    return (float)(sum_before(r, sums, x1, y1) - sum_before(r, sums, x0, y1) - sum_before(r, sums, x1, y0) +
-                   sum_before(r, sums, x0, y0));
+    return (float)(sum_before(point, sums, x1, y1) - sum_before(point, sums, x0, y1) - sum_before(point, sums, x1, y0) +
+                   sum_before(point, sums, x0, y0));
 }
 
 // Mean over the box of plan->width texels around the point, border texels by their share: bilinear between the four
 // boxes of whole texels, which is the same.
-static void fetch_summed(const StorePlan* plan, const Receiver* r, uint texels, __global const uint* sums,
+static void fetch_summed(const StorePlan* plan, const MapPoint* point, uint texels, __global const uint* sums,
                          float* means) {
     int width = (int)rint(plan->width);
-    float2 corner = r->at_texels - 0.5f * (float)width, whole = floor(corner), f = corner - whole;
+    float2 corner = point->at_texels - 0.5f * (float)width, whole = floor(corner), f = corner - whole;
     float weights[4] = {(1.0f - f.x) * (1.0f - f.y), f.x * (1.0f - f.y), (1.0f - f.x) * f.y, f.x * f.y};
     for (uint p = 0; p < plan->planes; ++p) means[p] = 0.0f;
     float all = 0.0f;
     for (int k = 0; k < 4; ++k) {
         int x0 = (int)whole.x + (k & 1), y0 = (int)whole.y + (k >> 1);
-        int x1 = clamp(x0 + width, 0, (int)r->view->width), y1 = clamp(y0 + width, 0, (int)r->view->height);
-        x0 = clamp(x0, 0, (int)r->view->width);
-        y0 = clamp(y0, 0, (int)r->view->height);
+        int x1 = clamp(x0 + width, 0, (int)point->view->width), y1 = clamp(y0 + width, 0, (int)point->view->height);
+        x0 = clamp(x0, 0, (int)point->view->width);
+        y0 = clamp(y0, 0, (int)point->view->height);
         if (x1 <= x0 || y1 <= y0 || weights[k] == 0.0f) continue;
         all += weights[k];
-        float items = weights[k] / ((float)((x1 - x0) * (y1 - y0)) * plan->summed_scale);
+        float share = weights[k] / ((float)((x1 - x0) * (y1 - y0)) * plan->summed_scale);
         for (uint p = 0; p < plan->planes; ++p)
-            means[p] += items * box_sum(r, sums + (size_t)p * texels, x0, y0, x1, y1);
+            means[p] += share * box_sum(point, sums + (size_t)p * texels, x0, y0, x1, y1);
     }
     for (uint p = 0; p < plan->planes; ++p) {
         means[p] /= all;
@@ -87,52 +86,45 @@ static void fetch_summed(const StorePlan* plan, const Receiver* r, uint texels, 
     }
 }
 
-// 1: all four texels around the point are no nearer than it; -1: all are; 0: they disagree.
-static int agreement(const StorePlan* plan, const Receiver* r, __global const float* depths) {
-    float t = r->depth - plan->receiver_bias;
-    int x = (int)floor(r->at_texels.x - 0.5f), y = (int)floor(r->at_texels.y - 0.5f), lit = 0;
-    for (int k = 0; k < 4; ++k) lit += depths[texel_at(r, x + (k & 1), y + (k >> 1))] >= t;
+// 1: none of the four texels around the point is nearer than it; -1: all are; 0: they disagree.
+static int agreement(const StorePlan* plan, const MapPoint* point, __global const float* depths) {
+    float t = point->depth - plan->receiver_bias;
+    int x = (int)floor(point->at_texels.x - 0.5f), y = (int)floor(point->at_texels.y - 0.5f), lit = 0;
+    for (int k = 0; k < 4; ++k) lit += depths[texel_at(point, x + (k & 1), y + (k >> 1))] >= t;
     return lit == 4 ? 1 : lit == 0 ? -1 : 0;
 }
 
-// What of the map the kernel is given.
-typedef struct StoredPlanes {
-    __global const float* depths;
-    __global const void* planes;
-    __global const void* mips;
-    uint texels;
-} StoredPlanes;
-
-static float lookup_in_view(const StorePlan* plan, const Receiver* r, float level, const StoredPlanes* stored) {
-    int agreed = plan->edges_only ? agreement(plan, r, stored->depths) : 0;
+static float lookup_in_view(const StorePlan* plan, const MapPoint* point, float level, uint texels,
+                            __global const float* depths, __global const void* planes, __global const void* mips) {
+    int agreed = plan->edges_only ? agreement(plan, point, depths) : 0;
     if (agreed != 0) return agreed > 0 ? 1.0f : 0.0f;
     float means[MOST_PLANES];
     if (plan->summed)
-        fetch_summed(plan, r, stored->texels, (__global const uint*)stored->planes, means);
+        fetch_summed(plan, point, texels, (__global const uint*)planes, means);
     else
-        fetch(plan, r, level, stored->texels, stored->planes, stored->mips, means);
-    return visibility_estimate(plan, means, r->depth - plan->receiver_bias);
+        fetch(plan, point, level, texels, planes, mips, means);
+    return visibility_estimate(plan, means, point->depth - plan->receiver_bias);
 }
 
-// With mips the points have a camera, whose steps these are, and receivers.
-__kernel void moment_lookup(StorePlan plan, PixelSteps steps, MapSet set, PointsLayout layout, ulong first_float,
-                            uint triangle_count, __global const float* positions, __global const uint* receivers,
-                            __global const float* vertices, __global const MapView* views, __global const float* tables,
-                            __global const float* depths, __global const void* planes, __global const void* mips,
-                            __global float* visibility) {
-    StoredPlanes stored = {depths, planes, mips, set.texels};
+// With mips the points have receivers and a camera, whose pixel steps plan.steps are.
+__kernel void moment_lookup(MomentLookupPlan plan, MapSet set, PointsLayout layout, __global const float* positions,
+                            __global const uint* receivers, __global const float* vertices,
+                            __global const MapView* views, __global const float* tables, __global const float* depths,
+                            __global const void* planes, __global const void* mips, __global float* visibility) {
     GN_FOR_EACH(i, layout.count) {
         float3 p;
         uint index;
         if (!is_looked_up(set, layout, positions, visibility, views, i, &p, &index)) continue;
-        float items = share_of_next(set, views, index, p), lit = 0.0f;
-        for (uint next = 0; next <= (items > 0.0f ? 1u : 0u); ++next) {
-            Receiver r;
-            make_receiver(views + index + next, tables, p, &r);
+        float share = share_of_next(set, views, index, p), lit = 0.0f;
+        for (uint next = 0; next <= (share > 0.0f ? 1u : 0u); ++next) {
+            MapPoint point;
+            make_map_point(views + index + next, tables, p, &point);
             float level = 0.0f;
-            if (plan.mips != 0 && receivers[i] < triangle_count)
-                level = level_of_footprint(&plan, &steps, &r, load_triangle(vertices + first_float, receivers[i]), p);
-            lit += (next ? items : 1.0f - items) * lookup_in_view(&plan, &r, level, &stored);
+            if (plan.store.mips != 0 && receivers[i] < plan.triangle_count)
+                level = level_of_footprint(&plan.store, &plan.steps, &point,
+                                           load_triangle(vertices + plan.first_float, receivers[i]), p);
+            lit += (next ? share : 1.0f - share) *
+                   lookup_in_view(&plan.store, &point, level, set.texels, depths, planes, mips);
         }
         visibility[i] = lit;
     }

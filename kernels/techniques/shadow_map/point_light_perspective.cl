@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Searches for the warp of each face of a lamp's cube, and applies it (point_light_perspective.h):
-//   point_light_perspective_samples  (X, Y, A / z) of every so many receivers, and their face
-//   point_light_perspective_costs    the cost of each face's choices, one work-item for each: sums have one order
-//   everywhere point_light_perspective_warp     the cheapest becomes the face's homography, one work-item per face
+// Searches for the warp of each face of a point light's cube, and applies it (point_light_perspective.h):
+//   ..._samples  (X, Y, A / z) of every so many receivers, and their face
+//   ..._costs    the cost of each face's choices, one work-item for each: every device adds in the same order
+//   ..._warp     the cheapest choice becomes the face's homography, one work-item per face
 #include "simd/points.h"
-#include "techniques/shadow_map/partition.h"
-#include "techniques/shadow_map/planned_view.clh"
+#include "techniques/shadow_map/partition.clh"
 #include "techniques/shadow_map/point_light_perspective.h"
 
 static float dot2(float2 a, float2 b) { return a.x * b.x + a.y * b.y; }
 
 typedef struct FaceWarp {
     float2 along, across;     // d and e
-    float line, extent, x_c;  // least d . (X, Y), what it ranges over, and the middle of e . (X, Y)
+    float line, extent, x_c;  // least d . (X, Y), its range, and the middle of e . (X, Y)
 } FaceWarp;
 
-// Of the box that holds the face's receivers: no receiver lies before its line.
+// The warp over the box of the face's receivers: no receiver lies before its line.
 static FaceWarp make_warp(const KeyBounds* box, uint direction) {
     FaceWarp warp;
     float angle = 2.0f * (float)direction / (float)WARP_DIRECTIONS;
@@ -33,27 +32,27 @@ static FaceWarp make_warp(const KeyBounds* box, uint direction) {
 
 static float distance_of(const FaceWarp* warp, uint choice) { return warp->extent * exp2(0.5f * (float)choice - 4.0f); }
 
-__kernel void point_light_perspective_samples(ViewPlan plan, uint stride, uint sample_count, PointsLayout layout,
+__kernel void point_light_perspective_samples(ViewPlan plan, WarpSampling sampling, PointsLayout layout,
                                               __global const float* positions, __global const float* visibility,
                                               __global const PlannedView* planned, __global float* samples,
                                               __global uint* faces) {
-    GN_FOR_EACH(k, sample_count) {
-        uint i = (uint)k * stride;
+    GN_FOR_EACH(k, sampling.sample_count) {
+        uint i = (uint)k * sampling.stride;
         faces[k] = NO_FACE;
         float3 p = load_point(positions, layout, i);
         if (visibility[i] != 1.0f || !is_present(p)) continue;
         for (uint face = 0; face < plan.view_count && faces[k] == NO_FACE; ++face) {
             __global const PlannedView* view = planned + FIRST_VIEW + face;
-            float4 place;
-            if (!place_in_view(&plan, view, p, &place)) continue;
+            float4 position;
+            if (!position_in_view(&plan, view, p, &position)) continue;
             float z = fmax(dot3(p - to_float3(plan.eye), to_float3(plan.forward)), view->near_depth);
             faces[k] = face;
-            vstore3((float3)(place.xy, place.z / z), k, samples);
+            vstore3((float3)(position.xy, position.z / z), k, samples);
         }
     }
 }
 
-__kernel void point_light_perspective_costs(ViewPlan plan, uint sample_count, __global const float* samples,
+__kernel void point_light_perspective_costs(ViewPlan plan, WarpSampling sampling, __global const float* samples,
                                             __global const uint* faces, __global const KeyBounds* bounds,
                                             __global float* costs) {
     GN_FOR_EACH(item, plan.view_count * WARP_DIRECTIONS * WARP_CHOICES) {
@@ -67,7 +66,7 @@ __kernel void point_light_perspective_costs(ViewPlan plan, uint sample_count, __
         float n = distance_of(&warp, choice);
         float2 low = (float2)(INFINITY), high = (float2)(-INFINITY);
         float wide = 0.0f, deep = 0.0f;
-        for (uint k = 0; k < sample_count; ++k) {
+        for (uint k = 0; k < sampling.sample_count; ++k) {
             if (faces[k] != face) continue;
             float3 sample = vload3(k, samples);
             float at = dot2(warp.along, sample.xy) - warp.line, beside = dot2(warp.across, sample.xy) - warp.x_c;
@@ -81,7 +80,7 @@ __kernel void point_light_perspective_costs(ViewPlan plan, uint sample_count, __
     }
 }
 
-// Its bounds are forgotten: they are to be taken anew. A face that stays plain gets the same ones again.
+// Resets the bounds, which are taken anew. A face that stays plain gets the same bounds again.
 __kernel void point_light_perspective_warp(ViewPlan plan, __global const float* costs, __global KeyBounds* bounds,
                                            __global PlannedView* planned) {
     GN_FOR_EACH(face, plan.view_count) {
@@ -93,7 +92,7 @@ __kernel void point_light_perspective_warp(ViewPlan plan, __global const float* 
             if (costs[first + i] < costs[first + best]) best = i;
         if (is_empty(&box) || best == WARP_DISTANCES) continue;
         FaceWarp warp = make_warp(&box, best / WARP_CHOICES);
-        float4 x = planned_row(view->row_u), y = planned_row(view->row_v), a = planned_row(view->row_w);
+        float4 x = vload4(0, view->row_u), y = vload4(0, view->row_v), a = vload4(0, view->row_w);
         float4 u = x * warp.across.x + y * warp.across.y - a * warp.x_c;
         float4 w = x * warp.along.x + y * warp.along.y - a * (warp.line - distance_of(&warp, best % WARP_CHOICES));
         vstore4(u, 0, view->row_u);

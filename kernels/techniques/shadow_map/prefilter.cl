@@ -6,17 +6,17 @@
 //   summed area  S(x, y) = sum of the texels up to (x, y): any box is four lookups (Crow 1984; Lauritzen 2007). In
 //                fixed point modulo 2^32, so that no precision is lost however large the map is: a box whose own sum
 //                is below 2^32 comes out exact. For quantities in [0, 1]; those in [-1, 1] are moved there.
-//   mip          a chain of halves (mip_chain.h); the lookup chooses the level by the pixel's footprint
-#include "techniques/shadow_map/mip_chain.clh"
+//   mip          a chain of halves (moments.h); the lookup chooses the level by the pixel's footprint
 #include "techniques/shadow_map/moments.h"
 
-// Texel i of a view, counted by rows: its place in the map.
-static size_t place_of(__global const MapView* view, uint x, uint y) {
+// Index in the map of a view's texel.
+static size_t map_texel(__global const MapView* view, uint x, uint y) {
     return view->first_texel + (size_t)y * view->row_stride + x;
 }
 
-static void gaussian(uint half_bits, MapSet set, uint planes, uint taps, uint axis, __constant const float* weights,
+static void gaussian(uint half_bits, MapSet set, uint planes, GaussianPass pass, __constant const float* weights,
                      __global const MapView* views, __global const void* input, __global void* output) {
+    uint taps = pass.taps, axis = pass.axis;
     for (uint v = 0; v < set.view_count; ++v) {
         __global const MapView* view = views + v;
         uint texels = view->width * view->height;
@@ -27,7 +27,7 @@ static void gaussian(uint half_bits, MapSet set, uint planes, uint taps, uint ax
             uint texel = (uint)(i % texels), x = texel % view->width, y = texel / view->width;
             size_t plane = i / texels * set.texels;
             int along = (int)(axis == 0u ? x : y);
-            size_t line = plane + place_of(view, axis == 0u ? 0 : x, axis == 0u ? y : 0);
+            size_t line = plane + map_texel(view, axis == 0u ? 0 : x, axis == 0u ? y : 0);
             float sum = 0.0f;
             if (along >= half_taps && along + half_taps <= last) {
                 size_t first = line + (size_t)(along - half_taps) * step;
@@ -38,18 +38,17 @@ static void gaussian(uint half_bits, MapSet set, uint planes, uint taps, uint ax
                     sum += weights[t] * load_number(half_bits, input, at);
                 }
             }
-            store_number(half_bits, output, plane + place_of(view, x, y), sum);
+            store_number(half_bits, output, plane + map_texel(view, x, y), sum);
         }
     }
 }
 
-// One axis: 0 along x, 1 along y.
-__kernel void prefilter_gaussian(StorePlan plan, MapSet set, uint taps, uint axis, __constant const float* weights,
+__kernel void prefilter_gaussian(StorePlan plan, MapSet set, GaussianPass pass, __constant const float* weights,
                                  __global const MapView* views, __global const void* input, __global void* output) {
     if (plan.half_bits)
-        gaussian(1u, set, plan.planes, taps, axis, weights, views, input, output);
+        gaussian(1u, set, plan.planes, pass, weights, views, input, output);
     else
-        gaussian(0u, set, plan.planes, taps, axis, weights, views, input, output);
+        gaussian(0u, set, plan.planes, pass, weights, views, input, output);
 }
 
 // Rows first, turning numbers into fixed point; then columns in place.
@@ -59,7 +58,7 @@ __kernel void prefilter_sum_rows(StorePlan plan, MapSet set, __global const MapV
     for (uint v = 0; v < set.view_count; ++v) {
         __global const MapView* view = views + v;
         GN_FOR_EACH(i, (size_t)view->height * plan.planes) {
-            size_t first = i / view->height * set.texels + place_of(view, 0, (uint)(i % view->height));
+            size_t first = i / view->height * set.texels + map_texel(view, 0, (uint)(i % view->height));
             uint sum = 0;
             for (uint x = 0; x < view->width; ++x) {
                 float number = load_number(plan.half_bits, input, first + x);
@@ -74,7 +73,7 @@ __kernel void prefilter_sum_columns(StorePlan plan, MapSet set, __global const M
     for (uint v = 0; v < set.view_count; ++v) {
         __global const MapView* view = views + v;
         GN_FOR_EACH(i, (size_t)view->width * plan.planes) {
-            size_t first = i / view->width * set.texels + place_of(view, (uint)(i % view->width), 0);
+            size_t first = i / view->width * set.texels + map_texel(view, (uint)(i % view->width), 0);
             uint sum = 0;
             for (uint y = 0; y < view->height; ++y) {
                 sum += sums[first + (size_t)y * view->row_stride];

@@ -4,7 +4,7 @@
 #include "techniques/shadow_map/homography.clh"
 #include "techniques/shadow_map/rectilinear_warp.h"
 
-#define CELLS (WARP_PIECES * WARP_PIECES)
+#define CELLS (WARP_SEGMENTS * WARP_SEGMENTS)
 
 static float camera_depth(const ViewPlan* plan, float3 p) {
     return dot3(p - to_float3(plan->eye), to_float3(plan->forward));
@@ -23,11 +23,9 @@ static float surface_importance(const ViewPlan* plan, const WarpPlan* warp, floa
 }
 
 static uint cell_at(float3 uv) {
-    float2 at = clamp(uv.xy * (float)WARP_PIECES, 0.0f, (float)(WARP_PIECES - 1));
-    return (uint)at.y * WARP_PIECES + (uint)at.x;
+    float2 at = clamp(uv.xy * (float)WARP_SEGMENTS, 0.0f, (float)(WARP_SEGMENTS - 1));
+    return (uint)at.y * WARP_SEGMENTS + (uint)at.x;
 }
-
-__kernel void rectilinear_clear(uint count, __global uint* importance) { GN_FOR_EACH(i, count) importance[i] = 0; }
 
 // Importances are positive, so their bits order like they do.
 __kernel void rectilinear_backward(ViewPlan plan, WarpPlan warp, MapSet set, PointsLayout layout, ulong first_float,
@@ -58,15 +56,12 @@ __kernel void rectilinear_backward(ViewPlan plan, WarpPlan warp, MapSet set, Poi
 // The point at (u, v, depth), by Cramer's rule: (row_u - u row_w) . q = 0, (row_v - v row_w) . q = 0,
 // row_depth . q = depth.
 static float3 point_at(__global const MapView* view, float u, float v, float depth) {
-    float3 a = (float3)(view->row_u[0] - u * view->row_w[0], view->row_u[1] - u * view->row_w[1],
-                        view->row_u[2] - u * view->row_w[2]);
-    float3 b = (float3)(view->row_v[0] - v * view->row_w[0], view->row_v[1] - v * view->row_w[1],
-                        view->row_v[2] - v * view->row_w[2]);
-    float3 c = (float3)(view->row_depth[0], view->row_depth[1], view->row_depth[2]);
+    float3 row_w = vload3(0, view->row_w), c = vload3(0, view->row_depth);
+    float3 a = vload3(0, view->row_u) - u * row_w, b = vload3(0, view->row_v) - v * row_w;
     float3 right =
         (float3)(u * view->row_w[3] - view->row_u[3], v * view->row_w[3] - view->row_v[3], depth - view->row_depth[3]);
     float3 bc = cross3(b, c), ca = cross3(c, a), ab = cross3(a, b);
-    return (bc * right.x + ca * right.y + ab * right.z) / dot3(a, bc) + view_origin(view);
+    return (bc * right.x + ca * right.y + ab * right.z) / dot3(a, bc) + vload3(0, view->origin);
 }
 
 static bool is_in_view(const ViewPlan* plan, float3 p) {
@@ -78,7 +73,7 @@ static bool is_in_view(const ViewPlan* plan, float3 p) {
 }
 
 static float depth_of(__global const float* depths, __global const MapView* view, int x, int y) {
-    int2 at = clamp((int2)(x, y), 0, (int)WARP_PIECES - 1);
+    int2 at = clamp((int2)(x, y), 0, (int)WARP_SEGMENTS - 1);
     return depths[view->first_texel + (uint)at.y * view->row_stride + (uint)at.x];
 }
 
@@ -98,7 +93,7 @@ static float forward_importance(const ViewPlan* plan, const WarpPlan* warp, __gl
                                 __global const float* depths, int x, int y, float farthest) {
     float here = depth_of(depths, view, x, y);
     if (here >= 1.0f) return 0.0f;  // the light sees nothing there
-    float cell = 1.0f / (float)WARP_PIECES, u = ((float)x + 0.5f) * cell, v = ((float)y + 0.5f) * cell;
+    float cell = 1.0f / (float)WARP_SEGMENTS, u = ((float)x + 0.5f) * cell, v = ((float)y + 0.5f) * cell;
     float3 p = point_at(view, u, v, here);
     if ((warp->functions & IMPORTANCE_VIEW) && !is_in_view(plan, p)) return 0.0f;
     float3 across = point_at(view, u + cell, v, depth_of(depths, view, x + 1, y)) - p;
@@ -116,7 +111,7 @@ __kernel void rectilinear_forward(ViewPlan plan, WarpPlan warp, __global const M
         __global const MapView* view = views + i / CELLS;
         if (view->width == 0) continue;
         uint cell = (uint)(i % CELLS);
-        int x = (int)(cell % WARP_PIECES), y = (int)(cell / WARP_PIECES);
+        int x = (int)(cell % WARP_SEGMENTS), y = (int)(cell / WARP_SEGMENTS);
         float mine = warp.analysis == ANALYSIS_HYBRID ? as_float(importance[i])
                                                       : forward_importance(&plan, &warp, view, depths, x, y, farthest);
         if ((warp.functions & IMPORTANCE_EDGE) && is_edge(depths, view, x, y)) mine *= 1.0f + EDGE_GAIN;
@@ -130,48 +125,48 @@ static float blurred(__local const float* lines, int line) {
     float sum = 0.0f, weights = 0.0f;
     for (int step = -BLUR_REACH; step <= BLUR_REACH; ++step) {
         float weight = exp(-0.5f * (float)(step * step) / (BLUR_SIGMA * BLUR_SIGMA));
-        sum += weight * lines[clamp(line + step, 0, (int)WARP_PIECES - 1)];
+        sum += weight * lines[clamp(line + step, 0, (int)WARP_SEGMENTS - 1)];
         weights += weight;
     }
     return sum / weights;
 }
 
-// Work-group g: view g / 2, axis g % 2. `lines` holds 2 WARP_PIECES floats.
+// Work-group g: view g / 2, axis g % 2. `lines` holds 2 WARP_SEGMENTS floats.
 __kernel void rectilinear_tables(WarpPlan warp, __global const uint* importance, __global MapView* views,
                                  __global float* tables, __local float* lines) {
     uint view = (uint)get_group_id(0) / 2, axis = (uint)get_group_id(0) % 2;
     __global const uint* cells = importance + view * CELLS;
-    for (uint line = (uint)get_local_id(0); line < WARP_PIECES; line += (uint)get_local_size(0)) {
+    for (uint line = (uint)get_local_id(0); line < WARP_SEGMENTS; line += (uint)get_local_size(0)) {
         uint largest = 0;
-        for (uint i = 0; i < WARP_PIECES; ++i)
-            largest = max(largest, cells[axis == 0u ? i * WARP_PIECES + line : line * WARP_PIECES + i]);
+        for (uint i = 0; i < WARP_SEGMENTS; ++i)
+            largest = max(largest, cells[axis == 0u ? i * WARP_SEGMENTS + line : line * WARP_SEGMENTS + i]);
         lines[line] = as_float(largest);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint line = (uint)get_local_id(0); line < WARP_PIECES; line += (uint)get_local_size(0))
-        lines[WARP_PIECES + line] = blurred(lines, (int)line);
+    for (uint line = (uint)get_local_id(0); line < WARP_SEGMENTS; line += (uint)get_local_size(0))
+        lines[WARP_SEGMENTS + line] = blurred(lines, (int)line);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) != 0) return;
 
-    __local float* shares = lines + WARP_PIECES;
+    __local float* shares = lines + WARP_SEGMENTS;
     float largest = 0.0f, sum = 0.0f;
-    for (uint i = 0; i < WARP_PIECES; ++i) largest = fmax(largest, shares[i]);
+    for (uint i = 0; i < WARP_SEGMENTS; ++i) largest = fmax(largest, shares[i]);
     // Nothing is important where no point is: then all is.
     float least = largest > 0.0f ? LEAST_IMPORTANCE * largest : 1.0f;
-    for (uint i = 0; i < WARP_PIECES; ++i) {
+    for (uint i = 0; i < WARP_SEGMENTS; ++i) {
         shares[i] = fmax(shares[i], least);
         sum += shares[i];
     }
-    uint first = warp.tables_first + view * 2 * (WARP_PIECES + 1);
-    __global float* table = tables + first + axis * (WARP_PIECES + 1);
+    uint first = warp.tables_first + view * 2 * (WARP_SEGMENTS + 1);
+    __global float* table = tables + first + axis * (WARP_SEGMENTS + 1);
     float before = 0.0f;
-    for (uint i = 0; i < WARP_PIECES; ++i) {
+    for (uint i = 0; i < WARP_SEGMENTS; ++i) {
         table[i] = before / sum;
         before += shares[i];
     }
-    table[WARP_PIECES] = 1.0f;
+    table[WARP_SEGMENTS] = 1.0f;
     if (axis != 0) return;
     views[view].warp = WARP_RECTILINEAR;
-    views[view].warp_size = WARP_PIECES;
+    views[view].warp_size = WARP_SEGMENTS;
     views[view].forward_first = first;
 }

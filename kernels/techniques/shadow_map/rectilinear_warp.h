@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: MIT
-// Contract of rectilinear texture warping (Rosen 2012; survey, slides 89-96): texels are moved along each axis to where
-// the picture needs them.
+// Contract of rectilinear texture warping (Rosen 2012): texels are moved along each axis to where the picture needs
+// them.
 //
-// The view's square is covered by WARP_PIECES x WARP_PIECES cells, each with an importance. What a column (row) of
-// cells needs is its largest importance, blurred by a Gaussian so that neighbours differ little; the warp gives every
+// The view's square is covered by WARP_SEGMENTS x WARP_SEGMENTS cells, each with an importance. A column (row) of cells
+// needs its largest importance, blurred by a Gaussian so that neighbours differ little; the warp gives every
 // column a share of the texels in proportion:
 //   table[i] = (sum of the first i columns' importance) / (sum of all).
 // An analysis finds the importance of a cell:
 //   backward  from the camera's points: the largest importance of the points that lie in the cell
-//   forward   from the light: that of the surface a small map of WARP_PIECES^2 texels sees there
+//   forward   from the light: that of the surface a small map of WARP_SEGMENTS^2 texels sees there
 //   hybrid    backward, and forward's shadow edges
 // It is the product of the chosen functions (d is 0 at the eye, 1 at the farthest point):
 //   view      1 where the camera's view is, 0 elsewhere
 //   distance  1 - d
 //   edge      1 + EDGE_GAIN where depth jumps to one of the 8 neighbours, by more than its slope explains (forward
-//   only) normal    1 + NORMAL_GAIN max(0, -n . view), n towards the eye: more where the surface is seen face on
-// A cell nobody asked for keeps LEAST_IMPORTANCE of the largest, so that tables rise strictly. Texels are rasterized
-// where the warp puts them (map_view.h): what a coarse tessellation did to the original does not arise.
+//             only)
+//   normal    1 + NORMAL_GAIN max(0, -n . view), n towards the eye: more where the surface is seen face on
+// A cell without importance keeps LEAST_IMPORTANCE of the largest, so that tables rise strictly. Texels are rasterized
+// where the warp puts them (map_view.h): the errors of the original's coarse tessellation do not arise.
 #ifndef GN_SHADOW_RECTILINEAR_WARP_H
 #define GN_SHADOW_RECTILINEAR_WARP_H
 
-#include "techniques/shadow_map/partition.h"
+#include "techniques/shadow_map/map_projection.h"
 
-#define WARP_PIECES 256u
+#define WARP_SEGMENTS 256u
 #define BLUR_SIGMA 3.0f  // cells
 #define BLUR_REACH 9     // cells
 #define LEAST_IMPORTANCE 0.02f

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Virtual shadow maps: levels, requests, pages, drawing and lookup (contract: virtual_map.h).
 #include "techniques/shadow_map/caster.clh"
-#include "techniques/shadow_map/diagnostic_colors.clh"
+#include "techniques/shadow_map/diagnostic.h"
 #include "techniques/shadow_map/lookup.h"
 #include "techniques/shadow_map/virtual_map.h"
 
-// The grids of all levels of one light's views, which are the views from first_view on: level_views[view levels +
-// level].
-__kernel void virtual_map_levels(VirtualPlan plan, uint first_view, uint light_views, __global const MapView* views,
+// The grids of all levels of one light's views: level_views[view levels + level].
+__kernel void virtual_map_levels(VirtualPlan plan, VirtualLight light, __global const MapView* views,
                                  __global MapView* level_views) {
-    GN_FOR_EACH(i, light_views * plan.levels) {
-        uint view = first_view + (uint)i / plan.levels, level = (uint)i % plan.levels;
+    GN_FOR_EACH(i, light.view_count * plan.levels) {
+        uint view = light.first_view + (uint)i / plan.levels, level = (uint)i % plan.levels;
         uint size = plan.pages_across << PAGE_LOG2;
         MapView grid = views[i / plan.levels];
         if (grid.width != 0) grid.width = grid.height = size >> level;
@@ -22,25 +21,22 @@ __kernel void virtual_map_levels(VirtualPlan plan, uint first_view, uint light_v
     }
 }
 
-static uint wanted_level(const VirtualPlan* plan, MapSet set, const Receiver* r, float3 p) {
+static uint wanted_level(const VirtualPlan* plan, MapSet set, const MapPoint* point, float3 p) {
     if (plan->pixel_size == 0.0f) return min(plan->level, plan->levels - 1);
-    float camera_depth = (p.x - set.eye[0]) * set.camera_forward[0] + (p.y - set.eye[1]) * set.camera_forward[1] +
-                         (p.z - set.eye[2]) * set.camera_forward[2];
-    float2 density = texels_per_length(r);
-    float texels = fmax(density.x, density.y) * fabs(camera_depth) * plan->pixel_size / plan->detail;
+    float2 density = texels_per_length(point);
+    float texels = fmax(density.x, density.y) * fabs(camera_depth_of(set, p)) * plan->pixel_size / plan->detail;
     uint level = 0;
     for (; level + 1 < plan->levels && texels >= 2.0f; ++level) texels *= 0.5f;
     return level;
 }
 
-// For one light. requested: 0 before. point_entries: the entry that each point asks for, NO_PAGE if none, from
-// first_point on.
-__kernel void virtual_map_request(VirtualPlan plan, uint first_view, ulong first_point, MapSet set, PointsLayout layout,
+// Runs for one light. requested: 0 before. point_entries: the entry that each point requests, NO_PAGE if none.
+__kernel void virtual_map_request(VirtualPlan plan, VirtualLight light, MapSet set, PointsLayout layout,
                                   __global const float* positions, __global const float* visibility,
                                   __global const MapView* views, __global const float* tables, __global uint* requested,
                                   __global uint* point_entries, __global VirtualCounters* counters) {
     GN_FOR_EACH(i, layout.count) {
-        point_entries[first_point + i] = NO_PAGE;
+        point_entries[light.first_point + i] = NO_PAGE;
         if (visibility[i] != 1.0f) continue;
         float3 p = load_point(positions, layout, i);
         if (!is_present(p)) continue;
@@ -49,14 +45,14 @@ __kernel void virtual_map_request(VirtualPlan plan, uint first_view, ulong first
             atomic_inc(&counters->points_outside);
             continue;
         }
-        Receiver r;
-        make_receiver(views + index, tables, p, &r);
-        uint level = wanted_level(&plan, set, &r, p);
-        uint column = texel_below(r.at_texels.x, r.view->width) >> (PAGE_LOG2 + level);
-        uint row = texel_below(r.at_texels.y, r.view->height) >> (PAGE_LOG2 + level);
-        uint entry = page_entry(&plan, first_view + index, level, column, row);
-        point_entries[first_point + i] = entry;
-        // Many points ask for one page: most need not write.
+        MapPoint point;
+        make_map_point(views + index, tables, p, &point);
+        uint level = wanted_level(&plan, set, &point, p);
+        uint column = texel_below(point.at_texels.x, point.view->width) >> (PAGE_LOG2 + level);
+        uint row = texel_below(point.at_texels.y, point.view->height) >> (PAGE_LOG2 + level);
+        uint entry = page_entry(&plan, light.first_view + index, level, column, row);
+        point_entries[light.first_point + i] = entry;
+        // Many points request one page: most need not write.
         if (GN_RELAXED_LOAD(&requested[entry]) == 0 && atomic_xchg(&requested[entry], 1u) == 0)
             atomic_inc(&counters->pages_requested);
     }
@@ -74,10 +70,10 @@ __kernel void virtual_map_pages(VirtualPlan plan, __global const MapView* level_
 }
 
 static void clip_to_page(Caster* caster, uint column, uint row) {
-    caster->low_x = max(caster->low_x, column << PAGE_LOG2);
-    caster->low_y = max(caster->low_y, row << PAGE_LOG2);
-    caster->high_x = min(caster->high_x, ((column + 1) << PAGE_LOG2) - 1);
-    caster->high_y = min(caster->high_y, ((row + 1) << PAGE_LOG2) - 1);
+    caster->covered.low_x = max(caster->covered.low_x, column << PAGE_LOG2);
+    caster->covered.low_y = max(caster->covered.low_y, row << PAGE_LOG2);
+    caster->covered.high_x = min(caster->covered.high_x, ((column + 1) << PAGE_LOG2) - 1);
+    caster->covered.high_y = min(caster->covered.high_y, ((row + 1) << PAGE_LOG2) - 1);
 }
 
 // Draws triangle i into the requested pages of one level of one view, or lists it with each.
@@ -85,9 +81,10 @@ static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint
                             const Caster* caster, __global const uint* requested, __global const uint* page_of,
                             __global const MapView* pages, __global const float* tables, __global uint* touched,
                             __global uint* keys, __global VirtualCounters* counters, __global uint2* pairs) {
-    bool is_small = texels_of(caster) <= SMALL_TEXELS;
-    for (uint row = caster->low_y >> PAGE_LOG2; row <= caster->high_y >> PAGE_LOG2; ++row)
-        for (uint column = caster->low_x >> PAGE_LOG2; column <= caster->high_x >> PAGE_LOG2; ++column) {
+    bool is_small = texels_of(caster->covered) <= SMALL_TEXELS;
+    for (uint row = caster->covered.low_y >> PAGE_LOG2; row <= caster->covered.high_y >> PAGE_LOG2; ++row)
+        for (uint column = caster->covered.low_x >> PAGE_LOG2; column <= caster->covered.high_x >> PAGE_LOG2;
+             ++column) {
             uint entry = page_entry(plan, level_view / plan->levels, level_view % plan->levels, column, row);
             if (requested[entry] == 0) continue;
             uint page = page_of[entry];
@@ -95,8 +92,7 @@ static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint
             if (is_small) {
                 Caster part = *caster;
                 clip_to_page(&part, column, row);
-                draw_rectangle(pass, pages + page, tables, &part, part.low_x, part.low_y, part.high_x, part.high_y,
-                               keys, keys);
+                draw_rectangle(pass, pages + page, tables, &part, part.covered, keys, keys);
                 continue;
             }
             uint at = atomic_inc(&counters->pairs);
@@ -104,7 +100,7 @@ static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint
         }
 }
 
-__kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, ulong first_float, __global const float* vertices,
+__kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, __global const float* vertices,
                                 __global const MapView* level_views, __global const float* tables,
                                 __global const uint* requested, __global const uint* page_of,
                                 __global const MapView* pages, __global uint* touched, __global uint* keys,
@@ -112,10 +108,10 @@ __kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, ulong first_fl
     for (uint level_view = 0; level_view < plan.view_count * plan.levels; ++level_view) {
         uint first = page_entry(&plan, level_view / plan.levels, level_view % plan.levels, 0, 0);
         uint across = plan.pages_across >> (level_view % plan.levels);
-        if (page_of[first] == page_of[first + across * across]) continue;  // none of its pages is asked for
+        if (page_of[first] == page_of[first + across * across]) continue;  // none of its pages is requested
         GN_FOR_EACH(i, pass.triangle_count) {
             Caster caster;
-            if (make_caster(level_views + level_view, tables, load_triangle(vertices + first_float, i), &caster))
+            if (make_caster(level_views + level_view, tables, load_triangle(vertices + pass.first_float, i), &caster))
                 draw_into_pages(&plan, &pass, level_view, (uint)i, &caster, requested, page_of, pages, tables, touched,
                                 keys, counters, pairs);
         }
@@ -123,7 +119,7 @@ __kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, ulong first_fl
 }
 
 // A work-group per pair, a work-item per tile of its page.
-__kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, ulong first_float, __global const float* vertices,
+__kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, __global const float* vertices,
                                 __global const float* tables, __global const uint* page_of,
                                 __global const MapView* pages, __global uint* keys,
                                 __global const VirtualCounters* counters, __global const uint2* pairs) {
@@ -133,28 +129,30 @@ __kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, ulong first_fl
         Page page = page_of_entry(&plan, pair.y);
         __global const MapView* view = pages + page_of[pair.y];
         Caster caster;
-        make_caster(view, tables, load_triangle(vertices + first_float, pair.x), &caster);
+        make_caster(view, tables, load_triangle(vertices + pass.first_float, pair.x), &caster);
         clip_to_page(&caster, page.column, page.row);
-        uint across = tiles_across(caster.low_x, caster.high_x), down = tiles_across(caster.low_y, caster.high_y);
+        uint across = tiles_across(caster.covered.low_x, caster.covered.high_x),
+             down = tiles_across(caster.covered.low_y, caster.covered.high_y);
         for (uint t = (uint)get_local_id(0); t < across * down; t += (uint)get_local_size(0))
-            draw_tile(&pass, view, tables, &caster, (caster.low_x >> TILE_LOG2) + t % across,
-                      (caster.low_y >> TILE_LOG2) + t / across, keys, keys);
+            draw_tile(&pass, view, tables, &caster, (caster.covered.low_x >> TILE_LOG2) + t % across,
+                      (caster.covered.low_y >> TILE_LOG2) + t / across, keys, keys);
     }
 }
 
-__kernel void virtual_map_lookup(VirtualPlan plan, ulong first_point, PointsLayout layout,
+__kernel void virtual_map_lookup(VirtualPlan plan, VirtualLight light, PointsLayout layout,
                                  __global const float* positions, __global const float* tables,
                                  __global const uint* point_entries, __global const uint* page_of,
                                  __global const MapView* pages, __global const uint* keys, __global float* visibility) {
     GN_FOR_EACH(i, layout.count) {
-        uint entry = point_entries[first_point + i];
+        uint entry = point_entries[light.first_point + i];
         if (entry == NO_PAGE) continue;
-        Receiver r;
-        make_receiver(pages + page_of[entry], tables, load_point(positions, layout, i), &r);
-        // Sizes are powers of two, so this texel lies in the page that was asked for.
-        uint x = texel_below(r.at_texels.x, r.view->width), y = texel_below(r.at_texels.y, r.view->height);
-        uint at = r.view->first_texel + y * r.view->row_stride + x;
-        visibility[i] = as_float(keys[at]) >= r.depth - plan.receiver_bias ? 1.0f : 0.0f;
+        MapPoint point;
+        make_map_point(pages + page_of[entry], tables, load_point(positions, layout, i), &point);
+        // Sizes are powers of two, so this texel lies in the requested page.
+        uint x = texel_below(point.at_texels.x, point.view->width),
+             y = texel_below(point.at_texels.y, point.view->height);
+        uint at = point.view->first_texel + y * point.view->row_stride + x;
+        visibility[i] = as_float(keys[at]) >= point.depth - plan.receiver_bias ? 1.0f : 0.0f;
     }
 }
 
@@ -169,6 +167,6 @@ __kernel void virtual_map_page_colors(VirtualPlan plan, PointsLayout layout, __g
             Page page = page_of_entry(&plan, point_entries[i]);
             color = color_at(view_colors[page.level]) * ((page.column + page.row) % 2 != 0 ? 0.75f : 1.0f);
         }
-        store_color(color, i, colors);
+        vstore3(color, i, colors);
     }
 }

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 // Contract of virtual shadow maps (Olsson, Sintorn, Kaempe, Billeter, Assarsson 2014, "Efficient Virtual Shadow Maps
-// for Many Lights"; survey, slide 137): a map of which only the pages that shading points ask for exist.
+// for Many Lights"): a map of which only the pages that shading points request exist.
 //
 // Several lights share one pool: their views stand one after the other, and so do their entries and pages.
 //
 // Each fitted view (map_view.h) of size x size texels has levels 0, 1, 2 ... of size, size / 2, size / 4 ... texels per
 // side, down to one page of PAGE_SIZE x PAGE_SIZE. A page's entry counts through views, their levels, rows and columns:
 //   entry = view entries_per_view + (pages of finer levels) + row pages_across(level) + column
-// A point asks for the page under it at the coarsest level whose texels, across the light, are no wider than its
+// A point requests the page under it at the coarsest level whose texels, across the light, are no wider than its
 // pixel's footprint,
 //   footprint = camera depth x pixel_size / detail,  pixel_size = 2 tan(fov / 2) / height,
-// or, without a camera, at the level of a setting. What is asked for is marked per entry; a prefix sum over the marks
-// gives every such entry a physical page, and only these are cleared and drawn, exactly as the depth pass draws a whole
-// map (caster.h): a page's texels have the bits that a shadow map of its level's size would have.
+// or, without a camera, at the level of a setting. Requests are marked per entry; a prefix sum over the marks gives
+// every requested entry a physical page, and only these are cleared and drawn, exactly as the depth pass draws a whole
+// map (caster.clh): a page's texels have the bits that a shadow map of its level's size would have.
 //
 // A physical page is a MapView of its level's grid whose first_texel is where texel (0, 0) would lie, so that the
 // page's own texels fall into its PAGE_TEXELS words; first_texel may wrap, and sums are taken modulo 2^32.
@@ -37,10 +37,17 @@ GN_STRUCT_BEGIN(VirtualPlan)
     float receiver_bias;    // depth; subtracted from the receiver's
 GN_STRUCT_END(VirtualPlan, 32)
 
+// One light of a run.
+GN_STRUCT_BEGIN(VirtualLight)
+    ulong first_point;  // of the light's point entries
+    uint first_view;    // of the light's views
+    uint view_count;
+GN_STRUCT_END(VirtualLight, 16)
+
 GN_STRUCT_BEGIN(VirtualCounters)
-    uint points_outside;   // open points that no view holds
+    uint points_outside;   // open points that no view serves
     uint pages_requested;  // physical pages
-    uint pairs;            // (triangle, page) wanted
+    uint pairs;            // (triangle, page): also those beyond the buffer's capacity
 GN_STRUCT_END(VirtualCounters, 12)
 
 #ifndef __cplusplus

@@ -33,8 +33,8 @@ struct Lookup {
         layout.coordinate_stride = 1;
         layout.count = static_cast<cl_uint>(count);
         session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup", gnomon::cl::Range::items(count), plan,
-                       views.set, layout, cl_ulong(0), positions, positions, positions, views.views, views.tables, keys,
-                       offsets, visibility);
+                       views.set, layout, positions, positions, positions, views.views, views.tables, keys, offsets,
+                       visibility);
         return downloaded<float>(session, visibility.get(), count);
     }
     double hard(int x, int y, double depth) const {
@@ -133,7 +133,7 @@ TEST(DepthLookup, bias_moves_the_comparison_and_points_outside_are_lit) {
 }
 
 // A half-plane at depth 0.2 over a floor at depth 0.7, under a sun whose disc has tangent 0.4 across: its edge throws a
-// penumbra 0.4 (0.7 - 0.2) = 0.2 wide (Fernando 2005; survey 133), that is 12.8 texels.
+// penumbra 0.4 (0.7 - 0.2) = 0.2 wide (Fernando 2005), that is 12.8 texels.
 TEST(DepthLookup, penumbra_is_as_wide_as_blocker_and_light_make_it) {
     Lookup lookup;
     for (std::uint32_t i = 0; i < size * size; ++i) lookup.depths.push_back(i % size < size / 2 ? 0.2f : 1.0f);

@@ -133,7 +133,7 @@ TEST(DepthPass, no_cracks) {
                 }
             }
         std::vector<ViewCase> cases = view_cases(size, size);
-        cases.erase(cases.begin() + 3);  // the positional one looks elsewhere
+        cases.erase(cases.begin() + 3);  // the point light's view lies elsewhere
         const std::vector<float> depths = drawn(device_with(), cases, triangles);
         for (const ViewCase& c : cases)
             for (std::uint32_t i = 0; i < size * size; ++i) {
@@ -231,10 +231,10 @@ TEST(DepthPass, slope_bias_and_slopes_are_depth_per_texel) {
         EXPECT_NEAR(slope, std::pow(0.1 / 32, 2), 1e-9);
 }
 
-TEST(DepthPass, casters_before_the_near_plane_are_clamped_and_those_behind_a_position_are_not_seen) {
+TEST(DepthPass, casters_before_the_near_plane_are_clamped_and_those_behind_a_point_light_are_not_seen) {
     Floats triangles;
     add(triangles, {-9, -9, -0.5f}, {9, -9, -0.5f}, {0, 9, -0.5f});
-    std::vector<ViewCase> cases{straight_view(16, 16), positional_view(16, 16)};
+    std::vector<ViewCase> cases{straight_view(16, 16), perspective_view(16, 16)};
     const std::vector<float> depths = drawn(device_with(), cases, triangles);
     for (std::uint32_t i = 0; i < 256; ++i) {
         EXPECT_EQ(depths[i], 0.0f);

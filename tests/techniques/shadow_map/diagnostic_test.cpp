@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Diagnostics of shadow maps: the aliasing error against its figure worked out on paper (survey, slides 23-29), and
+// Diagnostics of shadow maps: the aliasing error against its figure worked out on paper, and
 // what the pictures show.
 #include "techniques/shadow_map/diagnostic.hpp"
 
@@ -66,7 +66,7 @@ TEST(diagnostic, aliasing_error_is_the_analytic_figure) {
 }
 
 // One texel to a pixel is green; finer is blue, coarser red.
-TEST(diagnostic, colours_are_those_of_the_survey) {
+TEST(diagnostic, colours_grade_texels_per_pixel) {
     Scene scene = floor_scene();
     const auto light = gnomon::Light::directional({0.1f, -1, 0.1f});
     const auto coarse = draw(scene, light, {}, DIAGNOSTIC_ALIASING, 16),
@@ -152,7 +152,7 @@ TEST(diagnostic, warp_shows_equal_shares_of_the_map) {
     std::size_t dark = 0, light_ones = 0;
     for (std::size_t i = 0; i < drawn.texels_per_pixel.size(); ++i) {
         if (drawn.texels_per_pixel[i] == 0 || drawn.texels_per_pixel[i] > 4) continue;  // far less than a cell's 16
-        const Place at = place(view, to_double(&host.position[3 * i]));
+        const SceneBox at = place(view, to_double(&host.position[3 * i]));
         const double x = at.u * 32, y = at.v * 32;
         if (std::fabs(x - std::round(x)) < 0.01 || std::fabs(y - std::round(y)) < 0.01) continue;
         const bool is_dark = (int(x) + int(y)) % 2 != 0;

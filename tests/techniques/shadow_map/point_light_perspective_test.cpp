@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage lamp perspective: LiSPSM on the faces of a lamp's cube. That every fit holds all points and what casts on them
-// is projection_test's; here, when faces are warped, and that it pays where it should.
+// Stage point_light_perspective: LiSPSM on the faces of a point light's cube. That every fit holds all points and what
+// casts on them is projection_test's; here, when faces are warped, and that it pays where it should.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,9 +79,9 @@ TEST(PointLightPerspective, error_falls_with_resolution_towards_the_truth) {
     EXPECT_LT(double(fine), double(middle) / 2);
 }
 
-// A lamp at the eye before a wall across the view sees what the camera sees: texels are as even as pixels, and nothing
-// is to be won. The map is the plain one, to the bit.
-TEST(PointLightPerspective, a_lamp_at_the_eye_keeps_its_plain_faces) {
+// A point light at the eye before a wall across the view sees what the camera sees: texels are as even as pixels, and
+// nothing is to be won. The map is the plain one, to the bit.
+TEST(PointLightPerspective, a_point_light_at_the_eye_keeps_its_plain_faces) {
     Scene scene(gnomon::Camera::look_at({0, 0, 20}, {0, 0, 0}, {0, 1, 0}, 50));
     Floats wall;
     add(wall, {-60, -60, 0}, {60, -60, 0}, {60, 60, 0});
@@ -93,7 +93,7 @@ TEST(PointLightPerspective, a_lamp_at_the_eye_keeps_its_plain_faces) {
     ASSERT_EQ(warped.views.size(), plain.views.size());
     for (std::size_t face = 0; face < plain.views.size(); ++face)
         EXPECT_EQ(std::memcmp(&warped.views[face], &plain.views[face], sizeof(MapView)), 0) << face;
-    EXPECT_GT(warped_faces(fit(scene, aside, lispsm)), 0u) << "no lamp would warp";
+    EXPECT_GT(warped_faces(fit(scene, aside, lispsm)), 0u) << "no point light would warp";
 }
 
 /// Which of the colours of diagnostic "views" (diagnostic_colors.h) is this, however dark?
@@ -114,7 +114,7 @@ int view_of(const std::uint8_t* color) {
 TEST(PointLightPerspective, points_are_served_by_their_own_face) {
     const Scene scene = along_the_floor();
     const gnomon::ViewOnHost host = gnomon::read(scene.device, scene.triangles, scene.view);
-    const Double3 lamp{3, 60, -70};
+    const Double3 position{3, 60, -70};
     const auto technique = gnomon::make_technique("lispsm", scene.device);
     const std::vector<std::uint8_t> colors =
         technique->diagnose("views", scene.triangles, scene.view.points, gnomon::Light::positional({3, 60, -70}));
@@ -122,7 +122,7 @@ TEST(PointLightPerspective, points_are_served_by_their_own_face) {
     for (std::size_t i = 0; i < host.receiver.size(); ++i) {
         if (host.receiver[i] == gnomon::no_receiver) continue;
         Double3 d;
-        for (std::size_t c = 0; c < 3; ++c) d[c] = double(host.position[3 * i + c]) - lamp[c];
+        for (std::size_t c = 0; c < 3; ++c) d[c] = double(host.position[3 * i + c]) - position[c];
         int axis = 0;
         for (int c = 1; c < 3; ++c)
             if (std::fabs(d[c]) > std::fabs(d[axis])) axis = c;
@@ -139,11 +139,11 @@ TEST(PointLightPerspective, points_are_served_by_their_own_face) {
 // Without a camera there is nothing to follow, and faces that are not fitted to receivers are plain.
 TEST(PointLightPerspective, warps_only_what_follows_the_receivers) {
     Scene scene;
-    const auto lamp = gnomon::Light::positional({1, 6, 4});
-    EXPECT_GT(warped_faces(fit(scene, lamp, lispsm)), 0u);
-    EXPECT_EQ(warped_faces(fit(scene, lamp, lispsm, 256, false)), 0u);
-    EXPECT_EQ(warped_faces(fit(scene, lamp, {{"projection", "lispsm"}, {"fit", "frustum"}})), 0u);
-    EXPECT_EQ(warped_faces(fit(scene, lamp, {})), 0u);
+    const auto point_light = gnomon::Light::positional({1, 6, 4});
+    EXPECT_GT(warped_faces(fit(scene, point_light, lispsm)), 0u);
+    EXPECT_EQ(warped_faces(fit(scene, point_light, lispsm, 256, false)), 0u);
+    EXPECT_EQ(warped_faces(fit(scene, point_light, {{"projection", "lispsm"}, {"fit", "frustum"}})), 0u);
+    EXPECT_EQ(warped_faces(fit(scene, point_light, {})), 0u);
 }
 
 // Sums have one order: the same map for every work-group size.

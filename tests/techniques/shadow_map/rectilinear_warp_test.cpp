@@ -40,7 +40,7 @@ TEST(rectilinear_warp, flat_importance_is_the_plain_map) {
         ASSERT_EQ(view.warp, WARP_RECTILINEAR);
         for (int axis = 0; axis < 2; ++axis) {
             const auto table = table_of(fitted, view, axis);
-            for (std::size_t i = 0; i < table.size(); ++i) ASSERT_NEAR(table[i], double(i) / WARP_PIECES, 2e-6);
+            for (std::size_t i = 0; i < table.size(); ++i) ASSERT_NEAR(table[i], double(i) / WARP_SEGMENTS, 2e-6);
         }
     }
 }
@@ -54,19 +54,19 @@ TEST(rectilinear_warp, texels_are_shared_in_proportion_to_importance) {
     for (std::size_t i = 0; i < scene.positions.size(); i += 3)
         farthest = std::max(farthest, scene.depth(to_double(&scene.positions[i])));
     for (int axis = 0; axis < 2; ++axis) {
-        std::vector<double> lines(WARP_PIECES), shares(WARP_PIECES);
+        std::vector<double> lines(WARP_SEGMENTS), shares(WARP_SEGMENTS);
         for (std::size_t i = 0; i < scene.positions.size(); i += 3) {
             const Double3 p = to_double(&scene.positions[i]);
-            const Place at = place(view, p);
-            double& line = lines[std::size_t((axis == 0 ? at.u : at.v) * WARP_PIECES)];
+            const SceneBox at = place(view, p);
+            double& line = lines[std::size_t((axis == 0 ? at.u : at.v) * WARP_SEGMENTS)];
             line = std::max(line, 1 - scene.depth(p) / farthest);
         }
         double sum = 0;
-        for (int i = 0; i < int(WARP_PIECES); ++i) {
+        for (int i = 0; i < int(WARP_SEGMENTS); ++i) {
             double weights = 0;
             for (int k = -BLUR_REACH; k <= BLUR_REACH; ++k) {
                 const double weight = std::exp(-k * k / (2.0 * BLUR_SIGMA * BLUR_SIGMA));
-                shares[i] += weight * lines[std::clamp(i + k, 0, int(WARP_PIECES) - 1)];
+                shares[i] += weight * lines[std::clamp(i + k, 0, int(WARP_SEGMENTS) - 1)];
                 weights += weight;
             }
             shares[i] /= weights;
@@ -77,8 +77,8 @@ TEST(rectilinear_warp, texels_are_shared_in_proportion_to_importance) {
         EXPECT_EQ(table.front(), 0);
         EXPECT_EQ(table.back(), 1);
         // A point on the border of two cells may count for either: a hundredth of the mean share.
-        for (int i = 0; i < int(WARP_PIECES); ++i)
-            EXPECT_NEAR(table[i + 1] - table[i], shares[i] / sum, 0.01 / WARP_PIECES) << axis << " " << i;
+        for (int i = 0; i < int(WARP_SEGMENTS); ++i)
+            EXPECT_NEAR(table[i + 1] - table[i], shares[i] / sum, 0.01 / WARP_SEGMENTS) << axis << " " << i;
     }
 }
 
@@ -86,9 +86,9 @@ TEST(rectilinear_warp, texels_are_shared_in_proportion_to_importance) {
 double density(const Fitted& fitted, int axis, const Double3& p) {
     const MapView& view = fitted.views.at(0);
     const auto table = table_of(fitted, view, axis);
-    const Place at = place(view, p);
-    const auto cell = std::size_t((axis == 0 ? at.u : at.v) * WARP_PIECES);
-    return (table[cell + 1] - table[cell]) * WARP_PIECES;
+    const SceneBox at = place(view, p);
+    const auto cell = std::size_t((axis == 0 ? at.u : at.v) * WARP_SEGMENTS);
+    return (table[cell + 1] - table[cell]) * WARP_SEGMENTS;
 }
 
 // The light finds out what the camera sees: of a map over the whole floor, the part in the view. 50 m up with 20
@@ -128,7 +128,7 @@ TEST(rectilinear_warp, shadow_edges_draw_texels) {
     }
 }
 
-// Texel centres are the warp's inverse: for the logarithm by the thesis's own constants (eq. 6.4),
+// Texel centres are the warp's inverse: for the logarithm by the constants of Lloyd's dissertation (2007, eq. 6.4),
 //   t = c0 log(c1 y + c2),  v = d0 e^(d1 t) + d2,  with y from y0 to y1 where v goes from 0 to 1.
 TEST(rectilinear_warp, texel_centres_are_the_inverse_of_the_warp) {
     Scene scene;
@@ -151,8 +151,8 @@ TEST(rectilinear_warp, texel_centres_are_the_inverse_of_the_warp) {
     for (int axis = 0; axis < 2; ++axis) {
         const auto table = table_of(tables, warped, axis);
         for (std::uint32_t i = 0; i < warped.width; ++i) {
-            const double centre = tables.tables[warped.centres_first + axis * warped.width + i] * WARP_PIECES;
-            const auto piece = std::min(std::size_t(centre), std::size_t(WARP_PIECES - 1));
+            const double centre = tables.tables[warped.centres_first + axis * warped.width + i] * WARP_SEGMENTS;
+            const auto piece = std::min(std::size_t(centre), std::size_t(WARP_SEGMENTS - 1));
             const double again = table[piece] + (centre - double(piece)) * (table[piece + 1] - table[piece]);
             EXPECT_NEAR(again, (i + 0.5) / warped.width, 2e-6);
         }
@@ -167,7 +167,7 @@ double nearest_at(const Floats& vertices, const MapView& view, double u, double 
         std::array<Double3, 3> h;  // (u w, v w, w)
         std::array<double, 3> depth, weight;
         for (int k = 0; k < 3; ++k) {
-            const Place at = place(view, to_double(&vertices[t + 3 * k]));
+            const SceneBox at = place(view, to_double(&vertices[t + 3 * k]));
             h[k] = {at.u * at.w, at.v * at.w, at.w};
             depth[k] = at.depth;
         }

@@ -35,13 +35,13 @@ std::vector<float> visibility_of(const gnomon::Device& device, const LightScene&
     return answer(device, *technique_with(device, settings, technique), triangles, points, light).visibility;
 }
 
-const Light sun = Light::directional({-0.3f, -1, -0.2f}), lamp = Light::positional({0.3f, 3, 0.2f});
+const Light sun = Light::directional({-0.3f, -1, -0.2f}), point_light = Light::positional({0.3f, 3, 0.2f});
 
 // The share of wrong points is that of texels on shadow edges: it falls as the texels' side.
 TEST(ShadowMap, error_falls_with_resolution_towards_the_truth) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(12);
-    for (const Light& light : {sun, lamp}) {
+    for (const Light& light : {sun, point_light}) {
         const auto truth = visibility_of(device, scene, light, "frustum-traced");
         const auto error = [&](const char* size) {
             return mean_error(truth, visibility_of(device, scene, light, "shadow-map", {{"size", size}}));
@@ -87,7 +87,7 @@ TEST(ShadowMap, adaptive_bias_needs_less_than_slope_scaled_bias) {
 TEST(ShadowMap, every_preset) {
     const gnomon::Device devices[] = {device_with(3), device_with(64)};
     const LightScene scene = floor_and_slabs(12);
-    for (const Light& light : {sun, lamp}) {
+    for (const Light& light : {sun, point_light}) {
         const auto truth = visibility_of(devices[1], scene, light, "frustum-traced");
         for (const auto& technique : gnomon::techniques()) {
             bool is_map = false;

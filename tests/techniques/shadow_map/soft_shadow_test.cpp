@@ -22,11 +22,11 @@ constexpr int samples = 12;        // of the light, along a side
 constexpr float half_span = 0.6f;  // of the points along x
 constexpr int columns = 600, rows = 8;
 
-struct Edge {
+struct CasterEdge {
     gnomon::Triangles triangles;
     gnomon::Points points;  ///< on the floor, row by row along x
 
-    Edge(const gnomon::Device& device, float height)
+    CasterEdge(const gnomon::Device& device, float height)
         : triangles(gnomon::Triangles::upload(device, floor_and_caster(height))),
           points(gnomon::Points::upload(device, places(), std::vector<std::uint32_t>(columns * rows, 0))) {}
 
@@ -58,11 +58,11 @@ struct AreaLight {
 };
 
 std::vector<AreaLight> area_lights() {
-    return {{"lamp", gnomon::Light::positional({0, 4, 0}), square_light({0, 4, 0}, 0.5f, samples), 0.5f, 4},
+    return {{"point light", gnomon::Light::positional({0, 4, 0}), square_light({0, 4, 0}, 0.5f, samples), 0.5f, 4},
             {"sun", gnomon::Light::directional({0, -1, 0}), square_sun(0.25f, samples), 0.25f, INFINITY}};
 }
 
-std::vector<double> shadow_map_visibility(const gnomon::Device& device, const Edge& edge, const AreaLight& light,
+std::vector<double> shadow_map_visibility(const gnomon::Device& device, const CasterEdge& edge, const AreaLight& light,
                                           const char* technique) {
     const auto made = gnomon::make_technique(technique, device);
     made->set("size", "1024");
@@ -94,10 +94,10 @@ TEST(SoftShadow, samples_of_the_light_follow_the_ramp) {
     const gnomon::Device device;
     for (const AreaLight& light : area_lights())
         for (const float height : heights) {
-            const Edge edge(device, height);
+            const CasterEdge edge(device, height);
             const auto truth = area_visibility(device, edge.triangles, edge.points, light.parts);
             for (std::size_t i = 0; i < truth.size(); ++i) {
-                const double x = Edge::x_of(int(i));
+                const double x = CasterEdge::x_of(int(i));
                 const double ramp = std::clamp(0.5 + x / light.penumbra_width(height), 0.0, 1.0);
                 ASSERT_NEAR(truth[i], ramp, 0.5 / samples + 1e-4)
                     << light.name << ", caster at " << height << ", x " << x;
@@ -111,7 +111,7 @@ TEST(SoftShadow, pcss_is_nearer_to_the_area_light_than_a_hard_map) {
     for (const AreaLight& light : area_lights())
         for (const float height : heights) {
             SCOPED_TRACE(std::string(light.name) + ", caster at " + std::to_string(height));
-            const Edge edge(device, height);
+            const CasterEdge edge(device, height);
             const auto truth = area_visibility(device, edge.triangles, edge.points, light.parts);
             const auto soft = shadow_map_visibility(device, edge, light, "pcss");
             const auto hard = shadow_map_visibility(device, edge, light, "shadow-map");

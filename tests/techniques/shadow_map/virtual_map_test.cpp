@@ -9,7 +9,7 @@
 #include "kernels/techniques/shadow_map/lookup.h"
 #include "support/floor_view.hpp"
 #include "techniques/shadow_map/depth_pass.hpp"
-#include "techniques/shadow_map/projection.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
 
 namespace {
 
@@ -37,7 +37,7 @@ Floats floor_slabs_and_sheets() {
     return triangles;
 }
 
-const Light sun = Light::directional({-0.3f, -1, -0.2f}), lamp = Light::positional({0.3f, 3, 0.2f});
+const Light sun = Light::directional({-0.3f, -1, -0.2f}), point_light = Light::positional({0.3f, 3, 0.2f});
 
 /// What a camera sees of the scene, with the camera known or not.
 class VirtualMap : public testing::Test {
@@ -63,7 +63,7 @@ protected:
 // Without a camera all points ask for one level. On the finest, each finds in its page what the whole map of that size
 // holds.
 TEST_F(VirtualMap, finest_level_is_the_shadow_map_of_its_size) {
-    for (const Light& light : {sun, lamp})
+    for (const Light& light : {sun, point_light})
         for (const char* size : {"128", "512", "2048"}) {
             SCOPED_TRACE(size);
             const Answer whole = answer(light, false, "shadow-map", {{"size", size}});
@@ -103,12 +103,13 @@ std::vector<float> whole_level(const gnomon::Device& device, const gnomon::Trian
     bias.slope_limit = 0.05f;
     depths.run(session, inputs.triangles, map_views, bias, false);
     gnomon::LookupPlan plan{};
+    plan.first_float = inputs.triangles.first_float;
     plan.lookup = LOOKUP_HARD;
     plan.receiver_bias = 1e-4f;
     session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup", gnomon::cl::Range::items(points.count()),
-                   plan, map_views.set, inputs.points.layout, inputs.triangles.first_float, inputs.points.positions,
-                   inputs.points.receivers, inputs.triangles.vertices, map_views.views, map_views.tables, depths.keys(),
-                   map_views.tables, visibility);
+                   plan, map_views.set, inputs.points.layout, inputs.points.positions, inputs.points.receivers,
+                   inputs.triangles.vertices, map_views.views, map_views.tables, depths.keys(), map_views.tables,
+                   visibility);
     return downloaded<float>(session, visibility.get(), points.count());
 }
 
@@ -120,7 +121,7 @@ TEST_F(VirtualMap, coarser_levels_are_coarser_maps) {
     Random random(5);
     for (int i = 0; i < 20000; ++i) append(positions, {random.between(-4, 4), 0, random.between(-4, 4)});
     const auto points = gnomon::Points::upload(device_, positions);
-    for (const Light& light : {sun, lamp})
+    for (const Light& light : {sun, point_light})
         for (const std::uint32_t level : {0u, 1u, 3u, 4u, 7u}) {
             const gnomon::Visibility visibility(device_, points.count());
             const auto technique = gnomon::make_technique("virtual-shadow-map", device_);
@@ -137,7 +138,7 @@ TEST_F(VirtualMap, coarser_levels_are_coarser_maps) {
 
 // As fine as pixels ask for, the error is that of shadow edges within a pixel; coarser texels cost error.
 TEST_F(VirtualMap, error_falls_with_detail_and_size_towards_the_truth) {
-    for (const Light& light : {sun, lamp}) {
+    for (const Light& light : {sun, point_light}) {
         const std::vector<float> truth = answer(light, true, "frustum-traced").visibility;
         const auto error = [&](const char* technique, const Settings& settings) {
             return mean_error(truth, answer(light, true, technique, settings).visibility);
@@ -145,7 +146,7 @@ TEST_F(VirtualMap, error_falls_with_detail_and_size_towards_the_truth) {
         const double rough = error("virtual-shadow-map", {{"detail", "0.125"}});
         const double plain = error("virtual-shadow-map", {{"detail", "1"}});
         const double fine = error("virtual-shadow-map", {{"detail", "8"}});
-        // The coarsest level, one page for all, is not much coarser than the lamp's pixels.
+        // The coarsest level, one page for all, is not much coarser than the point light's pixels.
         EXPECT_LT(plain, rough / 1.5);
         EXPECT_LT(fine, plain / 2);
         const double coarse = error("virtual-shadow-map", {{"detail", "8"}, {"size", "128"}});
@@ -159,7 +160,7 @@ TEST_F(VirtualMap, error_falls_with_detail_and_size_towards_the_truth) {
 }
 
 TEST_F(VirtualMap, holds_what_is_asked_for_and_little_else) {
-    for (const Light& light : {sun, lamp}) {
+    for (const Light& light : {sun, point_light}) {
         const gnomon::Statistics s = answer(light, true, "virtual-shadow-map").statistics;
         EXPECT_EQ(s.count("points_outside"), 0u);
         EXPECT_GT(s.count("pages_requested"), 10u);
@@ -173,7 +174,7 @@ TEST_F(VirtualMap, holds_what_is_asked_for_and_little_else) {
 }
 
 TEST_F(VirtualMap, gives_the_same_bits_for_every_work_group_size) {
-    for (const Light& light : {sun, lamp}) {
+    for (const Light& light : {sun, point_light}) {
         const Answer expected = answer(light, true, "virtual-shadow-map");
         for (const std::uint32_t size : {1u, 7u, 33u, 64u}) {
             const Answer got = answer(device_with(size), light, true, "virtual-shadow-map");
@@ -207,7 +208,7 @@ TEST_F(VirtualMap, lights_in_one_pool_are_as_each_alone) {
     const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 60);
     const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
     // The second light comes from below the floor: nothing that is seen faces it.
-    const std::vector<Light> lights{lamp, Light::directional({0, 1, 0}), sun, Light::directional({1, -0.3f, 0})};
+    const std::vector<Light> lights{point_light, Light::directional({0, 1, 0}), sun, Light::directional({1, -0.3f, 0})};
     const auto technique = gnomon::make_technique("virtual-shadow-map", device_);
     technique->set("size", "4096");
     std::vector<gnomon::Visibility> together;

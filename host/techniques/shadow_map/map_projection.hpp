@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Stage projection: projection x partition, the views of a shadow map fitted to the shading points
-// (kernels/techniques/shadow_map/projection.h, kernels/techniques/shadow_map/partition.h).
+// (kernels/techniques/shadow_map/map_projection.h, kernels/techniques/shadow_map/partition.clh).
 #pragma once
 
-#include "kernels/techniques/shadow_map/projection.h"
+#include "api/settings_table.hpp"
+#include "kernels/techniques/shadow_map/map_projection.h"
 #include "techniques/shadow_map/point_light_perspective.hpp"
 #include "techniques/shadow_map/rectilinear_warp.hpp"
 
@@ -12,8 +13,10 @@ namespace gnomon {
 class ViewFit {
 public:
     /// False where the setting is none of the fit's; throws InvalidArgument where its value is not allowed.
-    bool set(std::string_view name, std::string_view value);
-    static std::vector<SettingDescription> settings();
+    bool set(std::string_view name, std::string_view value) {
+        return settings_table().set_if_known(settings_, name, value);
+    }
+    static std::vector<SettingDescription> settings() { return settings_table().descriptions(); }
     /// Fills map_views, texel centres included, with views of size x size texels each (or that many in all, shared out
     /// by error). Nothing is read back.
     void run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views);
@@ -22,17 +25,15 @@ public:
     std::string limits(const FitInputs& inputs) const;
 
 private:
-    struct Settings {
-        cl_uint projection, fit;
-        std::optional<cl_uint> partition, range;  ///< none: chosen by the light and the other settings
-        cl_uint cascades;
-        bool shares_resolution, is_self_similar, is_atlas, blends;
-        float lambda, alpha, overlap, near_plane, far_plane, slide_back;
+    struct Settings : ViewPlan {
+        std::optional<cl_uint> set_partition, set_range;  ///< none: chosen by the light and the other settings
+        cl_uint cascades, analysis, importance;           ///< the last two: of the warp (rectilinear_warp.h)
+        bool is_atlas;
     };
     static const SettingsTable<Settings>& settings_table();
     ViewPlan plan_of(const FitInputs& inputs, std::uint32_t size) const;
-    void run_bounds(cl::Session& session, const ViewPlan& plan, cl_uint first, cl_uint count, bool only_open,
-                    const PointInputs& points, cl_mem visibility);
+    void run_bounds(cl::Session& session, const ViewPlan& plan, const ViewRange& range, const PointInputs& points,
+                    cl_mem visibility);
 
     void run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views);
     void run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);

@@ -4,10 +4,10 @@
 //
 // A step is taken on the plane of the point's receiver: at pixel (x, y) the ray r meets it at e + z r, and one pixel to
 // the side, r + a, the meeting point moves by z (a - r (n . a) / (n . r)).
-#ifndef GN_SHADOW_FOOTPRINT_H
-#define GN_SHADOW_FOOTPRINT_H
+#ifndef GN_TEXEL_FOOTPRINT_H
+#define GN_TEXEL_FOOTPRINT_H
 
-#include "techniques/shadow_map/projection.h"
+#include "techniques/shadow_map/map_projection.h"
 
 // One pixel's step of the camera's rays, whose component along forward is 1.
 GN_STRUCT_BEGIN(PixelSteps)

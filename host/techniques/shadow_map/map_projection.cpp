@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "techniques/shadow_map/projection.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,33 +9,48 @@
 namespace gnomon {
 namespace {
 
-// Two entries come before the views: the scene's box, and camera depths (FIRST_VIEW of projection.cl).
-constexpr std::size_t first_view = 2;
+constexpr const char* file = "techniques/shadow_map/map_projection.cl";
 
-// In the order of their values in projection.h.
+// Two entries come before the views: the scene's box, and camera depths (FIRST_VIEW of map_projection.cl).
+constexpr cl_uint first_view = 2;
+
+// In the order of their values in map_projection.h.
 constexpr std::string_view projections[] = {"uniform", "psm", "lispsm", "logpsm"};
 constexpr std::string_view fits[] = {"receivers", "frustum", "casters", "sphere", "quantised"};
 constexpr std::string_view partitions[] = {"single", "depth", "faces", "auto"};
 constexpr std::string_view ranges[] = {"points", "planes", "auto"};
 constexpr std::string_view storages[] = {"array", "atlas"};
 
+// In the order of their values in rectilinear_warp.h; functions by their bits.
+constexpr std::string_view analyses[] = {"off", "backward", "forward", "hybrid"};
+constexpr std::string_view functions[] = {"view", "distance", "edge", "normal"};
+
+// "view+edge": their bits.
+cl_uint importance_of(const SettingText& value) {
+    cl_uint bits = 0;
+    for (std::string_view rest = value.text; !rest.empty();) {
+        const std::string_view one = rest.substr(0, rest.find('+'));
+        bits |= 1u << SettingText{value.name, one}.choice(functions);
+        rest.remove_prefix(std::min(one.size() + 1, rest.size()));
+    }
+    if (bits == 0) throw InvalidArgument(std::string(value.name) + " is view, distance, edge and normal, joined by +");
+    return bits;
+}
+
 cl_uint view_count(const ViewPlan& plan, cl_uint cascades) {
     if (plan.partition == PARTITION_SINGLE) return 1;
     return plan.partition == PARTITION_DEPTH ? cascades : 6;
-}
-
-void store(float* to, const Double3& v, double extra) {
-    for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(v[i]);
-    to[3] = static_cast<float>(extra);
 }
 
 void store_camera(const PointsCamera& from, ViewPlan& plan) {
     const double tangent = std::tan(from.camera.fov_y_radians / 2);
     std::copy(from.camera.eye.begin(), from.camera.eye.end(), plan.eye);
     plan.eye[3] = 1;
-    store(plan.right, from.camera.right, tangent * from.width / std::max(from.height, 1u));
-    store(plan.up, from.camera.up, tangent);
-    store(plan.forward, from.camera.forward, 0);
+    store(plan.right, from.camera.right);
+    store(plan.up, from.camera.up);
+    store(plan.forward, from.camera.forward);
+    plan.right[3] = static_cast<float>(tangent * from.width / std::max(from.height, 1u));
+    plan.up[3] = static_cast<float>(tangent);
 }
 
 // Entries 0 and 1: rows whose bounds are the scene's box and the points' camera depths.
@@ -44,8 +59,8 @@ std::array<PlannedView, first_view> measures(const ViewPlan& plan) {
     for (PlannedView& view : planned) {
         view.row_w[3] = 1;
         for (int axis = 0; axis < 2; ++axis) view.limit_low[axis] = -HUGE_VALF, view.limit_high[axis] = HUGE_VALF;
-        view.hold_near = -HUGE_VALF;
-        view.hold_far = HUGE_VALF;
+        view.cover_near = -HUGE_VALF;
+        view.cover_far = HUGE_VALF;
         view.face = NO_FACE;
     }
     planned[0].row_u[0] = planned[0].row_v[1] = planned[0].row_depth[2] = 1;
@@ -104,9 +119,9 @@ const SettingsTable<ViewFit::Settings>& ViewFit::settings_table() {
          setting::choice(&S::fit, fits)},
         {{"partition", "auto",
           "auto, single, depth or faces (of the view frustum): how views are shared out; point lights: cube faces"},
-         setting::choice_or_auto(&S::partition, partitions)},
+         setting::choice_or_auto(&S::set_partition, partitions)},
         {{"depth-range", "auto", "points (as far as shading points reach), planes (near to far) or auto"},
-         setting::choice_or_auto(&S::range, ranges)},
+         setting::choice_or_auto(&S::set_range, ranges)},
         {{"cascades", "1", "slices of camera depth, 1 to 8"}, setting::whole(&S::cascades, 1, MOST_VIEWS)},
         {{"lambda", "0.5", "split scheme, from 0 (even) to 1 (logarithmic)"}, setting::number(&S::lambda, 0, 1)},
         {{"overlap", "0.02", "each slice covers this share more at both ends, for filters, 0 to 1"},
@@ -124,48 +139,36 @@ const SettingsTable<ViewFit::Settings>& ViewFit::settings_table() {
         {{"share-v", "0.5", "share-texels: how much goes along the view, 0.05 to 0.95; 0.5 is even"},
          setting::number(&S::alpha, 0.05, 0.95)},
         {{"self-similar", "off", "on or off: slices repeat the first one's fit (lambda 1, fit frustum)"},
-         setting::on_off(&S::is_self_similar)},
+         setting::on_off(&S::self_similar)},
         {{"storage", "array", "array or atlas: views one after the other, or side by side"},
          setting::choice(&S::is_atlas, storages)},
+        {{"warp", "off", "off, backward, forward or hybrid: move texels to where this analysis finds them needed"},
+         setting::choice(&S::analysis, analyses)},
+        {{"importance", "view+distance+edge+normal", "what makes a cell of the warp important, joined by +"},
+         [](S& s, const SettingText& value) { s.importance = importance_of(value); }},
     };
     return table;
 }
 
-bool ViewFit::set(std::string_view name, std::string_view value) {
-    return settings_table().set_if_known(settings_, name, value) || warp_.set(name, value);
-}
-
-std::vector<SettingDescription> ViewFit::settings() {
-    std::vector<SettingDescription> all = settings_table().descriptions();
-    for (SettingDescription& setting : RectilinearWarp::settings()) all.push_back(std::move(setting));
-    return all;
-}
-
 ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
-    ViewPlan plan{};
+    ViewPlan plan = settings_;
     const bool is_point_light = !inputs.light.is_directional();
     std::copy(inputs.light.xyzw.begin(), inputs.light.xyzw.end(), plan.light);
     if (inputs.camera) store_camera(*inputs.camera, plan);
     plan.projection = inputs.camera ? settings_.projection : PROJECTION_UNIFORM;
     plan.fit = inputs.camera || settings_.fit == FIT_CASTERS ? settings_.fit : FIT_RECEIVERS;
-    plan.partition = settings_.partition.value_or(settings_.cascades > 1 ? PARTITION_DEPTH : PARTITION_SINGLE);
+    plan.partition = settings_.set_partition.value_or(settings_.cascades > 1 ? PARTITION_DEPTH : PARTITION_SINGLE);
     if (!inputs.camera) plan.partition = PARTITION_SINGLE;
     const bool follows_view = plan.projection == PROJECTION_PSM || plan.projection == PROJECTION_LOGPSM;
     if (is_point_light && plan.partition != PARTITION_FACES)
         plan.partition = follows_view ? PARTITION_FACES : PARTITION_CUBE;
-    plan.range = settings_.range.value_or(RANGE_POINTS);
+    plan.range = settings_.set_range.value_or(RANGE_POINTS);
     if (plan.fit == FIT_SPHERE || plan.fit == FIT_QUANTISED) plan.range = RANGE_PLANES;
-    plan.near_plane = settings_.near_plane;
-    plan.far_plane = settings_.far_plane;
-    plan.lambda = settings_.lambda;
-    plan.alpha = settings_.alpha;
-    plan.overlap = settings_.overlap;
-    plan.slide_back = settings_.slide_back;
     plan.blends = settings_.blends && plan.partition == PARTITION_DEPTH;
     plan.map_size = size;
     plan.keeps_casters = inputs.keeps_casters;
     plan.view_count = view_count(plan, settings_.cascades);
-    plan.self_similar = settings_.is_self_similar && plan.partition == PARTITION_DEPTH && plan.fit == FIT_FRUSTUM;
+    plan.self_similar = settings_.self_similar && plan.partition == PARTITION_DEPTH && plan.fit == FIT_FRUSTUM;
     if (plan.self_similar != 0) plan.lambda = 1;
     plan.shares_resolution = settings_.shares_resolution && plan.view_count > 1;
     if (settings_.is_atlas && plan.shares_resolution == 0)
@@ -175,19 +178,18 @@ ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
 
 std::string ViewFit::limits(const FitInputs& inputs) const {
     if (!inputs.camera && (settings_.projection != PROJECTION_UNIFORM || settings_.cascades > 1 ||
-                           settings_.fit != FIT_RECEIVERS || warp_.is_on()))
+                           settings_.fit != FIT_RECEIVERS || settings_.analysis != ANALYSIS_NONE))
         return "the points have no camera: one uniform view is fitted to them";
     if (!inputs.light.is_directional() && settings_.projection == PROJECTION_LISPSM &&
-        settings_.partition != PARTITION_FACES && settings_.fit != FIT_RECEIVERS)
+        settings_.set_partition != PARTITION_FACES && settings_.fit != FIT_RECEIVERS)
         return "lispsm warps the faces around a point light where they are fitted to the receivers: set fit=receivers";
     return {};
 }
 
-void ViewFit::run_bounds(cl::Session& session, const ViewPlan& plan, cl_uint first, cl_uint count, bool only_open,
-                         const PointInputs& points, cl_mem visibility) {
-    session.launch("techniques/shadow_map/projection.cl", "projection_bounds", cl::Range::groups(session.many_groups()),
-                   plan, first, count, cl_uint(only_open), points.layout, points.positions, visibility, planned_,
-                   bounds_, cl::LocalBytes{sizeof(KeyBounds)});
+void ViewFit::run_bounds(cl::Session& session, const ViewPlan& plan, const ViewRange& range, const PointInputs& points,
+                         cl_mem visibility) {
+    session.launch(file, "map_projection_bounds", cl::Range::groups(session.many_groups()), plan, range, points.layout,
+                   points.positions, visibility, planned_, bounds_, cl::LocalBytes{sizeof(KeyBounds)});
 }
 
 // The views' rows, rectangles and texels, from the bounds.
@@ -196,28 +198,29 @@ void ViewFit::run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_
     map_views.views.reserve(session, plan.view_count * sizeof(MapView));
     map_views.tables.reserve(session,
                              (centre_floats(plan) + RectilinearWarp::table_floats(plan.view_count)) * sizeof(float));
-    session.launch("techniques/shadow_map/projection.cl", "projection_fit", cl::Range::items(plan.view_count), plan,
-                   bounds_, planned_, map_views.views);
+    session.launch(file, "map_projection_fit", cl::Range::items(plan.view_count), plan, bounds_, planned_,
+                   map_views.views);
     if (plan.shares_resolution != 0)
-        session.launch("techniques/shadow_map/projection.cl", "projection_share", cl::Range::groups(1), plan, planned_,
-                       map_views.views);
+        session.launch(file, "map_projection_share", cl::Range::groups(1), plan, planned_, map_views.views);
 }
 
 void ViewFit::run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views) {
-    if (warp_.looks_from_light()) {
+    if ((settings_.analysis & ANALYSIS_FORWARD) != 0) {
         ViewPlan small = plan;
-        small.map_size = WARP_PIECES;
+        small.map_size = WARP_SEGMENTS;
         small.shares_resolution = small.atlas_columns = 0;
         run_fit(session, small, small_views_);
         fill_centres(session, small_views_);
     }
-    warp_.run(session, plan, inputs, bounds_, small_views_, static_cast<cl_uint>(centre_floats(plan)), map_views);
+    const WarpPlan warp{settings_.analysis, settings_.importance, static_cast<cl_uint>(centre_floats(plan)), 0};
+    warp_.run(session, plan, warp, inputs, bounds_, small_views_, map_views);
 }
 
 void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views) {
-    if (warp_.is_on() && settings_.projection == PROJECTION_LOGPSM)
+    if (settings_.analysis != ANALYSIS_NONE && settings_.projection == PROJECTION_LOGPSM)
         throw InvalidArgument("logpsm warps its map already: set warp=off, or projection=uniform, psm or lispsm");
     const ViewPlan plan = plan_of(inputs, size);
+    const ViewRange scene{0, 1, 0}, camera_depths{1, 1, 1}, views{first_view, plan.view_count, 1};
     const std::size_t entries = first_view + plan.view_count;
     planned_.reserve(session, entries * sizeof(PlannedView));
     bounds_.reserve(session, entries * sizeof(KeyBounds));
@@ -225,17 +228,16 @@ void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t s
     const auto measured = measures(plan);
     session.write(planned_.get(), measured.data(), sizeof(measured));
 
-    run_bounds(session, plan, 0, 1, false, vertices_of(inputs.triangles), inputs.visibility);
-    if (inputs.camera) run_bounds(session, plan, 1, 1, true, inputs.points, inputs.visibility);
-    session.launch("techniques/shadow_map/projection.cl", "projection_plan", cl::Range::items(plan.view_count), plan,
-                   bounds_, planned_);
-    run_bounds(session, plan, first_view, plan.view_count, true, inputs.points, inputs.visibility);
+    run_bounds(session, plan, scene, vertices_of(inputs.triangles), inputs.visibility);
+    if (inputs.camera) run_bounds(session, plan, camera_depths, inputs.points, inputs.visibility);
+    session.launch(file, "map_projection_plan", cl::Range::items(plan.view_count), plan, bounds_, planned_);
+    run_bounds(session, plan, views, inputs.points, inputs.visibility);
     if (warps_faces(plan)) {
         point_light_perspective_.run(session, plan, inputs, planned_, bounds_);
-        run_bounds(session, plan, first_view, plan.view_count, true, inputs.points, inputs.visibility);
+        run_bounds(session, plan, views, inputs.points, inputs.visibility);
     }
     run_fit(session, plan, map_views);
-    if (warp_.is_on() && inputs.camera) run_warp(session, plan, inputs, map_views);
+    if (settings_.analysis != ANALYSIS_NONE && inputs.camera) run_warp(session, plan, inputs, map_views);
     fill_centres(session, map_views);
 }
 

@@ -1,44 +1,45 @@
 // SPDX-License-Identifier: MIT
-// Places the views of a shadow map (projection.h) over the shading points, on the device from beginning to end:
-//   projection_bounds  of the scene, of the points' camera depths, of the points of each view
-//   projection_plan    slices and homographies, one work-item per view
-//   projection_fit     the rectangle, the depth range and the texels of each view
+// Fits the views of a shadow map (map_projection.h) to the shading points, on the device from beginning to end:
+//   map_projection_bounds  of the scene, of the points' camera depths, of the points of each view
+//   map_projection_plan    slices and homographies, one work-item per view
+//   map_projection_fit     the rectangle, the depth range and the texels of each view
+//   map_projection_centres where each column and row of texels lies before the warp
 #include "simd/points.h"
-#include "techniques/shadow_map/partition.h"
-#include "techniques/shadow_map/planned_view.clh"
+#include "techniques/shadow_map/partition.clh"
 
 // ---- Bounds ---------------------------------------------------------------------------------------------------------
 
-static void include_place(__local uint* least, float4 place) {
-    float values[4] = {place.x, place.y, place.z, place.w};
+static void include_position(__local uint* least, float4 position) {
+    float values[4] = {position.x, position.y, position.z, position.w};
     for (int i = 0; i < 4; ++i) {
         atomic_min(&least[i], float_to_key(values[i]));
         atomic_min(&least[i + 4], float_to_key(-values[i]));
     }
 }
 
-// Bounds of the points of planned[first] to planned[first + count - 1]. Bounds start as all ones.
-__kernel void projection_bounds(ViewPlan plan, uint first, uint count, uint only_open, PointsLayout layout,
-                                __global const float* positions, __global const float* visibility,
-                                __global const PlannedView* planned, __global KeyBounds* bounds, __local uint* shared) {
-    for (uint index = first; index < first + count; ++index) {
+// Bounds of the points of each view of the range. Bounds start as all ones.
+__kernel void map_projection_bounds(ViewPlan plan, ViewRange range, PointsLayout layout,
+                                    __global const float* positions, __global const float* visibility,
+                                    __global const PlannedView* planned, __global KeyBounds* bounds,
+                                    __local uint* shared) {
+    for (uint index = range.first_view; index < range.first_view + range.view_count; ++index) {
         __global const PlannedView* view = planned + index;
-        // A view that is off has no points; it is not skipped, since every item must come to the barriers.
+        // A view that is off has no points; it is not skipped, since every item must reach the barriers.
         uint points = view->is_off ? 0u : layout.count;
         float4 low = (float4)(INFINITY), high = (float4)(-INFINITY);
         GN_FOR_EACH(i, points) {
-            if (only_open && visibility[i] != 1.0f) continue;
+            if (range.only_open && visibility[i] != 1.0f) continue;
             float3 p = load_point(positions, layout, i);
-            float4 place;
-            if (!is_present(p) || !place_in_view(&plan, view, p, &place)) continue;
-            low = fmin(low, place);
-            high = fmax(high, place);
+            float4 position;
+            if (!is_present(p) || !position_in_view(&plan, view, p, &position)) continue;
+            low = fmin(low, position);
+            high = fmax(high, position);
         }
         for (size_t i = get_local_id(0); i < 8; i += get_local_size(0)) shared[i] = 0xFFFFFFFFu;
         barrier(CLK_LOCAL_MEM_FENCE);
         if (low.x <= high.x) {
-            include_place(shared, low);
-            include_place(shared, high);
+            include_position(shared, low);
+            include_position(shared, high);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
         for (size_t i = get_local_id(0); i < 8; i += get_local_size(0)) atomic_min(&bounds[index].least[i], shared[i]);
@@ -48,26 +49,26 @@ __kernel void projection_bounds(ViewPlan plan, uint first, uint count, uint only
 
 // ---- Plan -----------------------------------------------------------------------------------------------------------
 
-typedef struct Place {
+typedef struct SceneBox {
     float3 origin, box_low, box_high;  // the box is relative to the origin, and a little larger than the scene
     float diagonal;
-} Place;
+} SceneBox;
 
-// Everything is placed relative to the middle of the scene, so that offsets stay small far from the world's origin.
-static Place place_of_scene(KeyBounds scene) {
-    Place place;
-    place.origin = place.box_low = place.box_high = (float3)(0.0f);
-    place.diagonal = 1.0f;
-    if (is_empty(&scene)) return place;
-    float3 low = (float3)(least_of(&scene, 0), least_of(&scene, 1), least_of(&scene, 2));
-    float3 high = (float3)(greatest_of(&scene, 0), greatest_of(&scene, 1), greatest_of(&scene, 2));
-    place.origin = 0.5f * low + 0.5f * high;
+// All positions are relative to the middle of the scene, so that offsets stay small far from the world's origin.
+static SceneBox scene_box(KeyBounds bounds) {
+    SceneBox scene;
+    scene.origin = scene.box_low = scene.box_high = (float3)(0.0f);
+    scene.diagonal = 1.0f;
+    if (is_empty(&bounds)) return scene;
+    float3 low = (float3)(least_of(&bounds, 0), least_of(&bounds, 1), least_of(&bounds, 2));
+    float3 high = (float3)(greatest_of(&bounds, 0), greatest_of(&bounds, 1), greatest_of(&bounds, 2));
+    scene.origin = 0.5f * low + 0.5f * high;
     float3 extent = high - low;
-    place.diagonal = fmax(sqrt(dot3(extent, extent)), 1.0e-18f);
-    float3 margin = (float3)(1.0e-4f * place.diagonal);
-    place.box_low = low - place.origin - margin;
-    place.box_high = high - place.origin + margin;
-    return place;
+    scene.diagonal = fmax(sqrt(dot3(extent, extent)), 1.0e-18f);
+    float3 margin = (float3)(1.0e-4f * scene.diagonal);
+    scene.box_low = low - scene.origin - margin;
+    scene.box_high = high - scene.origin + margin;
+    return scene;
 }
 
 static ViewPlan relative_to(ViewPlan plan, float3 origin) {
@@ -79,43 +80,11 @@ static ViewPlan relative_to(ViewPlan plan, float3 origin) {
     return plan;
 }
 
-// Depths the slices share out. Points behind the camera are no reason to begin there.
-static float2 depth_range(const ViewPlan* plan, KeyBounds depths, float diagonal) {
-    float far_depth = plan->far_plane > 0.0f ? plan->far_plane : diagonal;
-    float near_depth = plan->near_plane > 0.0f ? plan->near_plane : 1.0e-3f * far_depth;
-    if (plan->range == RANGE_POINTS && !is_empty(&depths) && greatest_of(&depths, 2) > 0.0f) {
-        far_depth = greatest_of(&depths, 2) * 1.00001f;
-        near_depth = fmax(least_of(&depths, 2) * 0.99999f, 1.0e-5f * far_depth);
-    }
-    return (float2)(near_depth, fmax(far_depth, near_depth * 1.001f));
-}
-
-static void make_slice(const ViewPlan* plan, float2 range, uint i, PlannedView* view) {
-    bool is_sliced = plan->partition == PARTITION_DEPTH;
-    uint m = is_sliced ? plan->view_count : 1, at = is_sliced ? i : 0;
-    view->near_depth = split_depth(range.x, range.y, plan->lambda, at, m);
-    view->far_depth = split_depth(range.x, range.y, plan->lambda, at + 1, m);
-    float reach = plan->overlap * (view->far_depth - view->near_depth);
-    view->hold_near = at == 0 ? -INFINITY : view->near_depth - reach;
-    view->hold_far = at + 1 == m ? INFINITY : view->far_depth + reach;
-}
-
-// The slice with its overlap, as far as it lies before the camera. The first and the last end where they end, unless
-// slices are to be alike.
-static float2 widened_slice(const ViewPlan* plan, const PlannedView* view) {
-    float reach = plan->overlap * (view->far_depth - view->near_depth);
-    bool is_first = view->hold_near == -INFINITY, is_last = view->hold_far == INFINITY;
-    float2 slice = (float2)(view->near_depth, view->far_depth);
-    if (!is_first || plan->self_similar) slice.x = fmax(slice.x - reach, 1.0e-3f * slice.x);
-    if (!is_last || plan->self_similar) slice.y += reach;
-    return slice;
-}
-
-// What a slice can hold: itself inside the scene's box. Slices that are to repeat each other are left whole.
-static void make_slice_body(const ViewPlan* plan, const PlannedView* view, Place place, Polyhedron* body) {
+// The part of a slice that can hold points: the slice inside the scene's box. Slices that repeat each other stay whole.
+static void make_slice_body(const ViewPlan* plan, const PlannedView* view, SceneBox scene, Polyhedron* body) {
     float2 slice = widened_slice(plan, view);
     if (!plan->self_similar) {
-        make_view_volume(plan, slice.x, slice.y, place.box_low, place.box_high, body);
+        make_view_volume(plan, slice.x, slice.y, scene.box_low, scene.box_high, body);
         return;
     }
     for (body->count = 0; body->count < 8; ++body->count)
@@ -123,7 +92,7 @@ static void make_slice_body(const ViewPlan* plan, const PlannedView* view, Place
 }
 
 // The homography along the view for a directional light, or the plain one where the view gives no direction.
-static Homography along_the_view(const ViewPlan* plan, Place place, PlannedView* view) {
+static Homography along_the_view(const ViewPlan* plan, SceneBox scene, PlannedView* view) {
     bool follows = has_camera(plan) && plan->fit != FIT_SPHERE && plan->fit != FIT_QUANTISED;
     LightAxes axes = make_axes(plan, follows);
     Homography h = orthographic(axes);
@@ -137,7 +106,7 @@ static Homography along_the_view(const ViewPlan* plan, Place place, PlannedView*
     float sine = view_light_sine(plan);
     if (sine < 0.02f) return h;
     Polyhedron body;
-    make_slice_body(plan, view, place, &body);
+    make_slice_body(plan, view, scene, &body);
     float y_least = INFINITY, y_greatest = -INFINITY, z_near = slice.y, z_far = slice.x;
     for (int i = 0; i < body.count; ++i) {
         float y = dot3(axes.y, body.vertices[i].xyz);
@@ -153,9 +122,9 @@ static Homography along_the_view(const ViewPlan* plan, Place place, PlannedView*
     return light_space_perspective(plan, axes, y_least, n);
 }
 
-static void plan_view(const ViewPlan* plan, Place place, uint i, PlannedView* view) {
+static void plan_view(const ViewPlan* plan, SceneBox scene, uint i, PlannedView* view) {
     for (int axis = 0; axis < 2; ++axis) view->limit_low[axis] = -INFINITY, view->limit_high[axis] = INFINITY;
-    view->origin[0] = place.origin.x, view->origin[1] = place.origin.y, view->origin[2] = place.origin.z;
+    view->origin[0] = scene.origin.x, view->origin[1] = scene.origin.y, view->origin[2] = scene.origin.z;
     view->takes_logarithm = view->is_front_only = view->is_off = 0;
     view->face = NO_FACE;
     Homography h;
@@ -166,18 +135,18 @@ static void plan_view(const ViewPlan* plan, Place place, uint i, PlannedView* vi
         for (int axis = 0; axis < 2; ++axis)
             view->limit_low[axis] = -1.0f - SIDE_RIM, view->limit_high[axis] = 1.0f + SIDE_RIM;
         view->is_front_only = 1;
-        set_row(view->row_depth, h.w);
+        vstore4(h.w, 0, view->row_depth);
     } else {
-        h = along_the_view(plan, place, view);
-        set_row(view->row_depth, (float4)(-to_light(plan), 0.0f));
+        h = along_the_view(plan, scene, view);
+        vstore4((float4)(-to_light(plan), 0.0f), 0, view->row_depth);
     }
-    set_row(view->row_u, h.u);
-    set_row(view->row_v, h.v);
-    set_row(view->row_w, h.w);
+    vstore4(h.u, 0, view->row_u);
+    vstore4(h.v, 0, view->row_v);
+    vstore4(h.w, 0, view->row_w);
 }
 
-// Slices of a logarithmic split are copies of the first, scaled about the eye, and so are their maps (thesis, eq. 6.2
-// and 6.3): at p the first view's form has the value it has at eye + (p - eye) scale.
+// Slices of a logarithmic split are copies of the first, scaled about the eye, and so are their maps (Lloyd 2007,
+// eq. 6.2 and 6.3): at p the first view's form has the value it has at eye + (p - eye) scale.
 static float4 scaled_about(float4 row, float3 eye, float scale) {
     return (float4)(row.xyz * scale, row.w + (1.0f - scale) * dot3(row.xyz, eye));
 }
@@ -185,23 +154,24 @@ static float4 scaled_about(float4 row, float3 eye, float scale) {
 static void repeat_first_view(const ViewPlan* plan, const PlannedView* first, PlannedView* view) {
     float scale = first->near_depth / view->near_depth;
     float3 eye = to_float3(plan->eye);
-    set_row(view->row_u, scaled_about(vload4(0, first->row_u), eye, scale));
-    set_row(view->row_v, scaled_about(vload4(0, first->row_v), eye, scale));
-    set_row(view->row_w, scaled_about(vload4(0, first->row_w), eye, scale));
+    vstore4(scaled_about(vload4(0, first->row_u), eye, scale), 0, view->row_u);
+    vstore4(scaled_about(vload4(0, first->row_v), eye, scale), 0, view->row_v);
+    vstore4(scaled_about(vload4(0, first->row_w), eye, scale), 0, view->row_w);
 }
 
-__kernel void projection_plan(ViewPlan world_plan, __global const KeyBounds* bounds, __global PlannedView* planned) {
-    Place place = place_of_scene(bounds[0]);
-    ViewPlan plan = relative_to(world_plan, place.origin);
-    float2 range = depth_range(&plan, bounds[1], place.diagonal);
+__kernel void map_projection_plan(ViewPlan world_plan, __global const KeyBounds* bounds,
+                                  __global PlannedView* planned) {
+    SceneBox scene = scene_box(bounds[0]);
+    ViewPlan plan = relative_to(world_plan, scene.origin);
+    float2 range = depth_range(&plan, bounds[1], scene.diagonal);
     GN_FOR_EACH(i, plan.view_count) {
         PlannedView view;
         make_slice(&plan, range, i, &view);
-        plan_view(&plan, place, i, &view);
+        plan_view(&plan, scene, i, &view);
         if (plan.self_similar) {
             PlannedView first;
             make_slice(&plan, range, 0, &first);
-            plan_view(&plan, place, 0, &first);
+            plan_view(&plan, scene, 0, &first);
             repeat_first_view(&plan, &first, &view);
         }
         planned[FIRST_VIEW + i] = view;
@@ -226,14 +196,14 @@ static Rectangle bounds_of_vertices(const PlannedView* view, const float4* verti
     return r;
 }
 
-static Rectangle bounds_of_box(const PlannedView* view, Place place) {
+static Rectangle bounds_of_box(const PlannedView* view, SceneBox scene) {
     float4 corners[8];
-    for (int i = 0; i < 8; ++i) corners[i] = (float4)(box_corner(place.box_low, place.box_high, i), 1.0f);
+    for (int i = 0; i < 8; ++i) corners[i] = (float4)(box_corner(scene.box_low, scene.box_high, i), 1.0f);
     return bounds_of_vertices(view, corners, 8);
 }
 
-// A little room at the rim, so that rounding leaves every point inside: half a texel, and no less than floats tell
-// apart with ease; of v = 1/w, which must stay positive, a share of itself.
+// A little room at the rim, so that rounding leaves every point inside: half a texel, and no less than floats resolve
+// easily; for v = 1/w, which must stay positive, a share of itself.
 static float rim(float low, float high, uint size) {
     return fmax(0.5f * (high - low) / (float)size, 1.0e-5f * fmax(fabs(low), fabs(high)) + 1.0e-18f);
 }
@@ -258,8 +228,9 @@ static Rectangle snapped_square(float center_u, float center_v, float half_width
     return r;
 }
 
-// The slice's bounding sphere (survey 76): centre on the view's axis, as far from the near corners as from the far ones
-// or, where that is beyond the far end, in it. Its radius knows nothing of where the camera is or looks.
+// The slice's bounding sphere: centre on the view's axis, as far from the near corners as from the far ones
+// or, where that is beyond the far end, in it. Its radius depends neither on the camera's position nor on its
+// direction.
 static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view) {
     float2 slice = widened_slice(plan, view);
     float n = slice.x, f = slice.y;
@@ -271,19 +242,19 @@ static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view)
                           plan->map_size);
 }
 
-// The slice's bounds, their size rounded up to 64ths of the scene's (survey 79: scale by 64 levels, offset to texels).
-static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view, Place place) {
+// The slice's bounds, their size rounded up to 64ths of the scene's, and their offset to texels.
+static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view, SceneBox scene) {
     float2 depths = widened_slice(plan, view);
     float4 corners[8];
     for (int i = 0; i < 8; ++i) corners[i] = (float4)(slice_corner(plan, depths.x, depths.y, i), 1.0f);
-    Rectangle slice = bounds_of_vertices(view, corners, 8), scene = bounds_of_box(view, place);
-    float level = 0.5f * fmax(scene.high_u - scene.low_u, scene.high_v - scene.low_v) / 64.0f;
+    Rectangle slice = bounds_of_vertices(view, corners, 8), box = bounds_of_box(view, scene);
+    float level = 0.5f * fmax(box.high_u - box.low_u, box.high_v - box.low_v) / 64.0f;
     float half_width = 0.5f * fmax(slice.high_u - slice.low_u, slice.high_v - slice.low_v);
     return snapped_square(0.5f * (slice.low_u + slice.high_u), 0.5f * (slice.low_v + slice.high_v),
                           ceil(half_width / level) * level, plan->map_size);
 }
 
-static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view, Place place, const Polyhedron* body,
+static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view, SceneBox scene, const Polyhedron* body,
                                   KeyBounds points) {
     if (plan->fit == FIT_RECEIVERS || !has_camera(plan)) {
         Rectangle r = {least_of(&points, 0), greatest_of(&points, 0), least_of(&points, 1), greatest_of(&points, 1)};
@@ -294,26 +265,26 @@ static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view,
         return r;
     }
     if (plan->fit == FIT_SPHERE) return bounds_of_sphere(plan, view);
-    if (plan->fit == FIT_QUANTISED) return quantised_bounds(plan, view, place);
-    if (plan->fit == FIT_CASTERS) return with_rim(bounds_of_box(view, place), view, plan->map_size);
+    if (plan->fit == FIT_QUANTISED) return quantised_bounds(plan, view, scene);
+    if (plan->fit == FIT_CASTERS) return with_rim(bounds_of_box(view, scene), view, plan->map_size);
     return with_rim(bounds_of_vertices(view, body->vertices, body->count), view, plan->map_size);
 }
 
 // Of the scene's box.
-static float2 depths_of_box(const PlannedView* view, Place place) {
+static float2 depths_of_box(const PlannedView* view, SceneBox scene) {
     float2 depths = (float2)(INFINITY, -INFINITY);
     for (int i = 0; i < 8; ++i) {
-        float depth = dot4(vload4(0, view->row_depth), (float4)(box_corner(place.box_low, place.box_high, i), 1.0f));
+        float depth = dot4(vload4(0, view->row_depth), (float4)(box_corner(scene.box_low, scene.box_high, i), 1.0f));
         depths = (float2)(fmin(depths.x, depth), fmax(depths.y, depth));
     }
     return depths;
 }
 
-// Depths the map keeps apart: those of the receivers or, where the map must not follow the camera, of the whole scene.
-// Casters nearer than that are clamped to depth 0; a lookup that measures how far they are has them kept apart.
-static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, Place place, KeyBounds points) {
+// Depths that the map resolves: those of the receivers or, where the map must not follow the camera, of the whole
+// scene. Casters nearer than that are clamped to depth 0, unless the lookup measures their distance.
+static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, SceneBox scene, KeyBounds points) {
     float low = least_of(&points, 2), high = greatest_of(&points, 2);
-    float2 box = depths_of_box(view, place);
+    float2 box = depths_of_box(view, scene);
     if (plan->fit >= FIT_CASTERS && plan->partition <= PARTITION_DEPTH)
         low = box.x, high = box.y;
     else if (plan->keeps_casters)
@@ -322,11 +293,12 @@ static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, Place
     return (float2)(low - NEAR_MARGIN * range, high + FAR_MARGIN * range);
 }
 
-// Unit-cube clipping (Kozlov 2004; survey 41): the rectangle becomes [0, 1], in homogeneous rows.
+// Unit-cube clipping (Kozlov 2004): the rectangle becomes [0, 1], in homogeneous rows.
 static float4 unit_row(float4 row, float4 row_w, float low, float high) { return (row - row_w * low) / (high - low); }
 
 // Largest ratios of a texel of unit resolution to a pixel over the vertices. A texel is 1 / |gradient| wide, a pixel in
-// proportion to the camera depth: so this is the thesis's R_s and R_t (eq. 4.5) but for factors all views share.
+// proportion to the camera depth: so these are Lloyd's R_s and R_t (2007, eq. 4.5) but for factors that all views
+// share.
 static void measure_errors(const ViewPlan* plan, const MapView* map, const float4* vertices, int count, float* error_u,
                            float* error_v) {
     float4 row_u = vload4(0, map->row_u), row_v = vload4(0, map->row_v), row_w = vload4(0, map->row_w);
@@ -348,10 +320,10 @@ static void measure_errors(const ViewPlan* plan, const MapView* map, const float
 static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i, Rectangle r, float2 depths) {
     MapView map;
     float4 row_w = vload4(0, view->row_w), one = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
-    set_row(map.row_u, unit_row(vload4(0, view->row_u), row_w, r.low_u, r.high_u));
-    set_row(map.row_v, unit_row(vload4(0, view->row_v), row_w, r.low_v, r.high_v));
-    set_row(map.row_w, row_w);
-    set_row(map.row_depth, unit_row(vload4(0, view->row_depth), one, depths.x, depths.y));
+    vstore4(unit_row(vload4(0, view->row_u), row_w, r.low_u, r.high_u), 0, map.row_u);
+    vstore4(unit_row(vload4(0, view->row_v), row_w, r.low_v, r.high_v), 0, map.row_v);
+    vstore4(row_w, 0, map.row_w);
+    vstore4(unit_row(vload4(0, view->row_depth), one, depths.x, depths.y), 0, map.row_depth);
     for (int axis = 0; axis < 3; ++axis) map.origin[axis] = view->origin[axis];
     map.front_depth = view->is_front_only ? -depths.x / (depths.y - depths.x) : -INFINITY;
     bool is_sliced = plan->partition == PARTITION_DEPTH;
@@ -374,7 +346,7 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     return map;
 }
 
-// What a side of the view frustum holds at its corners, for its errors.
+// The corners of a side of the view frustum, at which its errors are measured.
 static int side_vertices(const ViewPlan* plan, const PlannedView* view, uint side, float4* vertices) {
     // Sides of slice_corner's numbering, in the order of frustum_side.
     const int sides[6] = {1, 0, 3, 2, 5, 4};
@@ -384,24 +356,24 @@ static int side_vertices(const ViewPlan* plan, const PlannedView* view, uint sid
     return 4;
 }
 
-static void make_body(const ViewPlan* plan, const PlannedView* view, Place place, uint i, Polyhedron* body) {
+static void make_body(const ViewPlan* plan, const PlannedView* view, SceneBox scene, uint i, Polyhedron* body) {
     body->count = 0;
     if (!has_camera(plan) || plan->partition == PARTITION_CUBE) return;
     if (plan->partition == PARTITION_FACES)
         body->count = side_vertices(plan, view, i, body->vertices);
     else
-        make_slice_body(plan, view, place, body);
+        make_slice_body(plan, view, scene, body);
 }
 
-__kernel void projection_fit(ViewPlan world_plan, __global const KeyBounds* bounds, __global PlannedView* planned,
-                             __global MapView* maps) {
-    Place place = place_of_scene(bounds[0]);
-    ViewPlan plan = relative_to(world_plan, place.origin);
+__kernel void map_projection_fit(ViewPlan world_plan, __global const KeyBounds* bounds, __global PlannedView* planned,
+                                 __global MapView* maps) {
+    SceneBox scene = scene_box(bounds[0]);
+    ViewPlan plan = relative_to(world_plan, scene.origin);
     GN_FOR_EACH(i, plan.view_count) {
         PlannedView view = planned[FIRST_VIEW + i];
         KeyBounds points = bounds[FIRST_VIEW + i];
         Polyhedron body;
-        make_body(&plan, &view, place, i, &body);
+        make_body(&plan, &view, scene, i, &body);
         bool is_off = view.is_off || is_empty(&points);
         MapView map;
         if (is_off) {
@@ -409,10 +381,10 @@ __kernel void projection_fit(ViewPlan world_plan, __global const KeyBounds* boun
             map = map_view_of(&plan, &view, i, unit, (float2)(0.0f, 1.0f));
             map.width = map.height = 0;
         } else {
-            map = map_view_of(&plan, &view, i, fitted_rectangle(&plan, &view, place, &body, points),
-                              fitted_depths(&plan, &view, place, points));
+            map = map_view_of(&plan, &view, i, fitted_rectangle(&plan, &view, scene, &body, points),
+                              fitted_depths(&plan, &view, scene, points));
             if (plan.blends && i + 1 < plan.view_count)
-                map.blend_from = fmax(planned[FIRST_VIEW + i + 1].hold_near, view.near_depth);
+                map.blend_from = fmax(planned[FIRST_VIEW + i + 1].cover_near, view.near_depth);
         }
         float error_u = is_off ? 0.0f : 1.0f, error_v = error_u;
         if (!is_off && body.count != 0) measure_errors(&plan, &map, body.vertices, body.count, &error_u, &error_v);
@@ -426,9 +398,9 @@ __kernel void projection_fit(ViewPlan world_plan, __global const KeyBounds* boun
 
 // With T texels in all, view i gets sigma_i T, sigma_i = R_s R_t / sum of R_s R_t, of them along its sides
 //   r_s = sqrt((1 - alpha) / alpha  R_s / R_t  sigma T),  r_t = sqrt(alpha / (1 - alpha)  R_t / R_s  sigma T)
-// (thesis, eq. 6.1). For alpha = 0.5 that is r_s = c R_s, r_t = c R_t with one c for all: the errors R_s / r_s and
+// (Lloyd 2007, eq. 6.1). For alpha = 0.5 that is r_s = c R_s, r_t = c R_t with one c for all: the errors R_s / r_s and
 // R_t / r_t are the same for every view and both axes, and the largest is as small as T allows. One work-item.
-__kernel void projection_share(ViewPlan plan, __global const PlannedView* planned, __global MapView* maps) {
+__kernel void map_projection_share(ViewPlan plan, __global const PlannedView* planned, __global MapView* maps) {
     if (get_global_id(0) != 0) return;
     float sum = 0.0f;
     for (uint i = 0; i < plan.view_count; ++i) sum += planned[FIRST_VIEW + i].error_u * planned[FIRST_VIEW + i].error_v;
@@ -445,5 +417,18 @@ __kernel void projection_share(ViewPlan plan, __global const PlannedView* planne
         map->height = (uint)clamp(even * error_v / bias, (float)LEAST_SIDE, most);
         map->row_stride = map->width;
         first += map->width * map->height;
+    }
+}
+
+// Fills the tables of texel centres of all views.
+__kernel void map_projection_centres(MapSet set, __global const MapView* views, __global float* tables) {
+    for (uint v = 0; v < set.view_count; ++v) {
+        __global const MapView* view = views + v;
+        GN_FOR_EACH(i, view->width + view->height) {
+            uint axis = i < view->width ? 0u : 1u;
+            float at = axis == 0u ? ((float)i + 0.5f) / (float)view->width
+                                  : ((float)(i - view->width) + 0.5f) / (float)view->height;
+            tables[view->centres_first + i] = map_unwarp(view, tables, axis, at);
+        }
     }
 }

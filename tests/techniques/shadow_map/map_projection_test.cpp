@@ -13,7 +13,7 @@ namespace {
 
 using namespace support;
 
-/// Is the direction from the lamp within the face?
+/// Whether the direction from the point light lies within the face.
 bool is_on_face(const Fitted& fitted, const MapView& view, const Double3& p) {
     if (view.face == NO_FACE) return true;
     const std::uint32_t axis = view.face / 2;
@@ -29,7 +29,7 @@ const MapView* view_of(const Fitted& fitted, const Scene& scene, const Double3& 
         const double depth = fitted.set.has_camera != 0 ? scene.depth(p) : 0;
         if (view.width == 0 || !is_on_face(fitted, view, p) || depth < view.select_near || depth >= view.select_far)
             continue;
-        const Place at = place(view, p);
+        const SceneBox at = place(view, p);
         if (is_inside(at) && at.depth > view.front_depth) return &view;
     }
     return nullptr;
@@ -48,8 +48,8 @@ std::vector<std::pair<std::string, gnomon::Light>> lights() {
             {"side", gnomon::Light::directional({-1, -0.4f, 0.1f})},
             {"from behind", gnomon::Light::directional({0.1f, -0.3f, -1})},
             {"from ahead", gnomon::Light::directional({0.05f, -0.3f, 1})},
-            {"lamp in view", gnomon::Light::positional({1, 6, 4})},
-            {"lamp behind", gnomon::Light::positional({-8, 9, 45})}};
+            {"point light in view", gnomon::Light::positional({1, 6, 4})},
+            {"point light behind", gnomon::Light::positional({-8, 9, 45})}};
 }
 
 std::vector<Settings> compositions() {
@@ -91,10 +91,10 @@ TEST(projection, holds_every_point_and_what_casts_on_it) {
                     ++lost;
                     continue;
                 }
-                const Place at = place(*view, p);
+                const SceneBox at = place(*view, p);
                 EXPECT_TRUE(at.depth >= 0 && at.depth <= 1) << at.depth;
                 // A caster 3 m nearer: same texel, smaller depth, and for a direction by the same for all points.
-                const Place nearer = place(*view, sum(p, gnomon::scaled(towards(light, p), 3)));
+                const SceneBox nearer = place(*view, sum(p, gnomon::scaled(towards(light, p), 3)));
                 EXPECT_LT(nearer.depth, at.depth);
                 // Rows are floats: what they are off by is less than a twentieth of a texel, or a tenth of a
                 // millimetre where a view of few points has texels finer than that.
@@ -193,7 +193,7 @@ double largest_swimming(const Settings& settings) {
         for (std::size_t i = 0; i < before.size(); ++i) {
             if (views[i].width == 0 || before[i].width == 0) continue;
             for (const Double3 p : {Double3{0, 0, 0}, Double3{3, 0, 5}, Double3{-4, 2, -7}}) {
-                const Place now = place(views[i], p), then = place(before[i], p);
+                const SceneBox now = place(views[i], p), then = place(before[i], p);
                 for (const double moved : {(now.u - then.u) * 256, (now.v - then.v) * 256})
                     largest = std::max(largest, std::fabs(moved - std::round(moved)));
             }
@@ -311,17 +311,18 @@ TEST(projection, psm_sees_the_post_perspective_cube_in_parallel_if_the_light_is_
             a[c] = random.between(-1, 1), b[c] = random.between(-1, 1);
             middle[c] = (a[c] + b[c]) / 2;
         }
-        const Place at_a = place(view, from_post_perspective(scene, a, 4, 100)),
-                    at_b = place(view, from_post_perspective(scene, b, 4, 100)),
-                    at_middle = place(view, from_post_perspective(scene, middle, 4, 100));
+        const SceneBox at_a = place(view, from_post_perspective(scene, a, 4, 100)),
+                       at_b = place(view, from_post_perspective(scene, b, 4, 100)),
+                       at_middle = place(view, from_post_perspective(scene, middle, 4, 100));
         EXPECT_NEAR(at_middle.u, (at_a.u + at_b.u) / 2, 1e-4);
         EXPECT_NEAR(at_middle.v, (at_a.v + at_b.v) / 2, 1e-4);
         spread = std::max({spread, std::fabs(at_a.u - at_b.u), std::fabs(at_a.v - at_b.v)});
     }
     EXPECT_GT(spread, 0.3) << "all points at one place would pass";
     // The world is not seen in parallel: that would pass as well.
-    const Place near_end = place(view, from_camera(scene, 0, 0, 5)),
-                far_end = place(view, from_camera(scene, 0, 0, 95)), middle = place(view, from_camera(scene, 0, 0, 50));
+    const SceneBox near_end = place(view, from_camera(scene, 0, 0, 5)),
+                   far_end = place(view, from_camera(scene, 0, 0, 95)),
+                   middle = place(view, from_camera(scene, 0, 0, 50));
     EXPECT_GT(std::hypot(middle.u - (near_end.u + far_end.u) / 2, middle.v - (near_end.v + far_end.v) / 2), 0.1);
 }
 
@@ -427,7 +428,7 @@ TEST(projection, frustum_sides_hold_the_rays_that_leave_through_them) {
             const Double3 left_at = sum(p, gnomon::scaled(away, reach));
             const Double3 c = post_perspective(scene, left_at, n, f);
             if (std::max(std::fabs(c[0]), std::fabs(c[1])) > 1.0005) continue;
-            const Place found = place(view, p);
+            const SceneBox found = place(view, p);
             EXPECT_TRUE(is_inside(found)) << exit << " " << found.u << " " << found.v;
             if (exit < 4) {
                 EXPECT_NEAR(found.u, (c[1 - exit / 2] + 1) / 2, 2e-3);
@@ -437,7 +438,7 @@ TEST(projection, frustum_sides_hold_the_rays_that_leave_through_them) {
             }
             for (int side = 0; side < 6; ++side) {
                 if (side == exit || fitted.views[side].width == 0) continue;
-                const Place other = place(fitted.views[side], p);
+                const SceneBox other = place(fitted.views[side], p);
                 const double rim = 2e-3;
                 EXPECT_FALSE(other.u > rim && other.u < 1 - rim && other.v > rim && other.v < 1 - rim &&
                              other.depth > fitted.views[side].front_depth)
@@ -458,9 +459,9 @@ TEST(projection, self_similar_slices_repeat_the_first) {
         const auto views = fit(scene, gnomon::Light::directional({-1, -1, 0.2f}), settings).views;
         for (const auto& [x, y] : {std::pair{0.5, -0.3}, {-0.9, 0.1}, {0.0, 0.0}})
             for (const double z : {2.1, 4.0, 7.5}) {
-                const Place first = place(views[0], from_camera(scene, x, y, z));
+                const SceneBox first = place(views[0], from_camera(scene, x, y, z));
                 for (int i = 1; i < 3; ++i) {
-                    const Place other = place(views[i], from_camera(scene, x, y, z * std::pow(4, i)));
+                    const SceneBox other = place(views[i], from_camera(scene, x, y, z * std::pow(4, i)));
                     EXPECT_NEAR(other.u, first.u, 2e-3);
                     EXPECT_NEAR(other.v, first.v, 2e-3);
                 }
@@ -488,7 +489,7 @@ TEST(projection, shared_texels_even_the_errors_out) {
             for (int corner = 0; corner < 8; ++corner) {
                 const double z = 4 * std::pow(25, (i + corner / 4) / 3.0);
                 const Double3 p = from_camera(scene, corner % 2 * 2 - 1, corner / 2 % 2 * 2 - 1, z);
-                const Place at = place(view, p);
+                const SceneBox at = place(view, p);
                 const double k = view.log_strength;
                 const double warp = view.warp == WARP_LOGARITHMIC ? k / ((1 + k * at.v) * std::log1p(k)) : 1;
                 worst_u = std::max(worst_u, 1 / (slope(view, view.row_u, at.u, p) * view.width * z));
