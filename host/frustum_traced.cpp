@@ -266,7 +266,9 @@ bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
 // stage. (On a CPU it costs nothing, and where no point is open the rest need not run.)
 void FrustumTraced::run_one_frame(const RunInputs& in, RunResult& result) {
     Statistics& statistics = result.statistics;
-    frames_.fit_one(device_.session(), statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
+    cl::Session& session = device_.session();
+    frames_.start_facing(session, statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
+    frames_.fit_one(session, statistics, in.light_frame);
     observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
     const std::size_t stages = statistics.stages.size();
     const FrameResult frame = run_frame(in, 0, statistics, true);
@@ -281,8 +283,8 @@ void FrustumTraced::run_unprepared(const RunInputs& in, RunResult& result) {
     cl::Session& session = device_.session();
     if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0 && !session.is_cpu())
         return run_one_frame(in, result);
-    result.facing = frames_.decide_facing(session, result.statistics, in.light_frame, in.triangles, in.points,
-                                          in.visibility, counters_);
+    frames_.start_facing(session, result.statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
+    result.facing = session.read_value<FrameCounters>(counters_);
     observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
     if (in.triangles.count == 0 || !result.has_open_points(in.points)) return;
     frames_.for_each(session, result.statistics, in.light_frame,
@@ -292,8 +294,7 @@ void FrustumTraced::run_unprepared(const RunInputs& in, RunResult& result) {
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
                               const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
-    PointInputs inputs = point_inputs(points);
-    inputs.layout.is_lifted = points.is_lifted_off(triangles);
+    const PointInputs inputs = point_inputs(points, points.is_lifted_off(triangles));
     return run_on(triangles, inputs, light, visibility.buffer());
 }
 
@@ -309,8 +310,7 @@ Statistics FrustumTraced::classify_footprints(const Triangles& triangles, const 
 Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
                                       const Visibility& visibility) {
     require_run(triangles, samples, light, visibility);
-    PointInputs inputs = point_inputs(samples);
-    inputs.layout.is_lifted = 1;
+    PointInputs inputs = point_inputs(samples, true);
     if (!footprint_lists_) {
         inputs.face_light = true;
         return run_on(triangles, inputs, light, visibility.buffer());

@@ -47,7 +47,8 @@ gnomon_wing(lists append fill group_scan scan sort)
 gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
             library faults regressions)
 
-gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing_cache facing
+gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_bounds facing_blocks
+            facing_cpu facing_gpu
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records tile_bins triangle_tiles bins occluder_lists)

@@ -244,7 +244,7 @@ TriangleInputs triangle_inputs(const Triangles& triangles) {
     return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count()), triangles.clusters()};
 }
 
-PointInputs point_inputs(const Points& points) {
+PointInputs point_inputs(const Points& points, bool is_lifted) {
     PointsLayout layout{};
     layout.first = static_cast<cl_uint>(points.layout().first);
     layout.point_stride = static_cast<cl_uint>(points.layout().point_stride);
@@ -252,6 +252,7 @@ PointInputs point_inputs(const Points& points) {
     layout.count = static_cast<cl_uint>(points.count());
     layout.has_receivers = points.receivers() != nullptr;
     layout.has_eye = points.eye().has_value();
+    layout.is_lifted = is_lifted;
     if (points.eye()) std::copy(points.eye()->begin(), points.eye()->end(), layout.eye);
     if (const auto& picture = points.camera())
         if (picture->width % 4 == 0 && points.count() % (std::size_t(picture->width) * 4) == 0)

@@ -42,9 +42,10 @@ struct PointInputs {
     cl_mem positions;
     cl_mem receivers;             ///< any buffer if there are none
     cl_mem footprints = nullptr;  ///< kernels/receivers/footprint.h, around the points; null: points are points
-    bool face_light = false;      ///< known of all points, and that their receivers do not shadow them
+    bool face_light = false;      ///< all points are known to face the light, and not to shadow themselves
 };
-PointInputs point_inputs(const Points& points);
+/// `is_lifted`: the points are known to be lifted off the triangles of the run (PointsLayout::is_lifted).
+PointInputs point_inputs(const Points& points, bool is_lifted = false);
 
 /// A projection on the device.
 struct ProjectionInput {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Stage facing: points that face away are decided, the others are open, and their bounds are taken
-// (kernels/receivers/facing.cl).
+// Stage facing: decides backfacing points, opens the others and takes their bounds (kernels/receivers/facing.h).
 #pragma once
 
+#include "kernels/receivers/facing.h"
 #include "kernels/simd/frame_counters.h"
 #include "receivers/light_frame.hpp"
 
@@ -14,30 +14,28 @@ public:
     /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
-    /// No point is doubtful, so that all points on a receiver get the same answer.
+    /// All points on a receiver have the same facing, and none may shadow itself.
     static bool can_cache(const PointInputs& points);
-    /// On a CPU: where points can look their receivers up, nobody having asked yet.
-    const cl::Buffer& empty_facing_cache(cl::Session& session, const TriangleInputs& triangles);
+    /// On a CPU: a cache in which no triangle is classified yet (kernels/receivers/facing_cache.clh).
+    const cl::Buffer& empty_cache(cl::Session& session, const TriangleInputs& triangles);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame
-    /// BlockBounds of each block of points (kernels/receivers/block_bounds.h); null where work-items take single
-    /// points, or footprints.
+    /// BlockBounds of each block of points (kernels/receivers/block_bounds.h); null where blocks are single points or
+    /// footprints.
     const cl::Buffer* blocks() const { return has_blocks_ ? &blocks_ : nullptr; }
-    /// On a GPU: how many points floats left unsure, if it was they that were asked, then up to UNDECIDED_CAPACITY of
-    /// these.
+    /// On a GPU: the points that the float filter left undecided (UNDECIDED_CAPACITY).
     const cl::Buffer& undecided() const { return undecided_; }
 
 private:
-    /// Where points look up which way their receivers face: filled already, or by those who ask first. Null: each asks
-    /// for itself.
-    const cl::Buffer* make_answers(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                                   const PointInputs& points, const cl::Buffer& counters);
+    /// Null: every point classifies its receiver.
+    const cl::Buffer* make_cache(cl::Session& session, const FacingParams& params, const TriangleInputs& triangles,
+                                 const PointInputs& points, const cl::Buffer& counters);
 
-    cl::Buffer frame_bounds_, answers_, blocks_, undecided_;
+    cl::Buffer frame_bounds_, cache_, blocks_, undecided_;
     bool has_blocks_ = false;
 };
 
-/// For techniques without frames: decides the points that face away, and leaves all others lit. Returns what it
-/// counted, in `counters`, which has room for FrameCounters afterwards.
+/// For techniques without frames: decides the backfacing points, and leaves all others lit. Returns what it counted, in
+/// `counters`, which has room for FrameCounters afterwards.
 FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
                          const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters);
 

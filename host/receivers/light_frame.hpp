@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage light_frame: the projection fitted to the points that still need an answer (kernels/receivers/light_frame.h).
+// Stage light_frame: the light's grid, fitted to the open points (kernels/receivers/light_frame.h).
 #pragma once
 
 #include "api/inputs.hpp"
@@ -8,7 +8,7 @@
 
 namespace gnomon {
 
-/// The frame of a directional light, or the first of a positional one's POINT_LIGHT_FRAMES (the faces of a cube around
+/// The frame of a directional light, or the first of a point light's POINT_LIGHT_FRAMES (the faces of a cube around
 /// it).
 LightFrame make_light_frame(const Light& light, const FrameGrid& grid);
 inline cl_uint frame_count_of(const LightFrame& light_frame) {
@@ -17,7 +17,7 @@ inline cl_uint frame_count_of(const LightFrame& light_frame) {
 
 class LightFrameFit {
 public:
-    /// Fits projections(), one per frame, to the points that the facing stage left open, by their bounds.
+    /// Fits projections(), one per frame, to the open points, by the bounds from the facing stage.
     void run(cl::Session& session, const LightFrame& light_frame, const cl::Buffer& frame_bounds);
     const cl::Buffer& projections() const { return projections_; }
 

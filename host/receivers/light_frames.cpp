@@ -15,17 +15,7 @@ void LightFrames::start_fit(cl::Session& session, Statistics& statistics, const 
     light_frame_.run(session, light_frame, facing_.frame_bounds());
 }
 
-FrameCounters LightFrames::decide_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                                         const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
-                                         const cl::Buffer& counters) {
-    start_facing(session, statistics, light_frame, triangles, points, visibility, counters);
-    return session.read_value<FrameCounters>(counters);
-}
-
-void LightFrames::fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                          const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
-                          const cl::Buffer& counters) {
-    start_facing(session, statistics, light_frame, triangles, points, visibility, counters);
+void LightFrames::fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
     start_fit(session, statistics, light_frame);
     has_one_ = true;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage receiver_depth_pyramid: per bin the height of the point farthest from the light, and a pyramid of minima
-// (kernels/receivers/receiver_depth_pyramid.cl).
+// Stage receiver_depth_pyramid (Hi-Z): per bin the depth that the farthest open point reaches, and a pyramid over it
+// (kernels/receivers/receiver_depth_pyramid.h has a drawing of its two uses).
 #pragma once
 
 #include "receivers/light_frame.hpp"
@@ -9,25 +9,27 @@ namespace gnomon {
 
 class ReceiverDepthPyramid {
 public:
-    /// Of the frames from `first_frame` on, `frame_count` of them, whose projections lie one behind the other.
-    /// `blocks`: Facing::blocks() of these points, for one frame; null: points are looked at one by one.
+    /// Takes the frames from `first_frame` on, `frame_count` of them, whose projections lie one behind the other.
+    /// `blocks`: Facing::blocks() of these points, for one frame; null: all points are loaded.
     void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
              const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* blocks, cl_mem visibility);
-    /// As if every bin had a point infinitely far from the light, and no doubtful one: for points that are not known
-    /// yet.
+    /// For points that are not known yet: every bin gets a point infinitely far from the light, and no point may shadow
+    /// itself.
     void fill_for_points_anywhere(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count);
     const cl::Buffer& pyramid() const { return pyramid_; }
-    const cl::Buffer& self_shadow_depths() const { return self_shadow_depths_; }  ///< per bin, of doubtful points alone
+    const cl::Buffer& self_shadow_depths() const { return self_shadow_depths_; }  ///< per bin
 
-    /// After the map (null: none, and then it is pyramid()): per bin a height below which no point needs a list of
-    /// triangles; a pyramid too.
+    /// After the map (null: none, and depth_after_map() is pyramid()): a pyramid over the points that the map leaves
+    /// open.
     void run_depth_after_map(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                              const cl::Buffer& projections, const cl::Buffer* map);
-    const cl::Buffer& depth_after_map() const { return knows_map_ ? depth_after_map_ : pyramid_; }
+    const cl::Buffer& depth_after_map() const { return has_map_ ? depth_after_map_ : pyramid_; }
 
 private:
+    void fill(cl::Session& session, std::size_t bins, std::size_t cells, std::size_t filled_cells, cl_uint key);
+
     cl::Buffer pyramid_, self_shadow_depths_, depth_after_map_;
-    bool knows_map_ = false;  ///< depth_after_map_ has been made
+    bool has_map_ = false;  ///< depth_after_map_ has been made
 };
 
 }  // namespace gnomon

@@ -15,8 +15,8 @@ Statistics FramedTechnique::run(const Triangles& triangles, const Points& points
     begin_counts();
     FrameCounters facing{};
     if (points.count() != 0) {
-        facing =
-            frames_.decide_facing(session, s, run.light_frame, run.triangles, run.points, run.visibility, counters_);
+        frames_.start_facing(session, s, run.light_frame, run.triangles, run.points, run.visibility, counters_);
+        facing = session.read_value<FrameCounters>(counters_);
         if (triangles.count() != 0)
             frames_.for_each(session, s, run.light_frame, [&](cl_uint frame) {
                 run_frame(run, frame);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What techniques share that decide their points frame by frame of the light, by a map of triangles: all but the map
+// The base of techniques that decide points frame by frame of the light, by a map of triangles: everything but the map
 // and its lookup.
 #pragma once
 
@@ -28,7 +28,7 @@ protected:
     virtual FrameGrid grid() const = 0;
     /// Decides the open points of a frame, whose projection is frames_.projection(), and counts those in shadow.
     virtual void run_frame(Run& run, cl_uint frame) = 0;
-    /// Before the first frame; after the last, what the technique counts besides what all do.
+    /// begin_counts() runs before the first frame; add_counts() after the last frame adds the technique's own counts.
     virtual void begin_counts() = 0;
     virtual void add_counts(Run& run) const = 0;
 

@@ -1,36 +1,36 @@
 // SPDX-License-Identifier: MIT
-// What the open points of a block span in the light's frame. The facing stage says it of blocks of several points, so
-// that later stages need not load points that they can settle as a block.
+// Contract: the box that the open points of a block span in the light's frame. The facing stage writes one per block of
+// several points, so that later stages need not load points that they can decide as a block.
 #ifndef GN_BLOCK_BOUNDS_H
 #define GN_BLOCK_BOUNDS_H
 
 #include "receivers/light_frame.h"
 
 GN_STRUCT_BEGIN(BlockBounds)
-    // Of grid_values(), with the height (z towards the light; of a lamp -W) in the place of z: the least, and minus the
-    // greatest.
+    // The least of grid_values(), and minus the greatest; height (z towards the light; under a point light -W) replaces
+    // z.
     float x, minus_x, y, minus_y, height, minus_height;
-    uint frame;  // that all open points are in, or BLOCK_*
+    uint frame;  // of all open points, or BLOCK_IN_*
     uint flags;  // BLOCK_ALL_OPEN, BLOCK_MAY_SELF_SHADOW
 GN_STRUCT_END(BlockBounds, 32)
 
 #define BLOCK_IN_NO_FRAME 0xFFFFFFFFu  // no point is open
-#define BLOCK_IN_FRAMES 0xFFFFFFFEu    // the open points are in several: nothing is said of them
-#define BLOCK_ALL_OPEN 1u              // every lane
-#define BLOCK_MAY_SELF_SHADOW 2u       // some of them are
+#define BLOCK_IN_FRAMES 0xFFFFFFFEu    // the open points are in several frames; the other members mean nothing
+#define BLOCK_ALL_OPEN 1u              // every lane is open
+#define BLOCK_MAY_SELF_SHADOW 2u       // an open lane may shadow itself
 
 #ifndef __cplusplus
 
 static float8 least_of_two(float8 a, float8 b) { return select(b, a, a < b); }
 
-// As facing keeps them: in the order of BlockBounds, two more that mean nothing.
+// The spans of points in the order of BlockBounds; the last two components mean nothing.
 #if GN_LANES == 1
-// `lanes` is set.
+// (The one lane is set.)
 static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
     return (float8)(low.x, -high.x, low.y, -high.y, low.z, -high.z, INFINITY, INFINITY);
 }
 #else
-// Least values of eights: a transposition halves the work of each step, where eight reductions one by one would not.
+// Minima of eight values each: a transposition halves the work of each step; eight separate reductions would not.
 static float8 least_of_pairs(float8 a, float8 b) {
     float8 low = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);
     float8 high = (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7);
@@ -56,7 +56,7 @@ static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
 }
 #endif
 
-// Of points in a direction's frame, of these grid values.
+// The bounds of points with these grid values, in a directional light's frame.
 static BlockBounds bounds_of_block(LightFrame frame, PointBlock values, LaneInt lanes) {
     values.z *= frame.sign_z;
     float8 span = span_of_lanes(values, values, lanes);
@@ -64,8 +64,8 @@ static BlockBounds bounds_of_block(LightFrame frame, PointBlock values, LaneInt 
     return bounds;
 }
 
-// World coordinates that belong to grid coordinates from low to high under these z: x = grid x + shear z. The grid
-// coordinates are off by 4u M, the products and sums here by less.
+// World coordinates of grid coordinates from low to high and these z: x = grid x + shear z. The grid coordinates are
+// off by 4u M, the products and sums here by less.
 static void world_bounds(float low, float high, float shear, float z_low, float z_high, float* world_low,
                          float* world_high) {
     float margin = 16.0f * GN_U * (fmax(fabs(low), fabs(high)) + fmax(fabs(z_low), fabs(z_high)));
@@ -73,7 +73,7 @@ static void world_bounds(float low, float high, float shear, float z_low, float 
     *world_high = high + fmax(shear * z_low, shear * z_high) + margin;
 }
 
-// How a frame's projection takes grid values to its grid.
+// A frame's projection from grid values to its grid.
 typedef struct BlockGrid {
     float origin_x, scale_x, offset_x, origin_y, scale_y, offset_y;
     float origin_height, unit;
@@ -81,24 +81,24 @@ typedef struct BlockGrid {
     bool perspective, indistinct;
 } BlockGrid;
 
-// Where a block's points are in the grid, all errors included: texels, and heights as the projection computes them.
+// A box around a block's points in the grid, all errors included: texels, and heights as the projection computes them.
 typedef struct BlockBox {
     uint x0, y0, x1, y1;
     float z0, z1;
 } BlockBox;
 
-// The error. With X the projection's real map (light_frame.cl), every point's computed place is within point_error of
-// X. Made here from grid values instead: they are off by 4u M (M the largest world coordinate; 8u for ratios), so is
-// origin, the difference and the sum round once each. All that is below 16u M scale, for which block_error has 32u M
-// scale (of ratios below 10u scale, which point_error has), and u times the place's magnitudes, which point_error has
-// ten times. So block_error = 2 point_error + 32u M scale; see light_frame.cl.
+// The error. Let X be the projection's real map (light_frame.cl); every point's computed grid position is within
+// point_error of X. Here it comes from grid values instead. These are off by 4u M (M the largest world coordinate; 8u
+// for ratios), and so is origin; the difference and the sum round once each. All that is below 16u M scale, for which
+// block_error has 32u M scale (for ratios below 10u scale, which point_error has), and u times the position's
+// magnitudes, which point_error has ten times. So block_error = 2 point_error + 32u M scale (light_frame.cl).
 static BlockGrid block_grid(LightFrame light_frame, __constant const Projection* projection, uint face) {
     LightFrame frame = face_of(light_frame, face);
     BlockGrid grid;
     grid.perspective = IS_PERSPECTIVE(frame) != 0u;
     grid.indistinct = projection->indistinct != 0u;
     grid.error = projection->block_error;
-    grid.unit = fabs(projection->row_z[frame.axis_z]);  // a power of two, of a lamp
+    grid.unit = fabs(projection->row_z[frame.axis_z]);  // a power of two (point light)
     float z = projection->center[frame.axis_z];
     if (IS_PERSPECTIVE(frame)) {
         grid.scale_x = projection->row_x[frame.axis_x] / grid.unit;
@@ -118,8 +118,8 @@ static BlockGrid block_grid(LightFrame light_frame, __constant const Projection*
     return grid;
 }
 
-// A computed height: parallel the same operation as project_points(), which is monotone; of a lamp a quotient, which
-// may be off by 3 ulp, as theirs.
+// A computed height. Parallel: the same operation as in project_points(), which is monotone. Perspective: a quotient,
+// which may be off by 3 ulp, as in project_points().
 static float height_of_block(const BlockGrid* grid, float height, float error) {
     if (!grid->perspective) return height - grid->origin_height;
     return 1.0f / (grid->unit * -height) * (1.0f + error);

@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: MIT
-// Footprints: what one receiver holds of a pixel's samples, as a region that a triangle can shadow, or miss, at once.
+// Footprints: boxes around the samples of a pixel that lie on one receiver. A triangle can shadow, or miss, a footprint
+// at once.
 //
 // In the world a footprint is  F = { C + a U + b V + d :  |a|, |b| <= 1,  |d_i| <= spread },  and the samples' shading
-// points lie in it. The centres C are laid out like points; an absent one (NaN) says that there is no sample, an
-// infinite spread that the region could not be bounded. Where it comes from: samples.cl.
+// points lie in it. The centres C are laid out like points. An absent centre (NaN) means that there is no sample; an
+// infinite spread means that the region could not be bounded. The samples' stage makes them (samples/samples.cl).
 //
-// In a light's grid the places (X, Y, Z) that project_points() would give them lie in
+// In a light's grid the positions (X, Y, Z) that project_points() would give the samples lie in
 //     { (X, Y, Z)(C) + a u + b v + d :  |a|, |b| <= 1,  |d_i| <= slack_i }.
 // Parallel: the map is linear, u = rows . U, and slack holds |row|_1 spread. Perspective: with g = row_x - X(C) row_z
-// and W the height above the lamp,
+// and W the height above the point light,
 //     X(p) - X(C) = g . (p - C) / W(p),        Z(p) - Z(C) = -Z(C) row_z . (p - C) / W(p),
 // and W(p) lies within W(C) (1 +- k), k = (|row_z . U| + |row_z . V| + |row_z|_1 spread) / W(C). So with u = g . U /
-// W(C) the rest is at most |u| + |v| times k / (1 - k), and spread's part at most |g|_1 spread / (W(C) (1 - k)). What
-// floats lose: C and a point are each a point_error (height_error) away from their real places; k makes that at most
-// twice as much for the differences: 4 errors are added. A row differs from the real one by 4u, W by 14u, and products,
-// sums and quotients here round fewer than 20 times: 64u of the sum of magnitudes is added. FOOTPRINT_SLACK covers the
-// roundings of slack itself.
+// W(C) the rest is at most |u| + |v| times k / (1 - k), and spread's part at most |g|_1 spread / (W(C) (1 - k)).
+// Roundings: C and a point are each a point_error (height_error) away from their real positions, and k makes that at
+// most twice as much for the differences, so that 4 errors are added. A row differs from the real one by 4u, W by 14u,
+// and products, sums and quotients here round fewer than 20 times, so that 64u of the sum of magnitudes is added.
+// FOOTPRINT_SLACK covers the roundings of slack itself.
 #ifndef GN_FOOTPRINT_H
 #define GN_FOOTPRINT_H
 
 #include "prelude.h"
 
-// Floats per footprint beside its centre, each an array over the footprints: U, V, spread.
+// Arrays over the footprints beside their centres: the coordinates of U and V, and spread.
 #define FOOTPRINT_FLOATS 7
 
-// What becomes of a footprint: 0 all samples are in shadow, 1 all are lit, or this.
+// The visibility of a footprint: 0 if all samples are in shadow, 1 if all are lit, else this.
 #define VISIBILITY_MIXED 0.5f
 
 #ifndef __cplusplus
@@ -32,14 +33,14 @@
 #include "receivers/light_frame.h"
 
 #define FOOTPRINT_SLACK 1.01f
-// Bins (or texels) per side that a footprint may span; a larger one is mixed, whatever is above it.
+// Bins (or texels) per side that a footprint may span; a larger one is mixed, whatever occluders there are.
 #if GN_LANES == 1
-#define FOOTPRINT_SPAN 3  // a few that touch more bins would keep a GPU waiting longer than it takes to trace them
+#define FOOTPRINT_SPAN 3  // a GPU would wait longer for a few larger footprints than it takes to trace their samples
 #else
 #define FOOTPRINT_SPAN 8
 #endif
-// Bins per side up to which every bin that a footprint touches is told of it, so that its samples find there what may
-// shadow them. (Of 2.6 million of Sponza's, three span 32 or more.)
+// A footprint that spans up to so many bins per side lowers the depth of every bin that it touches, so that its samples
+// find all their occluders there. (Of Sponza's 2.6 million footprints three span 32 or more.)
 #define LISTED_SPAN 64
 
 typedef struct FootprintBlock {
@@ -60,15 +61,15 @@ static FootprintBlock load_footprints(__global const float* footprints, PointsLa
     return f;
 }
 
-// How far a footprint reaches from its centre along each coordinate.
+// The reach of a footprint from its centre along each coordinate.
 static PointBlock footprint_reach(const FootprintBlock* f) {
     PointBlock reach = {fabs(f->u.x) + fabs(f->v.x) + f->spread, fabs(f->u.y) + fabs(f->v.y) + f->spread,
                         fabs(f->u.z) + fabs(f->v.z) + f->spread};
     return reach;
 }
 
-// Footprints that lie in one frame as a whole: bounded and, in perspective, within the pyramid of the centre's face by
-// more than roundings.
+// The footprints that lie in one frame as a whole: they are bounded and, in perspective, within the pyramid of the
+// centre's face by more than roundings.
 static LaneInt in_one_frame(LightFrame light_frame, PointBlock centres, const FootprintBlock* f) {
     LaneInt bounded = LANE_COMPARE(f->spread, <, (LaneFloat)(INFINITY));
     if (!IS_PERSPECTIVE(light_frame)) return bounded;
@@ -83,14 +84,13 @@ static LaneInt in_one_frame(LightFrame light_frame, PointBlock centres, const Fo
     return bounded & (face_x | face_y | face_z);
 }
 
-// A footprint in the grid: centre, half axes, slack, and how far all of it reaches. Only `usable` lanes say anything.
+// A footprint in the grid: centre, half axes, slack, and the reach of all of it. Only `usable` lanes mean anything.
 typedef struct GridFootprint {
     PointBlock centre, u, v, slack, reach;
     LaneInt usable;
 } GridFootprint;
 
-// One coordinate: `g` as above, `size` at least the magnitudes that make it up, `scale` 1 / W(C), `stretch` 1 / (1 -
-// k).
+// One coordinate: `g` as above, `size` at least the magnitudes in it, `scale` 1 / W(C), `stretch` 1 / (1 - k).
 static void grid_coordinate(PointBlock g, PointBlock size, LaneFloat scale, LaneFloat stretch, LaneFloat k,
                             const FootprintBlock* f, LaneFloat* u, LaneFloat* v, LaneFloat* slack) {
     *u = (g.x * f->u.x + g.y * f->u.y + g.z * f->u.z) * scale;
@@ -147,7 +147,7 @@ static GridFootprint project_footprint(__constant const Projection* projection, 
     return grid;
 }
 
-// The cells of 2^log2 texels that footprints span.
+// The cells of 2^log2 texels per side that footprints span.
 typedef struct CellSpan {
     LaneInt x0, y0, x1, y1;
 } CellSpan;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Contract of the light frame: the projection fitted to the points that still need an answer.
+// Contract of the light frame: the light's grid, fitted to the open points.
 #ifndef GN_LIGHT_FRAME_H
 #define GN_LIGHT_FRAME_H
 
 #include "simd/projection.h"
 
-// What the host knows of a light's frames before the points are looked at. A direction has one frame. A position has
-// POINT_LIGHT_FRAMES, the faces of a cube around it: what is said below is of the first, face_of() makes the others.
+// A light's frames before they are fitted. A directional light has one frame. A point light has POINT_LIGHT_FRAMES, the
+// faces of a cube around it: the members describe the first, and face_of() makes the others.
 GN_STRUCT_BEGIN(LightFrame)
     float light[4];          // homogeneous: w = 0 minus the direction of travel, w = 1 the position
     uint axis_x, axis_y;     // world coordinates that span the grid; axis_x, axis_y, axis_z are a cyclic order
@@ -20,25 +20,22 @@ GN_STRUCT_END(LightFrame, 64)
 
 #define POINT_LIGHT_FRAMES 6u
 
-// Points spread beyond this are not told apart by the grid at all (beyond it floats overflow).
+// The grid does not separate points that are spread beyond this (beyond it floats overflow).
 #define LARGEST_EXTENT 1.0e30f
-// Nor points nearer to a positional light than this, once the farthest is brought within 2 (nearer, floats underflow).
+// Nor points nearer to a point light than this, once the farthest is brought within 2 (nearer, floats underflow).
 #define SMALLEST_W 1.0e-15f
 
 // Bounds of the points of a frame: keys of the highest values and of minus the lowest ones, so that atomic maxima
 // collect them and zero bytes mean "no point".
 #define BOUNDED_VALUES 5
 GN_STRUCT_BEGIN(PointBounds)
-    // Of each value: grid x and y as grid_values() has them, and what holds world x, y, z (in perspective nothing,
-    // nothing and W).
+    // Values 0 and 1 are grid x and y (grid_values()); 2 to 4 bound world x, y, z (in perspective only 4 is used, by
+    // W).
     uint highest[BOUNDED_VALUES];
     uint minus_lowest[BOUNDED_VALUES];
     uint count;
 GN_STRUCT_END(PointBounds, 44)
 #define BOUNDS_WORDS 11
-
-// Levels of the farthest heights' pyramid that one launch makes.
-#define PYRAMID_LEVELS 5
 
 #ifndef __cplusplus
 
@@ -58,9 +55,9 @@ static LightFrame face_of(LightFrame light_frame, uint face) {
     return frame;
 }
 
-// Which frame each point belongs to, POINT_LIGHT_FRAMES if none. Parallel: 0. Perspective: the face of the largest
-// difference to the light (first of equals), on its side. A point at the light itself belongs to none: nothing lies
-// strictly between.
+// The frame of each point, or POINT_LIGHT_FRAMES for none. Parallel: 0. Perspective: the face of the largest difference
+// to the light (first of equals), on its side. A point at the light itself has no frame: no occluder lies strictly
+// between.
 static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
     if (!IS_PERSPECTIVE(light_frame)) return (LaneInt)(0);
     LaneFloat light_x = light_frame.light[0], light_y = light_frame.light[1], light_z = light_frame.light[2];
@@ -72,8 +69,8 @@ static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
     LaneFloat along = LANES_SELECT(LANES_SELECT(z, y, along_y), x, along_x);
     LaneInt face = LANES_SELECT(LANES_SELECT((LaneInt)(4), (LaneInt)(2), along_y), (LaneInt)(0), along_x);
     face -= LANE_COMPARE(along, <, (LaneFloat)(0.0f));
-    // Where denormals are flushed a difference can vanish between unlike positions. Such a point goes to the first
-    // frame, whose heights it makes indistinct.
+    // Where denormals are flushed, a difference of unlike positions can vanish. Such a point goes to the first frame,
+    // and makes the heights there indistinct.
     LaneInt none = LANE_COMPARE(along, ==, (LaneFloat)(0.0f));
     LaneInt unlike = LANE_COMPARE(LANES_AS_INT(points.x), !=, LANES_AS_INT(light_x)) |
                      LANE_COMPARE(LANES_AS_INT(points.y), !=, LANES_AS_INT(light_y)) |
@@ -81,8 +78,8 @@ static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
     return LANES_SELECT(face, LANES_SELECT((LaneInt)(POINT_LIGHT_FRAMES), (LaneInt)(0), unlike), none);
 }
 
-// Points in the grid: X, Y in texels and Z. In perspective the division may be off by 3 ulp. Every kernel takes the
-// places of points from here, so that on one device they agree to the bit.
+// Grid positions of points, X and Y in texels, and Z. In perspective the division may be off by 3 ulp. Every kernel
+// takes grid positions from here, so that on one device they agree to the bit.
 static PointBlock project_points(__constant const Projection* projection, PointBlock points) {
     PointBlock d = {points.x - projection->center[0], points.y - projection->center[1],
                     points.z - projection->center[2]};
@@ -103,14 +100,14 @@ static PointBlock project_points(__constant const Projection* projection, PointB
 static LaneInt texel_indices(LaneFloat coordinate, uint count) {
     return clamp(LANES_TO_INT(coordinate), (LaneInt)(0), (LaneInt)((int)count - 1));
 }
-static LaneInt bins_of(__constant const Projection* projection, PointBlock places) {
-    LaneInt x = texel_indices(places.x, projection->width) >> (int)projection->bin_log2;
-    LaneInt y = texel_indices(places.y, projection->height) >> (int)projection->bin_log2;
+static LaneInt bins_of(__constant const Projection* projection, PointBlock in_grid) {
+    LaneInt x = texel_indices(in_grid.x, projection->width) >> (int)projection->bin_log2;
+    LaneInt y = texel_indices(in_grid.y, projection->height) >> (int)projection->bin_log2;
     return y * (int)projection->bins_x + x;
 }
 
 // x, y and W are homogeneous: a power of two brings W below 2, so that products of three do not overflow in scenes of
-// 1e10 units, and no rounding changes.
+// 1e10 units, and changes no rounding.
 static float unit_of_farthest(float farthest_w) {
     float farthest = fmin(farthest_w, LARGEST_EXTENT);
     return farthest >= 1.0f ? ldexp(1.0f, -ilogb(farthest)) : 1.0f;
@@ -122,7 +119,7 @@ static float4 light_of(LightFrame light_frame) {
 
 static LaneFloat along(PointBlock v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
 
-// Where points are before scaling: grid x and y (sheared coordinates or, in perspective, ratios), and z along the
+// Grid coordinates of points before scaling: x and y (sheared coordinates or, in perspective, ratios), and z along the
 // frame's axis (in perspective W).
 static PointBlock grid_values(LightFrame frame, PointBlock points) {
     PointBlock values;

@@ -19,13 +19,6 @@ GN_STRUCT_BEGIN(PointsLayout)
     uint padding;
 GN_STRUCT_END(PointsLayout, 48)
 
-// What the facing stage does with points that are not backfacing: they are lit, or open, and their bounds are taken.
-#define FACING_DECIDES 0u
-#define FACING_BOUNDS 1u
-
-// On a GPU: the capacity of the list of points that the float filter leaves undecided.
-#define UNDECIDED_CAPACITY 65536u
-
 #ifndef __cplusplus
 
 static float3 load_point(__global const float* positions, PointsLayout layout, size_t i) {

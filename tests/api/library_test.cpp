@@ -756,7 +756,7 @@ TEST_F(KernelsTest, AMissingFileIsNamed) {
 TEST_F(KernelsTest, AChangedKernelIsTheOneThatRuns) {
     // Proof that the folder is read at all: without the trace's decision, nothing is in shadow.
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
-    std::ofstream(folder_ / "receivers/facing.cl", std::ios::app) << "#error changed on purpose\n";
+    std::ofstream(folder_ / "receivers/facing.h", std::ios::app) << "#error changed on purpose\n";
     EXPECT_TRUE(throws<gnomon::OpenClError>(run_something, {"changed on purpose"}));
 }
 
