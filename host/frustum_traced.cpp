@@ -25,6 +25,7 @@
 
 #include "api/statistics.hpp"
 #include "trace/exact_trace.hpp"
+#include "trace/explain.hpp"
 
 namespace gnomon {
 
@@ -406,18 +407,35 @@ void FrustumTraced::describe_counts(const RunInputs& in, RunResult& result) {
                                 {"prepared_fallback_points", result.fallback_points}};
 }
 
-std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const Triangles& triangles,
-                                                  const Points& points, const Light& light) {
-    if (name != "decided") return Technique::diagnose(name, triangles, points, light);
+std::vector<std::uint32_t> FrustumTraced::run_watched(const Triangles& triangles, const Points& points,
+                                                      const Light& light, const Visibility& visibility) {
     struct Watch {
         explicit Watch(std::optional<Provenance>& provenance) : provenance_(provenance) { provenance_.emplace(); }
         ~Watch() { provenance_.reset(); }
         std::optional<Provenance>& provenance_;
     } const watch(provenance_);
-    const Visibility visibility(device_, points.count());
     run(triangles, points, light, visibility);
     if (points.count() == 0) return {};
-    return provenance_colors(provenance_->read(device_.session(), points.count()), visibility.read());
+    return provenance_->read(device_.session(), points.count());
+}
+
+std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const Triangles& triangles,
+                                                  const Points& points, const Light& light) {
+    if (name != "decided") return Technique::diagnose(name, triangles, points, light);
+    const Visibility visibility(device_, points.count());
+    return provenance_colors(run_watched(triangles, points, light, visibility), visibility.read());
+}
+
+Explanation explain(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
+                    const Light& light) {
+    if (index >= points.count())
+        throw InvalidArgument("there is no point " + std::to_string(index) + " to explain: there are " +
+                              std::to_string(points.count()));
+    const Visibility visibility(device, points.count());
+    const std::uint32_t provenance = FrustumTraced(device).run_watched(triangles, points, light, visibility)[index];
+    Explanation explanation = explain_signs(device, triangles, points, index, light);
+    add_provenance(explanation, provenance, visibility.read()[index]);
+    return explanation;
 }
 
 // ---- Preparing ------------------------------------------------------------------------------------------------------

@@ -30,6 +30,10 @@ public:
     std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                        const Light& light) override;
 
+    /// run(), watched: a PROVENANCE_... for each point.
+    std::vector<std::uint32_t> run_watched(const Triangles& triangles, const Points& points, const Light& light,
+                                           const Visibility& visibility);
+
     static TechniqueDescription describe();
 
     /// On a GPU: whether a frame with a map, which counted this, took less time than one without.

@@ -39,6 +39,7 @@ cl_context Device::context() const { return session_->context(); }
 cl_command_queue Device::queue() const { return session_->queue(); }
 std::uint64_t Device::memory_bytes() const { return session_->memory_bytes(); }
 std::uint64_t Device::peak_memory_bytes() const { return session_->peak_memory_bytes(); }
+KernelBuilds Device::kernel_builds() const { return session_->kernel_builds(); }
 
 std::uint64_t Statistics::count(std::string_view name) const {
     for (const auto& [key, value] : counts)

@@ -27,7 +27,19 @@ void require_run(const Triangles& triangles, const Points& points, const Light& 
 void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
                         std::span<const Visibility> visibilities);
 
-class Clusters;
+/// Points whose buffers live as long as these points, or copies of them, do.
+struct OwnedPoints {
+    static Points make(std::shared_ptr<void> positions, const PointLayout& layout, std::size_t count,
+                       std::shared_ptr<void> receivers) {
+        Points points;
+        points.positions_ = std::move(positions);
+        points.receivers_ = std::move(receivers);
+        points.layout_ = layout;
+        points.count_ = count;
+        return points;
+    }
+    static const std::shared_ptr<void>& receivers(const Points& points) { return points.receivers_; }
+};
 
 struct TriangleInputs {
     cl_mem vertices;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gnomon.hpp>
+#include "explain.hpp"
 #include "gallery.hpp"
 #include "listings.hpp"
 #include "options.hpp"
@@ -22,6 +23,7 @@ struct Runner {
     void operator()(const ListDevices&) const { print_result(device_list()); }
     void operator()(const ListTechniques& command) const { print_result(technique_list(command)); }
     void operator()(const RenderOptions& command) const { render(command); }
+    void operator()(const ExplainOptions& command) const { explain(command); }
     void operator()(const GalleryOptions& command) const { gallery(command); }
 };
 

@@ -17,6 +17,7 @@ const char* const main_footer =
     "  gnomon render -o sundial.png                       the built-in sundial\n"
     "  gnomon render scene.glb -o out.png --mask mask.png your scene, and its shadow mask\n"
     "  gnomon render --help                               every option\n"
+    "  gnomon explain scene.glb --pixel 310,42            why a pixel is lit or in shadow\n"
     "  gnomon gallery scene.glb -o gallery.html           every technique beside the exact truth\n"
     "\n"
     "Exit code: 0 done, 1 something failed, 2 the command line is wrong.";
@@ -30,6 +31,16 @@ const char* const render_footer =
     "  gnomon render -o sundial.png --size 640x360\n"
     "  gnomon render room.glb -o room.png --camera 0 --light sun --stats room.json\n"
     "  gnomon render room.glb --aov room.exr --eye 0,2,8 --target 0,1,0 --light-direction -1,-2,-0.5";
+
+const char* const explain_footer =
+    "The pixel is the one of gnomon render with the same scene, --size, camera and light. The signs are those of the\n"
+    "determinants in docs/numerics.md, 1. The stage and the arithmetic are what decided the point in a run of the\n"
+    "exact technique; a point given by --point is a run of its own.\n"
+    "\n"
+    "Examples:\n"
+    "  gnomon explain --size 640x360 --pixel 310,42\n"
+    "  gnomon explain room.glb --camera 0 --light sun --pixel 100,20 --json\n"
+    "  gnomon explain --triangles room.triangles --point 0,1,0.5 --receiver 12 --light-direction -1,-2,-0.5";
 
 const char* const gallery_footer =
     "Every error on the page is against the exact technique of the same run. Times are medians, from triangles and\n"
@@ -75,20 +86,32 @@ void add_value(CLI::App& app, const std::string& group, const std::string& names
         ->allow_extra_args(false);
 }
 
+/// Stores what `parse` reads.
+template <typename To, typename Value>
+Store into(To& to, Value (*parse)(const std::string& option, const std::string& text)) {
+    return [&to, parse](const std::string& option, const std::string& text) { to = parse(option, text); };
+}
+/// The same for a file with this extension; "" allows all.
+template <typename To>
+Store into_file(To& to, const char* extension) {
+    return [&to, extension](const std::string& option, const std::string& text) {
+        to = parse_file(option == "--output" ? "-o (--output)" : option, text, extension);
+    };
+}
+
 void add_camera_options(CLI::App& app, ViewOptions& options) {
     const std::string group = "Camera (default: the scene's first, else one that frames the scene)";
     add_value(app, group, "--size", "WxH",
               "Pixels of the picture, each side up to 16384 (default " + std::to_string(options.size.width) + "x" +
                   std::to_string(options.size.height) + ")",
-              [&](const std::string& option, const std::string& text) { options.size = parse_size(option, text); });
+              into(options.size, parse_size));
     add_value(app, group, "--camera", "NAME|INDEX", "A camera of the scene, by its name or its position from 0",
-              [&](const std::string& option, const std::string& text) { options.camera = parse_name(option, text); });
-    add_value(app, group, "--eye", "X,Y,Z", "Where the camera stands; needs --target",
-              [&](const std::string& option, const std::string& text) { options.eye = parse_float3(option, text); });
+              into(options.camera, parse_name));
+    add_value(app, group, "--eye", "X,Y,Z", "Where the camera stands; needs --target", into(options.eye, parse_float3));
     add_value(app, group, "--target", "X,Y,Z", "What the camera looks at; needs --eye",
-              [&](const std::string& option, const std::string& text) { options.target = parse_float3(option, text); });
+              into(options.target, parse_float3));
     add_value(app, group, "--up", "X,Y,Z", "Which way is up for --eye and --target (default 0,1,0)",
-              [&](const std::string& option, const std::string& text) { options.up = parse_float3(option, text); });
+              into(options.up, parse_float3));
     add_value(app, group, "--fovy", "DEGREES",
               "Vertical field of view, above 0 and below 180\n(default: the camera's own; 50 with --eye)",
               [&](const std::string& option, const std::string& text) {
@@ -108,43 +131,44 @@ void add_light_options(CLI::App& app, ViewOptions& options, const std::string& m
                       throw UsageError(option + " needs a direction that is not 0,0,0");
               });
     add_value(app, group, "--light-position", "X,Y,Z", "A light at a point",
-              [&](const std::string& option, const std::string& text) {
-                  options.light_position = parse_float3(option, text);
-              });
+              into(options.light_position, parse_float3));
     add_value(app, group, "--light", "NAME|INDEX", "A light of the scene, by its name or its position from 0" + more,
-              [&](const std::string& option, const std::string& text) { options.light = parse_name(option, text); });
+              into(options.light, parse_name));
 }
 
 void add_output_options(CLI::App& app, RenderOptions& options) {
     const std::string group = "Outputs (at least one)";
-    add_value(app, group, "-o,--output", "FILE.png", "The picture, 8-bit sRGB",
-              [&](const std::string& option, const std::string& text) {
-                  options.picture = parse_file("-o (" + option + ")", text, ".png");
-              });
-    add_value(
-        app, group, "--mask", "FILE.png",
-        "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow, else the mean of --samples",
-        [&](const std::string& option, const std::string& text) { options.mask = parse_file(option, text, ".png"); });
-    add_value(
-        app, group, "--aov", "FILE.exr",
-        "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint); "
-        "sky: P = N = 0, visibility 1, receiver 4294967295",
-        [&](const std::string& option, const std::string& text) { options.aov = parse_file(option, text, ".exr"); });
+    add_value(app, group, "-o,--output", "FILE.png", "The picture, 8-bit sRGB", into_file(options.picture, ".png"));
+    add_value(app, group, "--mask", "FILE.png",
+              "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow, else the mean of --samples",
+              into_file(options.mask, ".png"));
+    add_value(app, group, "--aov", "FILE.exr",
+              "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint); "
+              "sky: P = N = 0, visibility 1, receiver 4294967295",
+              into_file(options.aov, ".exr"));
     add_value(app, group, "--dump-triangles", "FILE",
               "The world triangles, 9 little-endian float32 each;\na receiver is a position in this file",
-              [&](const std::string& option, const std::string& text) {
-                  options.triangle_dump = parse_file(option, text, "");
-              });
-    add_value(
-        app, group, "--dump-points", "FILE",
-        "The points whose shadow is decided, 16 little-endian bytes each: x, y, z (float32; sky: NaN)\n"
-        "and receiver (uint32); pixel by pixel, for each of --samples in turn",
-        [&](const std::string& option, const std::string& text) { options.point_dump = parse_file(option, text, ""); });
-    add_value(
-        app, group, "--stats", "FILE.json",
-        "What was done: times per stage (measured on the device too),\n"
-        "counts, memory, the exact camera and light",
-        [&](const std::string& option, const std::string& text) { options.statistics = parse_file(option, text, ""); });
+              into_file(options.triangle_dump, ""));
+    add_value(app, group, "--dump-points", "FILE",
+              "The points whose shadow is decided, 16 little-endian bytes each: x, y, z (float32; sky: NaN)\n"
+              "and receiver (uint32); pixel by pixel, for each of --samples in turn",
+              into_file(options.point_dump, ""));
+    add_value(app, group, "--stats", "FILE.json",
+              "What was done: the time of each step in ms, counts, memory, the exact camera and\n"
+              "light; the time of each stage only with --profile",
+              into_file(options.statistics, ""));
+    app.add_flag("--profile", options.profile,
+                 "Time each stage on the device, for the table and --stats. The host waits after each\n"
+                 "stage, so that the run as a whole takes a little longer")
+        ->group(group);
+}
+
+void add_samples(CLI::App& app, const std::string& group, const std::string& meaning, std::uint32_t& samples) {
+    add_value(app, group, "--samples", "1|4|8|16|32", meaning, [&](const std::string& option, const std::string& text) {
+        samples = parse_count(option, text, 32);
+        if (samples != 1 && (samples < 4 || (samples & (samples - 1)) != 0))
+            throw UsageError(option + " needs 1, 4, 8, 16 or 32, not \"" + text + "\"");
+    });
 }
 
 void add_technique_options(CLI::App& app, RenderOptions& options) {
@@ -154,16 +178,11 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
             options.settings.emplace_back(key, parse_name(option, text));
         };
     };
-    add_value(
-        app, group, "--technique", "NAME", "How visibility is computed (default frustum-traced)",
-        [&](const std::string& option, const std::string& text) { options.technique = parse_name(option, text); });
-    add_value(app, group, "--samples", "1|4|8|16|32",
-              "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
-              [&](const std::string& option, const std::string& text) {
-                  options.samples = parse_count(option, text, 32);
-                  if (options.samples != 1 && (options.samples < 4 || (options.samples & (options.samples - 1)) != 0))
-                      throw UsageError(option + " needs 1, 4, 8, 16 or 32, not \"" + text + "\"");
-              });
+    add_value(app, group, "--technique", "NAME", "How visibility is computed (default frustum-traced)",
+              into(options.technique, parse_name));
+    add_samples(app, group,
+                "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
+                options.samples);
     add_value(app, group, "--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
               [&](const std::string& option, const std::string& text) {
                   options.settings.push_back(parse_setting(option, text));
@@ -172,26 +191,25 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
         app, group, "--diagnostic", "NAME",
         "Draw how the technique works instead of the picture: decided (frustum-traced), page (virtual-shadow-map),\n"
         "aliasing, grid, views, depth or warp (shadow-map and its presets)",
-        [&](const std::string& option, const std::string& text) { options.diagnostic = parse_name(option, text); });
+        into(options.diagnostic, parse_name));
     add_value(app, group, "--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
               set("conservative-map"));
     add_value(app, group, "--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));
 }
 
-void add_device_options(CLI::App& app, ViewOptions& options) {
+/// `prints_more`: than the one answer that the command is for.
+void add_device_options(CLI::App& app, ViewOptions& options, bool prints_more = true) {
     const std::string group = "Device and messages";
     add_value(app, group, "--device", "P:D|NAME",
               "The OpenCL device, as gnomon devices lists it or by a part of its\n"
               "name (default: $GNOMON_DEVICE, else the first usable GPU, else CPU)",
-              [&](const std::string& option, const std::string& text) { options.device = parse_name(option, text); });
+              into(options.device, parse_name));
     add_value(app, group, "--memory-limit", "BYTES",
               "Allocate no more than this on the device; K, M, G and T are powers of\n1024. A scene that does not fit "
               "is processed in parts, with the same bits",
-              [&](const std::string& option, const std::string& text) {
-                  options.memory_limit_bytes = parse_bytes(option, text);
-              });
+              into(options.memory_limit_bytes, parse_bytes));
     app.add_flag("--strict", options.strict, "Warnings become errors")->group(group);
-    app.add_flag("--quiet", options.quiet, "Print nothing but warnings and errors")->group(group);
+    if (prints_more) app.add_flag("--quiet", options.quiet, "Print nothing but warnings and errors")->group(group);
 }
 
 void check_camera_options(const ViewOptions& options) {
@@ -201,6 +219,24 @@ void check_camera_options(const ViewOptions& options) {
     if (options.eye && !options.target) throw UsageError("--eye needs --target as well: the point to look at");
     if (options.target && !options.eye) throw UsageError("--target needs --eye as well: the point to look from");
     if (options.up && !options.eye) throw UsageError("--up needs --eye and --target as well");
+}
+
+void check_explained(const ExplainOptions& options) {
+    if (options.scene && options.triangles) throw UsageError("SCENE and --triangles exclude each other: give one");
+    if (options.pixel.has_value() == options.point.has_value())
+        throw UsageError(options.pixel ? "--pixel and --point exclude each other: give one of them"
+                                       : "nothing to explain: give --pixel X,Y or --point X,Y,Z");
+    if (options.point && (options.camera || options.target || options.up || options.fov_y_degrees))
+        throw UsageError("--point needs no camera but --eye, the side from which its receiver is seen");
+    if (options.point && options.samples != 1) throw UsageError("--samples goes with --pixel");
+    if (options.pixel && options.receiver) throw UsageError("--receiver goes with --point: a pixel has its own");
+    if (options.pixel && (options.pixel->x >= options.size.width || options.pixel->y >= options.size.height))
+        throw UsageError("--pixel " + std::to_string(options.pixel->x) + "," + std::to_string(options.pixel->y) +
+                         " lies outside the picture of " + std::to_string(options.size.width) + "x" +
+                         std::to_string(options.size.height) + " pixels: see --size");
+    if (options.sample >= options.samples)
+        throw UsageError("--sample " + std::to_string(options.sample) +
+                         " needs a larger --samples: samples count from 0");
 }
 
 void check_light_options(const ViewOptions& options) {
@@ -252,14 +288,38 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
     return render;
 }
 
+CLI::App* add_explain(CLI::App& app, ExplainOptions& options) {
+    CLI::App* explain = app.add_subcommand("explain", "Says why a pixel or a point is lit or in shadow");
+    add_scene_argument(*explain, options);
+    const std::string group = "What to explain (--pixel or --point)";
+    add_value(*explain, group, "--pixel", "X,Y", "A pixel of the picture, counted from 0 at the upper left corner",
+              into(options.pixel, parse_pixel));
+    add_samples(*explain, group, "The pixel's points are these of render's --samples (default 1)", options.samples);
+    add_value(
+        *explain, group, "--sample", "I", "Which of the pixel's samples, from 0 (default 0)",
+        [&](const std::string& option, const std::string& text) { options.sample = parse_count(option, text, 31, 0); });
+    add_value(*explain, group, "--point", "X,Y,Z", "A point of the scene; with --eye it can be backfacing",
+              into(options.point, parse_float3));
+    add_value(*explain, group, "--receiver", "ID", "The triangle that the point lies on (default: none)",
+              [&](const std::string& option, const std::string& text) {
+                  options.receiver = parse_count(option, text, no_receiver - 1, 0);
+              });
+    add_value(*explain, group, "--triangles", "FILE", "In place of SCENE: triangles as --dump-triangles writes them",
+              into_file(options.triangles, ""));
+    explain->add_flag("--json", options.json, "Print the explanation as JSON, with all triangles")->group(group);
+    add_camera_options(*explain, options);
+    add_light_options(*explain, options);
+    add_device_options(*explain, options, false);
+    explain->footer(explain_footer);
+    return explain;
+}
+
 CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
     CLI::App* gallery = app.add_subcommand("gallery", "Every technique beside the exact truth, as one HTML page");
     add_scene_argument(*gallery, options);
     const std::string group = "Page";
     add_value(*gallery, group, "-o,--output", "FILE.html", "The page, everything in it (default gallery.html)",
-              [&](const std::string& option, const std::string& text) {
-                  options.page = parse_file("-o (" + option + ")", text, ".html");
-              });
+              into_file(options.page, ".html"));
     add_value(*gallery, group, "--technique", "NAME[:KEY=VALUE,...]",
               "Show this technique, with these settings; may be repeated\n(default: every technique as it comes)",
               [&](const std::string& option, const std::string& text) {
@@ -289,6 +349,13 @@ RenderOptions checked(RenderOptions options) {
     return options;
 }
 
+ExplainOptions checked(ExplainOptions options) {
+    check_explained(options);
+    if (options.pixel) check_camera_options(options);
+    check_light_options(options);
+    return options;
+}
+
 GalleryOptions checked(GalleryOptions options) {
     check_camera_options(options);
     check_light_options(options);
@@ -300,6 +367,7 @@ GalleryOptions checked(GalleryOptions options) {
 Command parse_command_line(const std::vector<std::string>& arguments) {
     RenderOptions render_options;
     ListTechniques techniques_options;
+    ExplainOptions explain_options;
     GalleryOptions gallery_options;
     gallery_options.size = {960, 540};
     render_options.command_line = gallery_options.command_line = arguments;
@@ -312,10 +380,11 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     app.allow_extras();
     app.get_formatter()->column_width(36);
     CLI::App* const render = add_render(app, render_options);
+    CLI::App* const explain = add_explain(app, explain_options);
     CLI::App* const gallery = add_gallery(app, gallery_options);
     CLI::App* const devices = app.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
     CLI::App* const techniques = add_techniques(app, techniques_options);
-    for (CLI::App* command : {render, gallery, devices, techniques}) command->allow_extras();
+    for (CLI::App* command : {render, explain, gallery, devices, techniques}) command->allow_extras();
 
     std::vector<std::string> from_the_back = settle_equals_signs({arguments.begin() + 1, arguments.end()});
     std::reverse(from_the_back.begin(), from_the_back.end());
@@ -337,6 +406,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     check_nothing_left(app, "gnomon", "unknown command");
 
     if (*render) return checked(std::move(render_options));
+    if (*explain) return checked(std::move(explain_options));
     if (*gallery) return checked(std::move(gallery_options));
     if (*devices) return ListDevices{};
     if (*techniques) return techniques_options;

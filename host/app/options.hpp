@@ -55,6 +55,7 @@ struct RenderOptions : ViewOptions {
     // At least one of these.
     std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, point_dump, statistics;
 
+    bool profile = false;                   ///< time each stage on the device
     std::uint32_t samples = 1;              ///< per pixel
     std::optional<std::string> diagnostic;  ///< drawn instead of the picture
 
@@ -69,7 +70,20 @@ struct GalleryOptions : ViewOptions {
     std::uint32_t runs = 3;               ///< timed runs of each
 };
 
-using Command = std::variant<PrintText, ListDevices, ListTechniques, RenderOptions, GalleryOptions>;
+/// `gnomon explain`
+struct ExplainOptions : ViewOptions {
+    std::optional<std::filesystem::path> triangles;  ///< nine float32 each, in place of a scene
+
+    // One of these.
+    std::optional<Pixel> pixel;
+    std::optional<Float3> point;
+
+    std::optional<std::uint32_t> receiver;  ///< of the point
+    std::uint32_t samples = 1, sample = 0;  ///< of the pixel
+    bool json = false;
+};
+
+using Command = std::variant<PrintText, ListDevices, ListTechniques, RenderOptions, ExplainOptions, GalleryOptions>;
 
 /// Reads the arguments (the program's name first). Throws UsageError.
 Command parse_command_line(const std::vector<std::string>& arguments);

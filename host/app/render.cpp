@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -24,27 +25,61 @@ double ms_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Runs the steps of one command: each is timed, and shown if it takes long.
+/// Runs the steps of one command: each is timed to its end on the device, and shown if it takes long. The building of
+/// kernels is taken out of the step that had to wait for it.
 class Steps {
 public:
-    explicit Steps(Report& report) : report_(report) {}
+    explicit Steps(Report& report) : report_(report), start_(std::chrono::steady_clock::now()) {}
 
     /// `name` is for the statistics, `work_in_words` for the progress line.
     template <typename Work>
     auto run(const std::string& name, const std::string& work_in_words, Work&& work) {
         const ProgressLine progress(work_in_words, !report_.options.quiet);
-        const Timer timer{report_, name, std::chrono::steady_clock::now()};
+        const Timer timer{*this, name, std::chrono::steady_clock::now()};
         return work();
+    }
+    /// The device of all steps from the last one on.
+    void set_device(const Device& device) {
+        device_ = device;
+        add_builds(report_.phases_ms.back().second);
+    }
+    /// Ends the report's times.
+    void finish() {
+        double sum = 0;
+        for (const auto& [name, ms] : report_.phases_ms) sum += ms;
+        report_.total_ms = ms_since(start_);
+        report_.kernels = device_->kernel_builds();
+        report_.phases_ms.emplace_back("kernels", kernels_ms_);
+        report_.phases_ms.emplace_back("other", std::max(0.0, report_.total_ms - sum - kernels_ms_));
     }
 
 private:
     struct Timer {
-        Report& report;
+        Steps& steps;
         std::string name;
         std::chrono::steady_clock::time_point start;
-        ~Timer() { report.phases_ms.emplace_back(name, ms_since(start)); }
+        ~Timer() {
+            double ms = ms_since(start);
+            try {
+                if (steps.device_) steps.add_builds(ms);
+            } catch (const Error&) {  // the step's own failure is already on its way up
+            }
+            steps.report_.phases_ms.emplace_back(name, ms);
+        }
     };
+    /// Takes what was built since the last step out of its time. (Where the host compiled one program while a thread of
+    /// the device compiled another, both waits were one.)
+    void add_builds(double& step_ms) {
+        const double all = device_->kernel_builds().ms, waited = std::min(all - known_builds_ms_, step_ms);
+        known_builds_ms_ = all;
+        kernels_ms_ += waited;
+        step_ms -= waited;
+    }
+
     Report& report_;
+    std::chrono::steady_clock::time_point start_;
+    std::optional<Device> device_;
+    double known_builds_ms_ = 0, kernels_ms_ = 0;
 };
 
 /// The files of a run, opened: null where not asked for.
@@ -155,6 +190,7 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
     const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device", [&] {
         Triangles uploaded = Triangles::upload(device, vertices);
         if (uploaded.count() >= triangles_worth_clusters) uploaded.keep_clusters(device);
+        clFinish(device.queue());
         return uploaded;
     });
     const View view = steps.run("camera", "camera (compiles kernels the first time)",
@@ -231,18 +267,16 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
                  const Report& report, const Seen& seen) {
     const std::uint32_t width = seen.view.width, height = seen.view.height;
     const std::vector<Light> lights = lights_of(report);
-    if (outputs.picture)
-        steps.run("write_picture", "writing the picture", [&] {
-            if (report.options.diagnostic) {
-                const auto technique = make_technique(device, report.options.technique, report.options.settings);
-                const auto drawn =
-                    technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, lights.front());
-                return write_picture(*outputs.picture, width, height, drawn);
-            }
-            const auto rgba =
-                shade(device, seen.triangles, seen.view, seen.visibilities, materials_of(scene, seen), lights);
-            write_picture(*outputs.picture, width, height, rgba);
+    if (outputs.picture) {
+        const auto rgba = steps.run("shade", "shading the picture", [&] {
+            if (!report.options.diagnostic)
+                return shade(device, seen.triangles, seen.view, seen.visibilities, materials_of(scene, seen), lights);
+            const auto technique = make_technique(device, report.options.technique, report.options.settings);
+            return technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, lights.front());
         });
+        steps.run("write_picture", "writing the picture",
+                  [&] { write_picture(*outputs.picture, width, height, rgba); });
+    }
     if (!outputs.masks.empty())
         steps.run("write_mask", "writing the mask", [&] {
             for (std::size_t i = 0; i < lights.size(); ++i)
@@ -272,15 +306,15 @@ void complete(Report& report, const Device& device, const scene::Scene& scene, c
 }  // namespace
 
 void render(const RenderOptions& options) {
-    const auto start = std::chrono::steady_clock::now();
     Report report;
     report.options = options;
     Steps steps(report);
 
     // Ask for everything that can be refused at once: files first, then the device and the technique.
     Outputs outputs(options);
-    const Device device = steps.run("open_device", "opening the device",
-                                    [&] { return open_device(options, options.statistics.has_value()); });
+    const Device device =
+        steps.run("open_device", "opening the device", [&] { return open_device(options, options.profile); });
+    steps.set_device(device);
     auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
                                [&] { return make_technique(device, options.technique, options.settings); });
 
@@ -305,7 +339,7 @@ void render(const RenderOptions& options) {
     // The files, each complete before the first appears.
     write_files(steps, outputs, device, scene, report, seen);
     complete(report, device, scene, seen);
-    report.total_ms = ms_since(start);
+    steps.finish();
     if (outputs.statistics) write_statistics(*outputs.statistics, report);
     outputs.files.commit();
     if (!options.quiet) print_result(summary(report));

@@ -16,22 +16,21 @@ using nlohmann::ordered_json;
 
 // ---- JSON -----------------------------------------------------------------------------------------------------------
 
-ordered_json stages_json(const Statistics& statistics) {
+/// Times only where they were measured to the stage's end.
+ordered_json stages_json(const Statistics& statistics, bool profiled) {
     ordered_json stages = ordered_json::array();
-    for (const StageStatistics& stage : statistics.stages)
-        stages.push_back({{"name", stage.name},
-                          {"device_ms", stage.device_ms},
-                          {"wall_ms", stage.wall_ms},
-                          {"skipped", stage.skipped}});
+    for (const StageStatistics& stage : statistics.stages) {
+        stages.push_back({{"name", stage.name}, {"skipped", stage.skipped}});
+        if (profiled) stages.back().update({{"device_ms", stage.device_ms}, {"wall_ms", stage.wall_ms}});
+    }
     return stages;
 }
 
-ordered_json statistics_part_json(const Statistics& statistics) {
+ordered_json statistics_part_json(const Statistics& statistics, bool profiled) {
     ordered_json counts = ordered_json::object();
     for (const auto& [name, count] : statistics.counts) counts[name] = count;
-    return {{"wall_ms", statistics.total_wall_ms},
-            {"device_memory_bytes", statistics.device_memory_bytes},
-            {"stages", stages_json(statistics)},
+    return {{"device_memory_bytes", statistics.device_memory_bytes},
+            {"stages", stages_json(statistics, profiled)},
             {"counts", counts}};
 }
 
@@ -85,9 +84,9 @@ ordered_json outputs_json(const Report& report) {
 }
 
 /// What a run says of one light.
-ordered_json light_part_json(const LightReport& light) {
+ordered_json light_part_json(const LightReport& light, bool profiled) {
     return {{"light", light_json(light.chosen)},
-            {"shadow_stages", statistics_part_json(light.statistics)},
+            {"shadow_stages", statistics_part_json(light.statistics, profiled)},
             {"pixels",
              {{"lit", light.shares.lit}, {"in_shadow", light.shares.in_shadow}, {"partly", light.shares.partly}}}};
 }
@@ -111,19 +110,38 @@ void add_fact(std::ostream& out, const std::string& label, const std::string& te
 }
 
 /// "  name   device ms   wall ms" for each stage of a part, under its heading.
-void add_stages(std::ostream& out, const std::string& part, const Statistics& statistics, bool profiled) {
-    out << std::left << std::setw(30) << part << std::right;
-    if (profiled) out << std::setw(12) << "device ms";
-    out << std::setw(12) << "wall ms" << '\n';
+void add_stages(std::ostream& out, const std::string& part, const Statistics& statistics) {
+    out << std::left << std::setw(30) << part << std::right << std::setw(12) << "device ms" << std::setw(12)
+        << "wall ms" << '\n';
     for (const StageStatistics& stage : statistics.stages) {
         out << "  " << std::left << std::setw(28) << stage.name << std::right;
         if (!stage.skipped.empty()) {
             out << "  skipped: " << stage.skipped << '\n';
             continue;
         }
-        if (profiled) out << std::setw(12) << milliseconds(stage.device_ms);
-        out << std::setw(12) << milliseconds(stage.wall_ms) << '\n';
+        out << std::setw(12) << milliseconds(stage.device_ms) << std::setw(12) << milliseconds(stage.wall_ms) << '\n';
     }
+}
+
+/// How many programs, and where they came from.
+std::string builds_text(const KernelBuilds& kernels) {
+    const std::string programs = std::to_string(kernels.programs) + (kernels.programs == 1 ? " program" : " programs");
+    if (kernels.from_cache == 0) return programs + " compiled, unless the driver's own cache had them";
+    if (kernels.from_cache == kernels.programs) return programs + " from the cache";
+    return programs + ", " + std::to_string(kernels.from_cache) + " of them from the cache, the others compiled";
+}
+
+/// The steps, each to its end, and their sum.
+void add_steps(std::ostream& out, const Report& report) {
+    const auto add = [&out](std::string name, double ms, const std::string& note = {}) {
+        std::replace(name.begin(), name.end(), '_', ' ');
+        out << "  " << std::left << std::setw(28) << name << std::right << std::setw(12) << milliseconds(ms)
+            << (note.empty() ? "" : "  " + note) << '\n';
+    };
+    out << std::left << std::setw(30) << "time" << std::right << std::setw(12) << "ms" << '\n';
+    for (const auto& [name, ms] : report.phases_ms)
+        add(name, ms, name == "kernels" ? builds_text(report.kernels) : std::string());
+    add("total", report.total_ms);
 }
 
 /// All counts but zeros, as running text in lines that fit a terminal.
@@ -199,11 +217,12 @@ nlohmann::ordered_json statistics_json(const Report& report) {
                       {"camera", camera_json(report.camera)},
                       {"technique", technique_json(report.options)},
                       {"device", device_json(report.device)},
-                      {"camera_stages", statistics_part_json(report.camera_statistics)}};
+                      {"camera_stages", statistics_part_json(report.camera_statistics, report.options.profile)}};
     if (report.lights.size() == 1)
-        json.update(light_part_json(report.lights.front()));
+        json.update(light_part_json(report.lights.front(), report.options.profile));
     else
-        for (const LightReport& light : report.lights) json["lights"].push_back(light_part_json(light));
+        for (const LightReport& light : report.lights)
+            json["lights"].push_back(light_part_json(light, report.options.profile));
     json.update(
         {{"memory",
           {{"device_bytes", report.device_memory_bytes}, {"device_peak_bytes", report.device_memory_peak_bytes}}},
@@ -224,21 +243,21 @@ std::string summary(const Report& report) {
     add_fact(
         out, "camera",
         report.camera.source + ", " + std::to_string(options.size.width) + "x" + std::to_string(options.size.height));
-    const bool profiled = options.statistics.has_value();
     out << '\n';
-    add_stages(out, "camera", report.camera_statistics, profiled);
+    if (options.profile) add_stages(out, "camera", report.camera_statistics);
     add_counts(out, report.camera_statistics);
     for (const LightReport& light : report.lights) {
         out << '\n';
         add_fact(out, "light", light_option(light.chosen.light) + " (" + light.chosen.source + ")");
-        add_stages(out, "shadow", light.statistics, profiled);
+        if (options.profile) add_stages(out, "shadow", light.statistics);
         add_counts(out, light.statistics);
         add_fact(out, "result", shares_text(light.shares));
     }
     out << '\n';
     add_fact(out, "memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
-    add_fact(out, "time", milliseconds(report.total_ms / 1000) + " s in all");
     add_fact(out, "wrote", file_list(report));
+    out << '\n';
+    add_steps(out, report);
     return out.str();
 }
 

@@ -36,7 +36,10 @@ struct Report {
     DeviceDescription device;
     Statistics camera_statistics;
     std::uint64_t device_memory_bytes = 0, device_memory_peak_bytes = 0;
-    std::vector<std::pair<std::string, double>> phases_ms;  ///< wall time of the command's own steps, in order
+    /// Wall time of the command's own steps, in order, each until the device has finished it; "kernels", what the steps
+    /// waited for compilation, is not in theirs, and "other" is what is left of the total.
+    std::vector<std::pair<std::string, double>> phases_ms;
+    KernelBuilds kernels;
     double total_ms = 0;
 };
 

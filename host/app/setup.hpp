@@ -18,6 +18,9 @@ Device open_device(const ViewOptions& options, bool profile);
 /// Loads the scene, or the built-in sundial, and prints its warnings (or throws the first, under --strict).
 scene::Scene load_scene(const ViewOptions& options);
 
+/// Triangles alone, nine little-endian float32 each, as --dump-triangles writes them. Throws Error.
+scene::Scene load_triangles(const std::filesystem::path& file);
+
 /// Makes a technique and sets its settings, in their order.
 std::unique_ptr<Technique> make_technique(const Device& device, const std::string& name,
                                           const std::vector<std::pair<std::string, std::string>>& settings);

@@ -58,18 +58,9 @@ std::string lower_case(std::string text) {
 
 /// How many bits a suffix of bytes shifts by, or nothing if it is no such suffix.
 std::optional<int> suffix_shift(char suffix) {
-    switch (std::tolower(static_cast<unsigned char>(suffix))) {
-        case 'k':
-            return 10;
-        case 'm':
-            return 20;
-        case 'g':
-            return 30;
-        case 't':
-            return 40;
-        default:
-            return std::nullopt;
-    }
+    const std::size_t power = std::string_view("kmgt").find(char(std::tolower(static_cast<unsigned char>(suffix))));
+    if (power == std::string_view::npos) return std::nullopt;
+    return 10 * int(power + 1);
 }
 
 }  // namespace
@@ -105,6 +96,15 @@ ImageSize parse_size(const std::string& option, const std::string& text) {
     return {std::uint32_t(*width), std::uint32_t(*height)};
 }
 
+Pixel parse_pixel(const std::string& option, const std::string& text) {
+    const std::vector<std::string> parts = split(text, ',');
+    const auto x = whole_number_of(parts.front()), y = whole_number_of(parts.back());
+    const auto fits = [](const auto& side) { return side && *side < largest_side_px; };
+    if (parts.size() != 2 || !fits(x) || !fits(y))
+        refuse(option, "a pixel X,Y, counted from 0 at the upper left corner", text);
+    return {std::uint32_t(*x), std::uint32_t(*y)};
+}
+
 std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
     const char* const needs = "a number of bytes above 0, such as 1500000, 512M or 2G";
     std::string_view digits = text;
@@ -116,10 +116,11 @@ std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
     return *number << shift.value_or(0);
 }
 
-std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest) {
+std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest,
+                          std::uint32_t least) {
     const auto number = whole_number_of(text);
-    if (!number || *number == 0 || *number > largest)
-        refuse(option, ("a whole number from 1 to " + std::to_string(largest)).c_str(), text);
+    if (!number || *number < least || *number > largest)
+        refuse(option, "a whole number from " + std::to_string(least) + " to " + std::to_string(largest), text);
     return static_cast<std::uint32_t>(*number);
 }
 

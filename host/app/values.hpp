@@ -25,6 +25,10 @@ struct ImageSize {
     std::uint32_t width = 0, height = 0;
 };
 
+struct Pixel {
+    std::uint32_t x = 0, y = 0;  ///< from the left, from the top
+};
+
 /// The largest picture side that look() accepts, in pixels.
 inline constexpr std::uint32_t largest_side_px = 16384;
 
@@ -34,10 +38,13 @@ float parse_float(const std::string& option, const std::string& text);
 Float3 parse_float3(const std::string& option, const std::string& text);
 /// "WxH", each from 1 to largest_side_px.
 ImageSize parse_size(const std::string& option, const std::string& text);
+/// "X,Y", each from 0.
+Pixel parse_pixel(const std::string& option, const std::string& text);
 /// A number of bytes above 0, with K, M, G or T for powers of 1024.
 std::uint64_t parse_bytes(const std::string& option, const std::string& text);
-/// A whole number from 1 to `largest`.
-std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest);
+/// A whole number from `least` to `largest`.
+std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest,
+                          std::uint32_t least = 1);
 /// "key=value", the value may contain further equals signs.
 std::pair<std::string, std::string> parse_setting(const std::string& option, const std::string& text);
 /// A name that is not empty and does not look like a forgotten value ("--mask --quiet").

@@ -246,8 +246,8 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
     CameraStage stage(device);
     stage.aim(triangles, camera, width, height);
     stage.run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
-    view.points = Points(shared_buffer(device, std::move(positions)), {0, 1, pixels}, pixels,
-                         shared_buffer(device, std::move(visible)));
+    view.points = OwnedPoints::make(shared_buffer(device, std::move(positions)), {0, 1, pixels}, pixels,
+                                    shared_buffer(device, std::move(visible)));
     view.points.set_camera(camera, width, height);
     view.points.set_lifted_off(triangles);
     session.finish();
@@ -272,7 +272,8 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
                                   .eye = {eye[0], eye[1], eye[2]},
                                   .triangle_count = inputs.count},
                        inputs.vertices, at.positions, at.receivers, positions);
-    Points lifted(shared_buffer(device, std::move(positions)), {}, points.count(), points.shared_receivers());
+    Points lifted = OwnedPoints::make(shared_buffer(device, std::move(positions)), {}, points.count(),
+                                      OwnedPoints::receivers(points));
     lifted.set_eye(eye);
     return lifted;
 }

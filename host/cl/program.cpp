@@ -208,6 +208,19 @@ cl_program Session::build(const std::string& file, const std::string& source) {
     return program;
 }
 
+cl_program Session::load_or_build(const std::string& file, const std::string& defines) {
+    const std::string source = source_of(file, defines);
+    if (!caches_binaries_ || cache_directory().empty()) return build(file, source);
+    const std::string key = cache_key(source);
+    if (cl_program cached = load_cached(key)) {
+        ++builds_.from_cache;
+        return cached;
+    }
+    cl_program program = build(file, source);
+    store_cached(key, program);
+    return program;
+}
+
 cl_program Session::program_of(const Kernel& kernel) {
     const bool joins =
         is_cpu_ && *kernel.defines == '\0' &&
@@ -215,15 +228,11 @@ cl_program Session::program_of(const Kernel& kernel) {
     const std::string file = joins ? picture_program : kernel.file;
     const std::string key_here = file + ' ' + kernel.defines;
     if (auto found = programs_.find(key_here); found != programs_.end()) return found->second;
-    const std::string source = source_of(file, kernel.defines);
-    const bool caches = caches_binaries_ && !cache_directory().empty();
-    const std::string key = caches ? cache_key(source) : "";
-    cl_program program = caches ? load_cached(key) : nullptr;
-    if (program == nullptr) {
-        program = build(file, source);
-        if (caches) store_cached(key, program);
-    }
+    const auto start = std::chrono::steady_clock::now();
+    cl_program program = load_or_build(file, kernel.defines);
     programs_.emplace(key_here, program);
+    ++builds_.programs;
+    builds_.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return program;
 }
 

@@ -70,16 +70,26 @@ void Session::deallocate(cl_mem memory, std::size_t bytes) noexcept {
 
 // ---- Session --------------------------------------------------------------------------------------------------------
 
+namespace {
+
+// PoCL compiles a kernel, or loads it from its own cache, when a thread takes up its first launch.
+bool is_pocl(const DeviceDescription& description) {
+    return description.platform.find("Portable Computing Language") != std::string::npos;
+}
+
+}  // namespace
+
 Session::Session(const DeviceDescription& description, const DeviceOptions& options) : description_(description) {
     cl_int code;
     const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                                 reinterpret_cast<cl_context_properties>(description.platform_id), 0};
     context_ = clCreateContext(properties, 1, &description_.device_id, nullptr, nullptr, &code);
     check(code, "opening device " + description.name);
-    queue_ =
-        clCreateCommandQueue(context_, description_.device_id, options.profile ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
+    const bool has_clock = options.profile || is_pocl(description);
+    queue_ = clCreateCommandQueue(context_, description_.device_id, has_clock ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
     if (code != CL_SUCCESS) clReleaseContext(context_);
     check(code, "making a command queue on " + description.name);
+    times_first_launches_ = is_pocl(description);
     configure(options);
 }
 
@@ -107,6 +117,7 @@ Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions
     queue_ = queue;
     DeviceOptions adjusted = options;
     adjusted.profile = (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
+    times_first_launches_ = adjusted.profile && is_pocl(description_);
     configure(adjusted);
 }
 
@@ -117,7 +128,7 @@ void Session::configure(const DeviceOptions& options) {
     memory_limit_bytes_ = options.memory_limit_bytes;
     traces_ = std::getenv("GNOMON_TRACE") != nullptr;
     // PoCL keeps a cache of its own, and asking it for binaries costs an extra build.
-    caches_binaries_ = description_.platform.find("Portable Computing Language") == std::string::npos;
+    caches_binaries_ = !is_pocl(description_);
     std::size_t largest = 1;
     clGetDeviceInfo(description_.device_id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof(largest), &largest, nullptr);
     const std::size_t wanted = options.work_group_size != 0 ? options.work_group_size : is_cpu_ ? 1 : 128;
@@ -127,6 +138,7 @@ void Session::configure(const DeviceOptions& options) {
 Session::~Session() {
     if (queue_ != nullptr) clFinish(queue_);
     for (cl_event event : events_) clReleaseEvent(event);
+    for (const FirstLaunch& first : first_launches_) clReleaseEvent(first.before), clReleaseEvent(first.launch);
     for (auto& [name, cached] : kernels_) clReleaseKernel(cached.kernel);
     for (auto& [file, program] : programs_) clReleaseProgram(program);
     if (queue_ != nullptr) clReleaseCommandQueue(queue_);
@@ -175,6 +187,7 @@ cl_kernel Session::kernel_of(const Kernel& which, std::size_t argument_count) {
         cl_uint count = 0;
         clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof(count), &count, nullptr);
         found = kernels_.emplace(key, CachedKernel{kernel, count}).first;
+        is_first_launch_ = true;
     }
     if (found->second.argument_count != argument_count)
         throw Error(std::string("kernel ") + name + " takes " + std::to_string(found->second.argument_count) +
@@ -187,13 +200,17 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     std::size_t groups = range.count;
     if (range.kind == Range::Kind::items) groups = std::min((range.count + local - 1) / local, many_groups());
     const std::size_t global = std::max<std::size_t>(groups, 1) * local;
-    cl_event event = nullptr;
+    cl_event event = nullptr, before = nullptr;
+    const bool is_first = std::exchange(is_first_launch_, false) && times_first_launches_;
     const auto start = std::chrono::steady_clock::now();
     attempt(std::string("launching kernel ") + name, [&] {
+        if (is_first) clEnqueueMarkerWithWaitList(queue_, 0, nullptr, &before);
         return clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr,
-                                      profiles_ ? &event : nullptr);
+                                      profiles_ || before != nullptr ? &event : nullptr);
     });
-    if (event != nullptr) note_event(event);
+    if (before != nullptr) first_launches_.push_back({before, event});
+    if (before != nullptr && profiles_) clRetainEvent(event);
+    if (profiles_) note_event(event);
     if (traces_) {
         finish();
         const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -252,6 +269,26 @@ void Session::finish() {
     attempt("waiting for the device", [&] { return clFinish(queue_); });
 }
 
+// A kernel that is new to PoCL is ready to start when the launch before it has ended; it starts when it is built.
+KernelBuilds Session::kernel_builds() {
+    if (!first_launches_.empty()) finish();
+    const auto time = [](cl_event event, cl_profiling_info what) {
+        cl_ulong ns = 0;
+        clGetEventProfilingInfo(event, what, sizeof(ns), &ns, nullptr);
+        return ns;
+    };
+    for (const auto& [before, launch] : first_launches_) {
+        const cl_ulong ready =
+            std::max(time(before, CL_PROFILING_COMMAND_END), time(launch, CL_PROFILING_COMMAND_QUEUED));
+        const cl_ulong started = time(launch, CL_PROFILING_COMMAND_START);
+        if (started > ready) builds_.ms += double(started - ready) * 1e-6;
+        clReleaseEvent(before);
+        clReleaseEvent(launch);
+    }
+    first_launches_.clear();
+    return builds_;
+}
+
 double Session::take_device_ms() {
     if (events_.empty()) return 0;
     finish();
@@ -272,9 +309,11 @@ StageTimer::~StageTimer() {
     stage.name = name_;
     try {
         stage.device_ms = session_.take_device_ms();
+        if (session_.profiles()) session_.kernel_builds();
     } catch (const Error&) {  // the stage's own failure is already on its way up
     }
-    stage.wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start_;
+    stage.wall_ms = std::max(0.0, wall.count() - (session_.build_ms() - build_ms_));
     statistics_.stages.push_back(stage);
 }
 

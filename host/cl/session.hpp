@@ -149,6 +149,11 @@ public:
     using FaultInjector = std::function<cl_int(std::string_view call)>;
     void inject_faults(FaultInjector injector) { injector_ = std::move(injector); }
 
+    /// Waits where kernels were launched for the first time since the last call.
+    KernelBuilds kernel_builds();
+    /// What is known of it without a wait.
+    double build_ms() const { return builds_.ms; }
+
     /// Device time of what was enqueued since the last call, in ms (waits); 0 without profiling.
     double take_device_ms();
 
@@ -165,6 +170,7 @@ private:
     std::string source_of(const std::string& program, const std::string& defines) const;
     cl_kernel kernel_of(const Kernel& which, std::size_t argument_count);
     cl_program program_of(const Kernel& kernel);
+    cl_program load_or_build(const std::string& file, const std::string& defines);
     cl_program build(const std::string& file, const std::string& source);
     cl_program load_cached(const std::string& key);
     void store_cached(const std::string& key, cl_program program);
@@ -204,6 +210,12 @@ private:
     };
     std::unordered_map<std::string, CachedKernel> kernels_;
     std::vector<cl_event> events_;
+    KernelBuilds builds_;
+    bool times_first_launches_ = false, is_first_launch_ = false;
+    struct FirstLaunch {
+        cl_event before, launch;
+    };
+    std::vector<FirstLaunch> first_launches_;  ///< whose waits are not yet in builds_
 };
 
 /// Device memory of one run of something that keeps buffers from run to run, also when the run ends by an exception.
@@ -233,6 +245,7 @@ public:
         : session_(session),
           statistics_(statistics),
           name_(std::move(name)),
+          build_ms_(session.build_ms()),
           start_(std::chrono::steady_clock::now()) {}
     ~StageTimer();
 
@@ -240,6 +253,7 @@ private:
     Session& session_;
     Statistics& statistics_;
     std::string name_;
+    double build_ms_;
     std::chrono::steady_clock::time_point start_;
 };
 

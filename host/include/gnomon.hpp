@@ -141,6 +141,14 @@ struct DeviceOptions {
     bool gpu_kernels = false;
 };
 
+/// What a Device's runs had to wait for before their kernels could run. A platform with a cache of its own (PoCL)
+/// compiles or loads a kernel when it is first launched: then that wait is counted too, if the queue can time it.
+struct KernelBuilds {
+    std::uint32_t programs = 0;    ///< compiled or loaded
+    std::uint32_t from_cache = 0;  ///< of them, loaded from gnomon's cache on disk; 0 on a platform with its own
+    double ms = 0;
+};
+
 /// A device, its context and in-order queue, and the compiled kernels. Building the kernels is the slow part of a
 /// first start; they are cached on disk for the next one.
 class Device {
@@ -161,6 +169,9 @@ public:
     /// Bytes of device memory that gnomon's own buffers hold now, and the most they ever held.
     std::uint64_t memory_bytes() const;
     std::uint64_t peak_memory_bytes() const;
+    /// Since the device was opened. Waits for the queue if kernels were launched for the first time since the last
+    /// call.
+    KernelBuilds kernel_builds() const;
     /// For the library's own stages.
     cl::Session& session() const { return *session_; }
 
@@ -245,11 +256,6 @@ public:
     /// Uses the caller's buffers (retained). `receivers` may be null: no point has one.
     static Points wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
                        cl_mem receivers = nullptr);
-    /// For the library's own stages: cl_mem buffers that live as long as these points do (inputs.hpp).
-    Points(std::shared_ptr<void> positions, const PointLayout& layout, std::size_t count,
-           std::shared_ptr<void> receivers)
-        : positions_(std::move(positions)), receivers_(std::move(receivers)), layout_(layout), count_(count) {}
-    const std::shared_ptr<void>& shared_receivers() const { return receivers_; }
 
     /// From here on, a point whose receiver's plane separates the light from this eye (or contains the light) faces
     /// away: visibility 0 by definition of shading, decided exactly, and no work. Views made by a Camera have it set.
@@ -278,6 +284,8 @@ public:
     const PointLayout& layout() const { return layout_; }
 
 private:
+    friend struct OwnedPoints;  // the camera stages make points of their own buffers
+
     std::shared_ptr<void> positions_;
     std::shared_ptr<void> receivers_;
     PointLayout layout_;
@@ -331,14 +339,17 @@ struct Light {
 struct StageStatistics {
     std::string name;
     double device_ms = 0;  ///< sum of its kernels by events; 0 unless the device was opened with `profile`
-    double wall_ms = 0;    ///< host time; with `profile` it includes waiting for the stage's end
-    std::string skipped;   ///< why it did not run, empty if it did
+    /// Host time without the building of kernels: with `profile` until the device has finished the stage, else until
+    /// its kernels are enqueued, which says nothing of how long they run.
+    double wall_ms = 0;
+    std::string skipped;  ///< why it did not run, empty if it did
 };
 
 /// What one run did. Names are stable, in snake_case, and appear as they are in stats.json.
 struct Statistics {
     std::vector<StageStatistics> stages;
     std::vector<std::pair<std::string, std::uint64_t>> counts;
+    /// Host time from the call until the device has finished the run, the building of kernels included.
     double total_wall_ms = 0;
     std::uint64_t device_memory_bytes = 0;  ///< gnomon's own buffers during the run, beside the caller's
 
@@ -478,6 +489,49 @@ struct TechniqueDescription {
 std::vector<TechniqueDescription> techniques();
 /// Makes one by name. Throws InvalidArgument with the list of names.
 std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device);
+
+// ---- Why a point is lit or in shadow --------------------------------------------------------------------------------
+
+/// The exact signs (-1, 0 or 1) of a triangle a, b, c for the shadow ray from a point P along D, which is minus the
+/// direction of travel, or light - P. The triangle blocks the ray if P and the light are strictly on opposite sides of
+/// its plane and no edge has the sign -light_side (docs/numerics.md, 1).
+struct TriangleSigns {
+    std::uint32_t triangle = no_receiver;
+    std::array<float, 9> vertices{};
+    bool blocks = false;
+    int point_side = 0;          ///< det(b - a, c - a, P - a)
+    int light_side = 0;          ///< det(b - a, c - a, light - a); directional: det(b - a, c - a, D)
+    std::array<int, 3> edges{};  ///< det(a - P, b - P, D), det(b - P, c - P, D), det(c - P, a - P, D)
+    std::string arithmetic;      ///< what the predicate needed to be certain: "float", "double" or "integers"
+    double distance = 0;         ///< from P along the ray, rounded; 0 unless it blocks
+};
+
+/// Why frustum-traced found a point lit or in shadow.
+struct Explanation {
+    Float3 position{};                       ///< NaN or infinite: absent
+    std::uint32_t receiver = no_receiver;    ///< a triangle of the scene, or none
+    TriangleSigns on_receiver;               ///< its receiver, which never blocks; empty without one
+    int eye_side = 0;                        ///< the eye's side of the receiver, as light_side; 0 without an eye
+    bool is_backfacing = false;              ///< light_side and eye_side of the receiver are not equal, or one is 0
+    std::vector<TriangleSigns> occluders;    ///< all triangles that block the shadow ray, nearest first
+    std::vector<TriangleSigns> near_misses;  ///< all that do not block it, where the level float was not certain
+    float visibility = 1;                    ///< what the technique wrote
+    /// The stage that decided, as Statistics names it: facing, conservative_map, trace or exact_trace; and
+    /// trace_queue_overflow for points whose undecided pairs found no room.
+    std::string stage;
+    /// What that stage needed to be certain: "none", "filter" (floats with a proven bound), then the levels of the
+    /// exact predicate, "float", "double" and "integers" (the hardest of the point's pairs); "exact": one of these.
+    std::string arithmetic;
+
+    bool is_lit() const { return visibility != 0.0f; }
+    /// Whether the technique's answer is the one that the signs give. If not, gnomon is wrong.
+    bool is_consistent() const { return is_lit() == (!is_backfacing && occluders.empty()); }
+};
+
+/// Runs frustum-traced on all points, watched, and explains the point at `index`; one pass over all triangles by the
+/// exact predicate. Throws InvalidArgument as Technique::run() does, or if there is no such point.
+Explanation explain(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
+                    const Light& light);
 
 // ---- Scenes larger than the device's memory -------------------------------------------------------------------------
 

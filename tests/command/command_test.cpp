@@ -258,7 +258,7 @@ TEST_F(Command, WithoutArgumentsItPrintsTheHelp) {
     EXPECT_EQ(bare.exit_code, 0);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_EQ(bare.out, help.out);
-    for (const char* command : {"render", "devices", "techniques"})
+    for (const char* command : {"render", "explain", "devices", "techniques"})
         EXPECT_NE(help.out.find(command), std::string::npos) << command;
 }
 
@@ -288,6 +288,7 @@ TEST_F(Command, HelpNamesEveryOption) {
                                "--memory-limit",
                                "--strict",
                                "--stats",
+                               "--profile",
                                "--quiet"})
         EXPECT_NE(help.out.find(option), std::string::npos) << option;
 }
@@ -388,6 +389,22 @@ TEST_F(Command, WrongCommandLines) {
         {{"render", "-o", "a.png", "--memory-limit", "-5"}, "--memory-limit needs a number of bytes"},
         {{"render", "-o", "a.png", "--memory-limit", "18446744073709551615K"}, "--memory-limit needs"},
         {{"render", "-o", "a.png", "--device", ""}, "--device needs a value"},
+        {{"explain"}, "nothing to explain: give --pixel X,Y or --point X,Y,Z"},
+        {{"explain", "--pixel"}, "--pixel needs a value"},
+        {{"explain", "--pixel", "5"}, "--pixel needs a pixel X,Y"},
+        {{"explain", "--pixel", "5,-1"}, "--pixel needs a pixel X,Y"},
+        {{"explain", "--pixel", "5,6,7"}, "--pixel needs a pixel X,Y"},
+        {{"explain", "--pixel", "32,0", "--size", "32x24"}, "--pixel 32,0 lies outside the picture of 32x24 pixels"},
+        {{"explain", "--pixel", "0,24", "--size", "32x24"}, "--pixel 0,24 lies outside the picture of 32x24 pixels"},
+        {{"explain", "--pixel", "1,1", "--point", "1,2,3"}, "--pixel and --point exclude each other"},
+        {{"explain", "--pixel", "1,1", "--receiver", "3"}, "--receiver goes with --point"},
+        {{"explain", "--pixel", "1,1", "--samples", "4", "--sample", "4"}, "--sample 4 needs a larger --samples"},
+        {{"explain", "--pixel", "1,1", "--eye", "1,2,3"}, "--eye needs --target"},
+        {{"explain", "--point", "1,2"}, "--point needs three finite numbers"},
+        {{"explain", "--point", "1,2,3", "--target", "1,2,3"}, "--point needs no camera but --eye"},
+        {{"explain", "--point", "1,2,3", "--receiver", "-1"}, "--receiver needs a whole number from 0"},
+        {{"explain", "a.glb", "--triangles", "b", "--point", "1,2,3"}, "SCENE and --triangles exclude each other"},
+        {{"explain", "--pixel", "1,1", "--quiet"}, "unknown option --quiet"},
     };
     for (const Wrong& wrong : all) expect_failure(wrong.arguments, 2, wrong.sentence);
 }
@@ -765,7 +782,8 @@ TEST_F(Command, CamerasAndLightsByNameAndByIndex) {
 
 TEST_F(Command, StatisticsHaveEveryField) {
     write_scene(folder_, "square", floor_and_square());
-    render_quietly({"square.gltf", "--size", "32x24", "-o", "a.png", "--stats", "s.json", "--set", "map-size=512"});
+    render_quietly(
+        {"square.gltf", "--size", "32x24", "-o", "a.png", "--stats", "s.json", "--set", "map-size=512", "--profile"});
     const nlohmann::json stats = statistics("s.json");
     EXPECT_EQ(stats.at("command").at(1), "render");
     EXPECT_EQ("gnomon " + std::string(stats.at("version")) + "\n", run({"--version"}).out);
@@ -790,7 +808,107 @@ TEST_F(Command, StatisticsHaveEveryField) {
             device_ms += double(stage.at("device_ms"));
         }
     }
-    EXPECT_GT(device_ms, 0);  // --stats turns the device's own clock on
+    EXPECT_GT(device_ms, 0);  // --profile turns the device's own clock on
+    // The steps are the whole: what no step took is "other".
+    double sum = 0;
+    for (const auto& [name, ms] : stats.at("phases_ms").items()) {
+        EXPECT_GE(double(ms), 0) << name;
+        if (name != "total") sum += double(ms);
+    }
+    for (const char* const name :
+         {"open_device", "load_scene", "kernels", "camera", "shadow", "shade", "write_picture"})
+        EXPECT_TRUE(stats.at("phases_ms").contains(name)) << name;
+    EXPECT_NEAR(sum, double(stats.at("phases_ms").at("total")), 1e-6 * sum);
+}
+
+// Without --profile nothing waits for a stage's end: there is no time of it, in the file or in the table.
+TEST_F(Command, StagesHaveTimesOnlyWhereTheyWereMeasured) {
+    const Outcome plain = run({"render", "--size", "32x24", "--stats", "s.json"});
+    EXPECT_EQ(plain.exit_code, 0) << plain.err;
+    for (const char* part : {"camera_stages", "shadow_stages"}) {
+        const nlohmann::json all = statistics("s.json").at(part);
+        EXPECT_FALSE(all.contains("wall_ms"));
+        for (const nlohmann::json& stage : all.at("stages")) {
+            EXPECT_TRUE(stage.contains("name"));
+            EXPECT_FALSE(stage.contains("wall_ms") || stage.contains("device_ms")) << stage;
+        }
+    }
+    EXPECT_EQ(plain.out.find("camera_visibility"), std::string::npos) << plain.out;
+    for (const char* const step : {"open device", "kernels", "camera", "shadow", "other", "total"})
+        EXPECT_NE(plain.out.find("\n  " + std::string(step)), std::string::npos) << plain.out;
+    const Outcome profiled = run({"render", "--size", "32x24", "--stats", "s.json", "--profile"});
+    EXPECT_NE(profiled.out.find("camera_visibility"), std::string::npos) << profiled.out;
+}
+
+// ---- Explanations ---------------------------------------------------------------------------------------------------
+
+// Pixels of every colour of the diagnostic "decided": each stage and level, backfacing points and the sky.
+TEST_F(Command, ExplanationsAgreeWithTheMask) {
+    const Arguments view{"--size", "400x225", "--eye", "2.45,2.95,1.75", "--target", "-0.3,1.6,-0.3"};
+    const auto with_view = [&](Arguments arguments) {
+        arguments.insert(arguments.end(), view.begin(), view.end());
+        return arguments;
+    };
+    render_quietly(with_view({"--mask", "mask.png", "--diagnostic", "decided", "-o", "decided.png"}));
+    const Bytes mask = read_bytes(in_folder("mask.png")), decided = read_bytes(in_folder("decided.png"));
+    std::map<std::array<std::uint8_t, 3>, int> of_color;
+    std::map<std::string, int> of_stage;
+    for (std::size_t at = 0; at < mask.values.size(); ++at) {
+        const std::size_t i = at * 7 % mask.values.size();  // all pixels, but neighbours far apart
+        if (++of_color[{decided.values[3 * i], decided.values[3 * i + 1], decided.values[3 * i + 2]}] > 2) continue;
+        const std::string pixel = std::to_string(i % 400) + "," + std::to_string(i / 400);
+        const Outcome outcome = run(with_view({"explain", "--json", "--pixel", pixel}));
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        const nlohmann::json explained = nlohmann::json::parse(outcome.out);
+        EXPECT_EQ(explained.at("is_lit"), mask.values[i] == 255) << pixel;
+        EXPECT_TRUE(explained.at("is_consistent")) << pixel;
+        ++of_stage[explained.at("is_absent") ? "sky" : explained.at("stage").get<std::string>()];
+    }
+    for (const char* const stage : {"sky", "facing", "conservative_map", "trace", "exact_trace"})
+        EXPECT_GT(of_stage[stage], 0) << stage << " decided no pixel of the sample";
+}
+
+TEST_F(Command, ExplainsAPointOfDumpedTriangles) {
+    write_scene(folder_, "square", floor_and_square());
+    render_quietly({"square.gltf", "--dump-triangles", "square.triangles", "--size", "8x8"});
+    const Arguments floor_point{"explain",    "--triangles", "square.triangles",  "--point=0.25,0,-0.125",
+                                "--receiver", "1",           "--light-direction", "0,-1,0"};
+    Outcome outcome = run(floor_point);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    for (const char* const text : {"0x1p-2,0x0p+0,-0x1p-3", "receiver  triangle 1", "in shadow", "triangle 3", "trace"})
+        EXPECT_NE(outcome.out.find(text), std::string::npos) << text << "\n" << outcome.out;
+    // Seen from below, its side is turned away from the light.
+    Arguments from_below = floor_point;
+    from_below.insert(from_below.end(), {"--eye", "0,-1,0"});
+    outcome = run(from_below);
+    EXPECT_NE(outcome.out.find("backfacing"), std::string::npos) << outcome.out;
+
+    std::ofstream(in_folder("cut.triangles")) << "12345";
+    expect_failure({"explain", "--triangles", "cut.triangles", "--point", "0,0,0"}, 1, "holds 5 bytes");
+    expect_failure({"explain", "--triangles", "none.triangles", "--point", "0,0,0"}, 1, "cannot read none.triangles");
+    expect_failure({"explain", "none.glb", "--pixel", "0,0"}, 1, "none.glb");
+    expect_failure({"explain", "square.gltf", "--point", "0,0,0", "--receiver", "4"}, 1,
+                   "--receiver 4 is no triangle: the scene has 4");
+}
+
+TEST_F(Command, ExplainsASampleOfAPixel) {
+    render_quietly({"--size", "16x12", "--samples", "4", "--dump-points", "points.bin", "--mask", "mask.png"});
+    const std::vector<DumpedPoint> points = read_points(in_folder("points.bin"));
+    const Bytes mask = read_bytes(in_folder("mask.png"));
+    ASSERT_EQ(points.size(), 4u * 16 * 12);
+    const std::size_t pixel = 6 * 16 + 9;
+    int lit = 0;
+    for (std::size_t sample = 0; sample < 4; ++sample) {
+        const Outcome outcome = run({"explain", "--size", "16x12", "--pixel", "9,6", "--samples", "4", "--sample",
+                                     std::to_string(sample), "--json"});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        const nlohmann::json explained = nlohmann::json::parse(outcome.out);
+        const DumpedPoint& point = points[sample * 16 * 12 + pixel];
+        EXPECT_EQ(explained.at("point"), point.position) << sample;
+        EXPECT_EQ(explained.at("receiver").at("triangle"), point.receiver) << sample;
+        lit += explained.at("is_lit").get<bool>();
+    }
+    EXPECT_EQ(mask.values[pixel], std::lround(255 * lit / 4.0));
 }
 
 TEST_F(Command, AnExistingFileIsReplacedWholeAndALinkIsFollowed) {

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// One point's explanation, as text or JSON: the run is render's with the exact technique, on the same points.
+#include "explain.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "choice.hpp"
+#include "setup.hpp"
+#include "terminal.hpp"
+
+namespace gnomon::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::size_t most_printed = 8;  // triangles of a list; --json has all
+
+struct Explained {
+    Explanation explanation;
+    std::string where;  ///< "pixel 310,42 of 960x540 (frames the whole scene)"
+    ChosenLight light;
+};
+
+// ---- The point ------------------------------------------------------------------------------------------------------
+
+Points given_point(const ExplainOptions& options, const Device& device, std::size_t triangle_count) {
+    if (options.receiver && *options.receiver >= triangle_count)
+        throw Error(std::string("--receiver ") + std::to_string(*options.receiver) + " is no triangle: the scene has " +
+                    std::to_string(triangle_count) + ", counted from 0");
+    const std::array receiver{options.receiver.value_or(no_receiver)};
+    Points points = Points::upload(device, *options.point, receiver);
+    if (options.eye) points.set_eye(*options.eye);
+    return points;
+}
+
+/// One sample of the pixel, among all points of that sample's batch, as render has them.
+Explanation explain_sample(const ExplainOptions& options, const Device& device, const Triangles& triangles,
+                           const View& view, const Light& light, std::size_t pixel) {
+    Explanation explanation;
+    std::size_t first = 0;  // sample of the batch
+    const std::size_t pixels = view.points.count();
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const SampleSink sink = [&](const Points& points) {
+        const std::size_t count = points.count() / pixels;
+        if (options.sample >= first && options.sample < first + count)
+            explanation = gnomon::explain(device, triangles, points, (options.sample - first) * pixels + pixel, light);
+        first += count;
+    };
+    run_samples(*technique, device, triangles, view, light, options.samples, Visibility(device, pixels), sink);
+    return explanation;
+}
+
+Explained explain_in(const ExplainOptions& options, const Device& device, const scene::Scene& scene) {
+    Explained explained{{}, "a point of its own", choose_light(options, scene)};
+    const Light& light = explained.light.light;
+    const Triangles triangles = Triangles::upload(device, scene.triangles);
+    if (options.point) {
+        const Points points = given_point(options, device, triangles.count());
+        explained.explanation = gnomon::explain(device, triangles, points, 0, light);
+        return explained;
+    }
+    const auto [width, height] = options.size;
+    const auto [x, y] = *options.pixel;
+    const ChosenCamera camera = choose_camera(options, scene);
+    const View view = look(device, triangles, camera.camera, width, height);
+    const std::size_t pixel = std::size_t(y) * width + x;
+    explained.where = "pixel " + std::to_string(x) + "," + std::to_string(y) + " of " + std::to_string(width) + "x" +
+                      std::to_string(height) + " (" + camera.source + ")";
+    if (options.samples > 1)
+        explained.where += ", sample " + std::to_string(options.sample) + " of " + std::to_string(options.samples);
+    explained.explanation = options.samples > 1 ? explain_sample(options, device, triangles, view, light, pixel)
+                                                : gnomon::explain(device, triangles, view.points, pixel, light);
+    return explained;
+}
+
+bool is_absent(const Explanation& e) {
+    return !std::all_of(e.position.begin(), e.position.end(), [](float c) { return std::isfinite(c); });
+}
+
+// ---- Text -----------------------------------------------------------------------------------------------------------
+
+std::string sign_text(int sign) { return sign > 0 ? "+" : sign < 0 ? "-" : "0"; }
+
+std::string hexadecimal(const Float3& v) {
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), "%a,%a,%a", double(v[0]), double(v[1]), double(v[2]));
+    return text.data();
+}
+
+std::string vertices_text(const TriangleSigns& t) {
+    const auto vertex = [&](std::size_t i) {
+        return std::string("(") + float3_text({t.vertices[i], t.vertices[i + 1], t.vertices[i + 2]}) + ")";
+    };
+    return vertex(0) + " " + vertex(3) + " " + vertex(6);
+}
+
+/// Why the point is lit or in shadow: one sentence.
+std::string reason(const Explanation& e) {
+    if (is_absent(e)) return "the point is absent (a pixel of the sky): lit by definition";
+    if (e.stage == "facing" && e.arithmetic == "none") return "no triangle can be between the point and the light";
+    if (e.stage == "facing")
+        return "the point is backfacing: the light is not strictly on the eye's side of the receiver's plane";
+    if (e.stage == "conservative_map") return "one triangle covers the point's whole texel, nearer to the light";
+    if (e.stage == "trace") return "the float filter was certain for every triangle that mattered";
+    return "the filter left pairs undecided, and the exact predicate decided them";
+}
+
+void add_triangles(std::ostream& out, const std::string& heading, const std::vector<TriangleSigns>& list) {
+    if (list.empty()) return;
+    out << '\n' << heading << ": " << grouped(list.size()) << '\n';
+    for (std::size_t i = 0; i < std::min(list.size(), most_printed); ++i) {
+        const TriangleSigns& t = list[i];
+        out << "  triangle " << t.triangle << "  " << vertices_text(t) << "\n    signs: point's side "
+            << sign_text(t.point_side) << ", light's side " << sign_text(t.light_side) << ", edges ab "
+            << sign_text(t.edges[0]) << " bc " << sign_text(t.edges[1]) << " ca " << sign_text(t.edges[2])
+            << "; certain in " << t.arithmetic;
+        if (t.blocks) out << "; " << float_text(float(t.distance)) << " from the point";
+        out << '\n';
+    }
+    if (list.size() > most_printed) out << "  and " << grouped(list.size() - most_printed) << " more: see --json\n";
+}
+
+std::string text_of(const Explained& explained) {
+    const Explanation& e = explained.explanation;
+    std::ostringstream out;
+    out << explained.where << "\npoint     " << float3_text(e.position) << "\n          " << hexadecimal(e.position)
+        << '\n';
+    if (e.receiver == no_receiver) {
+        out << "receiver  none\n";
+    } else {
+        out << "receiver  triangle " << e.receiver << "  " << vertices_text(e.on_receiver)
+            << "\n          signs: point's side " << sign_text(e.on_receiver.point_side) << ", light's side "
+            << sign_text(e.on_receiver.light_side);
+        if (e.eye_side != 0) out << ", eye's side " << sign_text(e.eye_side);
+        out << '\n';
+    }
+    out << "light     " << light_option(explained.light.light) << " (" << explained.light.source << ")\n"
+        << "result    " << (e.is_lit() ? "lit" : "in shadow") << ": " << reason(e) << '\n'
+        << "decided   by the stage " << e.stage << ", arithmetic: " << e.arithmetic << '\n';
+    add_triangles(out, "block the shadow ray, nearest first", e.occluders);
+    if (e.stage != "facing" && e.arithmetic != "filter")
+        add_triangles(out, "do not block, and the exact predicate's level float was not certain", e.near_misses);
+    return out.str();
+}
+
+// ---- JSON -----------------------------------------------------------------------------------------------------------
+
+ordered_json triangle_json(const TriangleSigns& t) {
+    return {{"triangle", t.triangle},     {"vertices", t.vertices},     {"blocks", t.blocks},
+            {"point_side", t.point_side}, {"light_side", t.light_side}, {"edges", t.edges},
+            {"arithmetic", t.arithmetic}, {"distance", t.distance}};
+}
+
+ordered_json triangles_json(const std::vector<TriangleSigns>& list) {
+    ordered_json json = ordered_json::array();
+    for (const TriangleSigns& t : list) json.push_back(triangle_json(t));
+    return json;
+}
+
+ordered_json json_of(const Explained& explained) {
+    const Explanation& e = explained.explanation;
+    ordered_json json{{"explained", explained.where},
+                      {"point", is_absent(e) ? ordered_json() : ordered_json(e.position)},
+                      {"point_hexadecimal", hexadecimal(e.position)},
+                      {"receiver", e.receiver == no_receiver ? ordered_json() : triangle_json(e.on_receiver)},
+                      {"eye_side", e.eye_side},
+                      {"light", light_option(explained.light.light)},
+                      {"is_lit", e.is_lit()},
+                      {"is_backfacing", e.is_backfacing},
+                      {"is_absent", is_absent(e)},
+                      {"stage", e.stage},
+                      {"arithmetic", e.arithmetic},
+                      {"reason", reason(e)},
+                      {"is_consistent", e.is_consistent()},
+                      {"occluders", triangles_json(e.occluders)},
+                      {"near_misses", triangles_json(e.near_misses)}};
+    return json;
+}
+
+}  // namespace
+
+void explain(const ExplainOptions& options) {
+    const Device device = open_device(options, false);
+    const scene::Scene scene = options.triangles ? load_triangles(*options.triangles) : load_scene(options);
+    const Explained explained = explain_in(options, device, scene);
+    print_result(options.json ? json_of(explained).dump(2) + "\n" : text_of(explained));
+    if (!explained.explanation.is_consistent())
+        throw Error("the technique's answer is not the one of the exact signs: gnomon is wrong here, please report it");
+}
+
+}  // namespace gnomon::app
