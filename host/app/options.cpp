@@ -71,20 +71,26 @@ std::vector<std::string> settle_equals_signs(const std::vector<std::string>& arg
 
 using Store = std::function<void(const std::string& option, const std::string& text)>;
 
-/// An option with one value. `store` gets the option's long name (for its sentences) and the text.
-void add_value(CLI::App& app, const std::string& group, const std::string& names, const std::string& type,
-               const std::string& meaning, Store store) {
-    const std::string option = names.substr(names.find("--"));
-    app.add_option_function<std::vector<std::string>>(
-           names,
-           [option, store = std::move(store)](const std::vector<std::string>& texts) {
-               for (const std::string& text : texts) store(option, text);
-           },
-           meaning)
-        ->option_text(type)
-        ->group(group)
-        ->allow_extra_args(false);
-}
+/// A group of a command's help. Called, it adds an option with one value; `store` gets the option's long name (for its
+/// sentences) and the text.
+struct Group {
+    CLI::App& app;
+    std::string name;
+
+    void operator()(const std::string& names, const std::string& type, const std::string& meaning, Store store) const {
+        const std::string option = names.substr(names.find("--"));
+        const auto store_all = [option, store = std::move(store)](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) store(option, text);
+        };
+        app.add_option_function<std::vector<std::string>>(names, store_all, meaning)
+            ->option_text(type)
+            ->group(name)
+            ->allow_extra_args(false);
+    }
+    void flag(const std::string& option, bool& value, const std::string& meaning) const {
+        app.add_flag(option, value, meaning)->group(name);
+    }
+};
 
 /// Stores what `parse` reads.
 template <typename To, typename Value>
@@ -100,71 +106,67 @@ Store into_file(To& to, const char* extension) {
 }
 
 void add_camera_options(CLI::App& app, ViewOptions& options) {
-    const std::string group = "Camera (default: the scene's first, else one that frames the scene)";
-    add_value(app, group, "--size", "WxH",
-              "Pixels of the picture, each side up to 16384 (default " + std::to_string(options.size.width) + "x" +
-                  std::to_string(options.size.height) + ")",
-              into(options.size, parse_size));
-    add_value(app, group, "--camera", "NAME|INDEX", "A camera of the scene, by its name or its position from 0",
-              into(options.camera, parse_name));
-    add_value(app, group, "--eye", "X,Y,Z", "Where the camera stands; needs --target", into(options.eye, parse_float3));
-    add_value(app, group, "--target", "X,Y,Z", "What the camera looks at; needs --eye",
-              into(options.target, parse_float3));
-    add_value(app, group, "--up", "X,Y,Z", "Which way is up for --eye and --target (default 0,1,0)",
-              into(options.up, parse_float3));
-    add_value(app, group, "--fovy", "DEGREES",
-              "Vertical field of view, above 0 and below 180\n(default: the camera's own; 50 with --eye)",
-              [&](const std::string& option, const std::string& text) {
-                  options.fov_y_degrees = parse_float(option, text);
-                  if (!(*options.fov_y_degrees > 0 && *options.fov_y_degrees < 180))
-                      throw UsageError(option + " needs degrees above 0 and below 180, not \"" + text + "\"");
-              });
+    const Group add{app, "Camera (default: the scene's first, else one that frames the scene)"};
+    add("--size", "WxH",
+        "Pixels of the picture, each side up to 16384 (default " + std::to_string(options.size.width) + "x" +
+            std::to_string(options.size.height) + ")",
+        into(options.size, parse_size));
+    add("--camera", "NAME|INDEX", "A camera of the scene, by its name or its position from 0",
+        into(options.camera, parse_name));
+    add("--eye", "X,Y,Z", "Where the camera stands; needs --target", into(options.eye, parse_float3));
+    add("--target", "X,Y,Z", "What the camera looks at; needs --eye", into(options.target, parse_float3));
+    add("--up", "X,Y,Z", "Which way is up for --eye and --target (default 0,1,0)", into(options.up, parse_float3));
+    add("--fovy", "DEGREES",
+        "Vertical field of view, above 0 and below 180\n(default: the camera's own; 50 with --eye)",
+        [&](const std::string& option, const std::string& text) {
+            options.fov_y_degrees = parse_float(option, text);
+            if (!(*options.fov_y_degrees > 0 && *options.fov_y_degrees < 180))
+                throw UsageError(option + " needs degrees above 0 and below 180, not \"" + text + "\"");
+        });
 }
 
 /// `more` is said of --light.
 void add_light_options(CLI::App& app, ViewOptions& options, const std::string& more = {}) {
-    const std::string group = "Light (default: the scene's first, else a sun that travels along -0.4,-1,-0.3)";
-    add_value(app, group, "--light-direction", "X,Y,Z", "A light infinitely far away: the way it travels",
-              [&](const std::string& option, const std::string& text) {
-                  options.light_direction = parse_float3(option, text);
-                  if (*options.light_direction == Float3{0, 0, 0})
-                      throw UsageError(option + " needs a direction that is not 0,0,0");
-              });
-    add_value(app, group, "--light-position", "X,Y,Z", "A light at a point",
-              into(options.light_position, parse_float3));
-    add_value(app, group, "--light", "NAME|INDEX", "A light of the scene, by its name or its position from 0" + more,
-              into(options.light, parse_name));
+    const Group add{app, "Light (default: the scene's first, else a sun that travels along -0.4,-1,-0.3)"};
+    add("--light-direction", "X,Y,Z", "A light infinitely far away: the way it travels",
+        [&](const std::string& option, const std::string& text) {
+            options.light_direction = parse_float3(option, text);
+            if (*options.light_direction == Float3{0, 0, 0})
+                throw UsageError(option + " needs a direction that is not 0,0,0");
+        });
+    add("--light-position", "X,Y,Z", "A light at a point", into(options.light_position, parse_float3));
+    add("--light", "NAME|INDEX", "A light of the scene, by its name or its position from 0" + more,
+        into(options.light, parse_name));
 }
 
 void add_output_options(CLI::App& app, RenderOptions& options) {
-    const std::string group = "Outputs (at least one)";
-    add_value(app, group, "-o,--output", "FILE.png", "The picture, 8-bit sRGB", into_file(options.picture, ".png"));
-    add_value(app, group, "--mask", "FILE.png",
-              "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow, else the mean of --samples",
-              into_file(options.mask, ".png"));
-    add_value(app, group, "--aov", "FILE.exr",
-              "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint); "
-              "sky: P = N = 0, visibility 1, receiver 4294967295",
-              into_file(options.aov, ".exr"));
-    add_value(app, group, "--dump-triangles", "FILE",
-              "The world triangles, 9 little-endian float32 each;\na receiver is a position in this file",
-              into_file(options.triangle_dump, ""));
-    add_value(app, group, "--dump-points", "FILE",
-              "The points whose shadow is decided, 16 little-endian bytes each: x, y, z (float32; sky: NaN)\n"
-              "and receiver (uint32); pixel by pixel, for each of --samples in turn",
-              into_file(options.point_dump, ""));
-    add_value(app, group, "--stats", "FILE.json",
-              "What was done: the time of each step in ms, counts, memory, the exact camera and\n"
-              "light; the time of each stage only with --profile",
-              into_file(options.statistics, ""));
-    app.add_flag("--profile", options.profile,
-                 "Time each stage on the device, for the table and --stats. The host waits after each\n"
-                 "stage, so that the run as a whole takes a little longer")
-        ->group(group);
+    const Group add{app, "Outputs (at least one)"};
+    add("-o,--output", "FILE.png", "The picture, 8-bit sRGB", into_file(options.picture, ".png"));
+    add("--mask", "FILE.png",
+        "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow, else the mean of --samples",
+        into_file(options.mask, ".png"));
+    add("--aov", "FILE.exr",
+        "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint); "
+        "sky: P = N = 0, visibility 1, receiver 4294967295",
+        into_file(options.aov, ".exr"));
+    add("--dump-triangles", "FILE",
+        "The world triangles, 9 little-endian float32 each;\na receiver is a position in this file",
+        into_file(options.triangle_dump, ""));
+    add("--dump-points", "FILE",
+        "The points whose shadow is decided, 16 little-endian bytes each: x, y, z (float32; sky: NaN)\n"
+        "and receiver (uint32); pixel by pixel, for each of --samples in turn",
+        into_file(options.point_dump, ""));
+    add("--stats", "FILE.json",
+        "What was done: the time of each step in ms, counts, memory, the exact camera and\n"
+        "light; the time of each stage only with --profile",
+        into_file(options.statistics, ""));
+    add.flag("--profile", options.profile,
+             "Time each stage on the device, for the table and --stats. The host waits after each\n"
+             "stage, so that the run as a whole takes a little longer");
 }
 
-void add_samples(CLI::App& app, const std::string& group, const std::string& meaning, std::uint32_t& samples) {
-    add_value(app, group, "--samples", "1|4|8|16|32", meaning, [&](const std::string& option, const std::string& text) {
+void add_samples(const Group& add, const std::string& meaning, std::uint32_t& samples) {
+    add("--samples", "1|4|8|16|32", meaning, [&](const std::string& option, const std::string& text) {
         samples = parse_count(option, text, 32);
         if (samples != 1 && (samples < 4 || (samples & (samples - 1)) != 0))
             throw UsageError(option + " needs 1, 4, 8, 16 or 32, not \"" + text + "\"");
@@ -172,44 +174,42 @@ void add_samples(CLI::App& app, const std::string& group, const std::string& mea
 }
 
 void add_technique_options(CLI::App& app, RenderOptions& options) {
-    const std::string group = "Technique (see: gnomon techniques --verbose)";
+    const Group add{app, "Technique (see: gnomon techniques --verbose)"};
     const auto set = [&options](std::string key) -> Store {
         return [&options, key = std::move(key)](const std::string& option, const std::string& text) {
             options.settings.emplace_back(key, parse_name(option, text));
         };
     };
-    add_value(app, group, "--technique", "NAME", "How visibility is computed (default frustum-traced)",
-              into(options.technique, parse_name));
-    add_samples(app, group,
+    add("--technique", "NAME", "How visibility is computed (default frustum-traced)",
+        into(options.technique, parse_name));
+    add_samples(add,
                 "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
                 options.samples);
-    add_value(app, group, "--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
-              [&](const std::string& option, const std::string& text) {
-                  options.settings.push_back(parse_setting(option, text));
-              });
-    add_value(
-        app, group, "--diagnostic", "NAME",
+    add("--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
+        [&](const std::string& option, const std::string& text) {
+            options.settings.push_back(parse_setting(option, text));
+        });
+    add("--diagnostic", "NAME",
         "Draw how the technique works instead of the picture: decided (frustum-traced), page (virtual-shadow-map),\n"
         "aliasing, grid, views, depth or warp (shadow-map and its presets)",
         into(options.diagnostic, parse_name));
-    add_value(app, group, "--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
-              set("conservative-map"));
-    add_value(app, group, "--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));
+    add("--conservative-map", "on|off|auto", "Short for --set conservative-map=...", set("conservative-map"));
+    add("--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));
 }
 
 /// `prints_more`: than the one answer that the command is for.
 void add_device_options(CLI::App& app, ViewOptions& options, bool prints_more = true) {
-    const std::string group = "Device and messages";
-    add_value(app, group, "--device", "P:D|NAME",
-              "The OpenCL device, as gnomon devices lists it or by a part of its\n"
-              "name (default: $GNOMON_DEVICE, else the first usable GPU, else CPU)",
-              into(options.device, parse_name));
-    add_value(app, group, "--memory-limit", "BYTES",
-              "Allocate no more than this on the device; K, M, G and T are powers of\n1024. A scene that does not fit "
-              "is processed in parts, with the same bits",
-              into(options.memory_limit_bytes, parse_bytes));
-    app.add_flag("--strict", options.strict, "Warnings become errors")->group(group);
-    if (prints_more) app.add_flag("--quiet", options.quiet, "Print nothing but warnings and errors")->group(group);
+    const Group add{app, "Device and messages"};
+    add("--device", "P:D|NAME",
+        "The OpenCL device, as gnomon devices lists it or by a part of its\n"
+        "name (default: $GNOMON_DEVICE, else the first usable GPU, else CPU)",
+        into(options.device, parse_name));
+    add("--memory-limit", "BYTES",
+        "Allocate no more than this on the device; K, M, G and T are powers of\n1024. A scene that does not fit "
+        "is processed in parts, with the same bits",
+        into(options.memory_limit_bytes, parse_bytes));
+    add.flag("--strict", options.strict, "Warnings become errors");
+    if (prints_more) add.flag("--quiet", options.quiet, "Print nothing but warnings and errors");
 }
 
 void check_camera_options(const ViewOptions& options) {
@@ -291,22 +291,20 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
 CLI::App* add_explain(CLI::App& app, ExplainOptions& options) {
     CLI::App* explain = app.add_subcommand("explain", "Says why a pixel or a point is lit or in shadow");
     add_scene_argument(*explain, options);
-    const std::string group = "What to explain (--pixel or --point)";
-    add_value(*explain, group, "--pixel", "X,Y", "A pixel of the picture, counted from 0 at the upper left corner",
-              into(options.pixel, parse_pixel));
-    add_samples(*explain, group, "The pixel's points are these of render's --samples (default 1)", options.samples);
-    add_value(
-        *explain, group, "--sample", "I", "Which of the pixel's samples, from 0 (default 0)",
+    const Group add{*explain, "What to explain (--pixel or --point)"};
+    add("--pixel", "X,Y", "A pixel of the picture, counted from 0 at the upper left corner",
+        into(options.pixel, parse_pixel));
+    add_samples(add, "The pixel's points are these of render's --samples (default 1)", options.samples);
+    add("--sample", "I", "Which of the pixel's samples, from 0 (default 0)",
         [&](const std::string& option, const std::string& text) { options.sample = parse_count(option, text, 31, 0); });
-    add_value(*explain, group, "--point", "X,Y,Z", "A point of the scene; with --eye it can be backfacing",
-              into(options.point, parse_float3));
-    add_value(*explain, group, "--receiver", "ID", "The triangle that the point lies on (default: none)",
-              [&](const std::string& option, const std::string& text) {
-                  options.receiver = parse_count(option, text, no_receiver - 1, 0);
-              });
-    add_value(*explain, group, "--triangles", "FILE", "In place of SCENE: triangles as --dump-triangles writes them",
-              into_file(options.triangles, ""));
-    explain->add_flag("--json", options.json, "Print the explanation as JSON, with all triangles")->group(group);
+    add("--point", "X,Y,Z", "A point of the scene; with --eye it can be backfacing", into(options.point, parse_float3));
+    add("--receiver", "ID", "The triangle that the point lies on (default: none)",
+        [&](const std::string& option, const std::string& text) {
+            options.receiver = parse_count(option, text, no_receiver - 1, 0);
+        });
+    add("--triangles", "FILE", "In place of SCENE: triangles as --dump-triangles writes them",
+        into_file(options.triangles, ""));
+    add.flag("--json", options.json, "Print the explanation as JSON, with all triangles");
     add_camera_options(*explain, options);
     add_light_options(*explain, options);
     add_device_options(*explain, options, false);
@@ -317,16 +315,15 @@ CLI::App* add_explain(CLI::App& app, ExplainOptions& options) {
 CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
     CLI::App* gallery = app.add_subcommand("gallery", "Every technique beside the exact truth, as one HTML page");
     add_scene_argument(*gallery, options);
-    const std::string group = "Page";
-    add_value(*gallery, group, "-o,--output", "FILE.html", "The page, everything in it (default gallery.html)",
-              into_file(options.page, ".html"));
-    add_value(*gallery, group, "--technique", "NAME[:KEY=VALUE,...]",
-              "Show this technique, with these settings; may be repeated\n(default: every technique as it comes)",
-              [&](const std::string& option, const std::string& text) {
-                  options.techniques.push_back(parse_name(option, text));
-              });
-    add_value(
-        *gallery, group, "--runs", "N", "Timed runs of each technique, 1 to 1000 (default 3)",
+    const Group add{*gallery, "Page"};
+    add("-o,--output", "FILE.html", "The page, everything in it (default gallery.html)",
+        into_file(options.page, ".html"));
+    add("--technique", "NAME[:KEY=VALUE,...]",
+        "Show this technique, with these settings; may be repeated\n(default: every technique as it comes)",
+        [&](const std::string& option, const std::string& text) {
+            options.techniques.push_back(parse_name(option, text));
+        });
+    add("--runs", "N", "Timed runs of each technique, 1 to 1000 (default 3)",
         [&](const std::string& option, const std::string& text) { options.runs = parse_count(option, text, 1000); });
     add_camera_options(*gallery, options);
     add_light_options(*gallery, options);

@@ -39,6 +39,7 @@ namespace cl {
 class Session;
 }
 class Clusters;
+struct OwnedPoints;
 }  // namespace gnomon
 
 // The library is compiled with hidden visibility (host/CMakeLists.txt): a shared one shows what is declared from here
