@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-// One point's explanation, as text or JSON: the run is render's with the exact technique, on the same points.
+// One point's explanation as text: the run is render's with the exact technique, on the same points.
 #include "explain.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "choice.hpp"
@@ -16,9 +15,7 @@
 namespace gnomon::app {
 namespace {
 
-using nlohmann::ordered_json;
-
-constexpr std::size_t most_printed = 8;  // triangles of a list; --json has all
+constexpr std::size_t most_printed = 8;  // triangles of a list; gnomon::explain() has all
 
 struct Explained {
     Explanation explanation;
@@ -82,8 +79,6 @@ bool is_absent(const Explanation& e) {
     return !std::all_of(e.position.begin(), e.position.end(), [](float c) { return std::isfinite(c); });
 }
 
-// ---- Text -----------------------------------------------------------------------------------------------------------
-
 std::string sign_text(int sign) { return sign > 0 ? "+" : sign < 0 ? "-" : "0"; }
 
 std::string hexadecimal(const Float3& v) {
@@ -122,7 +117,7 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
         if (t.blocks) out << "; " << float_text(float(t.distance)) << " from the point";
         out << '\n';
     }
-    if (list.size() > most_printed) out << "  and " << grouped(list.size() - most_printed) << " more: see --json\n";
+    if (list.size() > most_printed) out << "  and " << grouped(list.size() - most_printed) << " more\n";
 }
 
 std::string text_of(const Explained& explained) {
@@ -148,47 +143,13 @@ std::string text_of(const Explained& explained) {
     return out.str();
 }
 
-// ---- JSON -----------------------------------------------------------------------------------------------------------
-
-ordered_json triangle_json(const TriangleSigns& t) {
-    return {{"triangle", t.triangle},     {"vertices", t.vertices},     {"blocks", t.blocks},
-            {"point_side", t.point_side}, {"light_side", t.light_side}, {"edges", t.edges},
-            {"arithmetic", t.arithmetic}, {"distance", t.distance}};
-}
-
-ordered_json triangles_json(const std::vector<TriangleSigns>& list) {
-    ordered_json json = ordered_json::array();
-    for (const TriangleSigns& t : list) json.push_back(triangle_json(t));
-    return json;
-}
-
-ordered_json json_of(const Explained& explained) {
-    const Explanation& e = explained.explanation;
-    ordered_json json{{"explained", explained.where},
-                      {"point", is_absent(e) ? ordered_json() : ordered_json(e.position)},
-                      {"point_hexadecimal", hexadecimal(e.position)},
-                      {"receiver", e.receiver == no_receiver ? ordered_json() : triangle_json(e.on_receiver)},
-                      {"eye_side", e.eye_side},
-                      {"light", light_option(explained.light.light)},
-                      {"is_lit", e.is_lit()},
-                      {"is_backfacing", e.is_backfacing},
-                      {"is_absent", is_absent(e)},
-                      {"stage", e.stage},
-                      {"arithmetic", e.arithmetic},
-                      {"reason", reason(e)},
-                      {"is_consistent", e.is_consistent()},
-                      {"occluders", triangles_json(e.occluders)},
-                      {"near_misses", triangles_json(e.near_misses)}};
-    return json;
-}
-
 }  // namespace
 
 void explain(const ExplainOptions& options) {
     const Device device = open_device(options, false);
     const scene::Scene scene = options.triangles ? load_triangles(*options.triangles) : load_scene(options);
     const Explained explained = explain_in(options, device, scene);
-    print_result(options.json ? json_of(explained).dump(2) + "\n" : text_of(explained));
+    print_result(text_of(explained));
     if (!explained.explanation.is_consistent())
         throw Error("the technique's answer is not the one of the exact signs: gnomon is wrong here, please report it");
 }

@@ -39,7 +39,7 @@ const char* const explain_footer =
     "\n"
     "Examples:\n"
     "  gnomon explain --size 640x360 --pixel 310,42\n"
-    "  gnomon explain room.glb --camera 0 --light sun --pixel 100,20 --json\n"
+    "  gnomon explain room.glb --camera 0 --light sun --pixel 100,20\n"
     "  gnomon explain --triangles room.triangles --point 0,1,0.5 --receiver 12 --light-direction -1,-2,-0.5";
 
 const char* const gallery_footer =
@@ -304,7 +304,6 @@ CLI::App* add_explain(CLI::App& app, ExplainOptions& options) {
         });
     add("--triangles", "FILE", "In place of SCENE: triangles as --dump-triangles writes them",
         into_file(options.triangles, ""));
-    add.flag("--json", options.json, "Print the explanation as JSON, with all triangles");
     add_camera_options(*explain, options);
     add_light_options(*explain, options);
     add_device_options(*explain, options, false);

@@ -80,7 +80,6 @@ struct ExplainOptions : ViewOptions {
 
     std::optional<std::uint32_t> receiver;  ///< of the point
     std::uint32_t samples = 1, sample = 0;  ///< of the pixel
-    bool json = false;
 };
 
 using Command = std::variant<PrintText, ListDevices, ListTechniques, RenderOptions, ExplainOptions, GalleryOptions>;
