@@ -76,16 +76,6 @@ static ItemRange item_range(size_t n) {
 #define GN_INLINE_ON_CPU static
 #endif
 
-// Begins a kernel over n items that needs no barrier; its body takes the items of `items`. `parameters`: a macro that
-// stands for them all; `names`: `items` and theirs, in brackets. (OpenCL C has no macros of any number of arguments.)
-#define GN_KERNEL_OF_ITEMS(name, n, parameters, names)                    \
-    GN_NOINLINE_ON_CPU void name##_of_items(ItemRange items, parameters); \
-    __kernel void name(parameters) {                                      \
-        ItemRange items = item_range(n);                                  \
-        name##_of_items names;                                            \
-    }                                                                     \
-    GN_NOINLINE_ON_CPU void name##_of_items(ItemRange items, parameters)
-
 // Order-preserving map of floats to unsigned integers (no NaN), so that integer atomics find float minima.
 static uint float_to_key(float x) {
     uint bits = as_uint(x);
