@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Stage facing: a point whose receiver's plane does not have the light strictly on the eye's side is in shadow by
-// definition; of the others those are doubtful that the receiver's plane parts from the light.
+// definition; an open point may shadow itself if the receiver's plane is strictly between it and the light.
 #include "receivers/facing.hpp"
 
 #include <gtest/gtest.h>
@@ -21,10 +21,10 @@ struct Answer {
     std::vector<float> visibility;
     gnomon::FrameCounters counters;
     std::vector<gnomon::PointBounds> bounds{};  ///< of each frame
-    std::uint32_t undecided = 0;                ///< on a GPU, where floats were asked first
+    std::uint32_t undecided = 0;                ///< on a GPU, by the float filter
 };
 
-/// The stage, with canaries behind the visibility. With `is_lifted` it is told that no point is doubtful.
+/// The stage, with canaries behind the visibility. With `is_lifted` no point may shadow itself.
 Answer run(const gnomon::Device& device, const LightScene& scene, bool is_lifted = false) {
     gnomon::cl::Session& session = device.session();
     const UploadedScene inputs(device, scene);
@@ -45,7 +45,7 @@ Answer run(const gnomon::Device& device, const LightScene& scene, bool is_lifted
     return answer;
 }
 
-constexpr float DARK = 0, LIT = 1, OPEN = 2, DOUBTFUL = 3;
+constexpr float DARK = 0, LIT = 1, OPEN = 2, MAY_SELF_SHADOW = 3;
 
 /// Does the receiver's plane part the point from the light, strictly? Only then can the receiver block the point.
 bool is_behind_receiver(const reference::Triangle& t, const Float3& p, const Light& light, reference::Effort& effort) {
@@ -66,7 +66,7 @@ std::vector<float> expected(const LightScene& scene) {
         if (reference::is_finite(p) && !scene.receivers.empty() && scene.receivers[i] < scene.triangles.size() / 9) {
             const reference::Triangle t = reference::triangle_at(scene.triangles, scene.receivers[i]);
             if (reference::is_finite(t)) {
-                if (answer == OPEN && is_behind_receiver(t, p, scene.light, effort)) answer = DOUBTFUL;
+                if (answer == OPEN && is_behind_receiver(t, p, scene.light, effort)) answer = MAY_SELF_SHADOW;
                 if (scene.eye && !reference::is_facing(t, scene.light, *scene.eye, effort)) answer = DARK;
             }
         }
@@ -75,10 +75,10 @@ std::vector<float> expected(const LightScene& scene) {
     return visibility;
 }
 
-/// As expected(), where none is doubtful.
+/// As expected(), where no point may shadow itself.
 std::vector<float> expected_of_lifted(const LightScene& scene) {
     std::vector<float> truth = expected(scene);
-    std::replace(truth.begin(), truth.end(), DOUBTFUL, OPEN);
+    std::replace(truth.begin(), truth.end(), MAY_SELF_SHADOW, OPEN);
     return truth;
 }
 
@@ -101,7 +101,7 @@ std::vector<LightScene> scenes() {
 // only an exact sign is right, and both answers occur.
 TEST(facing, equals_reference) {
     const gnomon::Device device = device_with();
-    std::uint64_t away = 0, open = 0, doubtful = 0, by_integers = 0;
+    std::uint64_t away = 0, open = 0, self_shadowing = 0, by_integers = 0;
     for (const LightScene& scene : scenes()) {
         SCOPED_TRACE(scene.name);
         const Answer answer = run(device, scene);
@@ -111,17 +111,17 @@ TEST(facing, equals_reference) {
         EXPECT_EQ(answer.counters.facing_away, zeros);
         away += zeros;
         open += static_cast<std::uint64_t>(std::count(truth.begin(), truth.end(), OPEN));
-        doubtful += static_cast<std::uint64_t>(std::count(truth.begin(), truth.end(), DOUBTFUL));
+        self_shadowing += static_cast<std::uint64_t>(std::count(truth.begin(), truth.end(), MAY_SELF_SHADOW));
         by_integers += answer.counters.facing_exact;
     }
     EXPECT_GT(away, 1000u);
     EXPECT_GT(open, 1000u);
-    EXPECT_GT(doubtful, 1000u);
+    EXPECT_GT(self_shadowing, 1000u);
     EXPECT_GT(by_integers, 10u);
 }
 
 // So small that the float level knows no sign: where coordinates are equal a CPU knows that products are 0, else the
-// predicate is asked. Not vacuous: all answers occur under each light.
+// predicate decides. Not vacuous: all answers occur under each light.
 TEST(facing, knows_zeros_by_equal_coordinates) {
     const gnomon::Device device = device_with();
     std::mt19937 random(14);
@@ -141,14 +141,14 @@ TEST(facing, knows_zeros_by_equal_coordinates) {
         EXPECT_EQ(run(device, scene).visibility, truth);
         EXPECT_GT(std::count(truth.begin(), truth.end(), DARK), 100);
         EXPECT_GT(std::count(truth.begin(), truth.end(), OPEN), 50);
-        EXPECT_GT(std::count(truth.begin(), truth.end(), DOUBTFUL), 10);
+        EXPECT_GT(std::count(truth.begin(), truth.end(), MAY_SELF_SHADOW), 10);
     }
 }
 
-// Triangles are asked once for all points on them where no point can be doubtful; a CPU's blocks of points ask for
-// themselves where their triangles are far apart. Not vacuous: both answers occur, some only by an exact sign; and with
-// receivers that each point must ask, there would be doubtful ones, and more exact signs.
-TEST(facing, asks_triangles_for_lifted_points) {
+// Each triangle is classified once for all points on it where no point may shadow itself; a CPU's blocks whose
+// triangles are far apart classify their own receivers. Not vacuous: both answers occur, some only by an exact sign;
+// and without the cache, some points may shadow themselves, and more signs are exact.
+TEST(facing, classifies_triangles_for_lifted_points) {
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
         const gnomon::Device device = device_with(group);
         std::uint64_t away = 0, open = 0, by_integers = 0, by_integers_one_by_one = 0;
@@ -206,25 +206,25 @@ void add_in_line_with(Floats& triangles, const Light& light, reference::Random& 
     add(triangles, a, b, c);
 }
 
-/// A point on each of `count` triangles; of these the last and others, `unsure` in all, are in line with the light or,
-/// a third of them, with the eye. So are those of some absent points, of which nothing must be asked.
-LightScene partly_unsure(std::uint32_t undecided, std::uint32_t count, const Light& light) {
+/// A point on each of `count` triangles. The last triangle and others, `undecided` in all, are in line with the light
+/// or, a third of them, with the eye. So are the triangles of some absent points, which must not be classified.
+LightScene partly_undecided(std::uint32_t undecided, std::uint32_t count, const Light& light) {
     LightScene scene{"partly undecided", {}, {}, light};
     scene.eye = Float3{0x1p14f, -0x3p12f, 0x5p12f};
     const Light eye = {(*scene.eye)[0], (*scene.eye)[1], (*scene.eye)[2], 1};
     const Float3 absent = {std::numeric_limits<float>::quiet_NaN(), 0, 0};
     reference::Random random(41);
     for (std::uint32_t i = 0; i < count; ++i) {
-        // As evenly as it goes: where i unsure / count comes to the next whole number.
-        const bool is_unsure = std::uint64_t(i + 1) * undecided / count != std::uint64_t(i) * undecided / count;
-        const bool is_absent = !is_unsure && i % 16 == 0;
-        if (is_unsure || is_absent)
+        // As evenly as it goes: where i undecided / count comes to the next whole number.
+        const bool is_undecided = std::uint64_t(i + 1) * undecided / count != std::uint64_t(i) * undecided / count;
+        const bool is_absent = !is_undecided && i % 16 == 0;
+        if (is_undecided || is_absent)
             add_in_line_with(scene.triangles, i % 3 == 0 ? eye : light, random);
         else
             for (int k = 0; k < 3; ++k) add(scene.triangles, exact_vector(random, 0x1p14f));
-        const bool is_at_lamp = light[3] != 0 && i % 16 == 1;
+        const bool is_at_light = light[3] != 0 && i % 16 == 1;
         const Float3 p = exact_vector(random, 0x1p14f);
-        add(scene.points, is_absent ? absent : is_at_lamp ? Float3{light[0], light[1], light[2]} : p);
+        add(scene.points, is_absent ? absent : is_at_light ? Float3{light[0], light[1], light[2]} : p);
         scene.receivers.push_back(i);
     }
     return scene;
@@ -246,10 +246,10 @@ std::vector<std::uint32_t> extents_of_open(const gnomon::Device& device, const L
     return extents(run(device, open).bounds);
 }
 
-// A GPU asks floats first, and lists the points of which they are unsure, up to a number; beyond it, all points are
-// looked through for them. Not vacuous: as many points are unsure as the scene is made to have, and there are dark and
-// open ones among them, which only integers tell apart.
-TEST(facing, settles_what_floats_leave_unsure) {
+// A GPU filters by floats, and lists the undecided points up to a capacity; beyond it the exact kernel scans all points
+// for them. Not vacuous: as many points are undecided as the scene is made to have, and dark and open points are among
+// them, which only integers separate.
+TEST(facing, exact_fallback_decides_undecided_points) {
     constexpr std::uint32_t few = 1000, listed = UNDECIDED_CAPACITY, many = listed + listed / 8;
     gnomon::DeviceOptions options;
     options.gpu_kernels = true;
@@ -266,7 +266,7 @@ TEST(facing, settles_what_floats_leave_unsure) {
                                                    {many, many}}) {
                 SCOPED_TRACE(std::to_string(undecided) + " of " + std::to_string(count) +
                              ", w = " + std::to_string(light[3]) + ", work-groups of " + std::to_string(group));
-                const LightScene scene = partly_unsure(undecided, count, light);
+                const LightScene scene = partly_undecided(undecided, count, light);
                 const std::vector<float> truth = expected_of_lifted(scene);
                 const Answer answer = run(device, scene, true);
                 EXPECT_EQ(answer.undecided, undecided);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage light_frame: the grid fitted to the points. Every point's computed place must lie inside the grid, so that the
-// clamp of texel_index never acts, and within the stated errors of its real place.
+// Stage light_frame: the grid fitted to the points. Every point's computed grid position must lie inside the grid, so
+// that the clamp of texel_index never acts, and within the stated errors of its real position.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -36,7 +36,7 @@ std::vector<LightScene> clouds() {
         for (int i = 0; i < 200; ++i)
             for (int c = 0; c < 3; ++c) points.push_back(float(offset[c] + extent[c] * random.between(-1, 1)));
         for (const auto& [name, light] : lights_of_every_kind()) {
-            // A lamp among the points, on the scale of the largest extent.
+            // A point light among the points, on the scale of the largest extent.
             const double scale = std::max({extent[0], extent[1], extent[2]});
             scenes.push_back(
                 cloud("cloud " + std::to_string(round) + ", " + name, points, moved(light, scale, offset)));
@@ -62,8 +62,8 @@ std::vector<LightScene> clouds() {
 }
 
 struct Largest {
-    long double place = 0, height = 0;
-    std::string place_where;
+    long double position = 0, height = 0;
+    std::string position_where;
     double outermost = 1e30;  ///< least distance of a point to the border of its grid, in texels
 };
 
@@ -84,9 +84,9 @@ void check_frame(const FrameOutput& out, const LightScene& scene, Largest& large
         EXPECT_EQ(point.bin, bin_y * p.bins_x + bin_x);
         const reference::GridPosition real = map(reference::point_at(scene.points, point.id));
         for (const long double error : {point.x - real.x / real.w, point.y - real.y / real.w})
-            if (std::fabs(error) / p.point_error > largest.place) {
-                largest.place = std::fabs(error) / p.point_error;
-                largest.place_where = scene.name;
+            if (std::fabs(error) / p.point_error > largest.position) {
+                largest.position = std::fabs(error) / p.point_error;
+                largest.position_where = scene.name;
             }
         const long double height_error = std::fabs(point.z - real.z),
                           allowed = p.perspective != 0 ? p.height_error * std::fabs(real.z)
@@ -129,9 +129,10 @@ TEST(light_frame, equals_reference) {
         points_only.triangles.resize(9);
         check(device, points_only, largest);
     }
-    std::cout << "largest error / bound: place " << double(largest.place) << " (" << largest.place_where << "), height "
-              << double(largest.height) << "; outermost point " << largest.outermost << " texels from the border\n";
-    EXPECT_LE(largest.place, 1);
+    std::cout << "largest error / bound: position " << double(largest.position) << " (" << largest.position_where
+              << "), height " << double(largest.height) << "; outermost point " << largest.outermost
+              << " texels from the border\n";
+    EXPECT_LE(largest.position, 1);
     EXPECT_LE(largest.height, 1);
     EXPECT_LT(largest.outermost, 1.0 / 3);
 }
@@ -142,7 +143,7 @@ TEST(light_frame, equals_reference_in_large_grids) {
     Largest largest;
     const std::vector<LightScene> all = clouds();
     for (std::size_t i = 0; i < all.size(); i += 5) check(device, all[i], largest, {8192, 6});
-    EXPECT_LE(largest.place, 1);
+    EXPECT_LE(largest.position, 1);
     EXPECT_LE(largest.height, 1);
 }
 
@@ -154,7 +155,7 @@ TEST(light_frame, equals_reference_in_odd_grids) {
     for (std::size_t i = 0; i < all.size(); i += 11)
         for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{1, 0}, {1, 5}, {16, 0}, {100, 3}, {17, 4}})
             check(device, all[i], largest, grid);
-    EXPECT_LE(largest.place, 1);
+    EXPECT_LE(largest.position, 1);
 }
 
 /// The projection made for these points.
@@ -212,12 +213,12 @@ TEST(light_frame, survives_degenerates) {
         check(device, cloud("one present, " + name, one_present, light), largest);
         check(device, cloud("at the light, " + name, {light[0], light[1], light[2], 0.25f, 1, 2}, light), largest);
     }
-    EXPECT_LE(largest.place, 1);
+    EXPECT_LE(largest.position, 1);
     EXPECT_LE(largest.height, 1);
 }
 
-// Beyond what the grid can tell apart every test is exact, and still right. Not vacuous: the oracle has both answers,
-// and each scene has a frame that gave up.
+// Where the grid cannot separate points, every test is exact, and still right. Not vacuous: the oracle has both
+// answers, and each scene has a frame that gave up.
 TEST(light_frame, indistinct_frames_are_right) {
     const gnomon::Device device = device_with();
     std::uint64_t gave_up = 0;

@@ -21,7 +21,7 @@ Keys expected_bins(const FrameOutput& out, Include include) {
     return bins;
 }
 
-/// The least of each bin and of those around it, where heights of a lamp's blocks may be lower by roundings.
+/// The least of each bin and of those around it, where heights of a point light's blocks may be lower by roundings.
 Keys expected_least(const FrameOutput& out, const Keys& bins) {
     const std::uint32_t width = out.frame.bins_x, height = out.frame.bins_y;
     Keys least(bins.size(), NO_KEY);
@@ -153,7 +153,7 @@ TEST(receiver_depth_pyramid, survives_degenerates) {
 // the points from the light, and the map raises hundreds of bins.
 TEST(receiver_depth_pyramid, what_the_map_leaves) {
     const gnomon::Device device = device_with();
-    std::uint64_t doubtful = 0, raised = 0;
+    std::uint64_t self_shadowing = 0, raised = 0;
     for (const auto& [name, light] : lights_of_every_kind()) {
         SCOPED_TRACE(name);
         const Floats triangles = soup(20, 1.5f, 76);
@@ -162,13 +162,13 @@ TEST(receiver_depth_pyramid, what_the_map_leaves) {
         for (int i = 0; i < 2000; ++i) scene.receivers.push_back(random.below(24));
         StageSettings settings;
         for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
-            const Keys expected_doubtful =
+            const Keys expected_self_shadow =
                 expected_bins(out, [&](const ListedPoint& p) { return may_self_shadow(out.visibility_before[p.id]); });
-            EXPECT_EQ(out.self_shadow_depths, expected_doubtful);
+            EXPECT_EQ(out.self_shadow_depths, expected_self_shadow);
             EXPECT_EQ(out.depth_after_map,
                       Keys(out.pyramid.begin(), out.pyramid.begin() + long(out.self_shadow_depths.size())));
-            doubtful += std::count_if(out.self_shadow_depths.begin(), out.self_shadow_depths.end(),
-                                      [](auto key) { return key != NO_KEY; });
+            self_shadowing += std::count_if(out.self_shadow_depths.begin(), out.self_shadow_depths.end(),
+                                            [](auto key) { return key != NO_KEY; });
         }
         settings.with_map = true;
         for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
@@ -180,7 +180,7 @@ TEST(receiver_depth_pyramid, what_the_map_leaves) {
             }
         }
     }
-    EXPECT_GT(doubtful, 500u);
+    EXPECT_GT(self_shadowing, 500u);
     EXPECT_GT(raised, 100u);
 }
 
@@ -213,11 +213,11 @@ TEST(receiver_depth_pyramid, writes_only_its_own) {
     const std::size_t bins = 8 * 8, cells = bins + 16 + 4 + 1, key = sizeof(std::uint32_t);
     expect_canaries(session, stages.receiver_depth_pyramid.pyramid(), cells * key, "pyramid");
     expect_canaries(session, stages.receiver_depth_pyramid.self_shadow_depths(), bins * key,
-                    "heights of doubtful points");
+                    "depths of points that may shadow themselves");
     expect_canaries(session, stages.receiver_depth_pyramid.depth_after_map(), cells * key, "heights of open points");
 }
 
-// All six frames of a lamp at once: the same as each by itself.
+// All six frames of a point light at once: the same as each by itself.
 TEST(receiver_depth_pyramid, takes_frames_together) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = device.session();
