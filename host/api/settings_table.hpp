@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The settings of a technique as a table: one row states a setting's name, default, meaning and how its text is read.
-// The fields' first values, set(), describe() and the texts of errors follow from the table:
-//
-//   struct BlobSettings { float radius; bool soft; };
-//   const SettingsTable<BlobSettings> table{
-//       {{"radius", "0.5", "of the blob, world units, 0 to 10"}, setting::number(&BlobSettings::radius, 0, 10)},
-//       {{"soft", "off", "on or off: the edge fades"}, setting::on_off(&BlobSettings::soft)}};
+// The fields' first values, set(), describe() and the texts of errors follow from it. techniques/sub_pixel_shadow_map.cpp
+// has a small one.
 #pragma once
 
 #include <functional>

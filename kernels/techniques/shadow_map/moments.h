@@ -97,7 +97,6 @@ static float frequency(uint k) { return M_PI_F * (float)(2 * k + 1); }  // k fro
 
 // ---- Mip chains (Williams 1983, "Pyramidal Parametrics")
 // -------------------------------------------------------------
-//
 // Levels of a view's stored numbers, each of half the texels per side of the one before, down to a side of one texel.
 // Level l has (width >> l) x (height >> l) texels. A texel is the mean of the texels of the level before that it
 // covers: 2 x 2 of them, or 3 along an odd side, the outer two by their share. Level 0 is the map itself. The others
