@@ -64,8 +64,9 @@ Registered entry() {
 
 std::vector<Registered> registered() {
     std::vector<Registered> all{
-        entry<FrustumTraced>(), entry<IrregularZBuffer>(), entry<ShadowMap>(),         entry<VirtualShadowMap>(),
-        entry<ShadowVolumes>(), entry<SubPixelShadowMap>(), entry<ConservativeMapAlone>(),
+        entry<FrustumTraced>(),        entry<IrregularZBuffer>(), entry<ShadowMap>(),
+        entry<VirtualShadowMap>(),     entry<ShadowVolumes>(),    entry<SubPixelShadowMap>(),
+        entry<ConservativeMapAlone>(),
     };
     for (const ShadowMapPreset& preset : shadow_map_presets())
         all.push_back({describe(preset), [&preset](const Device& device) { return make(preset, device); }});

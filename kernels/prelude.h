@@ -8,8 +8,7 @@
 //
 // Host-given macros: GN_FP64 (the device has double precision), GN_CPU (work-items run one after the other, so each
 // takes a contiguous chunk), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU).
-#ifndef GN_PRELUDE_H
-#define GN_PRELUDE_H
+#pragma once
 
 #ifndef __cplusplus
 
@@ -129,5 +128,3 @@ using ushort = std::uint16_t;
 #define GN_U 5.9604645e-8f
 
 #define GN_NO_ID 0xFFFFFFFFu
-
-#endif

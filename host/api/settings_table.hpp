@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The settings of a technique as a table: one row states a setting's name, default, meaning and how its text is read.
-// The fields' first values, set(), describe() and the texts of errors follow from it. techniques/sub_pixel_shadow_map.cpp
-// has a small one.
+// The fields' first values, set(), describe() and the texts of errors follow from it.
+// techniques/sub_pixel_shadow_map.cpp has a small one.
 #pragma once
 
 #include <functional>

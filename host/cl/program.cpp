@@ -65,7 +65,7 @@ void paste(const std::string& file, const std::string& text, std::set<std::strin
             if (pasted.insert(header).second) paste(header, text_of(header), pasted, out);
             out += "#line " + std::to_string(number + 1) + " \"kernels/" + file + "\"\n";
         } else {
-            out += line + '\n';
+            out += (line == "#pragma once" ? "" : line) + '\n';  // every header is pasted once
         }
     }
 }

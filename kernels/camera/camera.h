@@ -20,8 +20,7 @@
 //   a floor whose vertices are no larger than m, and 4 units one whose vertices are up to twice that.
 //
 // Samples: the same with every pixel's ray moved by a fixed offset, in SAMPLE_UNITS of a pixel, so that it is exact.
-#ifndef GN_CAMERA_H
-#define GN_CAMERA_H
+#pragma once
 
 #include "simd/points.h"
 
@@ -72,5 +71,3 @@ GN_STRUCT_BEGIN(LiftParams)
     float eye[3];
     uint triangle_count;
 GN_STRUCT_END(LiftParams, 72)
-
-#endif

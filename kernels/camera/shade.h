@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the shading: a light's part, and the table from linear light in [0, 1] to 8-bit sRGB.
-#ifndef GN_SHADE_H
-#define GN_SHADE_H
+#pragma once
 
 #include "simd/points.h"
 
@@ -11,5 +10,3 @@ GN_STRUCT_BEGIN(ShadeParams)
     PointsLayout layout;
     float light[4];  // homogeneous, as in LightFrame
 GN_STRUCT_END(ShadeParams, 64)
-
-#endif

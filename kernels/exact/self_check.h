@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the self-check: the faults of a device's arithmetic that it can find, one bit each.
-#ifndef GN_SELF_CHECK_H
-#define GN_SELF_CHECK_H
+#pragma once
 
 #include "prelude.h"
 
@@ -32,5 +31,3 @@ GN_STRUCT_BEGIN(SelfCheckResult)
     uint greatest_key;
     uint zero;  // read: 0, which no compiler can know
 GN_STRUCT_END(SelfCheckResult, 16)
-
-#endif

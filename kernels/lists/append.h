@@ -2,8 +2,7 @@
 // Slots in a list that many work-items append to: one counter hands them out. A work-item of a CPU reserves
 // APPEND_BLOCK slots at a time, since there a shared counter is slow; in the end it must mark the slots that it has not
 // used, [next, end).
-#ifndef GN_APPEND_H
-#define GN_APPEND_H
+#pragma once
 
 #include "prelude.h"
 
@@ -73,5 +72,4 @@ static uint reserve_for_group(uint count, __local uint* words, __global uint* co
 }
 #endif
 
-#endif
 #endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the scan: how many counts one work-item adds up, and what they are rounded up to.
-#ifndef GN_SCAN_H
-#define GN_SCAN_H
+#pragma once
 
 #include "prelude.h"
 
@@ -20,5 +19,3 @@ GN_STRUCT_BEGIN(ScanParams)
     uint count;
     uint alignment;  // a power of two: each count is rounded up to a multiple of it
 GN_STRUCT_END(ScanParams, 8)
-
-#endif

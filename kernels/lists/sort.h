@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Contract of the sort: 32-bit keys with a value each, put in the order of the keys; equal keys keep their order. One
 // byte at a time, the lowest first: each pass keeps the order of keys whose byte is the same.
-#ifndef GN_SORT_H
-#define GN_SORT_H
+#pragma once
 
 #include "prelude.h"
 
@@ -24,5 +23,3 @@ GN_STRUCT_BEGIN(SortParams)
     uint count;  // of keys
     uint shift;  // the lowest bit of the digit
 GN_STRUCT_END(SortParams, 8)
-
-#endif

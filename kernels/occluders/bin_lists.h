@@ -13,8 +13,7 @@
 // (all errors in it), z from the record's z_high, and the same functions quantise both sides. Each is monotone, being
 // made of monotone roundings: X <= X' implies q(X) <= q(X'); so q(X) < x0 implies X < the rectangle's left side. A
 // camera's heights are 1 / t; the search for the nearest triangle tests with the least 1 / t that is certain.
-#ifndef GN_BIN_LISTS_H
-#define GN_BIN_LISTS_H
+#pragma once
 
 #include "prelude.h"
 
@@ -197,5 +196,4 @@ static uint prefetch_entries_that_meet(__global const BinEntries* entries, __glo
 }
 #endif
 
-#endif
 #endif

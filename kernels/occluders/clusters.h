@@ -3,8 +3,7 @@
 // own, with a box around the finite ones. A box is exact: its sides are coordinates of vertices, compared as integers,
 // so that neither rounding nor flushed denormals can move them. While the vertices do not change, boxes are kept; a
 // projection then lists the clusters that survive its cull, and the vertices of all others are never read.
-#ifndef GN_CLUSTERS_H
-#define GN_CLUSTERS_H
+#pragma once
 
 #include "prelude.h"
 
@@ -38,5 +37,4 @@ typedef struct ClusterBoxes {
 } ClusterBoxes;
 typedef char ClusterBoxes_has_size[sizeof(ClusterBoxes) == GN_LANES * CLUSTER_BOX_BYTES ? 1 : -1];
 
-#endif
 #endif

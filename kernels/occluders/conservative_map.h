@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the conservative map: what a launch takes, and when a map is worth drawing.
-#ifndef GN_CONSERVATIVE_MAP_H
-#define GN_CONSERVATIVE_MAP_H
+#pragma once
 
 #include "prelude.h"
 
@@ -13,6 +12,4 @@ GN_STRUCT_END(ConservativeMapParams, 8)
 #ifndef __cplusplus
 // A map that covers fewer texels than these costs more than it saves.
 static uint texels_worth_a_map(uint width, uint height) { return width * height / 16u; }
-#endif
-
 #endif

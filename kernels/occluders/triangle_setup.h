@@ -7,8 +7,7 @@
 // Some e_i < -margin_edge: certainly outside. All e_i > margin_edge: certainly inside. Z > z + margin_plane: certainly
 // nearer to the light. Z < z - margin_plane: certainly behind. Z < z_low, Z > z_high: behind and nearer, whatever the
 // plane gives. Every other pair is left to the exact predicate. The margins are proven in triangle_records.clh.
-#ifndef GN_TRIANGLE_SETUP_H
-#define GN_TRIANGLE_SETUP_H
+#pragma once
 
 #include "simd/frame_counters.h"
 
@@ -40,5 +39,3 @@ GN_STRUCT_END(TriangleSetupParams, 48)
 
 // Triangles that a GPU's work-item bounds before its group reserves slots for the survivors.
 #define BOUNDS_AT_ONCE 4
-
-#endif

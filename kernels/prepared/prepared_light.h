@@ -8,8 +8,7 @@
 //
 // All tables lie in one buffer, each aligned to 16 bytes: the ranges of the bins of all frames first, then the tables
 // of PreparedTables (trace/trace.h).
-#ifndef GN_PREPARED_LIGHT_H
-#define GN_PREPARED_LIGHT_H
+#pragma once
 
 #include "receivers/block_bounds.h"
 #include "trace/trace.h"
@@ -149,5 +148,4 @@ static bool block_stays_open(const PreparedDomain* domain, LightFrame frame, con
            is_between(z_low, z_high, domain->world_low[2], domain->world_high[2]);
 }
 
-#endif
 #endif

@@ -10,8 +10,7 @@
 //
 // Whether P is within R is decided by the three edges' determinants of blocks(), by det3's float level alone, which is
 // certain but for points a millionth of R's size from an edge. Such points are traced.
-#ifndef GN_UNSHADOWED_TRIANGLES_H
-#define GN_UNSHADOWED_TRIANGLES_H
+#pragma once
 
 #include "simd/points.h"
 
@@ -39,5 +38,4 @@ static bool is_certainly_within(Triangle t, float3 p, float3 towards_light) {
     return certain && ab == bc && bc == ca;
 }
 
-#endif
 #endif

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Contract: the box that the open points of a block span in the light's frame. The facing stage writes one per block of
 // several points, so that later stages need not load points that they can decide as a block.
-#ifndef GN_BLOCK_BOUNDS_H
-#define GN_BLOCK_BOUNDS_H
+#pragma once
 
 #include "receivers/light_frame.h"
 
@@ -140,5 +139,4 @@ static BlockBox block_box(const BlockGrid* grid, __constant const Projection* pr
     return box;
 }
 
-#endif
 #endif

@@ -15,8 +15,7 @@
 // A footprint (footprint.h) has the facing of its receiver, as all its samples have, which the camera stage has made. A
 // footprint that no frame contains as a whole is mixed at once; the bounds contain all others as a whole. The samples
 // of a mixed footprint are known to face the light: has_receivers is 0 for them.
-#ifndef GN_FACING_H
-#define GN_FACING_H
+#pragma once
 
 #include "receivers/light_frame.h"
 #include "simd/points.h"
@@ -36,5 +35,3 @@ GN_STRUCT_END(FacingParams, 144)
 // On a GPU: word 0 of `undecided` counts the points that the float filter left undecided; the first UNDECIDED_CAPACITY
 // of their indices follow.
 #define UNDECIDED_CAPACITY 65536u
-
-#endif

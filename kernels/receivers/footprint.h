@@ -17,8 +17,7 @@
 // most twice as much for the differences, so that 4 errors are added. A row differs from the real one by 4u, W by 14u,
 // and products, sums and quotients here round fewer than 20 times, so that 64u of the sum of magnitudes is added.
 // FOOTPRINT_SLACK covers the roundings of slack itself.
-#ifndef GN_FOOTPRINT_H
-#define GN_FOOTPRINT_H
+#pragma once
 
 #include "prelude.h"
 
@@ -171,5 +170,4 @@ static LaneInt spans_below(const CellSpan* span, int cells) {
 }
 static LaneInt small_spans(const CellSpan* span) { return spans_below(span, FOOTPRINT_SPAN); }
 
-#endif
 #endif

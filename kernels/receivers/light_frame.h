@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the light frame: the light's grid, fitted to the open points.
-#ifndef GN_LIGHT_FRAME_H
-#define GN_LIGHT_FRAME_H
+#pragma once
 
 #include "simd/projection.h"
 
@@ -136,5 +135,4 @@ static PointBlock grid_values(LightFrame frame, PointBlock points) {
     return values;
 }
 
-#endif
 #endif

@@ -13,8 +13,7 @@
 // Depths are heights (z towards the light), kept as order-preserving keys, so that integer minima serve: the farthest
 // point has the least key, and an empty bin has 0xFFFFFFFF, above all. A cell may hold less than its points' least
 // height, never more. Several frames: bins are in order of frames; levels are in order, and within a level frames.
-#ifndef GN_RECEIVER_DEPTH_PYRAMID_H
-#define GN_RECEIVER_DEPTH_PYRAMID_H
+#pragma once
 
 #include "receivers/light_frame.h"
 #include "simd/points.h"
@@ -35,5 +34,3 @@ GN_STRUCT_END(PyramidLevel, 16)
 
 // Levels that one launch makes.
 #define PYRAMID_LEVELS 5
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the classification of footprints (receivers/footprint.h) as in shadow, lit or mixed.
-#ifndef GN_CLASSIFY_FOOTPRINTS_H
-#define GN_CLASSIFY_FOOTPRINTS_H
+#pragma once
 
 #include "receivers/light_frame.h"
 #include "simd/points.h"
@@ -15,5 +14,3 @@ GN_STRUCT_BEGIN(ClassifyParams)
     uint has_map;  // 0: the map's buffer is ignored
     uint padding;
 GN_STRUCT_END(ClassifyParams, 136)
-
-#endif

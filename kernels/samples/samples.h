@@ -7,8 +7,7 @@
 // corners of the samples' box prove; the other pixels are edge pixels, and the receivers of their samples are found one
 // by one, exactly. Every fragment has a footprint (receivers/footprint.h). A fragment whose footprint is classified as
 // lit or in shadow counts for all its samples; every sample of a mixed fragment becomes a point.
-#ifndef GN_SAMPLES_H
-#define GN_SAMPLES_H
+#pragma once
 
 #include "camera/camera.h"
 
@@ -74,5 +73,3 @@ GN_STRUCT_BEGIN(SampleCounters)
     uint lit;        // samples decided by their footprint, those of the sky among them
     uint points;     // made of a part of the mixed fragments; zeroed for each part
 GN_STRUCT_END(SampleCounters, 44)
-
-#endif

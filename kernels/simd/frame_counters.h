@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The ledger of a frame: the counters of all stages, from which the host sees which lists were too short and how many
 // points each stage decided.
-#ifndef GN_FRAME_COUNTERS_H
-#define GN_FRAME_COUNTERS_H
+#pragma once
 
 #include "prelude.h"
 
@@ -46,5 +45,3 @@ GN_STRUCT_END(FrameCounters, 136)
 
 // FrameCounters::references where something did not fit.
 #define GN_NO_LISTS 0xFFFFFFFFu
-
-#endif

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Shading points as the caller or the camera stage lays them out, and triangles as nine floats each.
-#ifndef GN_POINTS_H
-#define GN_POINTS_H
+#pragma once
 
 #include "prelude.h"
 
@@ -47,5 +46,4 @@ static Triangle load_triangle(__global const float* vertices, size_t id) {
 
 static bool is_finite_triangle(Triangle t) { return is_present(t.a) && is_present(t.b) && is_present(t.c); }
 
-#endif
 #endif

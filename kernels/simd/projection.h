@@ -26,8 +26,7 @@
 // Underflow: a product or sum below 2^-126 errs by up to 2^-150 (2^-126 times the row where denormals are flushed),
 // whatever its size. PROJECTION_UNDERFLOW is above that for rows up to 2^36: a vertex that near to a point light
 // or an eye counts as not certainly in front of it.
-#ifndef GN_PROJECTION_H
-#define GN_PROJECTION_H
+#pragma once
 
 #include "prelude.h"
 
@@ -76,5 +75,4 @@ static float3 center_of(__constant const Projection* projection) {
 // The index of a texel. Points are fitted inside the grid with a margin above their error; the clamp only guards.
 static uint texel_index(float coordinate, uint count) { return (uint)clamp((int)coordinate, 0, (int)count - 1); }
 
-#endif
 #endif

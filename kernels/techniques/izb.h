@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the technique izb: lists of points by bin of light space.
-#ifndef GN_IZB_H
-#define GN_IZB_H
+#pragma once
 
 #include "receivers/light_frame.h"
 #include "simd/points.h"
@@ -19,5 +18,3 @@ GN_STRUCT_END(IzbParams, 136)
 // The lists as a structure of arrays: slot_count words each of the point's index, GN_NO_ID in an empty slot, and of its
 // X, Y, Z in the grid.
 #define IZB_WORDS 4u
-
-#endif

@@ -8,8 +8,7 @@
 //     inside the cone   det(u, v, ray) for its edges u, v
 //     crossed before P  the eye and P lie on different sides of the side's plane  n . x = n . a:  w (n . ray) - n . a
 // A work-item never divides and nothing is clipped. In float: this technique is not exact.
-#ifndef GN_SHADOW_VOLUMES_H
-#define GN_SHADOW_VOLUMES_H
+#pragma once
 
 #include "prelude.h"
 
@@ -63,5 +62,3 @@ GN_STRUCT_END(VolumeCounters, 32)
 
 #define VOLUME_TILE 16
 #define VOLUME_BLOCK 8
-
-#endif

@@ -9,8 +9,7 @@
 //
 // Promise: a point is in shadow only if a triangle other than its receiver blocks it, so none is wrongly in shadow.
 // Limit: one triangle a texel. Where several overlap in one, or are smaller than it, points are wrongly lit.
-#ifndef GN_SUB_PIXEL_SHADOW_MAP_H
-#define GN_SUB_PIXEL_SHADOW_MAP_H
+#pragma once
 
 #include "receivers/light_frame.h"
 #include "simd/points.h"
@@ -30,5 +29,3 @@ GN_STRUCT_BEGIN(SubPixelCounters)
     uint texels;     // with a triangle
     uint in_shadow;  // points
 GN_STRUCT_END(SubPixelCounters, 8)
-
-#endif

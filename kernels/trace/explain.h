@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of explain: the exact signs that decide one point, and every triangle that blocks its shadow ray.
-#ifndef GN_EXPLAIN_H
-#define GN_EXPLAIN_H
+#pragma once
 
 #include "simd/points.h"
 
@@ -35,5 +34,3 @@ GN_STRUCT_BEGIN(ExplainedPoint)
     uint count;  // triangles that belong in the list, also where it is too short for them
     ExplainedTriangle on_receiver;
 GN_STRUCT_END(ExplainedPoint, 100)
-
-#endif

@@ -4,8 +4,7 @@
 //
 // The values rise, so that an atomic maximum keeps what counts: the hardest of several undecided pairs of a point, and
 // a shadow of which the map or the filter is certain before any pair.
-#ifndef GN_PROVENANCE_H
-#define GN_PROVENANCE_H
+#pragma once
 
 #include "receivers/light_frame.h"
 
@@ -22,5 +21,3 @@
 #define PROVENANCE_NOT_TRACED 10u  // lit: there are no triangles, or the point is at the point light itself
 #define PROVENANCE_ABSENT 11u      // the sky
 #define PROVENANCE_COUNT 12u
-
-#endif

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Contract of the trace: open points against the map and against the triangles of their bins' lists. All its kernels
 // take the same parameters and the same buffers.
-#ifndef GN_TRACE_H
-#define GN_TRACE_H
+#pragma once
 
 #include "receivers/light_frame.h"
 #include "simd/points.h"
@@ -29,5 +28,3 @@ GN_STRUCT_BEGIN(TraceParams)
     uint queue_capacity;    // pairs
     uint round_points;      // GPU: points that a work-group takes in a round; the local memory has a word for each
 GN_STRUCT_END(TraceParams, 168)
-
-#endif

@@ -101,7 +101,7 @@ inline ViewCase rectilinear_view(std::uint32_t width, std::uint32_t height) {
 }
 
 inline std::vector<ViewCase> view_cases(std::uint32_t width, std::uint32_t height) {
-    return {straight_view(width, height),   projective_view(width, height, 1), projective_view(width, height, -1),
+    return {straight_view(width, height),    projective_view(width, height, 1), projective_view(width, height, -1),
             perspective_view(width, height), logarithmic_view(width, height),   rectilinear_view(width, height)};
 }
 

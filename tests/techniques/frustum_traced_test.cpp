@@ -523,7 +523,8 @@ TEST(AutomaticMap, OfAGpuIsTheFasterOne) {
         counted.edge_on = 10;
         counted.hidden = frame.hidden;
         counted.references = frame.references;
-        EXPECT_EQ(gnomon::FrustumTraced::map_was_worth_drawing(counted), frame.ms_with < frame.ms_without) << frame.name;
+        EXPECT_EQ(gnomon::FrustumTraced::map_was_worth_drawing(counted), frame.ms_with < frame.ms_without)
+            << frame.name;
     }
 }
 

@@ -14,8 +14,7 @@
 // at least one: no cracks. Both faces cast; triangles edge-on to the light cast nothing.
 //
 // Depth at P: (sum of e_i d_i) / (sum of e_i), a convex combination: never outside the triangle's own range.
-#ifndef GN_DEPTH_PASS_H
-#define GN_DEPTH_PASS_H
+#pragma once
 
 #include "techniques/shadow_map/map_view.h"
 
@@ -40,5 +39,3 @@ GN_STRUCT_BEGIN(DepthPass)
     float slope_bias;     // times max(|dz/dx|, |dz/dy|), depth per texel
     float slope_limit;    // the slope-scaled part is at most this
 GN_STRUCT_END(DepthPass, 32)
-
-#endif

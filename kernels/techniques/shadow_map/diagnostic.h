@@ -12,8 +12,7 @@
 //             In the colours of aliasing: how many times denser, per side, the warp (map_view.h) makes texels than
 //             they would be without it; green where it leaves them as they are
 // Steps are those of texel_footprint.h. Points without a camera or a receiver, and the sky, are drawn in SKY.
-#ifndef GN_SHADOW_DIAGNOSTIC_H
-#define GN_SHADOW_DIAGNOSTIC_H
+#pragma once
 
 #include "techniques/shadow_map/texel_footprint.h"
 
@@ -39,7 +38,5 @@ __constant float view_colors[8][3] = {{0.9f, 0.3f, 0.25f}, {0.95f, 0.75f, 0.2f},
                                       {0.9f, 0.5f, 0.7f},  {0.6f, 0.5f, 0.4f}};
 
 static float3 color_at(__constant const float* color) { return vload3(0, color); }
-
-#endif
 
 #endif

@@ -3,8 +3,7 @@
 //
 // A point with visibility 1 that a view serves (map_view.h) is looked up there. Every other point keeps its value: a
 // backfacing point is in shadow, a point that is absent or outside all maps is lit.
-#ifndef GN_LOOKUP_H
-#define GN_LOOKUP_H
+#pragma once
 
 #include "techniques/shadow_map/map_view.h"
 
@@ -122,5 +121,4 @@ static size_t texel_at(const MapPoint* point, int x, int y) {
     return point->view->first_texel + (size_t)row * point->view->row_stride + column;
 }
 
-#endif
 #endif

@@ -27,8 +27,7 @@
 // Limits: psm, lispsm and logpsm need the camera of the points (else views are uniform); the six faces of a cube
 // (uniform, lispsm) or the sides of the view frustum (psm, logpsm) serve a point light. Faces are warped where they are
 // fitted to the receivers.
-#ifndef GN_MAP_PROJECTION_H
-#define GN_MAP_PROJECTION_H
+#pragma once
 
 #include "techniques/shadow_map/map_view.h"
 
@@ -119,7 +118,5 @@ GN_STRUCT_END(ViewRange, 12)
 static bool is_empty(const KeyBounds* bounds) { return bounds->least[0] == 0xFFFFFFFFu; }
 static float least_of(const KeyBounds* bounds, uint i) { return key_to_float(bounds->least[i]); }
 static float greatest_of(const KeyBounds* bounds, uint i) { return -key_to_float(bounds->least[i + 4]); }
-
-#endif
 
 #endif

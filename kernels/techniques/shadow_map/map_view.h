@@ -24,8 +24,7 @@
 //
 // Storage: view's texel (x, y) is texel first_texel + y * row_stride + x of the map. Views one after the other are an
 // array, views that share a row_stride an atlas. A view of width 0 is off.
-#ifndef GN_MAP_VIEW_H
-#define GN_MAP_VIEW_H
+#pragma once
 
 #include "prelude.h"
 
@@ -172,5 +171,4 @@ static float share_of_next(MapSet set, __global const MapView* views, uint index
     return (camera_depth - view->blend_from) / (view->select_far - view->blend_from);
 }
 
-#endif
 #endif

@@ -16,8 +16,7 @@
 // prefilter reads and writes them.
 // z is in [0, 1]. dx, dy are the caster's depth per texel: the moment bias, for a texel seen as a Gaussian of half a
 // texel's deviation.
-#ifndef GN_MOMENTS_H
-#define GN_MOMENTS_H
+#pragma once
 
 #include "techniques/shadow_map/texel_footprint.h"
 
@@ -117,5 +116,4 @@ static MipLevel mip_level(__global const MapView* view, uint level) {
     return found;
 }
 
-#endif
 #endif

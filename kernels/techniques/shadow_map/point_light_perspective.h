@@ -17,8 +17,7 @@
 // to which the pixels that edges of any orientation get wrong are in proportion. (Tried: the least product of the
 // largest ratios, as logpsm has it. A few receivers near the camera dominate it; it made more points wrong, not fewer.)
 // A sample of the receivers suffices: a poor choice costs sharpness, never coverage.
-#ifndef GN_SHADOW_POINT_LIGHT_PERSPECTIVE_H
-#define GN_SHADOW_POINT_LIGHT_PERSPECTIVE_H
+#pragma once
 
 #include "techniques/shadow_map/map_projection.h"
 
@@ -31,5 +30,3 @@
 GN_STRUCT_BEGIN(WarpSampling)
     uint stride, sample_count;
 GN_STRUCT_END(WarpSampling, 8)
-
-#endif

@@ -18,8 +18,7 @@
 //   normal    1 + NORMAL_GAIN max(0, -n . view), n towards the eye: more where the surface is seen face on
 // A cell without importance keeps LEAST_IMPORTANCE of the largest, so that tables rise strictly. Texels are rasterized
 // where the warp puts them (map_view.h): the errors of the original's coarse tessellation do not arise.
-#ifndef GN_SHADOW_RECTILINEAR_WARP_H
-#define GN_SHADOW_RECTILINEAR_WARP_H
+#pragma once
 
 #include "techniques/shadow_map/map_projection.h"
 
@@ -47,5 +46,3 @@ GN_STRUCT_BEGIN(WarpPlan)
     uint tables_first;  // where the views' warp tables begin, one after the other
     uint padding;
 GN_STRUCT_END(WarpPlan, 16)
-
-#endif

@@ -4,8 +4,7 @@
 //
 // A step is taken on the plane of the point's receiver: at pixel (x, y) the ray r meets it at e + z r, and one pixel to
 // the side, r + a, the meeting point moves by z (a - r (n . a) / (n . r)).
-#ifndef GN_TEXEL_FOOTPRINT_H
-#define GN_TEXEL_FOOTPRINT_H
+#pragma once
 
 #include "techniques/shadow_map/map_projection.h"
 
@@ -40,5 +39,4 @@ static void pixel_footprint(const PixelSteps* steps, __global const MapView* vie
     *dt = texel_step(view, tables, p, pixel_step(ray, depth, normal, to_float3(steps->step_y)));
 }
 
-#endif
 #endif

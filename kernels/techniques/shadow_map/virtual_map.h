@@ -16,8 +16,7 @@
 //
 // A physical page is a MapView of its level's grid whose first_texel is where texel (0, 0) would lie, so that the
 // page's own texels fall into its PAGE_TEXELS words; first_texel may wrap, and sums are taken modulo 2^32.
-#ifndef GN_VIRTUAL_MAP_H
-#define GN_VIRTUAL_MAP_H
+#pragma once
 
 #include "techniques/shadow_map/map_view.h"
 
@@ -78,5 +77,4 @@ static Page page_of_entry(const VirtualPlan* plan, uint entry) {
     return page;
 }
 
-#endif
 #endif
