@@ -28,9 +28,9 @@ enum class Task {
 
 /// The kernel for this task on this device. `is_directional`: every projection and light frame of the launch is
 /// parallel.
-const cl::Kernel& variant(const cl::Session& session, Task task, bool is_directional);
+cl::Kernel variant(const cl::Session& session, Task task, bool is_directional);
 
-/// Whether all points on a receiver face the same way: no point may shadow itself.
+/// All points on a receiver have the same facing, and none may shadow itself.
 bool share_facing(const PointInputs& points);
 
 /// How a prepared light is traced for these points. A point that Task::trace_prepared_plane_side leaves as a fallback

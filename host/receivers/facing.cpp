@@ -69,11 +69,6 @@ void face_points(cl::Session& session, const FacingParams& params, const Triangl
 
 }  // namespace
 
-bool Facing::can_cache(const PointInputs& points) {
-    const bool may_self_shadow = points.layout.is_lifted == 0 && points.footprints == nullptr;
-    return points.layout.has_receivers != 0 && !points.face_light && !may_self_shadow;
-}
-
 const cl::Buffer& Facing::empty_cache(cl::Session& session, const TriangleInputs& triangles) {
     const std::size_t bytes = (triangles.count / session.lanes() + 1) * sizeof(cl_uint);
     cache_.reserve(session, bytes);
@@ -83,7 +78,7 @@ const cl::Buffer& Facing::empty_cache(cl::Session& session, const TriangleInputs
 
 const cl::Buffer* Facing::make_cache(cl::Session& session, const FacingParams& params, const TriangleInputs& triangles,
                                      const PointInputs& points, const cl::Buffer& counters) {
-    if (!can_cache(points)) return nullptr;
+    if (!share_facing(points)) return nullptr;
     if (session.is_cpu()) return &empty_cache(session, triangles);
     // The kernel reads all triangles in order, but points' receivers from anywhere: with as many points as triangles
     // both ways take the same time.
@@ -99,7 +94,7 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
                  const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
-    const bool filters = !session.is_cpu() && can_cache(points) && points.footprints == nullptr;
+    const bool filters = !session.is_cpu() && share_facing(points) && points.footprints == nullptr;
     undecided_.reserve(session, filters ? (1 + UNDECIDED_CAPACITY) * sizeof(cl_uint) : 0);
     session.fill({{frame_bounds_, 0, bytes},
                   {counters, 0, sizeof(FrameCounters)},

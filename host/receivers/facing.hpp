@@ -14,8 +14,6 @@ public:
     /// here).
     void run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
              const PointInputs& points, cl_mem visibility, const cl::Buffer& counters);
-    /// All points on a receiver have the same facing, and none may shadow itself.
-    static bool can_cache(const PointInputs& points);
     /// On a CPU: a cache in which no triangle is classified yet (kernels/receivers/facing_cache.clh).
     const cl::Buffer& empty_cache(cl::Session& session, const TriangleInputs& triangles);
     const cl::Buffer& frame_bounds() const { return frame_bounds_; }  ///< PointBounds of each frame

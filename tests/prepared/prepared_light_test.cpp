@@ -118,7 +118,7 @@ __kernel void compare_planes(float4 light, uint triangle_count, PreparedTables t
         float above = (p.x * eye.x + p.y * eye.y) + (p.z * eye.z + p.w);
         bool certain = fabs(above) > plane_bound(*largest, eye);
         int level = DET3_BY_FLOAT;
-        bool away = faces_away(load_triangle(vertices, i), light, eye, &level);
+        bool away = is_backfacing(load_triangle(vertices, i), light, eye, &level);
         verdicts[i] = !certain ? 0.0f : (above < 0.0f) == away ? 1.0f : 2.0f;
     }
 }
