@@ -423,7 +423,8 @@ std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const T
                                                   const Points& points, const Light& light) {
     if (name != "decided") return Technique::diagnose(name, triangles, points, light);
     const Visibility visibility(device_, points.count());
-    return provenance_colors(run_watched(triangles, points, light, visibility), visibility.read());
+    const std::vector<std::uint32_t> provenance = run_watched(triangles, points, light, visibility);
+    return provenance_colors(provenance, visibility.read());
 }
 
 Explanation explain(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
