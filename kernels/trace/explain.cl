@@ -14,7 +14,7 @@ static ExplainedTriangle signs_of_triangle(Triangle t, uint id, float3 p, float4
     ExplainedTriangle signs;
     int level = DET3_BY_FLOAT, any_level = DET3_BY_FLOAT;
     float3 start = light.w != 0.0f ? p : (float3)(0.0f);  // D = light - start
-    bool is_finite = is_finite_triangle(t);
+    bool is_finite = is_finite_triangle(t) && is_present(p);
     signs.triangle = id;
     signs.blocks = is_finite && blocks(t, p, light, &level);
     signs.level = level;
@@ -42,10 +42,10 @@ __kernel void explain_point(const ExplainParams params, __global const float* po
     point.is_backfacing = 0;
     point.eye_side = 0;
     point.count = 0;
-    if (point.receiver != GN_NO_ID && is_present(p)) {
+    if (point.receiver != GN_NO_ID) {
         Triangle receiver = load_triangle(vertices + params.first_float, point.receiver);
         point.on_receiver = signs_of_triangle(receiver, point.receiver, p, light);
-        if (params.points.has_eye && is_finite_triangle(receiver)) {
+        if (params.points.has_eye && is_present(p) && is_finite_triangle(receiver)) {
             float3 eye = eye_of(params.points);
             point.is_backfacing = is_backfacing(receiver, light, eye, &level);
             point.eye_side = det3_sign(receiver.b, receiver.a, receiver.c, receiver.a, eye, receiver.a, &level);
