@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a picture's bytes go, seen from libraries that an exception must not cross.
+// The destination of a picture's bytes, as an interface for libraries that an exception must not cross.
 #pragma once
 
 #include <cstddef>

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double default_fov_y_degrees = 50;
 
-/// "0 \"main\", 1 \"top\"", or a sentence's end that says there are none.
+/// "0 \"main\", 1 \"top\"", or the end of a sentence for an empty list.
 template <typename Named>
 std::string list_of(const std::vector<Named>& all) {
     std::string text;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which camera and which light a run uses, from the options and what the scene offers, and where each came from.
+// The camera and the light of a run, from the options and the scene, and the source of each.
 #pragma once
 
 #include <string>
@@ -20,15 +20,15 @@ struct ChosenLight {
     std::string source;
 };
 
-/// Throws UsageError where the options make no camera, Error where the scene has none of that name.
+/// Throws UsageError if the options make no camera, Error if the scene has none of that name.
 ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene);
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene);
-/// All lights of the scene, in its order, where "--light all" asks for them and none has that name; else the one above.
+/// All lights of the scene, in its order, for "--light all" if no light has that name; else choose_light()'s.
 std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene);
 
-/// The way a directional light travels, bit for bit as it was given.
+/// The direction in which a directional light travels, with the bits as given.
 Float3 direction_of(const Light& light);
-/// Where a positional light is.
+/// The position of a point light.
 Float3 position_of(const Light& light);
 /// The option that gives exactly this light again, e.g. "--light-direction=-0.400000006,-1,-0.300000012".
 std::string light_option(const Light& light);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One point's explanation as text: the run is render's with the exact technique, on the same points.
+// One point's explanation as text: the same run as render's with the exact technique, on the same points.
 #include "explain.hpp"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ Points given_point(const ExplainOptions& options, const Device& device, std::siz
     return points;
 }
 
-/// One sample of the pixel, among all points of that sample's batch, as render has them.
+/// One sample of the pixel, among all points of that sample's batch, in render's order.
 Explanation explain_sample(const ExplainOptions& options, const Device& device, const Triangles& triangles,
                            const View& view, const Light& light, std::size_t pixel) {
     Explanation explanation;

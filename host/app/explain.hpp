@@ -6,8 +6,8 @@
 
 namespace gnomon::app {
 
-/// Prints the explanation. Throws UsageError or Error, also where the technique's answer and the exact signs differ
-/// (the explanation is printed before).
+/// Prints the explanation. Throws UsageError or Error; if the technique's visibility and the exact signs differ, prints
+/// the explanation and then throws Error.
 void explain(const ExplainOptions& options);
 
 }  // namespace gnomon::app

@@ -18,7 +18,7 @@ namespace {
 using Settings = std::vector<std::pair<std::string, std::string>>;
 const char* const truth_name = "frustum-traced";
 
-/// A technique as the command line asks for it.
+/// One technique of the command line.
 struct Asked {
     TechniqueDescription technique;
     Settings settings;
@@ -45,7 +45,7 @@ Asked parse_asked(const std::string& text) {
     return asked;
 }
 
-/// The truth first, then what was asked for, or everything else there is.
+/// The truth first, then the techniques of the options, or every other technique.
 std::vector<Asked> all_asked(const GalleryOptions& options) {
     std::vector<Asked> all{{described(truth_name), {}}};
     if (options.techniques.empty())
@@ -62,7 +62,7 @@ std::string settings_text(const Settings& settings) {
     return text;
 }
 
-/// One view with its light, on the device, and the truth about it once that is known.
+/// One view with its light, on the device, and its truth, once known.
 struct Hall {
     const Device& device;
     const scene::Scene& scene;
@@ -79,7 +79,7 @@ double run_ms(const Hall& hall, Technique& technique, const Visibility& visibili
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Runs one technique and fills its exhibit. The first one makes the truth.
+/// Runs one technique and fills its exhibit. The first exhibit gives the truth.
 void exhibit(Hall& hall, const Asked& asked, std::uint32_t runs, Exhibit& result) {
     const auto technique = make_technique(hall.device, asked.technique.name, asked.settings);
     const Visibility visibility(hall.device, hall.view.points.count());
@@ -106,7 +106,7 @@ void exhibit(Hall& hall, const Asked& asked, std::uint32_t runs, Exhibit& result
     }
 }
 
-/// Like exhibit(), but what goes wrong becomes the exhibit's sentence (unless `strict`): the others can still be shown.
+/// Like exhibit(), but an error becomes the exhibit's sentence (unless `strict`), so that the others are still shown.
 Exhibit exhibit_or_failure(Hall& hall, const Asked& asked, std::uint32_t runs, bool strict) {
     Exhibit result;
     result.name = asked.technique.name;

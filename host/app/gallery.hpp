@@ -6,8 +6,8 @@
 
 namespace gnomon::app {
 
-/// Runs every technique asked for on one view and writes the page. A technique that fails has its sentence on the page
-/// in place of a picture. Throws Error where nothing can be shown.
+/// Runs every technique of the options on one view and writes the page. If a technique fails, the page has its error in
+/// place of a picture. Throws Error if there is nothing to show.
 void gallery(const GalleryOptions& options);
 
 }  // namespace gnomon::app

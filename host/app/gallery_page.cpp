@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The page's text. Data goes in as JSON; a small script builds the table and the comparison from it. Without scripts
-// the page says so. Colours: orange is wrongly lit, blue wrongly shadowed, as in difference_picture().
+// The page's text. Data are written as JSON; a small script builds the table and the comparison from it. Without
+// scripts the page shows a note. Colours: orange is wrongly lit, blue wrongly shadowed, as in difference_picture().
 #include "gallery_page.hpp"
 
 #include <nlohmann/json.hpp>
@@ -233,8 +233,8 @@ ordered_json exhibit_json(const Exhibit& e) {
     return json;
 }
 
-/// Inside a script element "</script" and "<!--" mean something: in JSON, "<" stands only in strings, where it can be
-/// written by its number.
+/// Inside a script element "</script" and "<!--" have a meaning. In JSON, "<" stands only in strings, where its number
+/// can replace it.
 std::string safe_in_script(std::string json) {
     for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;) json.replace(at, 1, "\\u003c");
     return json;

@@ -11,19 +11,19 @@
 
 namespace gnomon::app {
 
-/// A technique's picture of how it works.
+/// A diagnostic picture of a technique.
 struct ExhibitDiagnostic {
     std::string name, meaning;
     std::string picture;  ///< data URI
 };
 
-/// A technique with its settings, and what it did.
+/// A technique with its settings, and its results.
 struct Exhibit {
     std::string name;      ///< as in `gnomon techniques`
     std::string settings;  ///< "key=value key=value", empty for the defaults
     std::string summary;   ///< one line
     bool exact = false;
-    std::string failure;  ///< the sentence, if it could not be shown; then nothing below is set
+    std::string failure;  ///< the error, if the technique failed; then no member below is set
 
     double median_ms = 0, least_ms = 0, most_ms = 0;
     std::uint64_t memory_bytes = 0;

@@ -8,10 +8,10 @@
 
 namespace gnomon::app {
 
-/// Every OpenCL device: which is the default and why, and what each lacks. Throws DeviceNotFound if there is none.
+/// Every OpenCL device: the default with the reason, and what each lacks. Throws DeviceNotFound if there is none.
 std::string device_list();
 
-/// A line per technique, with its settings if asked for. Throws Error with the list for an unknown name.
+/// A line per technique, with its settings under --verbose. Throws Error with the list for an unknown name.
 std::string technique_list(const ListTechniques& options);
 
 }  // namespace gnomon::app

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The command gnomon. Nothing escapes main: every failure is one sentence on stderr and an exit code,
-// 0 done, 1 something failed, 2 the command line is wrong.
+// The command gnomon. main() catches every exception: a failure is one sentence on stderr and an exit code, 0 done, 1 a
+// failure, 2 a wrong command line.
 #include <exception>
 #include <new>
 #include <string>

@@ -18,7 +18,7 @@ namespace {
 /// Rows per band: a multiple of the 16 rows that zip compresses together.
 constexpr std::uint32_t band_rows = 64;
 
-/// OpenImageIO's view of a file. Failures stay in the file.
+/// OpenImageIO's interface to a file. Failures are kept in the file.
 class FileProxy final : public OIIO::Filesystem::IOProxy {
 public:
     FileProxy(ByteSink& file, const std::string& name) : IOProxy(name, Write), file_(file) {}
@@ -40,7 +40,7 @@ public:
         : file_(file), name_(name), proxy_(file, name), output_(OIIO::ImageOutput::create("exr")) {
         if (!output_ || !output_->supports("ioproxy"))
             throw Error("cannot write " + name + ": this OpenImageIO cannot write exr");
-        // The format is named by the argument: the file's own name may be anything (a temporary, a device).
+        // The argument names the format: the file's own name may be anything (a temporary, a device).
         if (!output_->set_ioproxy(&proxy_) || !output_->open("picture.exr", spec)) fail();
     }
 
@@ -57,14 +57,14 @@ public:
 
 private:
     [[noreturn]] void fail() {
-        file_.check();  // the system's reason, if there is one, says more
+        file_.check();  // first, as the system's reason, if there is one, is more precise
         throw Error("cannot write " + name_ + ": " + output_->geterror());
     }
 
     ByteSink& file_;
     std::string name_;
     FileProxy proxy_;
-    std::unique_ptr<OIIO::ImageOutput> output_;  // last: it is destroyed before what it writes to
+    std::unique_ptr<OIIO::ImageOutput> output_;  // last: destroyed before the file that it writes to
 };
 
 /// One pixel of the EXR, as its channels lie in memory. Floats and an unsigned integer, all of 4 bytes: no padding.

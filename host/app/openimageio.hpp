@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The command's module gnomon_openimageio: EXR files, and pictures inside a page. OpenImageIO comes with some 250
-// libraries, whose loading takes longer than to make a picture: so only runs that need them open the module.
+// libraries. Loading them takes longer than making a picture, so only runs that need them open the module.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 
 namespace gnomon::app {
 
-/// What the module does. Failures are Error.
+/// The functions of the module. Failures are Error.
 struct OpenImageIo {
-    /// As write_aov() of pictures.hpp; `name` is what errors call the file, `software` who made it.
+    /// As write_aov() of pictures.hpp; errors call the file `name`, and the file names `software` as its maker.
     void (*write_aov)(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
                       std::uint32_t height, const ViewOnHost& view, std::span<const float> visibility);
     /// The first three channels as "data:image/FORMAT;base64,...". `pixel_bytes`: from one pixel to the next.
@@ -28,5 +28,5 @@ const OpenImageIo& open_image_io();
 
 }  // namespace gnomon::app
 
-/// What open_image_io() looks for in the module.
+/// The name of the symbol that open_image_io() loads from the module.
 extern "C" const gnomon::app::OpenImageIo gnomon_openimageio;

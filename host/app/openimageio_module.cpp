@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Opens the module gnomon_openimageio: beside the command, where it is built, or in ../lib/gnomon, where it is
-// installed.
+// Opens the module gnomon_openimageio: beside the command (build folder), or in ../lib/gnomon (installed).
 #include <dlfcn.h>
 
 #include <filesystem>
@@ -18,7 +17,7 @@ std::filesystem::path module_path() {
 }
 
 const OpenImageIo& opened_module() {
-    // Never closed: what it has made may live as long as the program.
+    // The module is never closed: its objects may live as long as the program.
     void* const module = ::dlopen(module_path().c_str(), RTLD_NOW | RTLD_LOCAL);
     const void* const found = module != nullptr ? ::dlsym(module, "gnomon_openimageio") : nullptr;
     if (found == nullptr)

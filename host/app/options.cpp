@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The command line: what options there are, what they mean, and which go together.
+// The command line: its options, their meanings, and the combinations that are allowed.
 #include "options.hpp"
 
 #include <CLI/CLI.hpp>
@@ -50,8 +50,8 @@ const char* const gallery_footer =
     "  gnomon gallery room.glb -o room.html --size 960x540\n"
     "  gnomon gallery room.glb --technique frustum-traced --technique shadow-map:size=4096";
 
-/// CLI11 takes the next argument where "--option=" has nothing behind it, and keeps the "=" of "-o=file". Both are
-/// settled before it sees them.
+/// CLI11 takes the next argument if "--option=" has no value, and keeps the "=" of "-o=file". This function handles
+/// both before CLI11 parses the arguments.
 std::vector<std::string> settle_equals_signs(const std::vector<std::string>& arguments) {
     std::vector<std::string> settled;
     for (const std::string& argument : arguments) {
@@ -125,7 +125,7 @@ void add_camera_options(CLI::App& app, ViewOptions& options) {
         });
 }
 
-/// `more` is said of --light.
+/// `more` is added to the help of --light.
 void add_light_options(CLI::App& app, ViewOptions& options, const std::string& more = {}) {
     const Group add{app, "Light (default: the scene's first, else a sun that travels along -0.4,-1,-0.3)"};
     add("--light-direction", "X,Y,Z", "A light infinitely far away: the way it travels",
@@ -197,7 +197,7 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
     add("--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));
 }
 
-/// `prints_more`: than the one answer that the command is for.
+/// `prints_more`: the command prints more texts than its result.
 void add_device_options(CLI::App& app, ViewOptions& options, bool prints_more = true) {
     const Group add{app, "Device and messages"};
     add("--device", "P:D|NAME",
@@ -258,7 +258,7 @@ void check_outputs(const RenderOptions& options) {
 /// CLI11's help with one blank line between groups instead of two.
 std::string help_of(const CLI::App& app) { return CLI::detail::find_and_replace(app.help(), "\n\n\n", "\n\n"); }
 
-/// What CLI11 could not place: the first of it, in a sentence. `kind` is what it is if it is no option.
+/// The first argument that CLI11 could not use, in a sentence. `kind` is its kind if it is no option.
 void check_nothing_left(const CLI::App& app, const std::string& command, const std::string& kind) {
     const std::vector<std::string> left = app.remaining();
     if (left.empty()) return;
@@ -267,7 +267,7 @@ void check_nothing_left(const CLI::App& app, const std::string& command, const s
 }
 
 void add_scene_argument(CLI::App& app, ViewOptions& options) {
-    // The scene's names could collide with subcommands' names only without an extension; "./devices" says a file.
+    // A scene's name can equal a subcommand's name only if it has no extension; "./devices" is a file.
     app.add_option_function<std::string>(
            "SCENE", [&options](const std::string& text) { options.scene = parse_file("SCENE", text, ""); },
            "A .glb or .gltf file (default: a built-in sundial)")
@@ -391,7 +391,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     } catch (const CLI::CallForVersion& call) {
         return PrintText{std::string(call.what()) + "\n"};
     } catch (const CLI::ArgumentMismatch& error) {
-        // "--mask: 1 required TEXT missing": every option that takes a value takes one.
+        // "--mask: 1 required TEXT missing": every option with a value takes exactly one.
         const std::string text = error.what();
         throw UsageError(text.substr(0, text.find(':')) + " needs a value");
     } catch (const CLI::ParseError& error) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The command line as a struct. Parsing is all there is here: no file is opened and no device is asked, so a wrong
-// command line is refused at once. CLI11 splits and documents; the values are read by values.hpp.
+// The command line as a struct. Parsing opens no file and no device, so a wrong command line is refused at once. CLI11
+// splits and documents; values.hpp reads the values.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace gnomon::app {
 
-/// `gnomon --help`, `gnomon --version` and their like: something to print, and no more.
+/// `gnomon --help`, `gnomon --version` and similar options: the program prints a text and ends.
 struct PrintText {
     std::string text;
 };
@@ -28,7 +28,7 @@ struct ListTechniques {
     bool verbose = false;
 };
 
-/// What is looked at, by which light and on which device: for every command that renders.
+/// The scene, the camera, the light and the device: for every command that renders.
 struct ViewOptions {
     std::optional<std::filesystem::path> scene;  ///< none: the built-in sundial
     ImageSize size{1920, 1080};
@@ -38,7 +38,7 @@ struct ViewOptions {
     std::optional<Float3> eye, target, up;
     std::optional<float> fov_y_degrees;
 
-    // At most one of these.
+    // At most one of the following.
     std::optional<std::string> light;
     std::optional<Float3> light_direction, light_position;
 
@@ -52,7 +52,7 @@ struct ViewOptions {
 
 /// `gnomon render`
 struct RenderOptions : ViewOptions {
-    // At least one of these.
+    // At least one of the following.
     std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, point_dump, statistics;
 
     bool profile = false;                   ///< time each stage on the device
@@ -66,7 +66,7 @@ struct RenderOptions : ViewOptions {
 /// `gnomon gallery`
 struct GalleryOptions : ViewOptions {
     std::filesystem::path page = "gallery.html";
-    std::vector<std::string> techniques;  ///< NAME or NAME:KEY=VALUE,KEY=VALUE; empty: every one, as it comes
+    std::vector<std::string> techniques;  ///< NAME or NAME:KEY=VALUE,KEY=VALUE; empty: every one, with its defaults
     std::uint32_t runs = 3;               ///< timed runs of each
 };
 
@@ -74,7 +74,7 @@ struct GalleryOptions : ViewOptions {
 struct ExplainOptions : ViewOptions {
     std::optional<std::filesystem::path> triangles;  ///< nine float32 each, in place of a scene
 
-    // One of these.
+    // Exactly one of the following.
     std::optional<Pixel> pixel;
     std::optional<Float3> point;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Temporaries that are renamed into place. Plain POSIX calls: streams hide the reason of a failure, and the reason is
-// the sentence.
+// Temporaries that are renamed over their targets. Plain POSIX calls: streams hide the reason of a failure, and the
+// error names the reason.
 #include "output_files.hpp"
 
 #include <fcntl.h>
@@ -23,15 +23,15 @@ namespace fs = std::filesystem;
 
 // ---- What an interrupt must remove ----------------------------------------------------------------------------------
 
-// A signal handler may touch neither the heap nor a lock, so the names lie in fixed slots. One per output and run is
-// enough (there are five outputs); a file without a slot would only lose its removal on interrupt.
+// A signal handler may use neither the heap nor a lock, so the names are in fixed slots. One slot per output and run is
+// enough (there are five outputs); a file without a slot would only not be removed on interrupt.
 std::array<std::atomic<char*>, 16> interrupt_slots;
 static_assert(std::atomic<char*>::is_always_lock_free);
 
 extern "C" void remove_temporaries_and_end(int signal_number) {
     for (const auto& slot : interrupt_slots)
         if (const char* const path = slot.load()) ::unlink(path);
-    // The action is the default again (SA_RESETHAND): the shell sees that a signal ended us.
+    // The action is the default again (SA_RESETHAND): the shell then learns that a signal ended the program.
     ::raise(signal_number);
 }
 
@@ -59,7 +59,7 @@ std::string reason_of(int error) {
     return error == ENOSPC ? "no space is left on its disk" : std::generic_category().message(error);
 }
 
-/// The folder that the temporary goes into. Throws, with the folder as the user wrote it, if there is none.
+/// The folder of the temporary. Throws, with the folder as the user wrote it, if there is none.
 fs::path folder_of(const fs::path& target, const fs::path& resolved) {
     const fs::path folder = resolved.parent_path();
     const std::string name = "the folder " + target.parent_path().string();
@@ -69,8 +69,8 @@ fs::path folder_of(const fs::path& target, const fs::path& resolved) {
     return folder;
 }
 
-/// Makes a new file in `folder`; returns its descriptor and sets its name. With the permissions that open() gives
-/// under the user's umask, which mkstemp would not.
+/// Makes a new file in `folder`; returns its descriptor and sets its name. Its permissions are those that open() gives
+/// under the user's umask; mkstemp would give others.
 int make_temporary(const fs::path& folder, fs::path& temporary) {
     for (int attempt = 0;; ++attempt) {
         temporary = folder / (".gnomon-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".partial");
@@ -82,7 +82,7 @@ int make_temporary(const fs::path& folder, fs::path& temporary) {
 }  // namespace
 
 void remove_temporaries_on_interrupt() {
-    // Not SIGABRT: the LLVM inside OpenCL drivers takes it over. A driver that aborts leaves the (hidden) temporary.
+    // No handler for SIGABRT: the LLVM in OpenCL drivers replaces it. If a driver aborts, a hidden temporary stays.
     for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction action {};
         if (::sigaction(signal_number, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
@@ -103,7 +103,7 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), resolved_(
         if (descriptor_ < 0) fail(target_, reason_of(errno));
         return;
     }
-    std::error_code unresolved;  // then the path stays as it is, and opening says what is wrong with it
+    std::error_code unresolved;  // on failure the path is unchanged, and opening it gives the error
     resolved_ = fs::absolute(target_);
     if (fs::path canonical = fs::weakly_canonical(resolved_, unresolved); !unresolved) resolved_ = std::move(canonical);
     descriptor_ = make_temporary(folder_of(target_, resolved_), temporary_);
@@ -135,7 +135,7 @@ std::size_t OutputFile::write(const void* bytes, std::size_t count) noexcept {
 }
 
 bool OutputFile::seek(std::size_t position) noexcept {
-    if (position == position_) return true;  // also where there is nothing to seek in, such as a pipe
+    if (position == position_) return true;  // also true for a file without positions, such as a pipe
     if (::lseek(descriptor_, off_t(position), SEEK_SET) < 0) {
         if (failure_ == 0) failure_ = errno;
         return false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Files that appear whole or not at all. Opening one is the check that it can be written, so it is done before any long
-// work: a temporary is made beside the target (".gnomon-PID-N.partial"), filled, and renamed over the target by
-// commit(). Without commit() it is removed; so it is when an interrupt (SIGINT, SIGTERM, SIGHUP) ends the program.
-// A target that exists and is no regular file (a device, a pipe) is written directly: there is nothing to rename over.
+// Files that appear whole or not at all. Opening a file checks that it can be written, so files are opened before any
+// long work: a temporary is made beside the target (".gnomon-PID-N.partial"), filled, and renamed over the target by
+// commit(). Without commit() the temporary is removed, also when an interrupt (SIGINT, SIGTERM, SIGHUP) ends the
+// program. A target that is no regular file (a device, a pipe) is written directly, as it cannot be replaced.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ public:
     OutputFile& operator=(const OutputFile&) = delete;
 
     const std::filesystem::path& target() const { return target_; }
-    /// The file that is really written: links followed.
+    /// The target after all links.
     const std::filesystem::path& resolved() const { return resolved_; }
     bool is_direct() const { return temporary_.empty(); }
 
@@ -32,7 +32,7 @@ public:
     std::size_t position() const noexcept override { return position_; }
     void check() const override;
 
-    /// Closes the file and puts it in place. Throws Error, like check().
+    /// Closes the file and renames it to the target. Throws Error, like check().
     void commit();
 
 private:
@@ -47,14 +47,14 @@ private:
     std::size_t position_ = 0;
 };
 
-/// The outputs of one run, which must be different files, and none of them the scene that is read.
+/// The outputs of one run: different files, and none of them is the scene's file.
 class OutputFiles {
 public:
-    /// Opens one more, for as long as this lives. Throws Error.
+    /// Opens one more output, which lives as long as this object. Throws Error.
     OutputFile& open(const std::filesystem::path& target);
     /// From here on, no output may be this file.
     void protect(const std::filesystem::path& input);
-    /// Puts all of them in place, in the order they were opened.
+    /// Commits all outputs, in the order they were opened.
     void commit();
 
 private:
@@ -62,7 +62,7 @@ private:
     std::filesystem::path protected_;
 };
 
-/// Has temporaries removed when the program is interrupted. Once, at the start.
+/// Installs the handlers that remove temporaries when the program is interrupted. Call once, at the start.
 void remove_temporaries_on_interrupt();
 
 }  // namespace gnomon::app

@@ -17,14 +17,14 @@ namespace {
 
 std::string software() { return "gnomon " + std::string(version()); }
 
-/// What a PNG is made of.
+/// The parameters of a PNG.
 struct PngRows {
     std::uint32_t width, height;
-    bool is_mask;  ///< one channel of numbers; else sRGB, of which each pixel has a fourth byte that is left out
+    bool is_mask;  ///< one channel of numbers; else sRGB from four bytes per pixel, the fourth is left out
     std::function<const std::uint8_t*(std::uint32_t)> row;
 };
 
-// Failures stay in the file.
+// The callbacks keep failures in the file.
 void put_bytes(png_structp png, png_bytep bytes, png_size_t count) {
     static_cast<OutputFile*>(png_get_io_ptr(png))->write(bytes, count);
 }
@@ -56,7 +56,7 @@ void put_rows(png_structp png, png_infop info, const PngRows& rows, const Output
     png_write_end(png, nullptr);
 }
 
-// False if libpng gave up: it jumps back to here, so that nothing below may have a destructor.
+// False if libpng gave up: it jumps back to this function, so no variable below may have a destructor.
 bool try_to_put_rows(png_structp png, png_infop info, const PngRows& rows, const OutputFile& file, char* made_by) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     put_rows(png, info, rows, file, made_by);
@@ -74,7 +74,7 @@ void write_png(OutputFile& file, const PngRows& rows) {
     png_set_write_fn(writer.png, &file, put_bytes, flush_nothing);
     std::string made_by = software();
     const bool is_done = try_to_put_rows(writer.png, writer.info, rows, file, made_by.data());
-    file.check();  // the system's reason, if there is one, says more
+    file.check();  // first, as the system's reason, if there is one, is more precise
     if (!is_done) throw Error("cannot write " + file.target().string() + ": " + writer.reason);
 }
 

@@ -28,7 +28,7 @@ std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<c
 /// RGBA bytes as a PNG, or as a JPEG where that is shorter: pictures of a few colours stay exact.
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 
-/// Throws Error if all but write_picture() and write_mask() would: to be asked before long work.
+/// Throws Error if any function but write_picture() and write_mask() would: to be called before long work.
 void require_openimageio();
 
 }  // namespace gnomon::app

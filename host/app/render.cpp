@@ -25,8 +25,8 @@ double ms_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Runs the steps of one command: each is timed to its end on the device, and shown if it takes long. The building of
-/// kernels is taken out of the step that had to wait for it.
+/// Runs the steps of one command: each is timed to its end on the device, and shown if it takes long. The time of
+/// building kernels is subtracted from the step that waited for it.
 class Steps {
 public:
     explicit Steps(Report& report) : report_(report), start_(std::chrono::steady_clock::now()) {}
@@ -38,7 +38,7 @@ public:
         const Timer timer{*this, name, std::chrono::steady_clock::now()};
         return work();
     }
-    /// The device of all steps from the last one on.
+    /// The device of all steps from the latest one on.
     void set_device(const Device& device) {
         device_ = device;
         add_builds(report_.phases_ms.back().second);
@@ -62,13 +62,13 @@ private:
             double ms = ms_since(start);
             try {
                 if (steps.device_) steps.add_builds(ms);
-            } catch (const Error&) {  // the step's own failure is already on its way up
+            } catch (const Error&) {  // the step's own failure is already being thrown
             }
             steps.report_.phases_ms.emplace_back(name, ms);
         }
     };
-    /// Takes what was built since the last step out of its time. (Where the host compiled one program while a thread of
-    /// the device compiled another, both waits were one.)
+    /// Subtracts the time of the builds since the last step from the step's time. (If the host compiled one program
+    /// while a thread of the device compiled another, both waits were one.)
     void add_builds(double& step_ms) {
         const double all = device_->kernel_builds().ms, waited = std::min(all - known_builds_ms_, step_ms);
         known_builds_ms_ = all;
@@ -82,9 +82,9 @@ private:
     double known_builds_ms_ = 0, kernels_ms_ = 0;
 };
 
-/// The files of a run, opened: null where not asked for.
+/// The open files of a run: null where the options name none.
 struct Outputs {
-    /// All but the masks of several lights, whose number the scene tells.
+    /// Opens all files but the masks of several lights: the scene gives the number of lights.
     explicit Outputs(const RenderOptions& options) {
         if (options.scene) files.protect(*options.scene);
         const auto open = [this](const std::optional<std::filesystem::path>& file) {
@@ -104,7 +104,7 @@ struct Outputs {
     }
 
     OutputFiles files;
-    std::vector<OutputFile*> masks;  ///< one for each light, if asked for
+    std::vector<OutputFile*> masks;  ///< one for each light, if the options name a mask
     OutputFile *picture = nullptr, *aov = nullptr, *triangle_dump = nullptr, *point_dump = nullptr,
                *statistics = nullptr;
 };
@@ -159,7 +159,7 @@ struct Seen {
     View view;
     std::vector<Visibility> visibilities;     ///< one for each light
     std::vector<std::vector<float>> visible;  ///< the same, on the host
-    std::vector<std::uint32_t> ids;           ///< where the triangles lie in the scene; empty: they are all of it
+    std::vector<std::uint32_t> ids;           ///< the triangles' ids in the scene; empty: they are all of it
 };
 
 std::vector<Light> lights_of(const Report& report) {
@@ -180,8 +180,8 @@ std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibili
     return visible;
 }
 
-/// From so many triangles on, boxes around clusters of them cost less than they save, even for one picture: the camera
-/// and every batch of samples skip what they do not need.
+/// From this many triangles on, boxes around clusters cost less time than they save, even for one picture: the camera
+/// and every batch of samples skip the clusters that they do not need.
 constexpr std::size_t triangles_worth_clusters = 1u << 16;
 
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
@@ -237,8 +237,8 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<
     return {looked.triangles, looked.view, std::move(visibilities), std::move(visible), std::move(looked.ids)};
 }
 
-/// Parts answer for the whole if the technique is exact. Samples, dumped points and diagnostics are for scenes that
-/// fit.
+/// An exact technique gives the whole's visibility from parts. Samples, dumped points and diagnostics are for scenes
+/// that fit.
 bool can_be_in_parts(const RenderOptions& options) {
     const std::vector<TechniqueDescription> all = techniques();
     return options.samples == 1 && !options.point_dump && !options.diagnostic &&
@@ -292,7 +292,7 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
                   [&] { write_triangles(*outputs.triangle_dump, scene.triangles); });
 }
 
-/// What the report still lacks when the work is done.
+/// Fills the parts of the report that are known only at the end.
 void complete(Report& report, const Device& device, const scene::Scene& scene, const Seen& seen) {
     report.triangles = scene.triangle_count();
     report.non_finite_triangles = count_non_finite(scene.triangles);
@@ -310,7 +310,7 @@ void render(const RenderOptions& options) {
     report.options = options;
     Steps steps(report);
 
-    // Ask for everything that can be refused at once: files first, then the device and the technique.
+    // First all checks that can refuse the request at once: files, then the device and the technique.
     Outputs outputs(options);
     const Device device =
         steps.run("open_device", "opening the device", [&] { return open_device(options, options.profile); });
@@ -324,17 +324,17 @@ void render(const RenderOptions& options) {
     for (ChosenLight& light : choose_lights(options, scene)) report.lights.push_back({std::move(light), {}, {}});
     outputs.open_masks(options, report.lights.size());
 
-    // What the camera sees, and which of it each light reaches.
+    // The camera's view, then the points that each light reaches.
     const Seen seen = [&] {
         try {
             return see(steps, report, device, *technique, scene.triangles, outputs.point_dump);
         } catch (const OutOfDeviceMemory&) {
             if (!can_be_in_parts(options)) throw;
         }
-        technique.reset();  // what it kept would stand in the way
+        technique.reset();  // frees its memory for the next attempt
         return see_in_parts(steps, report, device, scene.triangles);
     }();
-    technique.reset();  // so that its memory serves the pictures
+    technique.reset();  // frees its memory for the pictures
 
     // The files, each complete before the first appears.
     write_files(steps, outputs, device, scene, report, seen);

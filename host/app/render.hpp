@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `gnomon render`: a scene in, pictures and figures out. Everything that can be wrong with the request is found before
-// the long work; files appear only when all of them are complete.
+// `gnomon render`: a scene in, pictures and figures out. Every error of the request is found before the long work;
+// files appear only when all of them are complete.
 #pragma once
 
 #include "options.hpp"

@@ -83,7 +83,7 @@ ordered_json outputs_json(const Report& report) {
     return outputs;
 }
 
-/// What a run says of one light.
+/// The report of one light.
 ordered_json light_part_json(const LightReport& light, bool profiled) {
     return {{"light", light_json(light.chosen)},
             {"shadow_stages", statistics_part_json(light.statistics, profiled)},
@@ -123,7 +123,7 @@ void add_stages(std::ostream& out, const std::string& part, const Statistics& st
     }
 }
 
-/// How many programs, and where they came from.
+/// The number of programs, and how many came from the cache.
 std::string builds_text(const KernelBuilds& kernels) {
     const std::string programs = std::to_string(kernels.programs) + (kernels.programs == 1 ? " program" : " programs");
     if (kernels.from_cache == 0) return programs + " compiled, unless the driver's own cache had them";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a run says about itself: stats.json for programs, a short table for people. Both are made from one struct.
+// The report of a run: stats.json for programs, a short table for people. Both are made from one struct.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@ struct Shares {
     std::uint64_t lit = 0, in_shadow = 0, partly = 0;
 };
 
-/// A light, and what it reaches.
+/// A light, and the points that it reaches.
 struct LightReport {
     ChosenLight chosen;
     Statistics statistics;
     Shares shares;
 };
 
-/// Everything a finished run knows.
+/// All figures of a finished run.
 struct Report {
     RenderOptions options;
     std::uint64_t triangles = 0;
@@ -36,8 +36,8 @@ struct Report {
     DeviceDescription device;
     Statistics camera_statistics;
     std::uint64_t device_memory_bytes = 0, device_memory_peak_bytes = 0;
-    /// Wall time of the command's own steps, in order, each until the device has finished it; "kernels", what the steps
-    /// waited for compilation, is not in theirs, and "other" is what is left of the total.
+    /// Wall time of the command's own steps, in order, each until the device has finished it, without compilation;
+    /// "kernels" is the time that the steps waited for compilation, and "other" is the rest of the total.
     std::vector<std::pair<std::string, double>> phases_ms;
     KernelBuilds kernels;
     double total_ms = 0;
@@ -46,7 +46,7 @@ struct Report {
 /// The file of one light's mask: --mask's, or with several lights NAME_0.png, NAME_1.png, ...
 std::filesystem::path mask_of(const std::filesystem::path& mask, std::size_t light, std::size_t light_count);
 
-/// The option and the file of every output asked for, in the order they are written.
+/// The option and the file of every output of the options, in the order they are written.
 std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options,
                                                                       std::size_t light_count);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every command that renders begins with: a device, a scene with its warnings, a technique with its settings.
+// The common start of every command that renders: a device, a scene with its warnings, a technique with its settings.
 #pragma once
 
 #include <memory>

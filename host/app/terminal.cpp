@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Messages, numbers for people, and the progress line (a thread that wakes once a second and is asked to stop).
+// Messages, numbers for people, and the progress line (a thread that wakes once a second until it is stopped).
 #include "terminal.hpp"
 
 #include <unistd.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What people read. Results go to stdout; warnings, errors and progress to stderr. Progress is one line that appears
-// only if stderr is a terminal and the work has taken a second already, and that is gone when the work is done.
+// The output for people. Results go to stdout; warnings, errors and progress to stderr. Progress is one line. It
+// appears only if stderr is a terminal and the work has taken a second, and it is removed when the work ends.
 #pragma once
 
 #include <condition_variable>
@@ -26,7 +26,7 @@ std::string milliseconds(double ms);
 /// 1536000 as "1.5 MiB".
 std::string bytes_for_people(std::uint64_t bytes);
 
-/// Shows "gnomon: WORK ... 3 s" while it lives.
+/// Shows "gnomon: WORK ... 3 s" for the lifetime of the object.
 class ProgressLine {
 public:
     /// Does nothing at all if `shown` is false or stderr is no terminal.
@@ -41,7 +41,7 @@ private:
     std::string work_;
     std::mutex mutex_;
     std::condition_variable_any wake_;
-    std::jthread thread_;  // last: it uses the others
+    std::jthread thread_;  // last: the thread uses the other members
 };
 
 }  // namespace gnomon::app

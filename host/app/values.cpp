@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Values of options: strict readers (no trailing characters, no NaN, no infinity), each with its sentence.
+// Values of options: strict readers (no trailing characters, no NaN, no infinity), each with its error message.
 #include "values.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 /// The finite float that all of `text` spells, or nothing.
 std::optional<float> float_of(const std::string& text) {
-    // strtof would skip blanks in front; behind the number they are refused, so they are refused in both places.
+    // strtof would skip blanks in front. Blanks behind the number are refused, so blanks in front are refused, too.
     if (text.empty() || std::isspace(static_cast<unsigned char>(text.front()))) return std::nullopt;
     char* end = nullptr;
     const float value = std::strtof(text.c_str(), &end);
@@ -56,7 +56,7 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-/// How many bits a suffix of bytes shifts by, or nothing if it is no such suffix.
+/// The number of bits that a suffix of bytes shifts by, or nothing for another text.
 std::optional<int> suffix_shift(char suffix) {
     const std::size_t power = std::string_view("kmgt").find(char(std::tolower(static_cast<unsigned char>(suffix))));
     if (power == std::string_view::npos) return std::nullopt;

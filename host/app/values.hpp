@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The values of options, from text and back. Every function takes the option's name, so that the sentence it throws
-// says which option was wrong. Numbers are float32 by strtof: what the light and the camera are made of is exactly what
-// was written, rounded once; float_text() prints enough digits (9) to come back to the same bits.
+// The values of options, from text and back. Every function takes the option's name, so that its error names the wrong
+// option. Numbers are float32 by strtof: the light and the camera get exactly the written number, rounded once;
+// float_text() prints enough digits (9) to give the same bits again.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace gnomon::app {
 
-/// The command line itself is wrong (exit code 2, where everything else is 1). what() is one sentence.
+/// The command line itself is wrong (exit code 2; all other errors: 1). what() is one sentence.
 class UsageError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
@@ -47,14 +47,14 @@ std::uint32_t parse_count(const std::string& option, const std::string& text, st
                           std::uint32_t least = 1);
 /// "key=value", the value may contain further equals signs.
 std::pair<std::string, std::string> parse_setting(const std::string& option, const std::string& text);
-/// A name that is not empty and does not look like a forgotten value ("--mask --quiet").
+/// A name that is not empty and is not shaped like an option ("--mask --quiet": a forgotten value).
 std::string parse_name(const std::string& option, const std::string& text);
 /// A file name with the given extension in any case (".png"); an empty extension allows all.
 std::filesystem::path parse_file(const std::string& option, const std::string& text, std::string_view extension);
 
 /// 9 significant digits: strtof gives the same float again.
 std::string float_text(float value);
-/// "x,y,z" by float_text, as an option would take it.
+/// "x,y,z" by float_text, in the form that an option takes.
 std::string float3_text(const Float3& value);
 
 }  // namespace gnomon::app

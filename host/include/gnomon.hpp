@@ -9,10 +9,10 @@
 //   technique->run(triangles, points, gnomon::Light::directional({0, -1, 0}), visibility);
 //   std::vector<float> lit = visibility.read();                   // 1 lit, 0 in shadow
 //
-// What "in shadow" means is the visibility contract in docs/numerics.md: decided in exact real arithmetic on the
-// float32 inputs, the same bits on every device. Objects are cheap handles (shared ownership); one Device and what
-// was made from it may be used from one thread at a time. Failures throw the exceptions below; the library never
-// prints, never exits and has no globals.
+// A point is "in shadow" by the visibility contract of docs/numerics.md, which is decided in exact real arithmetic on
+// the float32 inputs: the same bits on every device. Objects are cheap handles (shared ownership). One Device and the
+// objects made from it may be used from one thread at a time. A failure throws one of the exceptions below. The library
+// never prints, never exits and has no globals.
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION
@@ -33,7 +33,7 @@
 #include <string_view>
 #include <vector>
 
-// What the library keeps to itself.
+// Private types of the library.
 namespace gnomon {
 namespace cl {
 class Session;
@@ -42,8 +42,8 @@ class Clusters;
 struct OwnedPoints;
 }  // namespace gnomon
 
-// The library is compiled with hidden visibility (host/CMakeLists.txt): a shared one shows what is declared from here
-// on, and nothing else. A pragma, since clang 14 does not hand a namespace's attribute on to its functions.
+// The library is compiled with hidden visibility (host/CMakeLists.txt): a shared library exports only the declarations
+// from here on. This is a pragma since clang 14 does not apply a namespace's attribute to the namespace's functions.
 #pragma GCC visibility push(default)
 
 namespace gnomon {
@@ -51,7 +51,7 @@ namespace gnomon {
 /// Three float32 coordinates: world space, in the scene's unit (glTF: metres), +Y up, right-handed.
 using Float3 = std::array<float, 3>;
 
-/// Receiver id of a point that lies on no triangle (and, in a view, of a pixel that sees the sky).
+/// Receiver id of a point that lies on no triangle (and, in a view, of a pixel that shows the sky).
 inline constexpr std::uint32_t no_receiver = 0xFFFFFFFFu;
 
 /// "MAJOR.MINOR.PATCH".
@@ -59,8 +59,8 @@ std::string_view version();
 
 // ---- Errors ---------------------------------------------------------------------------------------------------------
 
-/// Root of everything the library throws. what() is one sentence that names the thing and, where there is one, the
-/// remedy.
+/// Base class of all exceptions that the library throws. what() is one sentence that names the cause and, where there
+/// is one, the remedy.
 class Error : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
@@ -72,7 +72,7 @@ public:
     using Error::Error;
 };
 
-/// No device fits: none installed, none of that name, or the one asked for lacks something gnomon needs.
+/// No device fits: none is installed, none has that name, or the named device lacks a feature that gnomon needs.
 class DeviceNotFound : public Error {
 public:
     using Error::Error;
@@ -91,8 +91,8 @@ private:
     std::string build_log_;
 };
 
-/// The device has too little memory for what was asked (CL_MEM_OBJECT_ALLOCATION_FAILURE and its kin, or the limit
-/// given to Device). Nothing was half done: the library stays usable.
+/// The device has too little memory for the call (CL_MEM_OBJECT_ALLOCATION_FAILURE and similar codes, or the limit
+/// given to Device). No object is left in a partial state: the library stays usable.
 class OutOfDeviceMemory : public OpenClError {
 public:
     OutOfDeviceMemory(std::string_view call, cl_int code, std::string_view remedy = "ask for fewer points at once")
@@ -117,63 +117,63 @@ struct DeviceDescription {
     std::uint64_t global_memory_bytes = 0;
     std::uint64_t largest_allocation_bytes = 0;
     bool has_fp64 = false;
-    std::string lacks;        ///< empty if the device can be used, else what it lacks
-    std::string note;         ///< of an open device: what the check at start-up switched off, and why; else empty
-    bool is_default = false;  ///< the one a Device without a selector opens
+    std::string lacks;        ///< empty if the device can be used, else the features that it lacks
+    std::string note;         ///< of an open device: features that its start-up check switched off, and why; else empty
+    bool is_default = false;  ///< a Device without a selector opens this one
     std::string why_default;  ///< for the default: the rule that chose it
 };
 
 /// All devices of all platforms; empty if there is no OpenCL at all. Never throws for a broken driver: a platform that
-/// cannot be asked is left out.
+/// fails a query is left out.
 std::vector<DeviceDescription> devices();
 
 /// How a Device is opened.
 struct DeviceOptions {
     /// Time every kernel by events (Statistics then has device times). Slows small launches: off for wall-clock times.
     bool profile = false;
-    /// Refuse to allocate more than this many bytes on the device; 0: no limit of ours.
+    /// Refuse to allocate more than this many bytes on the device; 0: gnomon sets no limit.
     std::uint64_t memory_limit_bytes = 0;
-    /// Hide double precision, so that the wide filter is skipped and the exact level is reached sooner. Same bits.
+    /// Hide double precision: the wide filter is skipped, and more pairs reach the exact predicate. Same bits.
     bool hide_fp64 = false;
     /// Work-group size of every kernel, 0: chosen per device. Same bits for every size.
     std::uint32_t work_group_size = 0;
-    /// Take the kernels that are made for GPUs (a point per work-item, groups that work together) on a CPU as well, as
-    /// the environment variable GNOMON_GPU_KERNELS does: for tests and measurements. Same bits.
+    /// Use the kernels made for GPUs (one point per work-item, cooperating work-groups) on a CPU as well, as the
+    /// environment variable GNOMON_GPU_KERNELS does: for tests and measurements. Same bits.
     bool gpu_kernels = false;
 };
 
-/// What a Device's runs had to wait for before their kernels could run. A platform with a cache of its own (PoCL)
-/// compiles or loads a kernel when it is first launched: then that wait is counted too, if the queue can time it.
+/// The builds that a Device's runs waited for before their kernels ran. A platform with its own cache (PoCL) compiles
+/// or loads a kernel when it is first launched: that wait is counted too if the queue can time it.
 struct KernelBuilds {
     std::uint32_t programs = 0;    ///< compiled or loaded
-    std::uint32_t from_cache = 0;  ///< of them, loaded from gnomon's cache on disk; 0 on a platform with its own
+    std::uint32_t from_cache = 0;  ///< loaded from gnomon's cache on disk; 0 on a platform with its own cache
     double ms = 0;
 };
 
-/// A device, its context and in-order queue, and the compiled kernels. Building the kernels is the slow part of a
-/// first start; they are cached on disk for the next one.
+/// A device, its context and in-order queue, and the compiled kernels. Building the kernels takes most of the time of a
+/// first start; they are cached on disk for later starts.
 class Device {
 public:
     /// Opens the device that `selector` names: "P:D" (indices as in devices()), or a part of the device's or platform's
     /// name in any case; empty: the environment variable GNOMON_DEVICE, else the default (the first usable GPU, else
-    /// the first usable CPU). Throws DeviceNotFound with the list of what there is.
+    /// the first usable CPU). Throws DeviceNotFound with the list of the devices.
     explicit Device(std::string_view selector = {}, const DeviceOptions& options = {});
     /// Uses the caller's context and queue (both are retained). The queue must be in-order; kernels and copies are
-    /// enqueued on it, and results are there when the queue has come that far. Whether it profiles is the queue's word,
-    /// not that of `options`. Throws InvalidArgument if the two do not belong together, DeviceNotFound if the queue's
-    /// device cannot be used.
+    /// enqueued on it, and results are complete when the queue has executed them. The queue decides whether kernels are
+    /// profiled; `options` does not. Throws InvalidArgument if context and queue do not belong together, DeviceNotFound
+    /// if the queue's device cannot be used.
     Device(cl_context context, cl_command_queue queue, const DeviceOptions& options = {});
 
     const DeviceDescription& description() const;
     cl_context context() const;
     cl_command_queue queue() const;
-    /// Bytes of device memory that gnomon's own buffers hold now, and the most they ever held.
+    /// Bytes of device memory that gnomon's own buffers occupy now, and the largest number so far.
     std::uint64_t memory_bytes() const;
     std::uint64_t peak_memory_bytes() const;
-    /// Since the device was opened. Waits for the queue if kernels were launched for the first time since the last
-    /// call.
+    /// The builds since the device was opened. Waits for the queue if kernels were launched for the first time since
+    /// the last call.
     KernelBuilds kernel_builds() const;
-    /// For the library's own stages.
+    /// For the library's own stages only.
     cl::Session& session() const { return *session_; }
 
 private:
@@ -184,8 +184,8 @@ private:
 
 /// A pinhole camera. Pixel (x, y), row 0 on top, looks along
 ///   forward + (2 (x + 0.5) / width - 1) aspect t right + (1 - 2 (y + 0.5) / height) t up,  t = tan(fov_y / 2).
-/// There is no near or far plane: everything in front of the eye is seen. The axes are unit vectors; they need not be
-/// orthogonal, but must span space.
+/// There is no near or far plane: all triangles in front of the eye are seen. The axes are unit vectors; they need not
+/// be orthogonal, but must span space.
 struct Camera {
     Float3 eye{};
     std::array<double, 3> right{1, 0, 0};
@@ -198,14 +198,14 @@ struct Camera {
     static Camera look_at(const Float3& eye, const Float3& target, const Float3& up, double fov_y_degrees);
 };
 
-/// The camera whose pixels a set of shading points came from: what fits that follow the view need.
+/// The camera and the picture's size in pixels that a set of shading points came from: view-dependent fits need it.
 struct PointsCamera {
     Camera camera;
     std::uint32_t width = 0, height = 0;
 };
 
-/// Triangles on the device: 9 consecutive float32 each (three world-space vertices). A triangle's id is its position.
-/// One with a NaN or infinite vertex casts nothing and is never seen; Statistics counts it.
+/// Triangles on the device: 9 consecutive float32 each (three world-space vertices). A triangle's id is its index. A
+/// triangle with a NaN or infinite vertex casts no shadow and is never seen; Statistics counts it.
 class Triangles {
 public:
     /// Copies `vertices` (9 floats per triangle) to the device. Throws InvalidArgument if the size is no multiple of 9.
@@ -213,24 +213,24 @@ public:
     /// Uses the caller's buffer (retained) from float `first_float` on. The caller must not write it during a run.
     static Triangles wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float = 0);
 
-    /// For a mesh that does not change: keeps boxes around clusters of 64 triangles (half a byte each, on the device),
-    /// so that what cameras do not see and lights do not need is skipped without its vertices being read. The answers
-    /// are the same bits. Where neighbours in the buffer are far apart in the scene, a copy in order is kept as well
-    /// (40 bytes each, if there is room). Worth it from about two views or lights on. The caller promises not to write
-    /// the vertices from here on while this handle, or a copy made of it from now on, is in use; after a change, call
-    /// this again. Costs one pass over the triangles, or some ten with a copy.
+    /// For a mesh that does not change: builds boxes around clusters of 64 triangles (half a byte per triangle, on the
+    /// device). Stages then skip clusters that a camera does not see or a light does not need, and do not read their
+    /// vertices. Same bits. If neighbours in the buffer are far apart in the scene, a sorted copy is built too (40
+    /// bytes per triangle, if there is room). Worth it from about two views or lights on. The caller promises not to
+    /// write the vertices while this handle, or a later copy of it, is in use; after a change, call this again. Costs
+    /// one pass over the triangles, or about ten with a copy.
     void keep_clusters(const Device& device);
-    /// Lets go of them: as before keep_clusters().
+    /// Frees the clusters: the state is that from before keep_clusters().
     void forget_clusters() { clusters_.reset(); }
 
     std::size_t count() const { return count_; }
     cl_mem buffer() const;
     std::size_t first_float() const { return first_float_; }
-    /// For the library's own stages: null if none are kept.
+    /// For the library's own stages only; null if there are no clusters.
     const Clusters* clusters() const { return clusters_.get(); }
 
 private:
-    friend class Points;  // watches the buffer
+    friend class Points;  // set_lifted_off() refers to the buffer
 
     std::shared_ptr<void> buffer_;
     std::shared_ptr<const Clusters> clusters_;
@@ -238,7 +238,7 @@ private:
     std::size_t first_float_ = 0;
 };
 
-/// Where coordinate c (0..2) of point i lies in a buffer of floats: first + i * point_stride + c * coordinate_stride.
+/// Coordinate c (0..2) of point i has the index first + i * point_stride + c * coordinate_stride in a buffer of floats.
 /// The default is packed xyz triples; structure of arrays for n points is {0, 1, n}.
 struct PointLayout {
     std::size_t first = 0;
@@ -246,8 +246,8 @@ struct PointLayout {
     std::size_t coordinate_stride = 1;
 };
 
-/// Shading points on the device: position, and optionally the id of the triangle each lies on (its receiver, which
-/// never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work.
+/// Shading points on the device: position, and optionally the id of the triangle that the point lies on (its receiver,
+/// which never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work.
 class Points {
 public:
     Points() = default;  ///< none
@@ -258,24 +258,24 @@ public:
     static Points wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
                        cl_mem receivers = nullptr);
 
-    /// From here on, a point whose receiver's plane separates the light from this eye (or contains the light) faces
-    /// away: visibility 0 by definition of shading, decided exactly, and no work. Views made by a Camera have it set.
+    /// From here on, a point is backfacing if its receiver's plane separates the light from this eye or contains the
+    /// light: visibility 0 by definition of shading, decided exactly, no work. look() sets the eye.
     void set_eye(const Float3& eye) {
         eye_ = eye;
         lifted_off_.reset();
     }
     const std::optional<Float3>& eye() const { return eye_; }
-    /// The camera of a picture of width x height pixels that these points belong to: shadow maps that are split or
-    /// warped along the view need it; without it they fit the points alone. Sets the eye too. Views made by look()
-    /// have it set.
+    /// Sets the camera of the picture of width x height pixels that these points belong to, and the eye. Shadow maps
+    /// that are split or warped along the view need the camera; without it they fit the points alone. Views made by
+    /// look() have it set.
     void set_camera(const Camera& camera, std::uint32_t width, std::uint32_t height) {
         camera_ = PointsCamera{camera, width, height};
         set_eye(camera.eye);
     }
     const std::optional<PointsCamera>& camera() const { return camera_; }
-    /// The caller promises that no point lies on the far side of its receiver as the eye sees it, `triangles` being
-    /// what receivers name: then less is asked of the receivers, which saves time. Views made by look() have it set; it
-    /// lasts until an eye or a camera is set. After a change of the triangles, look again.
+    /// The caller promises that no point lies on the far side of its receiver as the eye sees it; receivers are ids in
+    /// `triangles`. Some tests of receivers are then skipped, which saves time. Views made by look() have this set; it
+    /// lasts until an eye or a camera is set. After a change of the triangles, call look() again.
     void set_lifted_off(const Triangles& triangles);
     bool is_lifted_off(const Triangles& triangles) const;
 
@@ -308,8 +308,8 @@ PointsOnHost read(const Device& device, const Points& points);
 class Visibility {
 public:
     Visibility(const Device& device, std::size_t count);
-    /// Uses the caller's buffer (retained) of at least `count` floats: the result appears there, without a trip
-    /// through the host.
+    /// Uses the caller's buffer (retained) of at least `count` floats: the device writes the result into this buffer,
+    /// and no copy goes through the host.
     Visibility(const Device& device, cl_mem buffer, std::size_t count);
 
     std::size_t count() const { return count_; }
@@ -323,14 +323,14 @@ private:
     std::size_t count_ = 0;
 };
 
-/// A light that is a direction or a point. Float32 as given, never normalised.
+/// A directional light or a point light. Float32 as given, never normalised.
 struct Light {
     std::array<float, 4> xyzw{};  ///< w = 0: minus the direction of travel; w = 1: the position
     bool is_directional() const { return xyzw[3] == 0.0f; }
 
-    /// A light infinitely far away that travels along `direction`. Throws InvalidArgument if zero or not finite.
+    /// A directional light that travels along `direction`. Throws InvalidArgument if zero or not finite.
     static Light directional(const Float3& direction);
-    /// A light at `position`. Throws InvalidArgument if not finite.
+    /// A point light at `position`, in the scene's unit. Throws InvalidArgument if not finite.
     static Light positional(const Float3& position);
 };
 
@@ -341,18 +341,18 @@ struct StageStatistics {
     std::string name;
     double device_ms = 0;  ///< sum of its kernels by events; 0 unless the device was opened with `profile`
     /// Host time without the building of kernels: with `profile` until the device has finished the stage, else until
-    /// its kernels are enqueued, which says nothing of how long they run.
+    /// its kernels are enqueued (this time contains no execution of kernels).
     double wall_ms = 0;
     std::string skipped;  ///< why it did not run, empty if it did
 };
 
-/// What one run did. Names are stable, in snake_case, and appear as they are in stats.json.
+/// The work of one run. Names are stable, in snake_case, and appear unchanged in stats.json.
 struct Statistics {
     std::vector<StageStatistics> stages;
     std::vector<std::pair<std::string, std::uint64_t>> counts;
     /// Host time from the call until the device has finished the run, the building of kernels included.
     double total_wall_ms = 0;
-    std::uint64_t device_memory_bytes = 0;  ///< gnomon's own buffers during the run, beside the caller's
+    std::uint64_t device_memory_bytes = 0;  ///< gnomon's own buffers during the run, without the caller's
 
     /// The count of that name, 0 if there is none.
     std::uint64_t count(std::string_view name) const;
@@ -360,29 +360,29 @@ struct Statistics {
 
 // ---- Camera ---------------------------------------------------------------------------------------------------------
 
-/// Where in its pixel a sample lies: from the centre, in 1/64 pixel, x to the right and y down, each from -32 to 31.
+/// The offset of a sample from its pixel's centre, in 1/64 pixel, x to the right and y down, each from -32 to 31.
 struct SampleOffset {
     int x = 0, y = 0;
 };
 
-/// What a camera sees: per pixel (row by row from the top) the nearest triangle and the shading point on it.
+/// The view of a camera: per pixel (row by row from the top) the nearest triangle and the shading point on it.
 class View {
 public:
     std::uint32_t width = 0, height = 0;
-    Points points;          ///< width * height; absent (NaN) where the sky is seen
+    Points points;          ///< width * height; absent (NaN) where the pixel shows the sky
     Statistics statistics;  ///< of the camera stages
 };
 
-/// Runs the camera stages: visibility buffer, then shading points, lifted off their receiver by a proven bound.
-/// Throws InvalidArgument if width or height is 0 or over 16384, or for a camera filled by hand that is none.
+/// Runs the camera stages: visibility buffer, then shading points, lifted off their receiver by a proven bound. Throws
+/// InvalidArgument if width or height is 0 or over 16384, or if the camera's members break its rules.
 View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
           std::uint32_t height);
 
-/// A caller's own points, lifted off their receivers as the camera's are: moved along the receiver's normal towards
-/// `eye` by 4 float32 ulps of the largest coordinate of point and eye, and rounded up along it (docs/numerics.md, 9).
-/// A point that is its exact place on the receiver rounded to float32 is never under the receiver's plane afterwards,
-/// and at most 9 such ulps from where it was. Absent points, and points whose receiver has no plane, stay where they
-/// are. The points returned share the receivers and have `eye` set. Throws InvalidArgument if there are no receivers.
+/// Lifts a caller's own points off their receivers as the camera stages do: each moves along its receiver's normal
+/// towards `eye` by 4 float32 ulps of the largest coordinate of point and eye, and is rounded up along it
+/// (docs/numerics.md, 9). If a point is an exact position on its receiver rounded to float32, the result is never below
+/// its plane, and at most 9 such ulps from the point. Absent points, and points on a receiver without a plane, do not
+/// move. The result shares the receivers and has `eye` set. Throws InvalidArgument if there are no receivers.
 Points lift(const Device& device, const Triangles& triangles, const Points& points, const Float3& eye);
 
 /// A view on the host, for pictures and files.
@@ -401,8 +401,8 @@ struct Materials {
 /// Lambert with visibility, plus ambient, written as 8-bit sRGB, 4 bytes (RGBA) per pixel.
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 const Visibility& visibility, const Materials& materials, const Light& light);
-/// The same under several lights: their Lambert terms, each as bright as the one light above, are added up; what is
-/// brighter than white is white. visibilities[i] belongs to lights[i]: throws InvalidArgument if there is not one each.
+/// Shades the view under several lights: the sum of their Lambert terms, each as bright as the single light above,
+/// clamped to white. visibilities[i] belongs to lights[i]: throws InvalidArgument if the two numbers differ.
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 std::span<const Visibility> visibilities, const Materials& materials,
                                 std::span<const Light> lights);
@@ -416,39 +416,39 @@ struct SettingDescription {
     std::string meaning;  ///< one line with range and unit
 };
 
-/// One way to compute visibility. All share this interface, so one benchmark, viewer and test harness serve them all.
+/// One way to compute visibility. All share this interface, so one benchmark, viewer and test harness serves all.
 class Technique {
 public:
     virtual ~Technique() = default;
-    /// Writes visibility (points.count() floats) and returns what was done. Waits for the result only as far as it has
-    /// to (buffers that must grow); the visibility is there when the device's queue has come that far.
-    /// Throws InvalidArgument if visibility has fewer entries than there are points or overlaps an input, or if the
-    /// light is none.
+    /// Writes visibility (points.count() floats) and returns the statistics. Waits only where a buffer must grow; the
+    /// visibility is complete when the device's queue has executed the run. Throws InvalidArgument if visibility has
+    /// fewer entries than there are points or overlaps an input, or if the light is neither directional nor a point
+    /// light.
     virtual Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                            const Visibility& visibility) = 0;
-    /// Keeps what depends on these triangles and this light alone, so that later runs with both have less to do: for a
-    /// scene that stands still while the camera moves. Visibility is the same bits, prepared or not; runs with other
-    /// triangles or another light go on as ever, and leave this alone. The caller promises not to change the triangles'
-    /// buffer until forget(), another prepare() or the technique's end, each of which frees what was kept (as does
-    /// set()); till then it counts in device_memory_bytes of every run. Points far outside the triangles' bounds, and
-    /// points far below their own receiver, make a run go on as if nothing were prepared; the count
-    /// prepared_fallback_points says how many there were. A technique that can keep nothing does nothing, as most.
-    /// Returns what was done. Throws as run() does, and has nothing prepared then.
+    /// Prepares the light: stores the data that depend on these triangles and this light alone, so that later runs with
+    /// both do less work (a scene that does not change while the camera moves). Same bits, prepared or not. Runs with
+    /// other triangles or another light do not use the prepared light and do not change it. The caller promises not to
+    /// change the triangles' buffer until forget(), set(), another prepare() or the technique's end; each of these
+    /// frees the memory, which counts in device_memory_bytes of every run until then. If points lie far outside the
+    /// triangles' bounds or far below their own receiver, the run ignores the prepared light; the count
+    /// prepared_fallback_points is the number of such points. Most techniques store nothing. Returns the statistics.
+    /// Throws as run() does; the light is not prepared then.
     virtual Statistics prepare(const Triangles& triangles, const Light& light);
-    /// Frees what prepare() kept.
+    /// Frees the prepared light.
     virtual void forget() {}
-    /// run() for several lights and the same points: visibilities[i] gets the answer of lights[i], bit for bit run()'s.
-    /// What serves all of them is done once, as far as the technique can. Returns the statistics of each light. Throws
-    /// InvalidArgument if there is not one visibility for each light, or two of them are the same buffer.
+    /// run() for several lights and the same points: visibilities[i] belongs to lights[i] and has the same bits as from
+    /// run(). Work that all lights share is done once where the technique can. Returns the statistics of each light.
+    /// Throws InvalidArgument if the numbers of visibilities and lights differ, or two buffers are the same.
     virtual std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points,
                                                std::span<const Light> lights, std::span<const Visibility> visibilities);
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
     virtual void set(std::string_view name, std::string_view value) = 0;
-    /// Draws how the technique works for each point: RGBA, 4 bytes per point (sRGB). Shadow maps, for what a camera
-    /// sees, have "aliasing" (texels per pixel, in colours), "grid" (texels), "views" (which cascade or face serves),
-    /// "depth" and "warp"; a virtual map has "page"; frustum-traced has "decided": what decided each point
-    /// (docs/techniques.md has the legends). Throws InvalidArgument for a name that is none of the technique's, or
-    /// where it needs points that a camera made.
+    /// Draws how the technique works for each point: RGBA, 4 bytes per point (sRGB). Shadow maps, for a camera's
+    /// points, have "aliasing" (texels per pixel, in colours), "grid" (texels), "views" (the cascade or face of each
+    /// point), "depth" and "warp"; a virtual map has "page"; frustum-traced has "decided": each point's provenance
+    /// (docs/techniques.md has the legends). Throws InvalidArgument if the technique has no diagnostic of this name, or
+    /// if the diagnostic needs points that a camera made.
     virtual std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                                const Light& light);
 };
@@ -459,17 +459,17 @@ public:
 /// InvalidArgument for another number.
 std::span<const SampleOffset> sample_pattern(std::uint32_t samples);
 
-/// Is handed the points of some samples before their visibility is computed: sample by sample in the pattern's order,
-/// each pixel by pixel. They are valid during the call.
+/// Receives the points of some samples before their visibility is computed: sample by sample in the pattern's order,
+/// each pixel by pixel. The points are valid during the call.
 using SampleSink = std::function<void(const Points& points)>;
 
 /// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. Each sample is a point of its
-/// own with its own answer: where its ray through the pixel meets the pixel's receiver it lies on that receiver, else
-/// on what its ray meets first (or creases would leak light); one that meets nothing counts as lit. Where an exact
-/// technique proves that all samples which a pixel has on one receiver are in shadow, or lit, they are not made one by
-/// one; the bits are the same. Samples are processed in batches of bounded memory, which an exact technique keeps until
-/// its end; times add up over them. `view` must come from look(). Throws InvalidArgument like sample_pattern(), or if
-/// `mean` has fewer entries than the view has pixels.
+/// own with its own visibility. If the sample's ray meets the pixel's receiver, the point lies on that receiver, else
+/// on the first triangle that the ray meets (or creases would leak light); a sample without a triangle counts as lit.
+/// If an exact technique proves that all samples of a pixel on one receiver are in shadow, or lit, it does not make
+/// them one by one; same bits. Samples are processed in batches of bounded memory, which an exact technique frees at
+/// its end; times are sums over the batches. `view` must come from look(). Throws InvalidArgument like
+/// sample_pattern(), or if `mean` has fewer entries than the view has pixels.
 Statistics run_samples(Technique& technique, const Device& device, const Triangles& triangles, const View& view,
                        const Light& light, std::uint32_t samples, const Visibility& mean, const SampleSink& sink = {});
 
@@ -486,9 +486,9 @@ struct TechniqueDescription {
     std::vector<SettingDescription> settings;
     std::vector<DiagnosticDescription> diagnostics{};
 };
-/// Every technique this build knows, in the order they are listed.
+/// Every technique of this build, in the order of `gnomon techniques`.
 std::vector<TechniqueDescription> techniques();
-/// Makes one by name. Throws InvalidArgument with the list of names.
+/// Makes the technique of this name. Throws InvalidArgument with the list of names if there is none.
 std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device);
 
 // ---- Why a point is lit or in shadow --------------------------------------------------------------------------------
@@ -507,7 +507,7 @@ struct TriangleSigns {
     double distance = 0;         ///< from P along the ray, rounded; 0 unless it blocks
 };
 
-/// Why frustum-traced found a point lit or in shadow.
+/// The facts by which frustum-traced found a point lit or in shadow.
 struct Explanation {
     Float3 position{};                       ///< NaN or infinite: absent
     std::uint32_t receiver = no_receiver;    ///< a triangle of the scene, or none
@@ -515,42 +515,42 @@ struct Explanation {
     int eye_side = 0;                        ///< the eye's side of the receiver, as light_side; 0 without an eye
     bool is_backfacing = false;              ///< light_side and eye_side of the receiver are not equal, or one is 0
     std::vector<TriangleSigns> occluders;    ///< all triangles that block the shadow ray, nearest first
-    std::vector<TriangleSigns> near_misses;  ///< all that do not block it, where the level float was not certain
-    float visibility = 1;                    ///< what the technique wrote
-    /// The stage that decided, as Statistics names it: facing, conservative_map, trace or exact_trace; and
-    /// trace_queue_overflow for points whose undecided pairs found no room.
+    std::vector<TriangleSigns> near_misses;  ///< all others for which the level float was not certain
+    float visibility = 1;                    ///< the technique's output
+    /// The stage that decided, as Statistics names it: facing, conservative_map, trace or exact_trace; for points with
+    /// undecided pairs that found no room in the queue, trace_queue_overflow.
     std::string stage;
-    /// What that stage needed to be certain: "none", "filter" (floats with a proven bound), then the levels of the
-    /// exact predicate, "float", "double" and "integers" (the hardest of the point's pairs); "exact": one of these.
+    /// The arithmetic that was certain: "none", "filter" (floats with a proven bound), then the levels of the exact
+    /// predicate, "float", "double" and "integers" (the hardest of the point's pairs); "exact": one of these levels.
     std::string arithmetic;
 
     bool is_lit() const { return visibility != 0.0f; }
-    /// Whether the technique's answer is the one that the signs give. If not, gnomon is wrong.
+    /// True if the technique's visibility agrees with the signs. If it does not, gnomon is wrong.
     bool is_consistent() const { return is_lit() == (!is_backfacing && occluders.empty()); }
 };
 
-/// Runs frustum-traced on all points, watched, and explains the point at `index`; one pass over all triangles by the
-/// exact predicate. Throws InvalidArgument as Technique::run() does, or if there is no such point.
+/// Runs frustum-traced with its diagnostic on all points, and explains the point at `index`; one pass over all
+/// triangles by the exact predicate. Throws InvalidArgument as Technique::run() does, or if there is no such point.
 Explanation explain(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
                     const Light& light);
 
 // ---- Scenes larger than the device's memory -------------------------------------------------------------------------
 
-/// What a camera sees of a scene that stays on the host.
+/// The view of a camera of a scene that stays on the host.
 struct ViewOfParts {
-    View view;                       ///< its receivers are positions in `ids`
-    Triangles triangles;             ///< those that `ids` names, on the device: for read() and shade() of this view
-    std::vector<std::uint32_t> ids;  ///< in the whole scene, rising: all that are seen, and maybe more
+    View view;                       ///< its receivers are indices in `ids`
+    Triangles triangles;             ///< the triangles of `ids`, on the device: for read() and shade() of this view
+    std::vector<std::uint32_t> ids;  ///< ids in the whole scene, ascending: all seen triangles, and maybe more
 };
-/// As look(), bit for bit, for triangles on the host (9 floats each) of which the device holds as many at a time as fit
+/// look() for triangles on the host (9 floats each), same bits. The device stores as many triangles at a time as fit
 /// into its memory or under the limit given to Device. Throws OutOfDeviceMemory if the view itself does not fit.
 ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices, const Camera& camera,
                           std::uint32_t width, std::uint32_t height);
 
-/// As Technique::run(), for triangles on the host of which the device holds as many at a time as fit, and for as many
-/// points at a time. Bit for bit the same for an exact technique; for others, each point gets the darkest of its
-/// parts. `make` makes the technique, anew after a try that did not fit. A receiver r of the points is triangle ids[r]
-/// of `vertices`, or r if `ids` is empty. Throws OutOfDeviceMemory if even small parts do not fit.
+/// Technique::run() for triangles on the host: the device stores as many triangles, and as many points, at a time as
+/// fit. Same bits for an exact technique; for other techniques, each point gets the lowest visibility of its parts.
+/// `make` makes the technique, and makes it again after an attempt that did not fit. A receiver r of the points is
+/// triangle ids[r] of `vertices`, or r if `ids` is empty. Throws OutOfDeviceMemory if even small parts do not fit.
 Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
                         std::span<const float> vertices, const Points& points, std::span<const std::uint32_t> ids,
                         const Light& light, const Visibility& visibility);

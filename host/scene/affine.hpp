@@ -13,7 +13,7 @@
 
 namespace gnomon::scene {
 
-/// Rounds to the nearest float32; what lies beyond float32's range becomes infinite.
+/// Rounds to the nearest float32; a value beyond float32's range becomes infinite.
 inline Float3 rounded(const Double3& v) {
     static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
@@ -36,7 +36,7 @@ struct Affine {
         return out;
     }
 
-    /// Where the axis (0 x, 1 y, 2 z) points: a column of the linear part.
+    /// The direction of the axis (0 x, 1 y, 2 z): a column of the linear part.
     Double3 axis(int column) const { return {linear[0][column], linear[1][column], linear[2][column]}; }
 
     /// grandparent_from_parent * parent_from_node.

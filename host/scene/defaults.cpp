@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a scene gets that brings no camera or no light.
+// The camera and the light of a scene that has none.
 #include <algorithm>
 #include <cmath>
 #include <limits>

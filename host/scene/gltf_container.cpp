@@ -27,7 +27,7 @@ std::string read_text(const std::filesystem::path& file, const ByteRange& range)
     return {bytes.begin(), bytes.end()};
 }
 
-/// Before a file of any size is read as text: does it begin as JSON does?
+/// True if the text begins as JSON does; checked before a file of any size is read as text.
 bool begins_like_json(std::string_view head) {
     if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
     const std::size_t first = head.find_first_not_of(" \t\r\n");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The outside of a glTF file: the JSON text, and where a .glb keeps its binary chunk. The contents decide whether it is
-// a .glb (they begin with "glTF"), not the name. The binary chunk is not read here: it goes straight into the buffer
-// that it becomes.
+// The outside of a glTF file: the JSON text, and the range of the binary chunk in a .glb. A file that begins with
+// "glTF" is a .glb, whatever its name. This file does not read the binary chunk: the chunk is read directly into its
+// buffer.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct GltfContainer {
 /// Throws SceneError if the file is missing, no regular file, empty, cut off, or plainly no glTF.
 GltfContainer read_container(const std::filesystem::path& file);
 
-/// Size of a regular file. Throws SceneError (speaking of `scene_file`) if `file` is missing or something else.
+/// Size of a regular file. Throws SceneError (its text names `scene_file`) if `file` is missing or something else.
 std::uint64_t file_size(const std::filesystem::path& file, const std::filesystem::path& scene_file);
 
 /// Reads bytes [offset, offset + size) of `file`, which must have them. Throws SceneError.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The way in: container -> JSON -> our checks -> tinygltf -> our checks of what refers to what.
-// tinygltf gets a JSON without images, textures, animations and skins (nothing of them is used, image files need not
-// exist and are never decoded), and reads every buffer through a callback of ours, under a name of ours: a .glb's chunk
-// goes straight from the file into its buffer, a buffer file may be longer than byteLength (as glTF allows and tinygltf
-// does not), and each failure gets a sentence.
+// The order of the loading: container -> JSON -> gnomon's checks -> tinygltf -> gnomon's checks of the references.
+// tinygltf gets a JSON without images, textures, animations and skins (gnomon uses none of them; image files need not
+// exist and are never decoded). It reads every buffer through a callback, under a name that gnomon chose: a .glb's
+// chunk is read from the file directly into its buffer, a buffer file may be longer than byteLength (as glTF allows and
+// tinygltf does not), and each failure gets a sentence.
 #include "gltf_document.hpp"
 
 #include <cstdint>
@@ -44,7 +44,7 @@ private:
 
 std::string buffer_text(std::size_t index) { return "buffers[" + std::to_string(index) + "]"; }
 
-/// %41 becomes A (RFC 3986); what is no escape stays.
+/// %41 becomes A (RFC 3986); all other text stays unchanged.
 std::string percent_decoded(std::string_view uri) {
     const auto digit = [](char c) {
         if (c >= '0' && c <= '9') return c - '0';
@@ -72,7 +72,7 @@ std::vector<unsigned char> BufferReader::decode(std::size_t index) const {
         fail(file, buffer_text(index) + " has a data URI over 2 GiB; put the buffer into a file of its own");
     std::vector<unsigned char> bytes;
     std::string mime_type;
-    // tinygltf knows a few media types only; which one it is does not matter here.
+    // tinygltf accepts a few media types only; the type does not matter here.
     tinygltf::DecodeDataURI(&bytes, mime_type, "data:application/octet-stream;base64," + uri.substr(comma + 1), 0,
                             false);
     if (bytes.size() < sources[index].byte_length)
@@ -104,7 +104,7 @@ std::vector<unsigned char> BufferReader::read(std::size_t index) const {
     return read_bytes(path, {0, source.byte_length}, file);
 }
 
-/// Takes the buffers' addresses out of the JSON and puts our names in.
+/// Replaces the buffers' addresses in the JSON by gnomon's own names.
 std::vector<BufferSource> take_buffer_sources(const std::filesystem::path& file, const GltfContainer& container,
                                               json& root) {
     std::vector<BufferSource> sources;
@@ -145,7 +145,7 @@ tinygltf::FsCallbacks callbacks(BufferReader& reader) {
 // ---- tinygltf -------------------------------------------------------------------------------------------------------
 
 /// tinygltf refuses index accessors without a bufferView, which glTF allows (zeros, or sparse): such references are
-/// kept back and put into the model afterwards.
+/// removed from the JSON and put into the model afterwards.
 struct KeptIndices {
     std::size_t mesh, primitive;
     int accessor;
@@ -183,7 +183,7 @@ tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& co
     tinygltf::Model model;
     std::string error, warning;
     const bool success = loader.LoadASCIIFromString(&model, &error, &warning, text.c_str(), unsigned(text.size()), "");
-    // An error beside success: something was left out. That is no success.
+    // If tinygltf reports an error beside success, it left out a part of the file. The load then fails.
     if (!success || !error.empty()) fail(file, "tinygltf cannot read it: " + first_line(error));
     for (const KeptIndices& k : kept) model.meshes[k.mesh].primitives[k.primitive].indices = k.accessor;
     return model;
@@ -245,8 +245,8 @@ std::string node_text(const tinygltf::Model& model, int index) {
     return "nodes[" + std::to_string(index) + "]" + (name.empty() ? "" : " " + in_quotes(name));
 }
 
-/// A node has one parent at most, so it is enough to walk up from each node until a walk meets an earlier one (sound)
-/// or itself (a cycle). Linear, no recursion.
+/// A node has one parent at most, so it is enough to walk up from each node until the walk meets a node of an earlier
+/// walk (sound) or of its own (a cycle). Linear, no recursion.
 std::vector<int> check_hierarchy(const std::filesystem::path& file, const tinygltf::Model& model) {
     const int none = -1;
     std::vector<int> parent(model.nodes.size(), none);
@@ -290,7 +290,7 @@ std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::M
     return roots;
 }
 
-/// Extensions with a phrase of their own are named where they matter: at the node, mesh or buffer that uses them.
+/// Extensions with a phrase of their own are named at the node, mesh or buffer that uses them.
 bool is_named_elsewhere(std::string_view extension) {
     for (const std::string_view name : {"KHR_lights_punctual", "KHR_draco_mesh_compression", "KHR_mesh_quantization",
                                         "EXT_mesh_gpu_instancing", "EXT_meshopt_compression"})

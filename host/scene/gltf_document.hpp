@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A glTF file in memory, through tinygltf, of which everything that will be followed is known to be sound: indices,
-// extents, strides, the node hierarchy. Who has a GltfDocument may read its accessors without a further check, except
-// for the values in them (vertex indices, sparse indices).
+// A glTF file in memory, through tinygltf, with checked references: indices, extents, strides, the node hierarchy. The
+// code that uses a GltfDocument may read its accessors without a further check, except for the values in them (vertex
+// indices, sparse indices).
 #pragma once
 
 #include <tiny_gltf.h>
@@ -16,7 +16,7 @@ namespace gnomon::scene {
 struct GltfDocument {
     tinygltf::Model model;
     std::vector<int> root_nodes;          ///< of the scene that is shown
-    std::set<std::string> not_supported;  ///< phrases for the one warning, as far as the document itself tells
+    std::set<std::string> not_supported;  ///< phrases for the one warning, from the document alone
 };
 
 /// Throws SceneError.

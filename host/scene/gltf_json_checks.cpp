@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// One small vocabulary (index, size, number, one_of ...) and, below it, the glTF 2.0 schema as far as it concerns us,
-// in the order of the file. Only the reading of a property's place ("accessors[3].sparse.count") costs memory, and only
-// when it is needed for a sentence.
+// One small vocabulary (index, size, number, one_of ...) and, below it, the part of the glTF 2.0 schema that gnomon
+// needs, in the order of the file. Only the text of a property's path ("accessors[3].sparse.count") needs memory, and
+// it is made only for an error.
 #include "gltf_json_checks.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ using nlohmann::json;
 
 constexpr int deepest_nesting = 256;
 
-/// Where a checked object lies: "nodes[3]", "meshes[1].primitives[0]", each with an optional ".member".
+/// The path of a checked object: "nodes[3]", "meshes[1].primitives[0]", each with an optional ".member".
 struct Place {
     std::string_view array{};
     std::size_t index = 0;
@@ -73,7 +73,7 @@ private:
         fail(file_, at.text(property) + " " + what);
     }
 
-    /// The property, or null if it is absent and need not be there.
+    /// The property, or null if it is absent and optional.
     const json* find(const json& object, const Place& at, std::string_view property, Need need) const {
         const auto it = object.find(property);
         if (it != object.end()) return &*it;
@@ -121,7 +121,7 @@ private:
         return value;
     }
 
-    /// A position in the file's array `target`.
+    /// An index in the file's array `target`.
     void check_index(const json& value, const Place& at, std::string_view property, std::string_view target) const {
         if (!value.is_number_integer()) reject(at, property, "must be a whole number: an index into " + str(target));
         const std::size_t entries = counts_.at(str(target));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// From a sound glTF document to world triangles: walk the nodes (in the file's order, which is the triangles' order),
-// count everything, refuse what cannot fit into memory, then decode each accessor once and write the triangles.
-// A position is p = world_from_node * p_node in double, rounded to float32 once.
+// From a checked glTF document to world triangles: walk the nodes (in the file's order, which is the triangles' order),
+// count all elements, refuse a scene that cannot fit into memory, then decode each accessor once and write the
+// triangles. A position is p = world_from_node * p_node in double, rounded to float32 once.
 #include <unistd.h>
 
 #include <algorithm>
@@ -21,16 +21,16 @@
 namespace gnomon::scene {
 namespace {
 
-/// Colour of a primitive without a material: a light grey, so that light and shade stay apart from white.
+/// Colour of a primitive without a material: a light grey, so that light and shade differ from white.
 constexpr Float3 default_base_color{0.8f, 0.8f, 0.8f};
 
-/// An accessor without a bufferView is all zeros and costs a file nothing, whatever its count. This many elements may
-/// the ones that are drawn have in all (a real one is a base for sparse values).
+/// An accessor without a bufferView is all zeros and costs a file nothing, whatever its count. The drawn accessors
+/// without a bufferView may have this many elements in all (a real one is a base for sparse values).
 constexpr std::uint64_t most_elements_without_data = std::uint64_t(1) << 24;
 
 enum class Topology { triangles, strip, fan };
 
-/// A drawn primitive, before anything of it is read.
+/// A drawn primitive, before its data are read.
 struct Part {
     int primitive = 0;
     int position_accessor = -1;
@@ -137,8 +137,8 @@ private:
         return out;
     }
 
-    /// glTF asks for unit quaternions, but decimals are rarely exact: 2/|q|^2 instead of 2 gives a pure rotation for
-    /// all.
+    /// glTF requires unit quaternions, but decimals are rarely exact: 2/|q|^2 instead of 2 gives a pure rotation for
+    /// every q.
     std::array<Double3, 3> rotation(int index) const {
         const std::vector<double>& q = model_.nodes[index].rotation;
         const double x = q[0], y = q[1], z = q[2], w = q[3];
@@ -211,7 +211,7 @@ private:
         const bool is_directional = source.type == "directional";
         Double3 exact = is_directional ? visit.world_from_node.axis(2) : visit.world_from_node.translation;
         if (is_directional)
-            for (double& c : exact) c = -c;  // it travels along the node's -Z
+            for (double& c : exact) c = -c;  // light travels along the node's -Z
         const Float3 v = rounded(exact);
         if (!is_finite(v) || (is_directional && v == Float3{0, 0, 0})) {
             unusable_.push_back("light " + in_quotes(named.name));
@@ -327,8 +327,8 @@ private:
 
     // ---- amount ----
 
-    /// A few hundred bytes of JSON can ask for terabytes (instances of instances). Everything is counted before the
-    /// first allocation.
+    /// A few hundred bytes of JSON can describe terabytes (instances of instances). So all elements are counted before
+    /// the first allocation.
     void check_amount() const {
         std::set<int> accessors;
         std::uint64_t triangles = 0, bytes = 0;
@@ -449,8 +449,8 @@ private:
         return indices_.emplace(index, std::move(out)).first->second;
     }
 
-    /// The largest value of the type restarts a strip in graphics APIs; glTF forbids it, and guessing would be wrong
-    /// in half of the cases.
+    /// The largest value of the type restarts a strip in graphics APIs. glTF forbids this value, and a guess of its
+    /// meaning would be wrong in half of the cases.
     void check_indices(const Indices& indices, const Part& part, const std::string& what) const {
         const tinygltf::Accessor& accessor = model_.accessors[part.index_accessor];
         const std::size_t count = model_.accessors[part.position_accessor].count;
@@ -517,7 +517,7 @@ private:
         };
         std::size_t not_finite = 0;
         for (std::size_t i = 0; i < part.triangle_count; ++i, out += 9) {
-            // The orders that glTF gives for its topologies; all keep the winding.
+            // The vertex orders that glTF defines for its topologies; all keep the winding.
             std::array<std::size_t, 3> corner{3 * i, 3 * i + 1, 3 * i + 2};
             if (part.topology == Topology::strip) corner = {i, i + 1 + i % 2, i + 2 - i % 2};
             if (part.topology == Topology::fan) corner = {i + 1, i + 2, 0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sentences for people, from names that a stranger's file chose.
+// Sentences for people, with names that a stranger's file chose.
 #include "messages.hpp"
 
 #include "scene.hpp"
@@ -16,7 +16,7 @@ std::string without_control_characters(std::string_view text) {
 
 }  // namespace
 
-// `what` may repeat words of the file that came to it unquoted: property names, or what tinygltf has to say.
+// `what` may contain unquoted words of the file: property names, or the text of a tinygltf error.
 void fail(const std::filesystem::path& file, const std::string& what) {
     throw SceneError(file.string() + ": " + without_control_characters(what));
 }

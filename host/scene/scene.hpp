@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A scene as the command uses it: world triangles, colours, cameras and lights, from a glTF 2.0 file or built in.
-// Not part of the core library: this is the only room that knows tinygltf.
+// A scene as the command uses it: world triangles, colours, cameras and lights, from a glTF 2.0 file or built in. Not
+// part of the core library: only this folder uses tinygltf.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace gnomon::scene {
 
-/// A file that cannot be used. what() is one sentence that names the file, the thing in it and the remedy.
+/// A file that cannot be used. what() is one sentence that names the file, the wrong part of it and the remedy.
 class SceneError : public Error {
 public:
     using Error::Error;
@@ -29,7 +29,7 @@ struct NamedLight {
 
 struct Scene {
     /// 9 per triangle: world space. Node transforms and instances are applied in double and rounded once; under an
-    /// identity transform these are the file's own bits.
+    /// identity transform the floats have the file's own bits.
     std::vector<float> triangles;
     Materials materials;  ///< base colour factors, linear; textures are not read
     std::vector<NamedCamera> cameras;
@@ -39,8 +39,8 @@ struct Scene {
     std::size_t triangle_count() const { return triangles.size() / 9; }
 };
 
-/// Loads a .glb or .gltf file. Throws SceneError, also where its triangles would need more memory than `memory_bytes`
-/// (0: than the machine has).
+/// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than `memory_bytes` (0: the
+/// machine's memory).
 Scene load(const std::filesystem::path& file, std::uint64_t memory_bytes = 0);
 
 /// The built-in sundial, with a camera and a light.
@@ -49,7 +49,7 @@ Scene sundial();
 /// A camera that frames all finite triangles from a three-quarter view (fov_y 50 degrees); for scenes without one.
 Camera framing_camera(const Scene& scene);
 
-/// The light used when a scene has none and none is asked for: directional, travelling along (-0.4, -1, -0.3).
+/// The light of a scene without lights, if no option gives one: directional, travelling along (-0.4, -1, -0.3).
 Light default_light();
 
 }  // namespace gnomon::scene

@@ -281,7 +281,7 @@ void obelisk(Mason& mason, double x, double z) {
 // ---- The dial -------------------------------------------------------------------------------------------------------
 
 constexpr double plate_top = 1.02, plate_radius = 0.78, line_radius = 0.64;
-/// Where the style meets the plate and all hour lines meet: south of the plate's centre, for the lines fan out north.
+/// The style meets the plate, and all hour lines meet, south of the plate's centre: the lines fan out north.
 constexpr double origin_z = 0.24;
 
 void pedestal(Mason& mason) {
@@ -359,7 +359,7 @@ void blade(Mason& mason) {
                     {x, top - 0.03, north - 0.02},       {x, plate_top + 0.34, north + 0.10},
                     {x, plate_top + 0.16, north + 0.03}, {x, plate_top - sunk, north - 0.03}};
     };
-    // The outline is not convex: its caps are fans around a point that sees all of it.
+    // The outline is not convex: its caps are fans around a point from which all of the outline is visible.
     const auto center = [&](double x) { return Double3{x, plate_top + 0.30, north + 0.26}; };
     mason.loft(verdigris, {outline(-half_thickness), outline(half_thickness)}, center(-half_thickness),
                center(half_thickness));

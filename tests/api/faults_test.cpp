@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Faults of the device: every OpenCL call that a frame makes (camera, shadows, picture, reading back) fails once, by
-// injection (host/cl/session.hpp). Each time the error is the documented one and names the call; then the same objects
-// are used again and give the right bits, and no device memory has gone.
+// Faults of the device: every OpenCL call of a frame (camera, shadows, picture, reading back) fails once, by injection
+// (host/cl/session.hpp). Each time the error is the documented one and names the call; then the same objects are used
+// again and give the right bits, and no device memory is lost.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -26,7 +26,7 @@ const Floats& vertices() {
     return soup;
 }
 
-/// Those with code of their own: the other names are settings of shadow-map.
+/// The techniques with code of their own: the other names are settings of shadow-map.
 std::vector<gnomon::TechniqueDescription> all_techniques() {
     std::vector<gnomon::TechniqueDescription> chosen;
     for (const gnomon::TechniqueDescription& technique : gnomon::techniques())
@@ -38,8 +38,8 @@ std::vector<gnomon::TechniqueDescription> all_techniques() {
 }
 
 enum class Lists {
-    roomy,  ///< never grow: how much room a frame takes depends on which work-items ran when, and what is kept must not
-    tight   ///< have to grow in the first run
+    roomy,  ///< never grow: a frame's room depends on the order of the work-items, but kept memory must not
+    tight   ///< must grow in the first run
 };
 
 /// A technique whose maps are small.
@@ -54,15 +54,15 @@ std::unique_ptr<gnomon::Technique> made(const gnomon::TechniqueDescription& desc
     return technique;
 }
 
-/// All that comes back to the host.
+/// All data that are copied to the host.
 struct Bits {
-    Floats seen, scattered;  ///< visibility of the view, and of points that belong to no view
+    Floats seen, scattered;  ///< visibility of the view, and of points without a view
     Floats mean;             ///< of several samples per pixel
     std::vector<std::uint8_t> picture;
     gnomon::ViewOnHost view;
-    std::uint64_t run_bytes = 0, samples_bytes = 0;  ///< the memory that the runs say they needed
+    std::uint64_t run_bytes = 0, samples_bytes = 0;  ///< the memory that the runs report
 
-    /// Bytes aside: the first run may need more, while its lists grow.
+    /// Compares without the bytes: the first run may need more, while its lists grow.
     bool operator==(const Bits& other) const {
         return seen == other.seen && scattered == other.scattered && mean == other.mean && picture == other.picture &&
                view.position == other.view.position && view.normal == other.view.normal &&
@@ -95,7 +95,7 @@ Bits frame(const Device& device, gnomon::Technique& technique, const Light& ligh
     return bits;
 }
 
-/// The error that `code` stands for, with the call and the code's name in its sentence.
+/// The error of `code`, with the call and the code's name in its sentence.
 void expect_documented(const gnomon::OpenClError& error, cl_int code, const std::string& call) {
     const bool is_memory = code == CL_MEM_OBJECT_ALLOCATION_FAILURE;
     const std::string sentence = error.what();
@@ -173,13 +173,13 @@ TEST_P(EveryCall, FailsOnceWithAClearErrorAndNothingIsLost) {
 
 INSTANTIATE_TEST_SUITE_P(Technique, EveryCall, testing::ValuesIn(all_cases()), case_name);
 
-// What happens once per device (programs read and compiled, kernels made) and what happens while lists still grow.
+// Steps that happen once per device (programs read and compiled, kernels made) and steps of growing lists.
 TEST(FirstRun, EachKindOfCallFailsTheFirstTime) {
     for (const gnomon::TechniqueDescription& description : all_techniques()) {
         const Light light = Light::directional({0.2f, -1, 0.1f});
         const Device sound;
         const Bits wanted = frame(sound, *made(description, sound, Lists::tight), light, false);
-        // Not loaded from where the device above left its compiled kernels: this one must compile them itself.
+        // This device must not load the compiled kernels that the device above stored: it must compile them itself.
         const support::Environment no_cache("GNOMON_CACHE_DIR", "/dev/null/no_folder");
         const Device device;
         auto technique = made(description, device, Lists::tight);
@@ -202,7 +202,7 @@ TEST(FirstRun, EachKindOfCallFailsTheFirstTime) {
         }
         EXPECT_EQ(bits, wanted) << description.name;
         device.session().inject_faults(nullptr);
-        // A run that need not grow anything uses what the technique keeps, and says so.
+        // A run without growing lists uses the technique's buffers, and reports their bytes.
         const std::uint64_t run_bytes = frame(device, *technique, light, false).run_bytes;
         EXPECT_EQ(run_bytes, device.memory_bytes()) << description.name;
         for (const std::string call : {"reading kernels/", "compiling kernels/"})  // a CPU's are one program

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The public header as an embedder uses it: own context, queue and buffers; every wrong argument and the sentence it
-// gives; memory limits; kernels that do not compile; several devices and techniques alive at once; statistics that add
-// up. What the scene below casts is known by hand: a square roof of two triangles over a grid of points.
+// The public header in an embedder's use: own context, queue and buffers; every wrong argument and its error; memory
+// limits; kernels that do not compile; several devices and techniques alive at once; statistics with right sums. The
+// shadows of the scene below are known by hand: a square roof of two triangles over a grid of points.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -39,7 +39,7 @@ constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 const Floats roof = {-1, 2, -1, 1, 2, -1, 1, 2, 1, -1, 2, -1, 1, 2, 1, -1, 2, 1};
 const gnomon::Light noon = gnomon::Light::directional({0, -1, 0});
 
-/// A grid of 9 x 9 points half a unit apart; the roof, closed, is over those with both coordinates from -1 to 1.
+/// A grid of 9 x 9 points half a unit apart; the closed roof is above the points with both coordinates from -1 to 1.
 Floats ground() {
     Floats points;
     for (int x = -4; x <= 4; ++x)
@@ -78,7 +78,7 @@ AssertionResult throws(const std::function<void()>& action, const std::vector<st
 
 // ---- An embedder's own OpenCL ---------------------------------------------------------------------------------------
 
-/// Plain OpenCL, made without gnomon but for the choice of device.
+/// Plain OpenCL, made without gnomon except for the choice of device.
 class EmbedderTest : public testing::Test {
 protected:
     void SetUp() override {
@@ -113,8 +113,8 @@ protected:
         clGetMemObjectInfo(memory, CL_MEM_REFERENCE_COUNT, sizeof(count), &count, nullptr);
         return count;
     }
-    /// True once nobody but the test holds it. A runtime may let go of a finished command's arguments on a thread of
-    /// its own, after clFinish has returned (PoCL does).
+    /// True once only the test has a reference to it. A runtime may release a finished command's arguments on a thread
+    /// of its own, after clFinish has returned (PoCL does).
     static bool is_let_go(cl_mem memory) {
         const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
         while (references(memory) != 1 && std::chrono::steady_clock::now() < end)
@@ -148,7 +148,7 @@ TEST_F(EmbedderTest, OwnContextQueueAndBuffersWithoutATripThroughTheHost) {
     EXPECT_EQ(visibility.buffer(), result);
     gnomon::make_technique("frustum-traced", device)->run(triangles, points, noon, visibility);
     Floats wanted = ground_truth();
-    wanted.resize(100, 42);  // what lies behind the last point is not touched
+    wanted.resize(100, 42);  // floats behind the last point do not change
     EXPECT_EQ(content(result, 100), wanted);
 }
 
@@ -164,14 +164,14 @@ TEST_F(EmbedderTest, PointsInEveryLayout) {
                           Case{"structure of arrays", {0, 1, 81}}, Case{"structure of arrays, aligned", {16, 1, 96}},
                           Case{"members of a larger struct", {3, 8, 2}}, Case{"offset", {11, 3, 1}}}) {
         const gnomon::PointLayout& layout = c.layout;
-        // What is not a coordinate is not a number: reading it would show.
+        // Floats beside the coordinates are NaN: reading one would show.
         Floats floats(layout.first + 80 * layout.point_stride + 2 * layout.coordinate_stride + 1, not_a_number);
         for (std::size_t i = 0; i < 81; ++i)
             for (std::size_t k = 0; k < 3; ++k)
                 floats[layout.first + i * layout.point_stride + k * layout.coordinate_stride] = packed[3 * i + k];
         const auto points = Points::wrap(device, buffer(floats), layout, 81);
         EXPECT_EQ(trace(device, triangles, points), ground_truth()) << c.name;
-        // One float less, and the last coordinate is outside.
+        // With one float less, the last coordinate is outside.
         floats.pop_back();
         const cl_mem small = buffer(floats);
         EXPECT_TRUE(throws<gnomon::InvalidArgument>([&] { Points::wrap(device, small, layout, 81); },
@@ -297,7 +297,7 @@ TEST(Arguments, LightsThatAreNone) {
     EXPECT_TRUE(Light::directional({1e-45f, 0, 0}).is_directional());
 }
 
-// xyzw is public: what the makers refuse must not pass by another door.
+// xyzw is public: run() must refuse the same lights as the makers.
 TEST(Arguments, LightsMadeByHand) {
     const Device device;
     const auto triangles = Triangles::upload(device, roof);
@@ -414,7 +414,7 @@ TEST(Lights, RunTogetherGiveWhatEachGivesAlone) {
     }
 }
 
-// sRGB's own formula, the other way round.
+// sRGB's own formula, inverted.
 double linear_of(std::uint8_t byte) {
     const double encoded = byte / 255.0;
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
@@ -494,7 +494,7 @@ TEST(Devices, NeitherCameraNorShadowsNeedDoublePrecision) {
     EXPECT_EQ(trace(device, triangles, Points::upload(device, ground())), ground_truth());
 }
 
-/// The visibility of these points, and of the same ones as a list that no picture is said of.
+/// The visibility of these points, and of the same points as a list without a picture.
 std::pair<std::vector<float>, std::vector<float>> with_and_without_picture(const Device& device,
                                                                            const Triangles& triangles,
                                                                            const Points& points,
@@ -509,7 +509,7 @@ std::pair<std::vector<float>, std::vector<float>> with_and_without_picture(const
     return {picture.read(), plain.read()};
 }
 
-// A CPU takes a picture's points in blocks of 4 x 4 pixels where its sides allow. Not vacuous: every picture has points
+// A CPU takes a picture's points in blocks of 4 x 4 pixels if its sides allow it. Not vacuous: every picture has points
 // in light and in shadow, and the soup's triangles are smaller than a block.
 TEST(Pictures, HaveTheAnswersOfTheirPointsInAnyOrderOfWork) {
     const Device device;
@@ -598,10 +598,10 @@ TEST(Memory, WhatWasTakenIsGivenBack) {
     EXPECT_EQ(device.memory_bytes(), 0u);
 }
 
-// The limit is raised step by step: wherever a run ends for want of memory, the error is clear, nothing is lost, and
-// the same objects work as soon as there is enough. How much that is differs from run to run: a list that was too small
-// grows by what was counted, and that hangs on how the threads shared the work (2 % were seen). Twice as much is
-// enough.
+// The limit is raised step by step. If a run ends for want of memory, the error is clear, no memory is lost, and the
+// same objects work as soon as there is enough. The needed memory differs from run to run: a list that was too small
+// grows by the counted entries, and their number depends on how the threads divided the work (2 % were seen). Twice as
+// much is enough.
 TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
     const Floats scene = support::soup(2000, 0.3f, 5), places = support::random_points(6000, -1, 1, 6);
     const gnomon::Light lamp = gnomon::Light::positional({0.1f, 1.5f, 0.2f});
@@ -609,7 +609,7 @@ TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
         auto technique = gnomon::make_technique("frustum-traced", device);
         technique->set("map-size", "1024");
         technique->set("conservative-map", "on");
-        technique->set("first-capacity", "1000");  // so that it is not one list that takes all the memory
+        technique->set("first-capacity", "1000");  // so that the memory is not one single list
         return technique;
     };
     Floats wanted;
@@ -646,7 +646,7 @@ TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
                     EXPECT_EQ(error.code(), CL_MEM_OBJECT_ALLOCATION_FAILURE);
                 }
                 EXPECT_LE(device.peak_memory_bytes(), limit);
-                // Something smaller with the same object, after the failure.
+                // A smaller run with the same object, after the failure.
                 technique->set("map-size", "16");
                 technique->set("first-capacity", "16");
                 const auto small = Triangles::upload(device, roof);
@@ -723,7 +723,7 @@ TEST_F(KernelsTest, CompileErrorsNameTheTrueFileAndLine) {
             EXPECT_NE(std::string(error.what()).find("compiling kernels/"), std::string::npos) << error.what();
         }
         std::ofstream(folder_ / broken, std::ios::binary) << text;
-        run_something();  // and what was repaired is compiled anew
+        run_something();  // and the repaired kernel is compiled again
     }
 }
 
@@ -741,7 +741,7 @@ TEST(TruePlaces, OfCompilersThatIgnoreLineDirectives) {
     EXPECT_EQ(place("<kernel>:2:7: error"), "kernels/a.cl:1:7: error");
     EXPECT_EQ(place("<kernel>:4:1: error"), "kernels/b.h:1:1: error");
     EXPECT_EQ(place("x <kernel>:5:9 y\n<kernel>:7:2 z"), "x kernels/b.h:2:9 y\nkernels/a.cl:3:2 z");
-    // What has no place in the source stays as it is.
+    // A name without a source location stays unchanged.
     for (const std::string log : {"", "kernels/b.h:2:9: error", "<kernel>:", "<kernel>:0:1", "<kernel>: 5"})
         EXPECT_EQ(place(log), log);
     EXPECT_EQ(gnomon::cl::with_source_locations("<kernel>:1:1", "no directive"), "<kernel>:1:1");
@@ -754,7 +754,7 @@ TEST_F(KernelsTest, AMissingFileIsNamed) {
 }
 
 TEST_F(KernelsTest, AChangedKernelIsTheOneThatRuns) {
-    // Proof that the folder is read at all: without the trace's decision, nothing is in shadow.
+    // Proof that the folder is read: without the trace's decision, no point is in shadow.
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
     std::ofstream(folder_ / "receivers/facing.h", std::ios::app) << "#error changed on purpose\n";
     EXPECT_TRUE(throws<gnomon::OpenClError>(run_something, {"changed on purpose"}));
@@ -841,7 +841,7 @@ TEST(Statistics, CountEveryPointOnce) {
                 for (const char* stage : {"facing", "light_frame", "conservative_map", "bins", "trace"})
                     EXPECT_TRUE(std::binary_search(names.begin(), names.end(), stage)) << stage;
 
-                // How much room the first run finds depends on the device; lists stay as long as they grew.
+                // The first run's room depends on the device; lists then keep their length.
                 gnomon::Statistics roomy = s;
                 for (int run = 0; run < 5 && roomy.count("lists_grown") != 0; ++run)
                     roomy = technique->run(triangles, points, light, visibility);

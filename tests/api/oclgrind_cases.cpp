@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Small cases to be run under oclgrind, which executes every load and store of the kernels in an interpreter and
-// reports what is out of bounds or a data race (tests/CMakeLists.txt registers it so). Each case also compares every
-// point with the oracle: oclgrind is a device like any other, and must give the same bits.
-// Plain program, no GoogleTest: one process, so that kernels are compiled once. Exit status 0: all as it should be.
+// reports accesses out of bounds and data races (tests/CMakeLists.txt registers it so). Each case also compares every
+// point with the oracle: oclgrind is a device like any other, and must give the same bits. Plain program, no
+// GoogleTest: one process, so that kernels are compiled once. Exit status 0: all cases passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,7 +29,7 @@ std::size_t differences(const std::vector<float>& got, const std::vector<float>&
     return wrong;
 }
 
-/// `is_watched`: by the diagnostic "decided" too.
+/// `is_watched`: also with the diagnostic "decided".
 void trace(const gnomon::Device& device, const LightScene& scene, const Settings& settings, bool is_watched = false,
            bool keeps_clusters = false) {
     auto triangles = gnomon::Triangles::upload(device, scene.triangles);
@@ -53,7 +53,7 @@ void trace(const gnomon::Device& device, const LightScene& scene, const Settings
                 static_cast<unsigned long long>(statistics.count("uncertain_pairs")));
 }
 
-/// The view once more, from what is kept of a light.
+/// The view once more, with the prepared light.
 void prepare(const gnomon::Device& device, const gnomon::Triangles& triangles, const Floats& scene,
              const gnomon::View& view, const Light& light) {
     const gnomon::Visibility visibility(device, view.points.count());
@@ -72,7 +72,7 @@ void prepare(const gnomon::Device& device, const gnomon::Triangles& triangles, c
     }
 }
 
-/// Four samples per pixel, lifted once more as a caller's own points would be.
+/// Four samples per pixel, lifted once more as lift() does with a caller's own points.
 void sample(const gnomon::Device& device, const gnomon::Triangles& triangles, const Floats& scene,
             const gnomon::View& view, const Light& light) {
     const std::size_t pixels = view.points.count();
@@ -125,12 +125,12 @@ void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size)
     std::printf("camera view: %zu pixels, %zu seen, %zu in shadow\n", got.size(), seen, dark);
 }
 
-/// A technique that may be wrong, as much as its small maps let it.
+/// A technique that is not exact: its small maps may make it wrong up to a bound.
 struct Approximation {
     std::string technique;
     Settings settings;
     Light light;
-    double most_error;            ///< mean over the pixels that see something
+    double most_error;            ///< mean over the pixels that show a triangle
     bool is_lower_bound = false;  ///< never wrongly dark
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Scenes that are too large for the device's memory, made so by a limit: in parts, every bit is that of the whole.
+// Scenes too large for a device's memory (by a limit), in parts: every bit is the same as in one part.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ Device limited_to(std::uint64_t bytes) {
     return Device({}, options);
 }
 
-/// Few entries at first, or it were one list that takes all the memory; a map that leaves room for a part alone.
+/// Few entries at first, or one list would take all the memory; a map that leaves room for one part only.
 std::unique_ptr<gnomon::Technique> made(const Device& device) {
     auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("first-capacity", "4096");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Faults that a review found once, each as a small scene that fails if its fix is undone. Every point and every pixel
-// is compared with the oracle; where the fault was one of cost, the count is held against a reason given beside it.
+// Faults that a review found, each as a small scene that fails if its fix is undone. Every point and every pixel is
+// compared with the oracle; for a fault of cost, the count is compared with a bound, and the reason stands beside it.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -25,7 +25,7 @@ Device& device() {
     return opened;
 }
 
-/// The light's ray through a point of a triangle, followed `past` times the triangle's distance beyond it.
+/// A point on the light's ray through a point of a triangle, `past` times the triangle's distance beyond it.
 Float3 behind(const Light& light, const Floats& triangles, std::size_t triangle, Random& random, float past) {
     const float a = random.between(0, 0.5f), b = random.between(0, 0.5f);
     Float3 p;
@@ -37,7 +37,7 @@ Float3 behind(const Light& light, const Floats& triangles, std::size_t triangle,
     return p;
 }
 
-/// Triangles around a place, and points behind them and before them as the lamp sees it.
+/// Triangles around a position, and points behind them and before them as seen from the point light.
 LightScene soup_around(const Light& lamp, float scale, std::size_t triangles, std::size_t points, Random& random) {
     LightScene question{"soup around a lamp, " + std::to_string(std::log10(scale)), {}, {}, lamp};
     for (std::size_t t = 0; t < triangles; ++t) {
@@ -57,7 +57,7 @@ LightScene soup_around(const Light& lamp, float scale, std::size_t triangles, st
     return question;
 }
 
-// Slopes of edges near a lamp are so small that their squares underflow; the map's circle test took its margin for 0.
+// Slopes of edges near a point light are so small that squares underflow; the map's circle test took its margin for 0.
 TEST(Regressions, MapByCirclesNearALampDrawsNoFalseShadows) {
     AnswerTally tally;
     Random random(1);
@@ -69,7 +69,7 @@ TEST(Regressions, MapByCirclesNearALampDrawsNoFalseShadows) {
     EXPECT_GT(tally.shadowed, 1000u);
 }
 
-/// Triangles and points a few denormals apart, around a lamp; 24 scenes, the map on and off.
+/// Triangles and points a few denormals apart, around a point light; 24 scenes, the map on and off.
 void expect_exact_within_denormals_of_a_lamp(const Device& on) {
     AnswerTally tally;
     Random random(2);
@@ -91,7 +91,7 @@ void expect_exact_within_denormals_of_a_lamp(const Device& on) {
 
 TEST(Regressions, PointsWithinDenormalsOfALamp) { expect_exact_within_denormals_of_a_lamp(device()); }
 
-/// A copy of the kernels in which one text is replaced, used by every Device opened while it lives.
+/// A copy of the kernels in which one text is replaced; every Device opened in its lifetime uses it.
 class ChangedKernels {
 public:
     ChangedKernels(const std::string& file, const std::string& text, const std::string& replacement)
@@ -112,7 +112,7 @@ private:
     support::Environment folder_in_use_{"GNOMON_KERNELS_DIR", folder_.string()};
 };
 
-// Where a device flushes denormals, which is allowed, a point whose difference to the lamp vanishes belonged to no
+// A device may flush denormals. If a point's difference to the point light vanished there, the point belonged to no
 // frame and stayed lit. This machine's devices flush nothing, so a copy of the kernels does.
 TEST(Regressions, PointsWithinFlushedDenormalsOfALamp) {
     const std::string difference = "LaneFloat x = points.x - light_x, y = points.y - light_y, z = points.z - light_z;";
@@ -124,8 +124,8 @@ TEST(Regressions, PointsWithinFlushedDenormalsOfALamp) {
     expect_exact_within_denormals_of_a_lamp(Device());
 }
 
-/// Small triangles in a box above many points, as wide as the box, all times `scale`; the light comes from above or
-/// from a lamp. By chance a pair is within reach of the float filter's error; else it is decided.
+/// Small triangles in a box above many points, as wide as the box, all times `scale`; the light is directional from
+/// above or a point light. A pair is rarely within the float filter's error; else the filter decides it.
 LightScene wide_scene(float scale, bool has_lamp, Random& random) {
     LightScene question{std::to_string(scale) + (has_lamp ? ", lamp" : "")};
     question.light = has_lamp ? at(0.3f * scale, 0.2f * scale, 2 * scale) : along(0.1f, 0.2f, -1);
@@ -146,8 +146,8 @@ LightScene wide_scene(float scale, bool has_lamp, Random& random) {
     return question;
 }
 
-// The filter errs by some hundred units in the last place, so of random pairs it leaves far fewer than one in a
-// thousand open, and the size of a scene has no part in that.
+// The filter errs by some hundred units in the last place, so it leaves far fewer than one in a thousand random pairs
+// undecided, whatever the size of the scene.
 TEST(Regressions, ScenesUpTo1e30DoNotLeaveEveryPairOpen) {
     Random random(3);
     for (const bool has_lamp : {false, true})
@@ -160,8 +160,8 @@ TEST(Regressions, ScenesUpTo1e30DoNotLeaveEveryPairOpen) {
         }
 }
 
-// One point a hundred times as far away as the others costs the filter two of its seven digits: that is one pair in
-// a hundred at most, not all of them.
+// One point a hundred times as far away as the others costs the filter two of its seven digits: at most one pair in a
+// hundred is then undecided, not all pairs.
 TEST(Regressions, OneStrayPointDoesNotLeaveEveryPairOpen) {
     Random random(4);
     for (const bool has_lamp : {false, true})
@@ -174,7 +174,7 @@ TEST(Regressions, OneStrayPointDoesNotLeaveEveryPairOpen) {
         }
 }
 
-// A vertex a few denormals from the eye has no direction that floats know; the camera missed such triangles.
+// Floats give no direction to a vertex a few denormals from the eye; the camera missed such triangles.
 TEST(Regressions, TrianglesThatTouchTheEyeButForDenormalsAreSeen) {
     Random random(5);
     std::uint64_t seen = 0, wrong = 0;
@@ -206,8 +206,8 @@ TEST(Regressions, TrianglesThatTouchTheEyeButForDenormalsAreSeen) {
     EXPECT_GT(seen, 2000u);
 }
 
-/// How many cells of a grid of `cells` x `cells` over one face of the cube around the lamp meet the bounding box of
-/// what the face sees of a triangle (clipped to the face's pyramid in double; corners are small integers).
+/// The number of cells of a grid of `cells` x `cells` over one face of the cube around the point light that meet the
+/// bounding box of a triangle's part in the face (clipped to the face's pyramid in double; corners are small integers).
 std::uint64_t cells_on_face(const std::array<std::array<double, 3>, 3>& triangle, int axis, double sign, double cells) {
     std::vector<std::array<double, 3>> polygon;
     for (const auto& v : triangle) polygon.push_back({v[(axis + 1) % 3], v[(axis + 2) % 3], sign * v[axis]});
@@ -236,13 +236,13 @@ std::uint64_t cells_on_face(const std::array<std::array<double, 3>, 3>& triangle
     return count;
 }
 
-// Triangles with a vertex in the plane through the lamp that ends a face's pyramid (W = 0), or behind it: each was
-// given the whole grid.
+// Triangles with a vertex in the plane through the point light that ends a face's pyramid (W = 0), or behind it: each
+// was given the whole grid.
 TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
     constexpr int reach = 10;
     const Float3 lamp = {3, 5, -2};
     LightScene question{"behind a lamp", {}, {}, at(lamp[0], lamp[1], lamp[2])};
-    // A floor and a wall, both through lattice points that share coordinates with the lamp.
+    // A floor and a wall, both through lattice points that share coordinates with the point light.
     for (int u = -reach; u < reach; ++u)
         for (int v = -reach; v < reach; ++v)
             for (const int axis : {0, 1}) {
@@ -268,7 +268,7 @@ TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
     const Answer found = expect_exact(device(), question, {{"map-size", "64"}}, tally);
     EXPECT_GT(tally.lit, 500u);
     EXPECT_GT(tally.shadowed, 500u);
-    // Seen by a face: its pyramid holds some of the triangle. A grid has at most 16 x 16 bins.
+    // A face sees a triangle if its pyramid contains a part of the triangle. A grid has at most 16 x 16 bins.
     std::uint64_t seen = 0, cells = 0;
     for (std::size_t t = 0; t < question.triangles.size() / 9; ++t) {
         std::array<std::array<double, 3>, 3> triangle;
@@ -285,7 +285,7 @@ TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
     EXPECT_LE(found.count("references"), cells);
 }
 
-// An eye says on which side of the receiver's plane it is, not where the caller's point is: a point below its own
+// An eye is on one side of the receiver's plane, but the caller's point may be on the other: a point below its own
 // receiver is not shadowed by it.
 TEST(Regressions, PointBelowItsOwnReceiverWithAnEye) {
     LightScene question{"below its own receiver"};
@@ -294,7 +294,7 @@ TEST(Regressions, PointBelowItsOwnReceiverWithAnEye) {
     question.light = along(0, -1, 0);
     question.eye = {0, 3, 0};
     question.receivers.assign(20, 0);
-    // So that the map has something to draw upon: points around that have no receiver, of which many are in shadow.
+    // More points without a receiver, many of them in shadow, so that the map has points to decide.
     for (int i = 0; i < 400; ++i) {
         add(question.points, {-1.2f + 0.12f * float(i % 20), -0.1f, -1.2f + 0.12f * float(i / 20)});
         question.receivers.push_back(gnomon::no_receiver);

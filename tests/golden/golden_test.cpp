@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The golden record: every bit of the camera's points and of the visibility of known views, as commit 1cd155d made them
-// (shared_scenes.txt, made_scenes.txt; their headers say how they were made and checked). Each line is one test: the
-// library answers its `gnomon render` command line with the light animated, with the light prepared, with the clusters
-// of the triangles kept, and with both; all four must give the recorded bits.
+// The golden record: every bit of the camera's points and of the visibility of known views, from commit 1cd155d (the
+// headers of shared_scenes.txt and made_scenes.txt describe how the records were made and checked). Each line is one
+// test: the library runs its `gnomon render` command line with the light animated, with the light prepared, with
+// clusters of the triangles, and with both; all four runs must give the recorded bits.
 //
-// Three variables of the environment do more than compare:
+// Three variables of the environment add to the comparison:
 //   GNOMON_GOLDEN_WRITE=FILE   appends each line as it was found to FILE.
-//   GNOMON_GOLDEN_ORACLE=1     asks the oracle (tests/reference) for each point's visibility too.
+//   GNOMON_GOLDEN_ORACLE=1     compares each point's visibility with the oracle (tests/reference), too.
 //   GNOMON_GPU_KERNELS=1       is read by the library: the kernels for GPUs must give the same bits.
 #include <gtest/gtest.h>
 
@@ -70,7 +70,7 @@ std::vector<Line> lines_of(const std::string& file, bool is_shared) {
     return lines;
 }
 
-/// The command lines by which a person gets the same answer.
+/// The command lines that repeat the runs by hand.
 std::string command_of(const Line& line) {
     const std::size_t colon = line.scene.find(':');
     std::string command, scene = line.scene;
@@ -145,7 +145,7 @@ Question question_of(const Line& line, const gnomon::scene::Scene& scene) {
     return question;
 }
 
-/// A scene of a recipe of make_scenes, through a file as a user would make it; the file is removed again.
+/// A scene of a recipe of make_scenes, through a file as a user would make it; the file is then removed.
 gnomon::scene::Scene made(const std::string& recipe_name, std::uint64_t triangles) {
     for (const gnomon::make_scenes::Recipe& recipe : gnomon::make_scenes::recipes()) {
         if (recipe.name != recipe_name) continue;
@@ -161,7 +161,7 @@ gnomon::scene::Scene made(const std::string& recipe_name, std::uint64_t triangle
     throw std::runtime_error("make_scenes has no recipe " + recipe_name);
 }
 
-/// The scene of a line, kept until another one is asked for; nothing where it is missing.
+/// The scene of a line, kept until a line with another scene; empty if the scene's file is missing.
 const gnomon::scene::Scene* scene_of(const Line& line) {
     static std::string kept;
     static gnomon::scene::Scene scene;
@@ -210,7 +210,7 @@ constexpr Way ways[] = {{"animated", false, false},
                         {"clusters kept", false, true},
                         {"light prepared and clusters kept", true, true}};
 
-/// Fails where the oracle says otherwise about one of the points.
+/// Fails if the oracle's visibility of a point differs.
 void expect_oracle(const gnomon::scene::Scene& scene, const Question& question, const gnomon::PointsOnHost& points,
                    const std::vector<float>& visibility) {
     const auto truth = reference::shadowed(scene.triangles, points.position, points.receiver, question.light.xyzw,
@@ -221,7 +221,7 @@ void expect_oracle(const gnomon::scene::Scene& scene, const Question& question, 
     EXPECT_EQ(wrong, 0u) << "of " << truth.size() << " points: the oracle says otherwise";
 }
 
-/// Mean visibility of the samples, with each sample's answer asked of the oracle where `ask_oracle` says so.
+/// Mean visibility of the samples; if `ask_oracle` is true, each sample's visibility is compared with the oracle's.
 std::vector<float> mean_of(gnomon::Technique& technique, const gnomon::Device& device,
                            const gnomon::Triangles& triangles, const gnomon::View& view,
                            const gnomon::scene::Scene& scene, const Question& question, bool ask_oracle) {
@@ -242,15 +242,15 @@ std::vector<float> mean_of(gnomon::Technique& technique, const gnomon::Device& d
     EXPECT_EQ(samples, found.size() * question.samples);
     EXPECT_EQ(mean.read(), found) << "handing out the samples changed the answer";
     std::size_t wrong = 0;
-    // The number of samples is a power of two: their mean is exact.
+    // The number of samples is a power of two: the mean is exact.
     for (std::size_t i = 0; i < found.size(); ++i)
         wrong += found[i] != static_cast<float>(lit[i]) / static_cast<float>(question.samples);
     EXPECT_EQ(wrong, 0u) << "of " << found.size() << " pixels: the oracle says otherwise about their samples";
     return found;
 }
 
-/// What the library answers in one of the ways, as a line states it. A prepared light decides some points by its map
-/// before it asks which way they face, and so does not count all that face away: that count is left out then.
+/// The library's results in one of the ways, in a line's form. A prepared light decides some points by its map before
+/// it tests whether they are backfacing. So it does not count all backfacing points, and that count is left out.
 std::string findings_of(const gnomon::Device& device, const gnomon::scene::Scene& scene, const Question& question,
                         const Way& way, bool ask_oracle) {
     auto triangles = gnomon::Triangles::upload(device, scene.triangles);
@@ -286,7 +286,7 @@ std::string without_facing_away(const std::string& findings) {
     return first < next && next != std::string::npos ? findings.substr(0, first) + findings.substr(next) : findings;
 }
 
-/// The names of what differs, for a message that can be read at a glance.
+/// The names of the values that differ, for a short message.
 std::string differences(const std::string& recorded, const std::string& found) {
     std::istringstream old_words(recorded), new_words(found);
     std::string result;
@@ -326,7 +326,7 @@ std::string name_of(const testing::TestParamInfo<Line>& info) { return info.para
 INSTANTIATE_TEST_SUITE_P(SharedScenes, Golden, testing::ValuesIn(lines_of("shared_scenes.txt", true)), name_of);
 INSTANTIATE_TEST_SUITE_P(MadeScenes, Golden, testing::ValuesIn(lines_of("made_scenes.txt", false)), name_of);
 
-// A record that was lost would be right about everything.
+// Without records no test would run, and none would fail.
 TEST(GoldenRecord, IsThere) {
     EXPECT_GE(lines_of("shared_scenes.txt", true).size(), 32u);
     EXPECT_GE(lines_of("made_scenes.txt", false).size(), 80u);

@@ -50,7 +50,7 @@ void check(const gnomon::Device& device, const LightScene& scene, gnomon::FrameG
     for (const FrameOutput& out : run_light_stages(device, scene, settings)) check_frame(out, scene, tally);
 }
 
-// Not vacuous: fewer than a tenth of all (triangle, bin) pairs are referenced, so what is left out matters.
+// Not vacuous: fewer than a tenth of all (triangle, bin) pairs are referenced, so the omitted pairs matter.
 TEST(bins, equals_reference) {
     const gnomon::Device device = device_with();
     Tally tally;
@@ -77,7 +77,7 @@ LightScene comparison_scene() {
     return {"comparison", triangles, random_points(3000, -1, 1, 104), along(0.3f, -1, 0.2f)};
 }
 
-/// Few bins, many, and so many that one triangle is walked by all work-items.
+/// Few bins, many, and so many that all work-items walk one triangle.
 constexpr gnomon::FrameGrid GRIDS[] = {{64, 3}, {100, 1}, {256, 0}};
 
 FrameOutput run(const gnomon::Device& device, const LightScene& scene, gnomon::FrameGrid grid) {
@@ -86,7 +86,7 @@ FrameOutput run(const gnomon::Device& device, const LightScene& scene, gnomon::F
     return run_light_stages(device, scene, settings).at(0);
 }
 
-// Not vacuous: triangles of one tile and of hundreds are there (checked), and hundreds of references or more.
+// Not vacuous: the scenes have triangles of one tile and of hundreds (checked), and hundreds of references or more.
 TEST(bins, shape_free) {
     const LightScene scene = comparison_scene();
     for (const gnomon::FrameGrid grid : GRIDS) {
@@ -131,8 +131,8 @@ TEST(bins, survives_degenerates) {
         add(scene.triangles, {-3e38f, 1, -3e38f}, {3e38f, 1, -3e38f}, {0, 1, 3e38f});
         add(scene.triangles, {-1, 1, -1}, {-1, 1, -1}, {1, 1, 1});
         add(scene.triangles, {1e-45f, 0, 0}, {0, 1e-45f, 0}, {0, 0, 1e-45f});
-        add(scene.triangles, {light[0], light[1], light[2]}, {1, 0, 0}, {0, 0, 1});     // a vertex at the lamp
-        add(scene.triangles, {-9, light[1], -9}, {9, light[1], -9}, {0, light[1], 9});  // the lamp in its plane
+        add(scene.triangles, {light[0], light[1], light[2]}, {1, 0, 0}, {0, 0, 1});     // a vertex at the light
+        add(scene.triangles, {-9, light[1], -9}, {9, light[1], -9}, {0, light[1], 9});  // the light in its plane
         check(device, scene, {64, 3}, tally);
     }
     EXPECT_GT(tally.referenced, 100u);
@@ -162,8 +162,8 @@ TEST(bins, writes_only_its_own) {
     expect_canaries(session, stages.bins.pairs(), out.counters.pairs * sizeof(gnomon::Pair), "pairs");
 }
 
-// A GPU's lists are in runs with the highest triangles first. Not vacuous: there are lists of several runs, and heights
-// that differ.
+// A GPU's lists are in runs with the highest triangles first. Not vacuous: some lists have several runs, and heights
+// differ.
 TEST(bins, highest_first_on_a_gpu) {
     gnomon::DeviceOptions options;
     options.gpu_kernels = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Stage clusters. Boxes are held against the vertices, to the bit; what is dropped against the exact predicate, for
-// every triangle of a dropped cluster and every open point. In most scenes here a cluster is one triangle, over and
-// over, so that its box is as tight as a box can be and a bound that is an ulp short would show.
+// Stage clusters. Boxes are compared with the vertices, to the bit; dropped clusters are checked by the exact
+// predicate, for every triangle of a dropped cluster and every open point. In most scenes here a cluster is one
+// triangle, repeated, so that its box is as tight as a box can be and a bound that is an ulp short would show.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct Box {
     std::uint32_t not_finite = 0;
 };
 
-/// Of the clusters as the device keeps them (kernels/occluders/clusters.h: lane by lane, coordinate by coordinate).
+/// The boxes as the device stores them (kernels/occluders/clusters.h: lane by lane, coordinate by coordinate).
 std::vector<Box> boxes_on_device(Session& session, const gnomon::Clusters& clusters) {
     const std::uint32_t lanes = session.lanes();
     const auto words = downloaded<std::uint32_t>(session, clusters.boxes().get(), clusters.boxes().bytes() / 4);
@@ -115,7 +115,7 @@ TEST(clusters, boxes_are_those_of_the_finite_vertices_to_the_bit) {
 
 // ---- Bounds ---------------------------------------------------------------------------------------------------------
 
-// What clusters.cl makes of a box before it asks the pyramid.
+// The bounds that clusters.cl computes from a box before it reads the pyramid.
 const char* const bounds_kernel = R"(
 #include "occluders/clusters.cl"
 __kernel void bounds_of_boxes(__constant const Projection* projection, uint blocks,
@@ -145,7 +145,7 @@ __kernel void bounds_of_boxes(__constant const Projection* projection, uint bloc
 )";
 
 /// Clusters of boxes of all sizes around `center`, each with its corners among its vertices: 64 triangles of three
-/// corners or places in the box.
+/// corners or positions in the box.
 Floats triangles_in_boxes(std::size_t boxes, const Float3& center, float reach, std::uint64_t seed) {
     Random random(seed);
     Floats triangles;
@@ -172,8 +172,8 @@ struct BoundsTally {
     std::uint64_t vertices = 0, bounded = 0;
 };
 
-/// Each vertex where it truly is, with a point's error: in the rectangle, not above z_high, and nothing is dropped that
-/// has one in the grid.
+/// Each vertex at its real position, with a point's error: in the rectangle, not above z_high, and no cluster is
+/// dropped that has a vertex in the grid.
 void expect_bounds_hold(const gnomon::Projection& p, const reference::GridMap& map, const Floats& triangles,
                         const std::vector<float>& bounds, BoundsTally& tally) {
     for (std::size_t i = 0; i < triangles.size() / 3; ++i) {
@@ -251,7 +251,7 @@ struct Tally {
     std::uint64_t clusters = 0, outside = 0, too_far = 0, pairs = 0;
 };
 
-/// Each triangle `times` over, one after the other.
+/// Each triangle `times` times, one after the other.
 Floats repeated(const Floats& triangles, std::size_t times) {
     Floats many;
     for (std::size_t t = 0; t < triangles.size(); t += 9)
@@ -268,7 +268,7 @@ std::vector<std::uint32_t> listed_clusters(Session& session, const cl_mem listed
     return list;
 }
 
-/// A scene whose triangles were repeated: of each triangle one is asked.
+/// A scene with repeated triangles: one of each triangle's copies is tested.
 void expect_dropped_block_nothing(const LightScene& scene, const std::vector<std::uint32_t>& listed,
                                   const std::vector<float>& open, Tally& tally) {
     const std::size_t count = scene.triangles.size() / 9 / cluster_size;
@@ -285,7 +285,7 @@ void expect_dropped_block_nothing(const LightScene& scene, const std::vector<std
     }
 }
 
-/// The face of a lamp's cube that a point belongs to (kernels/receivers/light_frame.h), or 0 for a direction.
+/// The face of a point light's cube that a point belongs to (kernels/receivers/light_frame.h), or 0 for a direction.
 std::uint32_t face_of(const Light& light, const Float3& p) {
     if (light[3] == 0) return 0;
     std::uint32_t axis = 0;
@@ -375,7 +375,7 @@ std::vector<LightScene> scenes_of_box_corners() {
                     far = random.below(2) == 0 ? 0 : random.between(-1e4f, 1e4f);
         Floats triangles;
         for (int t = 0; t < 12; ++t) {
-            // Beside each other, so that the points at one are not those below the next.
+            // Far enough from each other that the points at one triangle are not those below the next.
             const Float3 center = {float(t % 4) - 1.5f, 0, float(t / 4) - 1};
             for (int k = 0; k < 3; ++k) {
                 Float3 v = random_vector(random, -size, size);
@@ -392,7 +392,7 @@ std::vector<LightScene> scenes_of_box_corners() {
         // Away from the light the triangle is nearer than the point, towards it farther.
         const float side = i % 2 == 0 ? 1.0f : -1.0f;
         for (int p = 0; p < 120; ++p) {
-            // The vertex itself, or a corner of the box, moved along the ray by a hair and then by ulps.
+            // The vertex itself, or a corner of the box, moved along the ray by a small step and then by ulps.
             const std::uint32_t t = random.below(12);
             Float3 corner = vertex(triangles, 3 * t + random.below(3));
             for (int c = 0; c < 3 && random.below(2) == 0; ++c)
@@ -489,7 +489,7 @@ TEST(clusters, a_camera_sees_the_same_bits_with_and_without) {
 
 constexpr std::size_t strewn_count = 30000;
 
-/// Small triangles in disorder, so that each cluster is strewn over the whole, some of them not finite.
+/// Small triangles in disorder, so that each cluster is spread over the whole scene; some triangles are not finite.
 Floats strewn_triangles() {
     Floats triangles = soup(strewn_count, 0.02f, 81);
     for (std::size_t i = 0; i < triangles.size(); i += 6997) triangles[i] = i % 2 == 0 ? nan : infinity;
@@ -535,7 +535,7 @@ TEST(clusters, strewn_triangles_are_put_in_order) {
 
 TEST(clusters, neighbours_stay_where_they_are) {
     const gnomon::Device device = device_with();
-    // The same triangles, the clusters' order given: nothing to gain. And huge ones, which no order brings together.
+    // The same triangles in the clusters' order: no gain. Then huge triangles: no order brings them together.
     auto strewn = gnomon::Triangles::upload(device, strewn_triangles());
     strewn.keep_clusters(device);
     ASSERT_TRUE(strewn.clusters()->is_reordered());
@@ -548,8 +548,8 @@ TEST(clusters, neighbours_stay_where_they_are) {
     }
 }
 
-/// Points a hair behind their own triangles, as the light sees them: the receiver blocks unless it is known for what it
-/// is, so that a wrong number shows.
+/// Points a small step behind their own triangles, as seen from the light: the receiver blocks unless the stage knows
+/// that it is the receiver, so that a wrong id shows.
 LightScene strewn_scene(const std::string& name, const Light& light) {
     LightScene scene{name, strewn_triangles(), {}, light};
     for (std::uint32_t t = 0; t < scene.triangles.size() / 9; t += 11) {
@@ -614,7 +614,7 @@ TEST(clusters, a_camera_sees_the_same_triangles_in_an_order_of_their_own) {
     EXPECT_TRUE(seen() == wanted);
 }
 
-/// A device with room for the boxes, but not for an order: the clusters are kept as they are.
+/// A device with room for the boxes, but not for a sorted copy: the clusters keep the buffer's order.
 TEST(clusters, without_room_they_stay_in_the_order_of_the_buffer) {
     const Floats strewn = strewn_triangles();
     gnomon::DeviceOptions options;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Stage conservative_map, and the coarse test by it. A texel's height claims that ONE triangle covers the whole texel
-// and lies above that height everywhere in it; both are checked against the real triangles, and every point decided by
-// the map against the exact predicate. For both cover tests.
+// Stage conservative_map, and the coarse test by it. A texel's height promises that ONE triangle covers the whole texel
+// and lies above that height everywhere in it. Both promises are checked against the real triangles, and every point
+// decided by the map is checked against the exact predicate. For both cover tests.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -15,7 +15,7 @@ namespace {
 using namespace support;
 using gnomon::CoverTest;
 
-/// One texel's claim held against one triangle.
+/// One texel's height compared with one triangle.
 struct TexelTruth {
     bool covered;        ///< the closed triangle covers the closed texel
     long double lowest;  ///< the triangle's lowest height over it
@@ -50,7 +50,7 @@ std::vector<RealTriangle> real_triangles(const FrameOutput& out, const LightScen
         if (!reference::is_finite(t)) continue;
         const int side = scene.light[3] == 0 ? reference::side_of_direction(xyz, t, effort)
                                              : reference::side_of_point(xyz, t, effort);
-        // Triangles behind a lamp are in front of no point, but cover nothing real either.
+        // Triangles behind a point light are in front of no point, but cover no real texel either.
         if (side != 0) triangles.push_back({{map, t}, float(side) * out.projection.handedness});
     }
     return triangles;
@@ -106,8 +106,8 @@ void check(const gnomon::Device& device, const LightScene& scene, const StageSet
     }
 }
 
-/// Scenes with triangles that cover texels: large ones near and far, level and steep, around lamps, under grazing
-/// light.
+/// Scenes with triangles that cover texels: large ones near and far, level and steep, around point lights, under
+/// grazing light.
 std::vector<LightScene> covering_scenes() {
     std::vector<LightScene> scenes;
     for (const auto& [name, light] : lights_of_every_kind())
@@ -155,7 +155,7 @@ TEST(conservative_map, equals_reference_in_scenes_of_ties) {
     EXPECT_GT(tally.decided, 500u);
 }
 
-// Slopes of edges shrink with the square of the distance to the lamp, and squares of slopes underflow.
+// Slopes of edges shrink with the square of the distance to the point light, and squares of slopes underflow.
 TEST(conservative_map, equals_reference_where_products_underflow) {
     const gnomon::Device device = device_with();
     Tally tally;
@@ -164,7 +164,7 @@ TEST(conservative_map, equals_reference_where_products_underflow) {
     EXPECT_GT(tally.drawn, 100u);
 }
 
-// What Hertel's test decides, the tight one decides as well; and more. Not vacuous: strictly more, in total.
+// The tight test decides every point that Hertel's test decides, and more. Not vacuous: strictly more, in total.
 TEST(conservative_map, tight_contains_circle) {
     const gnomon::Device device = device_with();
     std::uint64_t tight_texels = 0, circle_texels = 0;
@@ -174,7 +174,7 @@ TEST(conservative_map, tight_contains_circle) {
         const auto circle = run_light_stages(device, scene, settings_of(CoverTest::circle));
         ASSERT_EQ(tight.size(), circle.size());
         for (std::size_t f = 0; f < tight.size(); ++f) {
-            // Only a frame that both met in the same state can be compared.
+            // Only a frame that both tests met in the same state can be compared.
             if (std::memcmp(&tight[f].projection, &circle[f].projection, sizeof(gnomon::Projection)) != 0) continue;
             for (std::size_t i = 0; i < tight[f].map.size(); ++i) {
                 EXPECT_GE(tight[f].map[i], circle[f].map[i]) << "texel " << i;
@@ -193,7 +193,7 @@ LightScene comparison_scene() {
     return {"comparison", triangles, random_points(3000, -1, 1, 88), along(0.3f, -1, 0.2f)};
 }
 
-// Not vacuous: triangles overlap, so which is the highest over a texel changes with their order if anything does.
+// Not vacuous: triangles overlap, so the highest triangle over a texel would depend on a wrong order.
 TEST(conservative_map, order_free) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene();
@@ -213,9 +213,9 @@ TEST(conservative_map, order_free) {
 // Grids of 256 x 256 bins make triangles of one tile and of hundreds.
 TEST(conservative_map, shape_free) {
     LightScene scene = comparison_scene();
-    // So few that facing's items take a block each on any number of cores: the last bits of a frame's margins hang on
-    // what an item takes together (host/receivers/facing.cpp), and that on the size of work-groups; the map is another
-    // stage.
+    // Few points, so that facing's items take a block each on any number of cores: the last bits of a frame's margins
+    // depend on the blocks that one item takes together (host/receivers/facing.cpp), and thus on the work-group size.
+    // The map is another stage.
     scene.points.resize(std::size_t(3) * 900);
     for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{64, 3}, {256, 0}}) {
         const auto plain = run_light_stages(device_with(), scene, settings_of(CoverTest::tight, grid)).at(0);
@@ -259,7 +259,7 @@ TEST(conservative_map, writes_only_its_own) {
     const LightScene scene = comparison_scene();
     LightStages stages;
     for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{128, 3}, {64, 3}}) {
-        const UploadedScene inputs(device, scene);  // anew: the first frame has decided its points
+        const UploadedScene inputs(device, scene);  // again: the first frame has decided its points
         FrameOutput out{};
         out.frame = light_frames(inputs.light, grid)[0];
         if (grid.size == 64) put_canaries(session, stages.map.map());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage triangle_setup. Its records claim to be certain; each claim is held against the exact predicate, and each
-// margin against the true value it must bound. Three kinds of projection: a direction, a position (six faces), a
+// Stage triangle_setup. Every certain result of its records is compared with the exact predicate, and each margin with
+// the true value that it must bound. Three kinds of projection: a directional light, a point light (six faces), a
 // camera.
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 using namespace support;
 using gnomon::TriangleRecord;
 
-/// A record at a place, computed as the kernels do (fma is exact on both sides).
+/// A record at a grid position, computed as the kernels do (fma is exact on both sides).
 struct Evaluated {
     float edge[3];
     float plane;
@@ -63,7 +63,7 @@ long double ratio_of(long double error, float margin) {
     return std::fabs(error) / margin;  // infinite if the margin is 0
 }
 
-/// Sign of the triangle's orientation as the light sees it, as it is in the grid.
+/// Sign of the triangle's orientation as seen from the light, which is its orientation in the grid.
 float orientation_in_grid(const reference::Triangle& t, const std::array<float, 4>& light,
                           const gnomon::Projection& projection) {
     reference::Effort effort;
@@ -73,8 +73,8 @@ float orientation_in_grid(const reference::Triangle& t, const std::array<float, 
     return float(sign) * projection.handedness;
 }
 
-/// Checks the margins for one pair: the record's values at the point's computed place against the real ones at its real
-/// place.
+/// Checks the margins for one pair: the record's values at the point's computed grid position against the real values
+/// at its real grid position.
 void measure(const TriangleRecord& r, const Evaluated& evaluated, float z, const reference::GridTriangle& real,
              float orientation, const reference::GridPosition& point, const std::string& name, Tally& tally) {
     const long double x = point.x / point.w, y = point.y / point.w;
@@ -82,8 +82,8 @@ void measure(const TriangleRecord& r, const Evaluated& evaluated, float z, const
         const long double ratio = ratio_of(orientation * real.edge(i, x, y) - evaluated.edge[i], r.margin_edge);
         if (ratio > tally.edge_ratio) tally.edge_ratio = ratio, tally.edge_where = name;
     }
-    // The plane's margin is for the comparison with the point's height, so both errors count; the point's, which is
-    // relative in perspective, only where the heights are near enough to each other to matter.
+    // The plane's margin is for the comparison with the point's height, so both errors count. The point's error is
+    // relative in perspective; it counts only if the heights are near enough to each other.
     long double error = real.height(x, y) - static_cast<long double>(evaluated.plane);
     const bool is_comparable = std::fabs(z) <= 2 * (std::fabs(evaluated.plane) + r.margin_plane);
     if (is_comparable) error -= point.z - static_cast<long double>(z);
@@ -260,7 +260,7 @@ TEST(triangle_setup, equals_reference_for_cameras) {
 
 // ---- The other laws -------------------------------------------------------------------------------------------------
 
-/// Scenes for laws that compare runs: a sun over soup, and a lamp inside it.
+/// Scenes for laws that compare runs: a directional light over soup, and a point light inside it.
 std::vector<LightScene> comparison_scenes() {
     const Floats triangles = soup(300, 0.3f, 51);
     return {tie_scene("sun", triangles, along(0.3f, -1, 0.2f), 400, 2, 52),
@@ -299,7 +299,7 @@ TEST(triangle_setup, order_free) {
             expect_same_records(plain[f], mixed[f], [&](std::uint32_t id) { return order[id]; });
         }
     }
-    // The other face in front: other floats, the same truths.
+    // The vertices in another order: other floats, the same truths.
     std::vector<LightScene> reversed = comparison_scenes();
     for (LightScene& scene : reversed) scene.triangles = reversed_winding(scene.triangles);
     attack(reversed, "reversed");
@@ -318,7 +318,7 @@ TEST(triangle_setup, shape_free) {
     }
 }
 
-// Not vacuous: of each kind one triangle hangs over the points, so a wrong verdict would show in a counter.
+// Not vacuous: one triangle of each kind is above the points, so a wrong verdict would show in a counter.
 TEST(triangle_setup, survives_degenerates) {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     Floats triangles;
@@ -327,7 +327,7 @@ TEST(triangle_setup, survives_degenerates) {
     add(triangles, {-1, 1, -1}, {-inf, 1, -1}, {0, 1, 1});                        // not finite
     add(triangles, {0, 1, 0}, {0, 1, 0}, {0, 1, 0});                              // a point
     add(triangles, {-1, 1, -1}, {0, 1, 0}, {1, 1, 1});                            // a line
-    add(triangles, {0, 1, -0.5f}, {0, 2, -0.5f}, {0, 1, 0.5f});                   // edge-on to the sun
+    add(triangles, {0, 1, -0.5f}, {0, 2, -0.5f}, {0, 1, 0.5f});                   // edge-on to the light
     add(triangles, {-3e38f, 1, -3e38f}, {3e38f, 1, -3e38f}, {0, 1, 3e38f});       // as large as floats go
     add(triangles, {-1e-45f, 1, -1e-45f}, {1e-45f, 1, -1e-45f}, {0, 1, 1e-45f});  // as small
     add(triangles, {-1, 1e-45f, -1}, {1, 1e-45f, -1}, {0, 1e-45f, 1});            // a denormal above the points
@@ -335,7 +335,7 @@ TEST(triangle_setup, survives_degenerates) {
                      along(0, -1, 0)};
     Tally tally;
     const gnomon::Device device = device_with();
-    // The verdicts of the first pass: a repeated one has fewer points to cover.
+    // The verdicts of the first pass: a second pass has fewer points to cover.
     const UploadedScene inputs(device, scene);
     LightStages stages;
     FrameOutput first{};
@@ -343,9 +343,9 @@ TEST(triangle_setup, survives_degenerates) {
     run_stages_once(device.session(), stages, inputs, {}, first);
     EXPECT_EQ(first.counters.not_finite, 3u);
     EXPECT_EQ(first.counters.edge_on, 3u);
-    EXPECT_EQ(first.counters.survivors, 6u);  // with those that are edge-on
+    EXPECT_EQ(first.counters.survivors, 6u);  // including the edge-on triangles
     for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
-    // The light in the plane of a triangle, at a vertex, at a point; and every point at one place.
+    // The light in the plane of a triangle, at a vertex, at a point; and every point at one position.
     scene.light = at(0, 1, 0);
     for (const FrameOutput& out : run_light_stages(device, scene)) attack_frame(out, scene, tally);
     scene.light = along(1, 0, 0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Prepared lights: the same bits as without, whatever points come; lit without a look at any list only where the exact
-// oracle finds no triangle; used where they can be, left alone by other runs, let go of, and no harm when they fail.
-// (Equality with the oracle over whole scenes: frustum_traced_test, which asks every question both ways.)
+// Prepared lights: the same bits as without, for all points; a point is lit without a list only if the exact oracle
+// finds no triangle; a prepared light serves the runs that can use it, other runs do not change it, forget() frees it,
+// and a failure does no harm. (frustum_traced_test compares whole scenes with the oracle, prepared and not.)
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -47,8 +47,8 @@ __kernel void classify(LightFrame light_frame, PointsLayout layout, PreparedTabl
 }
 )";
 
-/// The scene's own points, and others: around it at all distances, towards the light and away from it, and beside its
-/// triangles by an ulp or so.
+/// The scene's own points, and others: around it at all distances, towards the light and away from it, and about an ulp
+/// beside its triangles.
 Floats points_everywhere(const LightScene& scene, std::uint64_t seed) {
     Random random(seed);
     Floats points = scene.points;
@@ -76,7 +76,7 @@ TEST(PreparedDomain, PointsThatItCallsLitAreLit) {
     std::size_t counts[4] = {};
     std::uint64_t seed = 1;
     for (const LightScene& scene : all_scenes()) {
-        if (seed++ % 2 == 0) continue;  // the oracle's time
+        if (seed++ % 2 == 0) continue;  // saves the oracle's time
         const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
         const Floats positions = points_everywhere(scene, seed);
         const gnomon::Points points = gnomon::Points::upload(device, positions);
@@ -124,7 +124,7 @@ __kernel void compare_planes(float4 light, uint triangle_count, PreparedTables t
 }
 )";
 
-/// Somewhere on the plane of triangle `i`, as near as rounding gets; or not far from it; or anywhere.
+/// A position on the plane of triangle `i`, up to rounding; or near the plane; or anywhere.
 Float3 eye_about(Random& random, const Floats& triangles, std::size_t i) {
     const Float3 a = vertex(triangles, 3 * i), b = vertex(triangles, 3 * i + 1), c = vertex(triangles, 3 * i + 2);
     const double s = random.between(-3, 3), t = random.between(-3, 3);
@@ -179,7 +179,7 @@ TEST(PreparedPlanes, WhatTheyCallCertainIsRight) {
 
 // ---- The same bits --------------------------------------------------------------------------------------------------
 
-/// The scene with other points; those past its own have no receiver.
+/// The scene with other points; points beyond the number of its own have no receiver.
 LightScene with_points(LightScene scene, const Floats& points) {
     scene.points = points;
     if (!scene.receivers.empty()) scene.receivers.resize(points.size() / 3, gnomon::no_receiver);
@@ -301,8 +301,8 @@ TEST(Prepared, ServesEveryCameraOfOneLight) {
     EXPECT_GT(dark, 5000u);
 }
 
-// Views' points are asked by the planes of their receivers, which eyes and lights in those planes leave undecided: then
-// the predicate is asked, by the kernels made for GPUs in a second run.
+// Facing tests views' points by the planes of their receivers. Eyes and lights in those planes leave the points
+// undecided: then the predicate decides, in a second run by the kernels made for GPUs.
 void check_eyes_and_lights_in_planes(const Device& device) {
     Floats blocks = lattice_blocks(9, 3, 1);
     add(blocks, {-9, -1, -9}, {-9, -1, 27}, {27, -1, -9});
@@ -353,8 +353,8 @@ gnomon::Points points_in_rows(const Device& device, const Floats& positions, std
     return gnomon::Points::wrap(device, uploaded.positions(), {0, 1, count}, count, uploaded.receivers());
 }
 
-// Points of a caller that says that they are lifted off: facing goes before the trace on a CPU, and finds them
-// anywhere: in blocks that are within the bounds prepared for, beside them and across their sides. Strays fall back.
+// Points that the caller promises to be lifted off: on a CPU facing runs before the trace, and finds such points in all
+// blocks: within the bounds of the prepared light, beside them and across their sides. Fallback points are traced anew.
 TEST(Prepared, LiftedPointsAnywhere) {
     const Device device;
     Floats vertices = soup(60, 0.5f, 21);
@@ -378,7 +378,7 @@ TEST(Prepared, LiftedPointsAnywhere) {
                                        z + random.between(0, spread)});
             }
             const std::vector<std::uint32_t> receivers(positions.size() / 3, 60);
-            // A CPU has a trace of its own for coordinates in rows, as the camera makes them.
+            // A CPU has a separate trace for coordinates in rows, the camera's layout.
             const bool in_rows = reach != 1.5f;
             gnomon::Points points = in_rows ? points_in_rows(device, positions, receivers)
                                             : gnomon::Points::upload(device, positions, receivers);
@@ -400,7 +400,7 @@ TEST(Prepared, LiftedPointsAnywhere) {
     EXPECT_GT(lit, 500u);
 }
 
-// More than 8 to a bin of the usual grid: a CPU's bins get finer.
+// More than 8 per bin of the default grid: a CPU's bins get finer.
 TEST(Prepared, BinsOfManyTriangles) {
     const Device device;
     const auto triangles = gnomon::Triangles::upload(device, soup(530'000, 0.004f, 8));
@@ -484,7 +484,7 @@ TEST(PreparedMemory, ALimitThatItDoesNotFitUnderLeavesRunsAlone) {
     EXPECT_EQ(after.count("prepared"), 0u);
 }
 
-/// A light that is prepared anew and used, again and again.
+/// A light that is prepared and used, again and again.
 struct PreparedAnew {
     Still still;
     const Light light;
@@ -531,7 +531,7 @@ TEST(PreparedFaults, EveryCallFailsOnceAndNothingIsLost) {
     }
 }
 
-// How often tight lists grow depends on which work-items ran when: calls fail until a frame gets by without them.
+// How often tight lists grow depends on the order of the work-items: calls fail until a frame does not grow lists.
 TEST(PreparedFaults, CallsThatFailWhileListsGrowLoseNothing) {
     for (const bool has_lamp : {false, true}) {
         PreparedAnew anew(has_lamp, "16");

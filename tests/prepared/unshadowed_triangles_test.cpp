@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Unshadowed triangles: nothing shadows a triangle that is found, by the exact oracle, for points on, above and beside
-// it; and triangles are found where it matters: in meshes and beside walls, but not under roofs.
+// Unshadowed triangles: by the exact oracle no triangle shadows a found triangle, for points on, above and beside it;
+// and the stage finds triangles in meshes and beside walls, but not under roofs.
 #include <gtest/gtest.h>
 
 #include "prepared/prepared_light.hpp"
@@ -13,7 +13,7 @@ namespace {
 using namespace support;
 using gnomon::Device;
 
-/// They are sought with the kernels that are made for GPUs alone.
+/// Only the kernels made for GPUs search for unshadowed triangles.
 Device device_like_a_gpu() { return Device({}, {.gpu_kernels = true}); }
 
 std::vector<bool> unshadowed_triangles(const Device& device, const Floats& vertices, const Light& light,
@@ -30,7 +30,7 @@ std::vector<bool> unshadowed_triangles(const Device& device, const Floats& verti
     return lit;
 }
 
-/// Inside, on edges and vertices, and beside, in the plane and above it, as far as promised: never below.
+/// Points inside, on edges and vertices, and beside, in the plane and above it, as far as promised: never below.
 void add_points_about(LightScene& scene, std::uint64_t seed) {
     const Floats& vertices = scene.triangles;
     const Light& light = scene.light;
@@ -115,7 +115,7 @@ TEST(UnshadowedTriangles, AreFoundInMeshesAndNotUnderRoofs) {
     Floats triangles;
     add_floor(triangles, 8, 0);
     const std::size_t floor = triangles.size() / 9;
-    // A wall along x = 0, which the light comes from behind of or not, and a roof over one square and a bit of others.
+    // A wall along x = 0, with the light behind it or not, and a roof over one square and parts of others.
     add(triangles, {0, 0, 0}, {0, 1, 0}, {0, 1, 8});
     add(triangles, {0, 0, 0}, {0, 1, 8}, {0, 0, 8});
     add(triangles, {4.9f, 2, 4.9f}, {6.3f, 2, 4.9f}, {4.9f, 2, 6.3f});
@@ -142,8 +142,8 @@ TEST(UnshadowedTriangles, AreFoundInMeshesAndNotUnderRoofs) {
     }
 }
 
-// A sample says whether the search is worth its while: of an open floor all triangles are found; where slats above
-// leave only some squares open, hardly any, for they are left to chance.
+// A sample of triangles decides whether the search runs: on an open floor it finds all triangles; if slats above leave
+// only some squares open, it finds hardly any, as the sample rarely contains an open square.
 TEST(UnshadowedTriangles, AreSoughtWhereASampleFindsMany) {
     const Device device = device_like_a_gpu();
     const Light light{0, 1, 0, 0};

@@ -16,7 +16,7 @@ namespace {
 
 using namespace support;
 
-/// Point clouds by themselves: what matters here has no triangles.
+/// Point clouds alone: the tests here need no triangles.
 LightScene cloud(std::string name, Floats points, const Light& light) {
     LightScene scene{std::move(name), {}, std::move(points), light};
     add(scene.triangles, {0, 0, 0}, {0, 0, 0}, {0, 0, 0});
@@ -95,7 +95,7 @@ void check_frame(const FrameOutput& out, const LightScene& scene, Largest& large
     }
 }
 
-/// Which points a positional light's frames hold: all that are present, except those at the light.
+/// The points in a point light's frames: all present points, except those at the light.
 std::set<std::uint32_t> expected_points(const LightScene& scene) {
     std::set<std::uint32_t> ids;
     for (std::uint32_t i = 0; i < scene.points.size() / 3; ++i) {
@@ -195,7 +195,7 @@ TEST(light_frame, shape_free) {
     }
 }
 
-// No points, one, all at one place, all absent, all but one absent, one at the light.
+// No points, one, all at one position, all absent, all but one absent, one at the light.
 TEST(light_frame, survives_degenerates) {
     const gnomon::Device device = device_with();
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
@@ -217,8 +217,8 @@ TEST(light_frame, survives_degenerates) {
     EXPECT_LE(largest.height, 1);
 }
 
-// Where the grid cannot separate points, every test is exact, and still right. Not vacuous: the oracle has both
-// answers, and each scene has a frame that gave up.
+// If the grid cannot separate points, every test is exact, and still right. Not vacuous: the oracle finds lit and
+// shadowed points, and each scene has a frame without a grid.
 TEST(light_frame, indistinct_frames_are_right) {
     const gnomon::Device device = device_with();
     std::uint64_t gave_up = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage receiver_depth_pyramid: per bin a height that none of its points is below, the lowest of its points or its
-// neighbours', and a pyramid of minima over the bins.
+// Stage receiver_depth_pyramid: per bin a height that none of its points is below (the lowest of the heights of its
+// points or its neighbours' points), and a pyramid of minima over the bins.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -12,7 +12,7 @@ namespace {
 using namespace support;
 using Keys = std::vector<std::uint32_t>;
 
-/// The minimum of these points of each bin.
+/// The minimum height of each bin's points.
 template <typename Include>
 Keys expected_bins(const FrameOutput& out, Include include) {
     Keys bins(std::size_t(out.frame.bins_x) * out.frame.bins_y, NO_KEY);
@@ -21,7 +21,7 @@ Keys expected_bins(const FrameOutput& out, Include include) {
     return bins;
 }
 
-/// The least of each bin and of those around it, where heights of a point light's blocks may be lower by roundings.
+/// The minimum of each bin and its neighbours, where heights of a point light's blocks may be lower by roundings.
 Keys expected_least(const FrameOutput& out, const Keys& bins) {
     const std::uint32_t width = out.frame.bins_x, height = out.frame.bins_y;
     Keys least(bins.size(), NO_KEY);
@@ -60,8 +60,8 @@ struct Tally {
     std::uint64_t exact = 0, lower = 0;  ///< bins
 };
 
-/// No bin's height is above any of its points; and where a block of points touches several bins, its least may count
-/// for all of them, but for no bin farther away.
+/// No bin's height is above any of its points. If a block of points touches several bins, its minimum may count for all
+/// these bins, but for no bin farther away.
 void expect_heights(const FrameOutput& out, Tally& tally) {
     const Keys bins = expected_bins(out, [](const ListedPoint&) { return true; });
     const Keys least = expected_least(out, bins), found(out.pyramid.begin(), out.pyramid.begin() + long(bins.size()));
@@ -92,8 +92,8 @@ LightScene neighbours(const std::string& name, const Light& light, float step) {
     return scene;
 }
 
-// Not vacuous: 700 points fill most bins with several each, and the odd grids have odd levels; neighbours settle
-// thousands of bins exactly, and where blocks span several bins a CPU's are lower than they must be.
+// Not vacuous: 700 points fill most bins with several each, and the odd grids have odd levels. Neighbours give the
+// exact height of thousands of bins, and where blocks span several bins a CPU's heights are lower than necessary.
 TEST(receiver_depth_pyramid, equals_reference) {
     const gnomon::Device device = device_with();
     std::vector<LightScene> all = scenes();
@@ -119,7 +119,7 @@ LightScene comparison_scene() {
     return {"comparison", soup(10, 0.1f, 71), random_points(5000, -2, 2, 73), along(0.3f, -1, 0.2f)};
 }
 
-// Not vacuous: 5000 points, about 80 a bin, of which any may be the lowest.
+// Not vacuous: 5000 points, about 80 per bin, and each of them may be the lowest.
 TEST(receiver_depth_pyramid, order_free) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene();
@@ -149,8 +149,8 @@ TEST(receiver_depth_pyramid, survives_degenerates) {
     }
 }
 
-// Doubtful points by themselves, and what is left to be listed behind a map. Not vacuous: the receivers part half of
-// the points from the light, and the map raises hundreds of bins.
+// The points that may shadow themselves alone, and the points still open after a map. Not vacuous: the receivers
+// separate half of the points from the light, and the map raises hundreds of bins.
 TEST(receiver_depth_pyramid, what_the_map_leaves) {
     const gnomon::Device device = device_with();
     std::uint64_t self_shadowing = 0, raised = 0;
@@ -172,7 +172,7 @@ TEST(receiver_depth_pyramid, what_the_map_leaves) {
         }
         settings.with_map = true;
         for (const FrameOutput& out : run_light_stages(device, scene, settings)) {
-            // Nothing that the map leaves open lies below.
+            // No point that the map leaves open lies below.
             for (const ListedPoint& p : out.points) EXPECT_GE(key_of_float(p.z), out.depth_after_map[p.bin]);
             for (std::size_t bin = 0; bin < out.self_shadow_depths.size(); ++bin) {
                 EXPECT_GE(out.depth_after_map[bin], std::min(out.pyramid[bin], out.self_shadow_depths[bin]));
@@ -184,7 +184,7 @@ TEST(receiver_depth_pyramid, what_the_map_leaves) {
     EXPECT_GT(raised, 100u);
 }
 
-// Not vacuous: the first grid's pyramid is 16 times as large as the second's, so canaries lie right behind that.
+// Not vacuous: the first grid's pyramid is 16 times as large as the second's, so canaries are right behind the second.
 TEST(receiver_depth_pyramid, writes_only_its_own) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = device.session();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Stage samples: the patterns against their published definitions; each sample's ray, receiver and point against exact
-// rays; the mean against the oracle's answer for every sample.
+// rays; the mean against the oracle's visibility of every sample.
 #include "samples/samples.hpp"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ std::vector<CameraScene> scenes() {
 
 constexpr std::uint32_t COUNTS[] = {1, 4, 8, 16, 32};
 
-// D3D11_STANDARD_MULTISAMPLE_PATTERN as Microsoft documents it, in sixteenths; copied from there, not from our table.
+// D3D11_STANDARD_MULTISAMPLE_PATTERN as Microsoft documents it, in sixteenths; copied from there, not from gnomon.
 TEST(samples, patterns_are_direct3ds) {
     const auto expect = [](std::uint32_t samples, const std::vector<std::array<int, 2>>& sixteenths) {
         const auto pattern = gnomon::sample_pattern(samples);
@@ -98,7 +98,7 @@ TEST(samples, patterns_are_direct3ds) {
         EXPECT_THROW(gnomon::sample_pattern(count), gnomon::InvalidArgument) << count;
 }
 
-// What makes 32 points well spread: of the 32 equal rectangles of each shape, every one holds one point.
+// 32 well-spread points: each of the 32 equal rectangles of each shape contains one point.
 TEST(samples, thirty_two_fill_every_elementary_rectangle) {
     const auto pattern = gnomon::sample_pattern(32);
     ASSERT_EQ(pattern.size(), 32u);
@@ -145,7 +145,7 @@ TEST(samples, rays_pass_through_their_positions) {
             }
 }
 
-// The device makes the tables that the host would make, to the bit.
+// The device makes the same tables as the host, to the bit.
 TEST(samples, rays_of_the_device_are_the_hosts) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = device.session();
@@ -171,9 +171,9 @@ TEST(samples, rays_of_the_device_are_the_hosts) {
         }
 }
 
-// The receiver of each sample, by its exact ray: the pixel's where that is met, else the nearest. The point: on the
-// eye's side of it, near the exact hit. Not vacuous: samples of both kinds, and samples that see sky beside pixels that
-// do not, are counted.
+// The receiver of each sample, by its exact ray: the pixel's receiver if the ray meets it, else the nearest triangle.
+// The point: on the eye's side of its receiver, near the exact hit. Not vacuous: the test counts samples of both kinds,
+// and samples of the sky beside pixels that show a triangle.
 TEST(samples, receivers_and_points_equal_reference) {
     const gnomon::Device device = device_with();
     constexpr long double SAME_DEPTH = 0x1p-28L;  // kernels/camera/camera.h
@@ -242,7 +242,7 @@ TEST(samples, receivers_and_points_equal_reference) {
     EXPECT_GT(sky_beside, 50u);
 }
 
-// The mean of the oracle's answers, bit for bit. Not vacuous: pixels that are partly lit are counted.
+// The mean of the oracle's visibilities, bit for bit. Not vacuous: pixels that are partly lit are counted.
 TEST(samples, mean_equals_oracle) {
     const gnomon::Device device = device_with();
     std::size_t partly = 0, whole = 0;
@@ -294,7 +294,7 @@ void expect_same_means(const gnomon::Device& device, const CameraScene& scene, c
     const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
     const gnomon::Visibility by_fragments(device, view.points.count()), expected(device, view.points.count());
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    technique->set("conservative-map", "on");  // so few points would go without; mean_equals_oracle does
+    technique->set("conservative-map", "on");  // auto means off for so few points; mean_equals_oracle uses auto
     technique->set("map-size", map_size);
     const gnomon::Statistics statistics =
         gnomon::run_samples(*technique, device, triangles, view, light, samples, by_fragments);
@@ -351,7 +351,7 @@ CameraScene floor_scene(const std::string& name, Floats above, const Float3& eye
             {0, 1, 0}, CameraScene::LATTICE_FOV, 32,  32};
 }
 
-/// Triangles smaller than a pixel, from far above the floor to a hair's breadth above it.
+/// Triangles smaller than a pixel, from far above the floor to just above it.
 Floats dust(std::size_t count, std::uint32_t seed) {
     Random random(seed);
     Floats triangles;
@@ -383,7 +383,7 @@ Floats squares_on_samples(std::size_t count, std::uint32_t seed) {
     return triangles;
 }
 
-/// Slanted receivers of a pixel or two with nothing around them, each with a speck that shadows a part of its lower
+/// Slanted receivers of a pixel or two without neighbours, each with a small triangle that shadows a part of its lower
 /// end.
 Floats islands(std::size_t count, std::uint32_t seed) {
     Random random(seed);
@@ -402,8 +402,8 @@ Floats islands(std::size_t count, std::uint32_t seed) {
     return triangles;
 }
 
-// Scenes that may make a pixel's mean wrong: occluders that a pixel's corners do not see, edges exactly through its
-// corners and samples, occluders that nearly touch the receiver, and lights along the receiver.
+// Scenes that may make a pixel's mean wrong: occluders between a pixel's corners, edges exactly through its corners and
+// samples, occluders that nearly touch the receiver, and lights along the receiver.
 TEST(samples, means_survive_what_hides_in_a_pixel) {
     const gnomon::Device device = device_with();
     Settled sum;
@@ -430,8 +430,8 @@ TEST(samples, means_survive_what_hides_in_a_pixel) {
     expect_not_vacuous(sum);
 }
 
-// Seen along the floor, a pixel below the horizon holds most of it: more bins than are told of a footprint, so that its
-// samples need lists of their own.
+// In a view along the floor, a pixel below the horizon contains most of the floor: its footprint has more bins than the
+// stage stores, so its samples need lists of their own.
 TEST(samples, means_survive_pixels_of_many_bins) {
     const CameraScene scene = floor_scene("along the floor", squares_on_samples(40, 11), {-60, 0.25f, 0.5f});
     Settled sum;
@@ -465,10 +465,10 @@ std::uint64_t traced_samples(const CameraScene& scene, const gnomon::Light& ligh
     return sum.traced;
 }
 
-// Under a roof without holes, whose outline's shadow is not in the picture, only what is around one of its nine inner
-// vertices may be left to be traced: a pixel's footprint is not larger than the pixel, so each touches four at most.
-// Two triangles that share an edge decide the footprint below that edge. Not vacuous: edges run through hundreds of
-// pixels.
+// Under a roof without holes, with the shadow of the outline outside the picture, only footprints around one of its
+// nine inner vertices may be left to the trace. A pixel's footprint is not larger than the pixel, so each vertex
+// touches four at most. Two triangles that share an edge decide the footprint below that edge. Not vacuous: edges run
+// through hundreds of pixels.
 TEST(samples, footprints_below_an_edge_are_in_shadow) {
     if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto roof = squares_in_a_row(4, -44, 49, [](float x, float y) {
@@ -483,7 +483,7 @@ TEST(samples, footprints_below_an_edge_are_in_shadow) {
 }
 
 // A flat floor in the light: its triangles' rounded vertices are at most 1.8 ulp of the largest coordinate apart from
-// one plane (camera.h), and the camera lifts points by 4, so no neighbour is a reason to trace anything.
+// one plane (camera.h), and the camera lifts points by 4, so no neighbour makes a trace necessary.
 TEST(samples, neighbours_in_a_plane_leave_footprints_lit) {
     if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto tilted = squares_in_a_row(24, -40, 40, [](float x, float y) {
@@ -517,7 +517,7 @@ TEST(samples, shape_free) {
     EXPECT_TRUE(same(sampled(without, scene, light, 16).position, expected.position)) << "without double precision";
 }
 
-// A GPU's groups share out a pixel: of any size, with fragments that find room at once or only in a second attempt.
+// A GPU's groups divide a pixel: groups of any size, with fragments that find room at once or only in a second attempt.
 TEST(samples, the_shape_for_gpus_gives_the_same_bits) {
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     for (const CameraScene& scene : scenes()) {

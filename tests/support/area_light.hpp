@@ -17,14 +17,14 @@ inline std::vector<gnomon::Light> square_light(const Float3& center, float side,
     return lights;
 }
 
-/// The same square infinitely far above: light straight down; `tangent` is its width as seen from the ground.
+/// The same square infinitely far above: light straight down; `tangent` is its width as it appears from the ground.
 inline std::vector<gnomon::Light> square_sun(float tangent, int samples) {
     std::vector<gnomon::Light> lights = square_light({0, 1, 0}, tangent, samples);
     for (gnomon::Light& light : lights) light.xyzw[3] = 0;
     return lights;
 }
 
-/// The share of the lights that each point sees.
+/// The part of the lights that reaches each point.
 inline std::vector<double> area_visibility(const gnomon::Device& device, const gnomon::Triangles& triangles,
                                            const gnomon::Points& points, const std::vector<gnomon::Light>& lights) {
     const auto exact = gnomon::make_technique("frustum-traced", device);

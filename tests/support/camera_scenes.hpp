@@ -10,7 +10,7 @@
 
 namespace gnomon {
 
-/// What a camera's kernels take.
+/// The inputs of a camera's kernels.
 struct CameraTables {
     Projection projection;
     std::vector<float> rays;
@@ -50,7 +50,7 @@ struct CameraScene {
     }
 };
 
-/// The exact ray of a pixel, from the table the kernels get.
+/// The exact ray of a pixel, from the table that the kernels read.
 inline reference::ExactRay exact_ray(const gnomon::CameraTables& tables, std::uint32_t x, std::uint32_t y) {
     const float* column = tables.rays.data() + RAY_FLOATS * std::size_t(x);
     const float* row = tables.rays.data() + RAY_FLOATS * (std::size_t(tables.projection.width) + y);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sets an environment variable for as long as a test needs it.
+// Sets an environment variable for the time of a test.
 #pragma once
 
 #include <stdlib.h>  // setenv, unsetenv: POSIX, not in <cstdlib>
@@ -9,7 +9,7 @@
 
 namespace support {
 
-/// Sets the variable while it lives, and restores the value from before.
+/// Sets the variable for the object's lifetime, then restores the value from before.
 class Environment {
 public:
     Environment(const char* name, const std::string& value) : name_(name) {

@@ -11,7 +11,7 @@
 
 namespace support {
 
-/// What a run of a technique returns.
+/// The result of a run of a technique.
 struct Answer {
     std::vector<float> visibility;
     gnomon::Statistics statistics;
@@ -36,8 +36,8 @@ std::unique_ptr<gnomon::Technique> technique_with(const gnomon::Device& device, 
                                                   const std::string& name = "frustum-traced");
 Answer answer(const gnomon::Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
               const gnomon::Points& points, const gnomon::Light& light);
-/// Makes a new frustum-traced for the run. A prepared light gets a grid of 128 unless the settings name one: else
-/// clearing maps would take most of the time.
+/// Makes a new frustum-traced for the run. A prepared light gets a grid of 128 unless the settings name one: without
+/// this, clearing maps would take most of the time.
 Answer answer(const gnomon::Device& device, const LightScene& scene, const Settings& settings,
               Mode mode = Mode::animated);
 
@@ -45,7 +45,7 @@ Answer answer(const gnomon::Device& device, const LightScene& scene, const Setti
 std::size_t expect_equal(const std::vector<float>& got, const std::vector<float>& wanted, const LightScene& scene,
                          const std::string& what);
 
-/// Runs answer() and expects the oracle's visibility at every point. `truth`: truth_of(scene), if it is known already.
+/// Runs answer() and expects the oracle's visibility at every point. `truth`: truth_of(scene), if the caller has it.
 Answer expect_exact(const gnomon::Device& device, const LightScene& scene, const Settings& settings, AnswerTally& tally,
                     Mode mode = Mode::animated, const std::vector<float>* truth = nullptr);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A scene with points and a light: the one type for the question "which points are in shadow?", and the oracle's answer
-// to it.
+// A scene with points and a light: the one type for the question "which points are in shadow?", and the oracle's
+// visibility for it.
 #pragma once
 
 #include <optional>

@@ -41,7 +41,7 @@ inline std::vector<LightScene> light_scenes() {
     for (const auto& [light_name, light] : lights_of_every_kind())
         for (const Shapes& shape : shapes)
             for (const Place& place : places) {
-                // Every shape at home; elsewhere, one shape per light and place in turn.
+                // At the origin every shape; elsewhere, one shape per light and position in turn.
                 if (place.scale != 1 || place.offset[0] != 0)
                     if ((seed++ + scenes.size()) % 3 != 0) continue;
                 scenes.push_back(tie_scene(std::string(shape.name) + place.name + ", " + light_name,

@@ -80,7 +80,7 @@ std::vector<std::vector<std::uint32_t>> read_references(Session& session, const 
 bool is_dropped(const gnomon::TriangleBounds& bounds) { return bounds.x0 > bounds.x1; }
 
 BinRange bins_of(const gnomon::TriangleBounds& bounds, const gnomon::Projection& projection) {
-    // The first texel of which a coordinate may have been rounded to this whole number, and the last.
+    // The first and the last texel with a coordinate that may have been rounded to this whole number.
     const auto first = [&](std::uint32_t q, std::uint32_t texels) { return (q > 0 ? q - 1 : 0) / (65536 / texels); };
     const auto last = [&](std::uint32_t q, std::uint32_t texels) {
         return std::min(q / (65536 / texels), texels - 1) >> projection.bin_log2;
@@ -116,7 +116,7 @@ UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& sce
 
 namespace {
 
-/// The traversal of izb from the same state on: lists the points, and must come to `expected`.
+/// The traversal of izb from the same state on: lists the points, and must give `expected`.
 void run_izb(Session& session, LightStages& stages, const UploadedScene& scene, const gnomon::TraceInputs& inputs,
              const gnomon::FrameCounters& counted, FrameOutput& out, const std::vector<float>& expected) {
     session.write(inputs.visibility, out.visibility_before.data(), out.visibility_before.size() * sizeof(float));

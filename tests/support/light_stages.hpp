@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs the stages of a light one by one, as frustum_traced.cpp orders them, and brings every stage's output to the
+// Runs the stages of a light one by one, in the order of frustum_traced.cpp, and copies every stage's output to the
 // host, so that a stage's test can check its inputs and outputs.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace support {
 
-/// A listed point as the trace sees it.
+/// A listed point as the trace reads it.
 struct ListedPoint {
     std::uint32_t id;
     std::uint32_t bin;
@@ -42,7 +42,7 @@ struct SetUpTriangle {
     BinRange bins;
 };
 
-/// What one frame's stages left behind.
+/// The outputs of one frame's stages.
 struct FrameOutput {
     gnomon::LightFrame frame;  ///< as face_of() makes it
     gnomon::Projection projection;
@@ -56,7 +56,7 @@ struct FrameOutput {
     std::vector<float> visibility_before;                ///< of the frame's stages
     std::vector<float> visibility_after_izb;             ///< listed points are 1 here
     std::vector<float> visibility;                       ///< after exact_trace
-    gnomon::FrameCounters izb_counters;                  ///< what the izb stage alone counted
+    gnomon::FrameCounters izb_counters;                  ///< counts of the izb stage alone
     gnomon::FrameCounters counters;
 };
 
@@ -67,7 +67,7 @@ struct StageSettings {
     std::uint32_t first_capacity = 0;  ///< 0: the stages' own
 };
 
-/// Visibility of a point that is still to be decided (kernels/simd/point_blocks.clh).
+/// Visibility of an open point (kernels/simd/point_blocks.clh).
 inline bool is_open(float visibility) { return visibility >= 2.0f; }
 inline bool may_self_shadow(float visibility) { return visibility == 3.0f; }
 /// A run's visibility, from the visibility after its last frame. Points of frames that did not run are lit.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Fits of shadow maps on a small scene, brought to the host, for the tests of projections, partitions and warps.
+// Fits of shadow maps on a small scene, copied to the host, for the tests of projections, partitions and warps.
 #pragma once
 
 #include <cmath>
@@ -27,7 +27,7 @@ inline Floats yard() {
     return triangles;
 }
 
-/// One device for all: a driver compiles its kernels anew for each.
+/// One device for all tests: a driver compiles its kernels again for each device.
 inline gnomon::Device shared_device() {
     static const gnomon::Device device = device_with();
     return device;
@@ -39,7 +39,7 @@ struct Scene {
     gnomon::Triangles triangles = gnomon::Triangles::upload(device, vertices);
     gnomon::Camera camera;
     gnomon::View view;
-    std::vector<float> positions;  ///< of pixels that see something
+    std::vector<float> positions;  ///< of pixels that show a triangle
 
     explicit Scene(const gnomon::Camera& from, const gnomon::Device& on = shared_device()) : device(on), camera(from) {
         view = gnomon::look(device, triangles, camera, 96, 64);

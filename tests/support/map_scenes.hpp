@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Views of shadow maps made by hand, and their truth in double: the ray of a texel's centre and its first
-// intersection. Shares nothing with the kernels but the contract (kernels/techniques/shadow_map/map_view.h).
+// Views of shadow maps made by hand, and their truth in double: the ray of a texel's centre and its first intersection.
+// Shares only the contract with the kernels (kernels/techniques/shadow_map/map_view.h).
 #pragma once
 
 #include <functional>
@@ -68,7 +68,7 @@ inline ViewCase projective_view(std::uint32_t width, std::uint32_t height, float
     return c;
 }
 
-/// A light at the origin that looks along +z with a right angle: u = (x / z + 1) / 2, depth = z.
+/// A point light at the origin with a view along +z and a right angle: u = (x / z + 1) / 2, depth = z.
 inline ViewCase perspective_view(std::uint32_t width, std::uint32_t height) {
     ViewCase c{"positional", bare_view(width, height), {}, {}};
     set_row(c.view.row_u, {0.5f, 0, 0.5f, 0});

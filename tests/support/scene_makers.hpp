@@ -118,7 +118,7 @@ inline Floats icosphere(int subdivisions, float radius) {
     return triangles;
 }
 
-/// Unit cubes at random places of an integer lattice of `side` cells: coincident faces, shared edges, vertices.
+/// Unit cubes in random cells of an integer lattice of `side` cells: coincident faces, shared edges, vertices.
 inline Floats lattice_blocks(std::size_t count, std::uint32_t side, std::uint64_t seed) {
     Random random(seed);
     Floats triangles;

@@ -37,8 +37,8 @@ inline std::array<double, 3> place_on(Random& random, const Floats& triangles, s
     return place;
 }
 
-/// `count` points on the lines from the light through positions on random triangles, rounded to the last ulp: most lie
-/// behind the triangle, some before or on it. `reach`: the largest distance from the triangle.
+/// `count` points on the lines from the light through positions on random triangles, rounded to the last ulp: most
+/// points are behind the triangle, some before or on it. `reach`: the largest distance from the triangle.
 inline Floats points_behind(const Floats& triangles, const Light& light, std::size_t count, double reach,
                             std::uint64_t seed) {
     Random random(seed);

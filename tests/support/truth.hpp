@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Exact truth for the bounds that a triangle's record gives for a point (kernels/occluders/triangle_setup.h), and the
-// real map that a projection's floats stand for.
+// real map that a projection's floats approximate.
 #pragma once
 
 #include "kernels/simd/projection.h"
@@ -31,7 +31,7 @@ inline ExactPair exact_pair(const reference::Triangle& t, const reference::Float
         pair.behind = side_point * along > 0;
         pair.nearer = side_point * along < 0;
     } else {
-        // This ray starts at the light: nothing behind the light lies on it.
+        // This ray starts at the light: no triangle behind the light lies on it.
         const reference::Ray from_light = reference::Ray::to_light(xyz, {p[0], p[1], p[2], 1});
         const int orientation = reference::covering_orientation(from_light, t, effort);
         const int side_light = reference::side_of_point(xyz, t, effort);
@@ -42,7 +42,7 @@ inline ExactPair exact_pair(const reference::Triangle& t, const reference::Float
     return pair;
 }
 
-/// What the projection's floats stand for (kernels/simd/projection.h), for a light's frame.
+/// The real map that the projection's floats approximate (kernels/simd/projection.h), for a light's frame.
 inline reference::GridMap real_map(const gnomon::Projection& p) {
     const reference::Float3 center{p.center[0], p.center[1], p.center[2]};
     if (p.perspective != 0) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// gnomon::explain(): its occluders are all that the exact predicate of the reference finds, its signs are the
-// contract's, and it agrees with the visibility of a run, for points that every stage and every level of arithmetic
-// decides.
+// gnomon::explain(): its occluders are exactly the triangles that the exact predicate of the reference finds, its signs
+// are those of the contract, and it agrees with the visibility of a run, for points of every stage and every level of
+// arithmetic.
 #include <gtest/gtest.h>
 
 #include <map>

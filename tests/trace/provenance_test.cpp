@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The diagnostic "decided" of frustum-traced: points whose decision is known say so, by the colours of the legend in
-// docs/techniques.md, and the counts of a run's statistics are the numbers of points of each colour.
+// The diagnostic "decided" of frustum-traced: points with a known provenance have its colour (legend in
+// docs/techniques.md), and the counts of a run's statistics are the numbers of points of each colour.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -22,7 +22,7 @@ constexpr Color lit_by_filter{221, 230, 240}, shadowed_by_filter{70, 120, 175}, 
 constexpr std::array<Color, 4> lit_exactly{{{160, 220, 120}, {255, 215, 80}, {255, 110, 90}, {220, 150, 255}}},
     shadowed_exactly{{{60, 130, 40}, {200, 140, 0}, {190, 0, 30}, {130, 40, 220}}};
 
-/// What a run answers, and the colour of each point's provenance.
+/// A run's visibility, and the colour of each point's provenance.
 struct ColoredAnswer {
     Answer run;
     std::vector<Color> colors;
@@ -47,7 +47,7 @@ ColoredAnswer answer_with_colors(const gnomon::Device& device, const LightScene&
         found.colors.push_back({rgba[i], rgba[i + 1], rgba[i + 2]});
         EXPECT_EQ(rgba[i + 3], 255);
     }
-    // Being watched changes nothing.
+    // The diagnostic changes no result of the run.
     EXPECT_EQ(answer(device, *watched, triangles, points, light).visibility, found.run.visibility);
     return found;
 }
@@ -62,10 +62,10 @@ TEST(provenance, exact_ties_are_decided_by_the_wider_levels) {
     LightScene scene = roof();
     scene.triangles.resize(9);  // the half with the vertices (-1, -1), (1, -1), (1, 1) in x and z
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    // Under it, beside it, the sky; exactly under the slanted edge, and under the one at x = 1.
+    // Below the roof, beside it, the sky; exactly below the slanted edge, and below the edge at x = 1.
     scene.points = {0.5f, 0, -0.25f, 3, 0, 0, nan, 0, 0, 0.25f, 0, 0.25f, 1, 0, 0.25f};
-    // The slanted edge's determinant is the difference of two products that are equal and not 0: integers alone know
-    // that it is 0. Of the other edge each product has a factor 0, which double proves (docs/numerics.md, 7).
+    // The slanted edge's determinant is the difference of two products that are equal and not 0: only integers prove
+    // that it is 0. For the other edge, each product has a factor 0, which double proves (docs/numerics.md, 7).
     EXPECT_EQ(
         answer_with_colors(device, scene, {{"conservative-map", "off"}}).colors,
         (std::vector<Color>{shadowed_by_filter, lit_by_filter, absent, shadowed_exactly[2], shadowed_exactly[1]}));
@@ -74,7 +74,7 @@ TEST(provenance, exact_ties_are_decided_by_the_wider_levels) {
 TEST(provenance, what_is_not_traced_says_why) {
     const gnomon::Device device;
     LightScene scene = roof();
-    // The first point is on the roof's underside, seen from below, the second in the open.
+    // The first point is on the roof's underside, seen from below; the second has no triangle above it.
     scene.points = {0, 2, 0.5f, 5, 0, 5};
     scene.receivers = {1, gnomon::no_receiver};
     scene.eye = Float3{0, 0, 0};
@@ -86,7 +86,7 @@ TEST(provenance, what_is_not_traced_says_why) {
     EXPECT_TRUE(answer_with_colors(device, scene).colors.empty());
 }
 
-/// Each colour's points are what the statistics of the same run counted, and lit or dark as visibility says.
+/// The number of each colour's points equals the same run's count, and each colour agrees with visibility.
 void expect_counts(const LightScene& scene, const Settings& settings, std::map<std::string, std::size_t>& seen) {
     static const gnomon::Device device;
     const char* const levels[] = {"decided_by_float", "decided_by_double", "decided_by_integers"};
@@ -103,13 +103,13 @@ void expect_counts(const LightScene& scene, const Settings& settings, std::map<s
               answer.count(shadowed_by_filter) + exact_first + second);
     std::size_t by_levels = 0, asked_by_levels = 0;
     for (int level = 0; level < 3; ++level) {
-        // A lit point has had all its pairs decided, in both runs; a dark one maybe not the same ones.
+        // For a lit point all pairs were decided, in both runs; for a dark point the decided pairs may differ.
         EXPECT_LE(answer.count(lit_exactly[level]), s.count(levels[level]));
         by_levels += answer.count(lit_exactly[level]) + answer.count(shadowed_exactly[level]);
         asked_by_levels += s.count(levels[level]);
     }
-    // Which pairs find room in a queue that is too short depends on which work-items ran when, and these are two runs:
-    // a point that is postponed may then be decided by another of its triangles.
+    // Which pairs find room in a queue that is too short depends on the order of the work-items, and these are two
+    // runs: a postponed point may then be decided by another of its triangles.
     const bool has_room = std::none_of(settings.begin(), settings.end(),
                                        [](const auto& setting) { return setting.first == "first-capacity"; });
     if (has_room) {

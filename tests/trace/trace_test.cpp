@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stages trace and exact_trace. What the trace decides is true; what it leaves open, and only that, is queued; and
-// after the exact stage every point has the oracle's answer.
+// Stages trace and exact_trace. Every decision of the trace is true; it queues the pairs that it leaves undecided and
+// no others; and after the exact stage every point has the oracle's visibility.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct Tally {
     std::uint64_t by_trace = 0, by_exact = 0, queued = 0, lit = 0, by_integers = 0;
 };
 
-/// After the trace alone: decided points are in shadow, and the queue holds a blocking pair for the others that are.
+/// After the trace: decided points are in shadow, and the queue has a blocking pair of every other shadowed point.
 void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& tally) {
     SCOPED_TRACE(scene.name);
     gnomon::cl::Session& session = device.session();
@@ -166,7 +166,7 @@ TEST(trace, shape_free) {
         const std::vector<float> plain = answer(device_with(), scene);
         for (const std::uint32_t group : FEW_WORK_GROUP_SIZES)
             EXPECT_EQ(answer(device_with(group), scene), plain) << "work-groups of " << group;
-        // Another grid leaves other pairs open, and without double precision more of them reach the integers.
+        // Another grid leaves other pairs undecided, and without double precision more of them reach the integers.
         for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{1, 0}, {17, 1}, {256, 2}}) {
             StageSettings settings;
             settings.grid = grid;
@@ -197,8 +197,8 @@ TEST(trace, survives_degenerates) {
     EXPECT_GT(tally.lit, 100u);
 }
 
-// Sixteen points at a time around places in and under two roofs, which fill texels of the map: a block may be below a
-// roof, above it, on both sides of it, or across its edge.
+// Sixteen points at a time around positions in and below two roofs, which fill texels of the map: a block may be below
+// a roof, above it, on both sides of it, or across its edge.
 LightScene blocks_scene(const Light& light, bool has_doubtful_points) {
     LightScene scene;
     scene.name = "blocks under roofs";
@@ -218,8 +218,8 @@ LightScene blocks_scene(const Light& light, bool has_doubtful_points) {
     return scene;
 }
 
-// By blocks as by points, bits and counts. Not vacuous: the map hides hundreds of whole blocks, and the lamp's points
-// are in several faces.
+// Blocks and single points give the same bits and counts. Not vacuous: the map hides hundreds of whole blocks, and the
+// point light's points are in several faces.
 TEST(trace, settles_blocks_below_the_map) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = device.session();
@@ -242,8 +242,8 @@ TEST(trace, settles_blocks_below_the_map) {
         }
 }
 
-// A queue with room for one pair: what finds none is decided in place, and later runs have more. Not vacuous: the scene
-// leaves hundreds of pairs open.
+// A queue with room for one pair: a pair without room is decided in place, and later runs have more room. Not vacuous:
+// the scene leaves hundreds of pairs undecided.
 TEST(trace, bounds_its_queue) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene(along(0, -1, 0));
@@ -260,7 +260,7 @@ TEST(trace, bounds_its_queue) {
     EXPECT_EQ(out.visibility, answer(device, scene));
 }
 
-// Not vacuous: the buffers have room behind what the stages may write, and both stages write.
+// Not vacuous: the buffers have room behind the outputs of the stages, and both stages write.
 TEST(trace, writes_only_its_own) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = device.session();
