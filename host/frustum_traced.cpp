@@ -5,20 +5,20 @@
 //   facing            one pass over the points: backfacing points are decided, the others are open
 //   light_frame       grid fitted to the open points; one for a directional light, six for a point light
 //   receiver_depth_pyramid   how far from the light the open points reach, per bin
-//   clusters          where they are kept: those that can matter
-//   triangle_setup    triangles that can matter, each with a float filter
+// clusters          where they are kept: clusters that survive the cull
+// triangle_setup    triangles that survive the cull, each with a float filter
 //   conservative_map  where one triangle covers a whole texel
 //   bins              triangles are listed by bin
 //   trace             open points against the map, then against their bin's triangles by the filter
-//   exact_trace       pairs that the filter left undecided
+// exact_trace       decides the pairs that the filter left undecided
 //
 // Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
 //
-// Footprints (samples/fragments.cpp) take the same way, with one stage, classify_footprints, in place of the last two;
-// these follow for the samples of mixed footprints, over the same lists.
+// Footprints (samples/fragments.cpp) go through the same stages, with one stage, classify_footprints, instead of the
+// last two; the last two then decide the samples of mixed footprints, over the same lists.
 //
 // Lists are filled optimistically: a list that turns out too short is grown and the frame is run again; the trace does
-// nothing before all lists fit. Undecided pairs that found no room are decided by trace_queue_overflow.
+// no work before all lists fit. trace_queue_overflow decides the undecided pairs that found no room.
 #include "frustum_traced.hpp"
 
 #include <limits>
@@ -29,7 +29,7 @@
 
 namespace gnomon {
 
-/// What a run is given. It does not change until the run's end.
+/// The inputs of a run. They do not change until the run's end.
 struct FrustumTraced::RunInputs {
     TriangleInputs triangles;
     PointInputs points;
@@ -37,16 +37,16 @@ struct FrustumTraced::RunInputs {
     cl_mem visibility;
 };
 
-/// What one frame counted.
+/// The counts of one frame.
 struct FrustumTraced::FrameResult {
     FrameCounters counted{};
-    FrameCounters first_attempt{};  ///< before lists grew: with what facing counted, if that was not read before
+    FrameCounters first_attempt{};  ///< before lists grew: with the counts of facing, if these were not read before
     std::uint64_t lists_grown = 0;
     bool drew_map = false;
-    const cl::Buffer* map = nullptr;  ///< null where none is drawn
+    const cl::Buffer* map = nullptr;  ///< null where no map is drawn
 };
 
-/// What a run counted.
+/// The counts of a run.
 struct FrustumTraced::RunResult {
     Statistics statistics{};          ///< of the stages
     FrameCounters facing{}, total{};  ///< total: over the frames
@@ -78,7 +78,7 @@ constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
 
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
-// Stages that had nothing to do give the reason.
+// Gives stages that had no work the reason.
 void mark_skipped(Statistics& statistics, std::string_view stage, const std::string& why) {
     for (StageStatistics& s : statistics.stages)
         if (s.name == stage && s.skipped.empty()) s.skipped = why;
@@ -110,8 +110,8 @@ bool FrustumTraced::may_draw_map(const PointInputs& points) const {
     return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
 }
 
-// A CPU estimates in each frame whether a map is worth its while, between two kernels. A GPU would pay for that even
-// where no map is drawn: the launches of a map take a tenth of a frame, whatever they draw. So it goes by the last map.
+// A CPU estimates in each frame whether a map is worth its cost, between two kernels. On a GPU a map's launches take a
+// tenth of a frame, whatever they draw, so the rule uses the counts of the last map.
 bool FrustumTraced::goes_by_last_map(const PointInputs& points) const {
     return settings_.map_mode == MapMode::automatic && !device_.session().is_cpu() && points.footprints == nullptr;
 }
@@ -122,9 +122,9 @@ ListSettings FrustumTraced::list_settings(const PointInputs& points, cl_uint fra
     return {may_draw_map(points) && !skips_map, judges_map, settings_.cover_test};
 }
 
-// A map saves the walks of the points that it decides, and the references of the triangles that it hides, which would
-// have had about as many as the others have. On an H200 lists cost 82 us per million references (pairs, scatter and
-// order of foliage v0: 609 us for 7.46 million); the other two constants are fitted to runs with and without a map. At
+// A map saves the walks of the points that it decides, and the references of the triangles that it hides, assumed to be
+// as many per triangle as for the others. On an H200 lists cost 82 us per million references (pairs, scatter and order
+// of foliage v0: 609 us for 7.46 million); the other two constants are fitted to runs with and without a map. At
 // 1920x1080 the rule takes the faster of the two in all of 15 views of real and made scenes.
 bool FrustumTraced::map_was_worth_drawing(const FrameCounters& counted) {
     constexpr double us_per_point = 25e-6, us_per_reference = 82e-6, us_of_map = 40;
@@ -133,7 +133,7 @@ bool FrustumTraced::map_was_worth_drawing(const FrameCounters& counted) {
     return us_per_point * counted.decided_by_map + us_per_reference * spared >= us_of_map;
 }
 
-// A GPU leaves out a map that saves less than it costs for some runs; then it draws and judges one again.
+// A GPU leaves out a map that saves less than it costs for some runs; then it draws and judges a map again.
 void FrustumTraced::note_map_benefit(const FrameResult& result, cl_uint frame) {
     constexpr std::uint32_t runs_until_next = 31;
     if (!result.drew_map)
@@ -222,7 +222,7 @@ FrustumTraced::FrameResult FrustumTraced::run_frame(const RunInputs& in, cl_uint
 
 // ---- A run ----------------------------------------------------------------------------------------------------------
 
-// Runs only what depends on the points; false if some of them need more than was prepared.
+// Runs only the stages that depend on the points; false if there are fallback points.
 bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
     cl::Session& session = device_.session();
     const LightFrame& light_frame = prepared_->light_frame();
@@ -263,8 +263,8 @@ bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
     return true;
 }
 
-// For a directional light on a GPU: nothing is read back before the frame's end, since a wait there takes as long as a
-// stage. (On a CPU it costs nothing, and where no point is open the rest need not run.)
+// For a directional light on a GPU: the host reads no counters before the frame's end, since a wait there takes as long
+// as a stage. (On a CPU a wait is free, and where no point is open the other stages need not run.)
 void FrustumTraced::run_one_frame(const RunInputs& in, RunResult& result) {
     Statistics& statistics = result.statistics;
     cl::Session& session = device_.session();

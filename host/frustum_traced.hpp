@@ -26,17 +26,17 @@ public:
     Statistics prepare(const Triangles& triangles, const Light& light) override;
     void forget() override;
     void set(std::string_view name, std::string_view value) override;
-    /// "decided": what decided each point. Of any points, not only a camera's.
+    /// "decided": the provenance of each point. For any points, not only a camera's.
     std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                        const Light& light) override;
 
-    /// run(), watched: a PROVENANCE_... for each point.
+    /// run() with a record of provenance: a PROVENANCE_... for each point.
     std::vector<std::uint32_t> run_watched(const Triangles& triangles, const Points& points, const Light& light,
                                            const Visibility& visibility);
 
     static TechniqueDescription describe();
 
-    /// On a GPU: whether a frame with a map, which counted this, took less time than one without.
+    /// On a GPU: true if a frame with a map and these counts took less time than one without.
     static bool map_was_worth_drawing(const FrameCounters& counted);
 
 private:
@@ -45,7 +45,7 @@ private:
         MapMode map_mode;
         CoverTest cover_test;
         std::uint32_t map_size;        ///< 0: chosen by the device and the scene
-        std::uint32_t first_capacity;  ///< 0: the lists' own
+        std::uint32_t first_capacity;  ///< 0: the lists' default
     };
     struct RunInputs;
     struct FrameResult;
@@ -56,14 +56,14 @@ private:
     bool run_prepared(const RunInputs& in, RunResult& result);
     void run_unprepared(const RunInputs& in, RunResult& result);
     void run_one_frame(const RunInputs& in, RunResult& result);
-    /// `counters_hold_facing`: what facing counted is still to be read, with what the frame counts.
+    /// `counters_hold_facing`: the counts of facing are still to be read, with the counts of the frame.
     FrameResult run_frame(const RunInputs& in, cl_uint frame, Statistics& statistics, bool counters_hold_facing);
-    /// The stages after the lists. Nothing if a list was too short, which is longer now. `first_read`: the counters
-    /// before a queue overflow, in any case.
+    /// The stages after the lists. No stage runs if a list was too short; the list is longer now. `first_read`: the
+    /// counters before a queue overflow, in any case.
     std::optional<FrameCounters> decide(const TraceInputs& inputs, Statistics& statistics, FrameCounters& first_read);
     FrameCounters run_queue_overflow(const TraceInputs& inputs, Statistics& statistics);
     TraceInputs frame_inputs(const RunInputs& in, cl_uint frame, const cl::Buffer* map) const;
-    /// Records provenance while a run is watched.
+    /// Records provenance if the run has a Provenance.
     void observe(Moment moment, const TraceInputs& inputs);
 
     bool may_draw_map(const PointInputs& points) const;
@@ -78,7 +78,7 @@ private:
     Settings settings_ = settings_table().defaults();
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
 
-    /// On a GPU, by frame: runs that leave the map out, since the last one decided too little. Only a matter of time.
+    /// On a GPU, by frame: runs that leave the map out, since the last one decided too few points. Affects time alone.
     std::array<std::uint32_t, POINT_LIGHT_FRAMES> runs_without_map_{};
 
     cl::Buffer counters_;
@@ -86,13 +86,13 @@ private:
     ReceiverDepthPyramid receiver_depth_pyramid_;
     OccluderLists lists_;
     Trace trace_;
-    /// The frame of the lists, if they were made for footprints and serve for all of their samples.
+    /// The frame of the lists, if they were made for footprints and are valid for all of their samples.
     struct FootprintLists {
         LightFrame light_frame;
         const cl::Buffer* map;
     };
     std::optional<FootprintLists> footprint_lists_;
-    std::optional<Provenance> provenance_;  ///< while a run is watched
+    std::optional<Provenance> provenance_;  ///< while a run records provenance
     std::unique_ptr<PreparedLight> prepared_;
 };
 

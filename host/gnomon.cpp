@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The public face: devices and the register of techniques. A new technique is one include and one entry in
+// The public functions: devices and the register of techniques. A new technique is one include and one entry in
 // `registered`.
 #include <gnomon.hpp>
 
@@ -95,7 +95,7 @@ std::vector<TechniqueDescription> techniques() {
     return all;
 }
 
-// Presets have the diagnostics of their technique, which stands before them.
+// Presets have the diagnostics of their technique, which comes before them.
 std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
     std::string known, names;
     for (const TechniqueDescription& technique : techniques()) {

@@ -3,8 +3,8 @@
 // share a range out over all work-items.
 //
 // Rounding: every float operation rounds once, to nearest even. OpenCL C contracts a * b + c by default; the pragma
-// below forbids it in all files that include this header (checked at start-up, see self_check.cl). Where a fused
-// product is wanted, fma() says so. No relaxed-math build option is ever passed.
+// below forbids it in all files that include this header (checked at start-up, see self_check.cl). Code that needs a
+// fused product calls fma(). No relaxed-math build option is passed.
 //
 // Host-given macros: GN_FP64 (the device has double precision), GN_CPU (work-items run one after the other, so each
 // takes a contiguous chunk), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU).
@@ -22,8 +22,7 @@
     }                              \
     name;                          \
     typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
-// For a size that is a multiple of 16 bytes: a GPU reads and writes 16 bytes at a time instead of each member by
-// itself.
+// For a size that is a multiple of 16 bytes: a GPU then reads and writes 16 bytes at a time instead of single members.
 #define GN_ALIGNED_STRUCT_END(name, bytes) \
     }                                      \
     __attribute__((aligned(16))) name;     \
@@ -41,7 +40,7 @@
 #define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
 #endif
 
-// A work-item's part of [0, n), as GN_FOR_EACH shares it out; and the loop over that part.
+// The part of [0, n) that GN_FOR_EACH gives a work-item, and the loop over that part.
 typedef struct ItemRange {
     size_t first, end, step;
 } ItemRange;
@@ -59,8 +58,8 @@ static ItemRange item_range(size_t n) {
 #define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; i += (items).step)
 #endif
 
-// A function for a kernel's work. PoCL compiles a kernel three times, once for each way to call it, with all functions
-// that it inlines: those that read ids or meet a barrier. This function has neither and is compiled once.
+// A function for a kernel's work. PoCL compiles a kernel three times, once for each way to call it, together with all
+// inlined functions that read ids or meet a barrier. This function does neither and is compiled once.
 #ifdef GN_CPU
 #define GN_NOINLINE_ON_CPU __attribute__((noinline)) static
 #else

@@ -27,7 +27,7 @@ void append_split(std::vector<float>& rays, const Double3& v) {
 
 double determinant(const Camera& camera) { return dot(camera.right, cross(camera.up, camera.forward)); }
 
-// Refuses a camera whose axes are not of about unit length or do not span space, or whose angle no picture can have.
+// Refuses a camera with axes that are not of about unit length or do not span space, or with an impossible angle.
 void require_camera(const Camera& camera) {
     for (const float c : camera.eye)
         if (!std::isfinite(c)) throw InvalidArgument("the camera's eye must be finite numbers");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage camera: visibility buffer and shading points (kernels/camera/camera.h, kernels/camera/camera.cl). look(),
-// read() and lift() of gnomon.hpp are its face; samples.cpp runs it for many samples per pixel.
+// Stage camera: visibility buffer and shading points (kernels/camera/camera.h, kernels/camera/camera.cl). gnomon.hpp
+// gives it the functions look(), read() and lift(); samples.cpp runs it for many samples per pixel.
 #pragma once
 
 #include "api/inputs.hpp"
@@ -29,10 +29,10 @@ struct PointSlice {
 class CameraStage {
 public:
     explicit CameraStage(const Device& device) : session_(device.session()) {}
-    /// Sets the scene and the camera for the next runs; the lists keep their room.
+    /// Sets the scene and the camera for the next runs; the lists keep their memory.
     void aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
-    /// Writes receivers and points of the sample at `offset` in every pixel. A sample whose ray meets the receiver of
-    /// its pixel takes that receiver; else, or if pixel_receivers is null, the nearest. Adds to `statistics`.
+    /// Writes receivers and points of the sample at `offset` in every pixel. A sample takes the receiver of its pixel
+    /// if the sample's ray meets it; else, or if pixel_receivers is null, the nearest triangle. Adds to `statistics`.
     void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
 
     /// Makes the lists of triangles per tile, once. Adds to `statistics`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage shade: the picture of a view (kernels/camera/shade.cl). shade() of gnomon.hpp is its face.
+// Stage shade: the picture of a view (kernels/camera/shade.cl). Its public function is shade() of gnomon.hpp.
 #include <cmath>
 
 #include "camera/camera.hpp"

@@ -40,7 +40,7 @@ std::string type_name(cl_device_type type) {
     return "custom";
 }
 
-// What gnomon cannot do without. Double precision is wanted by the camera stage alone, and asked for there.
+// The features that gnomon requires. Double precision is not required: kernels can compute it by integers.
 std::string missing(cl_device_id device, const DeviceDescription& description) {
     std::string lacks;
     const auto need = [&lacks](bool there, const char* what) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a device says of itself, and what it lacks for gnomon.
+// The description of a device, and the features that gnomon requires but the device lacks.
 #pragma once
 
 #include <gnomon.hpp>
@@ -8,7 +8,7 @@ namespace gnomon::cl {
 
 DeviceDescription describe(cl_device_id device);
 
-/// The device that a selector names (see Device). Throws DeviceNotFound with the list of what there is.
+/// The device that a selector names (see Device). Throws DeviceNotFound with the list of all devices.
 DeviceDescription select_device(std::string_view selector);
 
 }  // namespace gnomon::cl

@@ -17,9 +17,9 @@
 namespace gnomon::cl {
 namespace {
 
-// What every picture takes is one program on a CPU: PoCL takes .2 s to begin with one, since it reads OpenCL's headers
-// anew, and .05 s to find in its cache what it has compiled; and it compiles of a program only the kernels that are
-// launched. A GPU's compiler makes all of them at once.
+// On a CPU one program has the kernels of every picture: PoCL takes .2 s to begin with a program, since it reads
+// OpenCL's headers anew, and .05 s to find a compiled program in its cache; and it compiles only those kernels of a
+// program that are launched. A GPU's compiler compiles all kernels of a program at once.
 constexpr const char* picture_program = "*.cl";
 constexpr std::array picture_files = {"occluders/triangle_bounds.cl",
                                       "occluders/triangle_tiles.cl",
@@ -33,7 +33,7 @@ constexpr std::array picture_files = {"occluders/triangle_bounds.cl",
                                       "camera/shade.cl",
                                       "occluders/conservative_map.cl"};
 
-// Empty where it is not set.
+// Empty if the variable is not set.
 std::string environment(const char* variable) {
     const char* value = std::getenv(variable);
     return value != nullptr ? value : "";
@@ -70,7 +70,7 @@ void paste(const std::string& file, const std::string& text, std::set<std::strin
     }
 }
 
-// FNV-1a, twice with different starts: a name for a cache file, not a proof of anything.
+// FNV-1a, twice with different starts: a name for a cache file, not a proof of equality.
 std::string hash_of(const std::string& text) {
     std::uint64_t a = 14695981039346656037ull, b = 1099511628211ull * 31;
     for (unsigned char c : text) {
@@ -119,7 +119,7 @@ std::string Session::source_of(const std::string& program, const std::string& de
 }
 
 std::string Session::build_options() const {
-    // No warnings: PoCL's compiler would print their number, of its own headers' too, to whatever terminal there is.
+    // No warnings: PoCL's compiler would print the number of all warnings, also of its own headers, to the terminal.
     std::string options = "-cl-std=CL1.2 -w -D GN_LANES=" + std::to_string(lanes());
     if (is_cpu_) options += " -D GN_CPU";
     if (has_fp64_) options += " -D GN_FP64";
@@ -166,7 +166,7 @@ void Session::store_cached(const std::string& key, cl_program program) {
     std::string binary(size, '\0');
     auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
     if (clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof(bytes), &bytes, nullptr) != CL_SUCCESS) return;
-    // A cache that cannot be written costs time, nothing else.
+    // A cache that cannot be written costs only time.
     std::error_code ignored;
     const std::filesystem::path directory = cache_directory();
     std::filesystem::create_directories(directory, ignored);

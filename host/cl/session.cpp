@@ -72,7 +72,7 @@ void Session::deallocate(cl_mem memory, std::size_t bytes) noexcept {
 
 namespace {
 
-// PoCL compiles a kernel, or loads it from its own cache, when a thread takes up its first launch.
+// PoCL compiles a kernel, or loads it from its own cache, when a thread begins the kernel's first launch.
 bool is_pocl(const DeviceDescription& description) {
     return description.platform.find("Portable Computing Language") != std::string::npos;
 }
@@ -127,7 +127,7 @@ void Session::configure(const DeviceOptions& options) {
     profiles_ = options.profile;
     memory_limit_bytes_ = options.memory_limit_bytes;
     traces_ = std::getenv("GNOMON_TRACE") != nullptr;
-    // PoCL keeps a cache of its own, and asking it for binaries costs an extra build.
+    // PoCL keeps a cache of its own, and reading its binaries costs an extra build.
     caches_binaries_ = !is_pocl(description_);
     std::size_t largest = 1;
     clGetDeviceInfo(description_.device_id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof(largest), &largest, nullptr);
@@ -146,7 +146,7 @@ Session::~Session() {
 }
 
 std::size_t Session::many_groups() const {
-    // A CPU takes pieces: enough of them to even out, few enough to cost nothing. A GPU wants its lanes full.
+    // A CPU takes chunks: enough of them for even shares, few enough for no overhead. A GPU needs full lanes.
     return is_cpu_ ? compute_units() * 64 : std::max<std::size_t>(1, compute_units() * 2048 / work_group_size_);
 }
 

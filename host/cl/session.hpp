@@ -18,7 +18,7 @@ void check(cl_int code, std::string_view call);
 
 class Session;
 
-/// Device memory of gnomon's own. Grows by being made anew: contents are not kept.
+/// Device memory of gnomon's own. A buffer that grows is made anew: contents are not kept.
 class Buffer {
 public:
     Buffer() = default;
@@ -44,27 +44,27 @@ private:
     std::size_t bytes_ = 0;
 };
 
-/// A kernel argument: so many bytes of local memory.
+/// A kernel argument: this many bytes of local memory.
 struct LocalBytes {
     std::size_t bytes;
 };
 
-/// So many bytes of a buffer, word by word.
+/// This many bytes of a buffer, word by word.
 struct Fill {
     const Buffer& buffer;
     std::uint32_t word;
     std::size_t bytes;
 };
 
-/// Kernel `name` of kernels/<file>. `defines`: macros that the program's text begins with, separated by spaces, so that
-/// one text gives several programs; GN_A or GN_A=1.
+/// Kernel `name` of kernels/<file>. `defines`: macros at the beginning of the program's text, separated by spaces, so
+/// that one text gives several programs; GN_A or GN_A=1.
 struct Kernel {
     const char* file;
     const char* name;
     const char* defines = "";
 };
 
-/// How many work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of `local` items if not 0).
+/// The number of work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of `local` items if not 0).
 struct Range {
     enum class Kind { items, groups } kind;
     std::size_t count;
@@ -94,7 +94,7 @@ public:
     std::size_t work_group_size() const { return work_group_size_; }
     /// Work-groups that fill the device a few times over.
     std::size_t many_groups() const;
-    /// Over `items` of unlike length: on a GPU as many groups as leave each work-item about `each` of them, so that a
+    /// Over `items` of unlike length: on a GPU enough groups to give each work-item about `each` of them, so that a
     /// multiprocessor that is done takes another group; on a CPU more groups than usual, for the same reason.
     Range uneven_items(std::size_t items, std::size_t each) const;
     /// Groups of at most 32 items (a GPU's warp) that fill the device: for groups that share out a few dozen things.
@@ -102,7 +102,7 @@ public:
 
     std::uint64_t memory_bytes() const { return memory_bytes_; }
     std::uint64_t peak_memory_bytes() const { return peak_memory_bytes_; }
-    /// The most since begin_run(): what one run needed.
+    /// The largest amount since begin_run(): the memory that one run needed.
     std::uint64_t run_peak_bytes() const { return run_peak_bytes_; }
     void begin_run() { run_peak_bytes_ = memory_bytes_; }
     void forget_peak() { peak_memory_bytes_ = run_peak_bytes_ = memory_bytes_; }
@@ -131,7 +131,7 @@ public:
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     void write(cl_mem buffer, const void* data, std::size_t bytes);
     void read(cl_mem buffer, void* data, std::size_t bytes);
-    /// What the buffer begins with.
+    /// The first bytes of the buffer.
     template <typename Value>
     Value read_value(const Buffer& buffer) {
         Value value;
@@ -140,21 +140,21 @@ public:
     }
     void finish();
 
-    /// Makes a kernel file of this text known under `file`; it may include those of kernels/. For tests, which put the
-    /// functions of the headers under kernels of their own.
+    /// Makes a kernel file of this text known under `file`; it may include files of kernels/. For tests, which add
+    /// kernels of their own to the functions of the headers.
     void add_source(const std::string& file, std::string text) { added_sources_[file] = std::move(text); }
 
-    /// Asked before each OpenCL call that may fail on a sound device, with the call as errors name it; returns the code
-    /// that it is to fail with instead of being made, or CL_SUCCESS. For tests; none is set otherwise.
+    /// Called before each OpenCL call that may fail on a sound device, with the call as errors name it. Returns the
+    /// code with which the call fails instead of being made, or CL_SUCCESS. For tests; not set otherwise.
     using FaultInjector = std::function<cl_int(std::string_view call)>;
     void inject_faults(FaultInjector injector) { injector_ = std::move(injector); }
 
     /// Waits where kernels were launched for the first time since the last call.
     KernelBuilds kernel_builds();
-    /// What is known of it without a wait.
+    /// The part of it that is known without a wait.
     double build_ms() const { return builds_.ms; }
 
-    /// Device time of what was enqueued since the last call, in ms (waits); 0 without profiling.
+    /// Device time of the commands enqueued since the last call, in ms (waits); 0 without profiling.
     double take_device_ms();
 
 private:
@@ -215,10 +215,10 @@ private:
     struct FirstLaunch {
         cl_event before, launch;
     };
-    std::vector<FirstLaunch> first_launches_;  ///< whose waits are not yet in builds_
+    std::vector<FirstLaunch> first_launches_;  ///< launches with waits that are not yet in builds_
 };
 
-/// Device memory of one run of something that keeps buffers from run to run, also when the run ends by an exception.
+/// Device memory of one run of an object that keeps buffers from run to run, also when the run ends by an exception.
 class RunMemory {
 public:
     /// `kept`: the bytes kept from earlier runs; brought up to date when this one ends.
@@ -229,7 +229,7 @@ public:
     RunMemory(const RunMemory&) = delete;
     RunMemory& operator=(const RunMemory&) = delete;
 
-    /// The most so far, without what others hold.
+    /// The most so far, without the memory of other objects.
     std::uint64_t peak_bytes() const { return kept_ + session_.run_peak_bytes() - before_; }
 
 private:

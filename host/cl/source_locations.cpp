@@ -8,7 +8,7 @@ namespace gnomon::cl {
 
 namespace {
 
-// Of the line of that number, counted from 1: FILE:LINE by the last #line "FILE" before it; empty if there is none.
+// The location of line `number`, counted from 1: FILE:LINE by the last #line "FILE" before it; empty if there is none.
 std::string place_of(std::size_t wanted, const std::string& source) {
     std::istringstream lines(source);
     std::string line, file;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Opens a device only if it computes as the proofs say: a check of its arithmetic at start-up.
+// Opens a device only if it computes as the proofs assume: a check of its arithmetic at start-up.
 //
-// A device whose floats, integers or exact predicate are broken is refused. One where only double precision is broken
-// is used without it: the answers are the same, since the exact level needs none and the camera then computes doubles
-// by integers. What is looked at, and which numbers tell, is in kernels/exact/self_check.cl.
+// A device with broken floats, integers or exact predicate is refused. A device where only double precision is broken
+// is used without it: the answers are the same, since the exact level needs no double precision and the camera then
+// computes doubles by integers. kernels/exact/self_check.cl has the tests and their numbers.
 //
 // Cost with PoCL: 20 ms when its kernel cache is warm, which is what PoCL takes for any program however small (the
 // check itself: 0.1 ms), and half a second of compilation when it is not.
@@ -18,7 +18,7 @@
 
 namespace gnomon {
 
-/// What the check found, as clauses that follow "the device".
+/// The faults that the check found, as clauses that follow "the device".
 struct ArithmeticFaults {
     std::vector<std::string> everywhere;  ///< no answer would be exact
     std::vector<std::string> in_double;   ///< harmless if double precision is left alone
@@ -26,8 +26,8 @@ struct ArithmeticFaults {
 
 ArithmeticFaults check_arithmetic(cl::Session& session);
 
-/// Opens a session by `open`, checks it, and opens it again without double precision if that is all that is broken (the
-/// description then says so). Throws DeviceNotFound for a device that cannot be trusted.
+/// Opens a session by `open`, checks it, and opens it again without double precision if only that is broken (the
+/// description then states it). Throws DeviceNotFound for a device that cannot be trusted.
 std::shared_ptr<cl::Session> open_checked(
     const DeviceOptions& options, const std::function<std::shared_ptr<cl::Session>(const DeviceOptions&)>& open);
 

@@ -8,7 +8,7 @@ namespace gnomon {
 
 class Sort {
 public:
-    /// Puts the first `count` keys and values in order. The buffers may change places with others as large.
+    /// Puts the first `count` keys and values in order. The buffers may be swapped with others of the same size.
     void run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values);
 
 private:

@@ -8,10 +8,10 @@ namespace gnomon {
 
 class Bins {
 public:
-    /// Makes room for the lists of so many bins, and zeroes their counts. The setup may append pairs before run().
+    /// Makes room for the lists of this many bins, and zeroes their counts. The setup may append pairs before run().
     PairBuffers begin(cl::Session& session, std::uint32_t bin_count, const TriangleSetup& setup);
     /// Fills pairs(), ranges() and entries() from the bounds, records and tiles of the setup. `pyramid`
-    /// (receiver_depth_pyramid) may be null: then no bin is left out for its depth.
+    /// (receiver_depth_pyramid) may be null: then the depth excludes no bin.
     void run(cl::Session& session, const ProjectionInput& projection, const TriangleSetup& setup,
              const cl::Buffer* pyramid, const cl::Buffer& counters);
     /// True if all lists fitted; else grows them, and the run must be repeated. After a run whose tiles did not fit,
@@ -23,8 +23,8 @@ public:
     const cl::Buffer& ranges() const { return ranges_; }
     const cl::Buffer& entries() const { return entries_.buffer(); }
 
-    /// The lists start with four entries per triangle, but from least_capacity (few triangles may be in all bins) to
-    /// initial_capacity. Tests start with 1; 0 restores the default.
+    /// The lists start with four entries per triangle, but at least least_capacity (few triangles may be in all bins)
+    /// and at most initial_capacity. Tests start with 1; 0 restores the default.
     static constexpr std::uint32_t initial_capacity = 1u << 20, least_capacity = 1u << 16;
     void limit_initial_capacity(std::uint32_t capacity) {
         first_capacity_ = capacity != 0 ? capacity : initial_capacity;

@@ -17,24 +17,24 @@ std::size_t round_up(std::size_t count, std::size_t multiple) { return (count + 
 
 struct Box {
     std::array<double, 3> low, high;
-    double area() const {  // half of it; 0 if the box is empty
+    double area() const {  // half the surface area; 0 if the box is empty
         if (low[0] > high[0]) return 0;
         const double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
         return x * y + y * z + z * x;
     }
 };
 
-// An order of our own takes 40 bytes per triangle. It pays where clusters are scattered: where a line that meets the
-// scene meets this many boxes on average, and the order along a curve leaves no more than this share of them. Measured
-// boxes, before -> after: foliage of 1.3 million triangles, made in disorder, 1148 -> 3.8, lost_empire 106 -> 17.6 (no
-// time gained), Sponza 21 -> 17.6, city 17 -> 4.6, pipes 11 -> 5.6 (time lost), colonnade 1.3 -> 1.3.
+// An order of the clusters' own takes 40 bytes per triangle. It is worth that where clusters are scattered: where a
+// line that meets the scene meets this many boxes on average, and the order along a curve leaves at most this share of
+// them. Measured boxes, before -> after: foliage of 1.3 million triangles, made in disorder, 1148 -> 3.8, lost_empire
+// 106 -> 17.6 (no time gained), Sponza 21 -> 17.6, city 17 -> 4.6, pipes 11 -> 5.6 (time lost), colonnade 1.3 -> 1.3.
 constexpr double boxes_worth_order = 256, most_area_worth_order = 0.25;
 
 // The box around all boxes, and the sum of the areas of the boxes.
 struct Spread {
     Box whole;
     double area = 0;
-    // How many boxes a line meets, on average over all lines that meet the whole: the boxes' share of its area.
+    // The average number of boxes on a line, over all lines that meet the whole: the boxes' share of its area.
     double boxes_met() const { return whole.area() > 0 ? area / whole.area() : 0; }
 };
 
@@ -95,7 +95,7 @@ Clusters::Clusters(const Device& device, const TriangleInputs& triangles)
     try {
         reorder(triangles, grid_of(spread.whole), spread.area);
     } catch (const OutOfDeviceMemory&) {
-        // The order of the caller's buffer takes no room, and gives the same result.
+        // The order of the caller's buffer takes no memory and gives the same result.
     }
 }
 

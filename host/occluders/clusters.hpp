@@ -7,8 +7,8 @@
 
 namespace gnomon {
 
-/// Clusters of a mesh, kept by Triangles::keep_clusters(): in the order of the caller's buffer, or, where neighbours in
-/// the buffer are not neighbours in space, in an order along a space-filling curve.
+/// Clusters of a mesh, kept by Triangles::keep_clusters(). Their order is the order of the caller's buffer; where
+/// neighbours in the buffer are not neighbours in space, it is an order along a space-filling curve.
 class Clusters {
 public:
     Clusters(const Device& device, const TriangleInputs& triangles);
@@ -38,9 +38,9 @@ OrderedTriangles ordered_triangles(const TriangleInputs& triangles);
 
 class ClusterCull {
 public:
-    /// Lists the clusters that survive the cull, for triangle_setup, and counts in `counters` them and the triangles of
-    /// all others; null if no clusters are kept. `pyramid` (receiver_depth_pyramid) may be null: then no cluster is
-    /// dropped for its depth.
+    /// Lists the clusters that survive the cull, for triangle_setup; counts in `counters` these clusters and the
+    /// triangles of all other clusters. Null if no clusters are kept. `pyramid` (receiver_depth_pyramid) may be null:
+    /// then the depth drops no cluster.
     const cl::Buffer* run(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                           const cl::Buffer* pyramid, const cl::Buffer& counters);
 

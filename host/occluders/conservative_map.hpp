@@ -14,11 +14,11 @@ inline constexpr std::string_view cover_test_names[] = {"tight", "circle"};
 
 class ConservativeMap {
 public:
-    /// `pyramid` (receiver_depth_pyramid): the tiles without a point above the triangle are not drawn.
+    /// `pyramid` (receiver_depth_pyramid): tiles without a point below the triangle are not drawn.
     void run(cl::Session& session, const LightFrame& frame, const cl::Buffer& projection, const TriangleSetup& setup,
              const cl::Buffer& pyramid, CoverTest cover_test, const cl::Buffer& counters);
-    /// After the triangles' bounds: sets map_disabled in the projection if the map would decide too little. Then run()
-    /// draws nothing, and no stage uses the map.
+    /// After the triangles' bounds: sets map_disabled in the projection if the map would decide too few points. Then
+    /// run() draws no map, and no stage uses one.
     void judge(cl::Session& session, const cl::Buffer& projection, const cl::Buffer& counters);
     const cl::Buffer& map() const { return map_; }
 

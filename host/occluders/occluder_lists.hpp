@@ -19,13 +19,13 @@ namespace gnomon {
 /// How lists are made.
 struct ListSettings {
     bool draws_map = true;
-    bool judges_map = false;  ///< a map that would cover little is left empty and not used
+    bool judges_map = false;  ///< a map that would cover few texels is left empty and not used
     CoverTest cover_test = CoverTest::tight;
 };
 
 class OccluderLists {
 public:
-    /// `depths` has run for this projection; it runs once more, after the map. Returns the map, null if none is drawn.
+    /// `depths` has run for this projection; it runs once more, after the map. Returns the drawn map, or null.
     const cl::Buffer* run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                           const cl::Buffer& projection, const TriangleInputs& triangles, const ListSettings& settings,
                           ReceiverDepthPyramid& depths, const cl::Buffer& counters);

@@ -8,7 +8,7 @@
 namespace gnomon {
 
 void add_counters(FrameCounters& total, const FrameCounters& frame) {
-    // The struct is 32-bit counters and nothing else.
+    // The struct has only 32-bit counters.
     auto* sums = reinterpret_cast<uint*>(&total);
     const auto* terms = reinterpret_cast<const uint*>(&frame);
     for (std::size_t i = 0; i < sizeof(FrameCounters) / sizeof(uint); ++i) sums[i] += terms[i];
@@ -37,7 +37,7 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
         session.is_cpu() ? session.many_groups() * session.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
     const std::uint64_t likely = std::min<std::uint64_t>(triangles.count + unused + 1, first_capacity_);
     bounds_.reserve(session, likely);
-    // As many as there are bounds, also where an earlier run failed between these lists; one tile for each.
+    // The same capacity as for bounds, also if an earlier run failed between these lists; one tile for each triangle.
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
     const OrderedTriangles ordered = ordered_triangles(triangles);
     TriangleSetupParams params{};
@@ -80,7 +80,7 @@ bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {
         records_.reserve(session, capacity());
         map_candidates_.reserve(session, capacity());
     }
-    // Where not all triangles had room the number of tiles is guessed, so that all lists grow at once.
+    // If some triangles had no room, the number of tiles is guessed, so that all lists grow at once.
     const std::uint32_t tiles = bounds ? counted.tiles : std::max(counted.tiles, slots);
     const bool map_fitted = map_tiles_.fitted(session, counted.map_tiles, "(triangle, tile) pairs");
     const bool tiles_fitted = tiles_.fitted(session, tiles, "(triangle, tile) pairs");

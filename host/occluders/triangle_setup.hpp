@@ -11,17 +11,17 @@
 
 namespace gnomon {
 
-/// Adds what one frame counted.
+/// Adds the counts of one frame.
 void add_counters(FrameCounters& total, const FrameCounters& frame);
 
-/// A list that kernels fill up to its capacity; they count all entries that they would have written.
+/// A list that kernels fill up to its capacity; they count all entries, also those that had no room.
 class GrowingList {
 public:
     explicit GrowingList(std::size_t entry_bytes) : entry_bytes_(entry_bytes) {}
     /// Makes room for `entries`; contents are lost if the list has to grow.
     void reserve(cl::Session& session, std::uint64_t entries);
     /// True if `wanted` entries had room; else grows to a quarter more, so that a slowly changing scene does not grow
-    /// every frame. Throws OutOfDeviceMemory, naming `what`, if the entries cannot be counted in 32 bits.
+    /// every frame. Throws OutOfDeviceMemory, naming `what`, if the number of entries exceeds 32 bits.
     bool fitted(cl::Session& session, std::uint64_t wanted, const char* what);
 
     const cl::Buffer& buffer() const { return buffer_; }
@@ -42,8 +42,8 @@ struct PairBuffers {
 
 class TriangleSetup {
 public:
-    /// Fills bounds() and the list of the map's candidates, and counts in `counters`. `clusters`: the listed ones;
-    /// null: all triangles. `pyramid` (receiver_depth_pyramid) may be null: then no triangle is dropped for its depth.
+    /// Fills bounds() and the list of the map's candidates, and counts in `counters`. `clusters`: the listed clusters;
+    /// null: all triangles. `pyramid` (receiver_depth_pyramid) may be null: then the depth drops no triangle.
     void run_bounds(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                     const cl::Buffer* clusters, const cl::Buffer* pyramid, const cl::Buffer& counters);
     /// Fills records() and map_tiles() for the map's candidates, by the same pyramid.
@@ -52,7 +52,7 @@ public:
         run_tiles_for(session, projection, triangles, &pyramid, true, nullptr, counters);
     }
     /// Fills records() and tiles() for the triangles that are not wholly below `pyramid` (or null). With `pairs` a CPU
-    /// appends the pairs of small triangles at once, and makes tiles of the others alone.
+    /// appends the pairs of small triangles at once, and makes tiles only of the other triangles.
     void run_tiles(cl::Session& session, const ProjectionInput& projection, const TriangleInputs& triangles,
                    const cl::Buffer* pyramid, const PairBuffers* pairs, const cl::Buffer& counters) {
         run_tiles_for(session, projection, triangles, pyramid, false, pairs, counters);
@@ -67,7 +67,7 @@ public:
     const GrowingList& map_tiles() const { return map_tiles_; }
     const GrowingList& tiles() const { return tiles_; }
 
-    /// Room for this many records at first. Tests start with 1; 0 restores the default.
+    /// The number of records that have room at first. Tests start with 1; 0 restores the default.
     static constexpr std::uint32_t initial_capacity = 1u << 18;
     void limit_initial_capacity(std::uint32_t capacity) {
         first_capacity_ = capacity != 0 ? capacity : initial_capacity;

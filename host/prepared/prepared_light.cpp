@@ -11,7 +11,7 @@
 namespace gnomon {
 namespace {
 
-// The same contents in a buffer of `bytes`.
+// Copies the contents to a buffer of `bytes`.
 void lengthen(cl::Session& session, cl::Buffer& buffer, std::size_t kept_bytes, std::size_t bytes) {
     cl::Buffer longer(session, bytes);
     session.copy(buffer, 0, longer, 0, kept_bytes);
@@ -92,7 +92,7 @@ PreparedParams PreparedLight::params(const TriangleInputs& triangles) const {
             .sample_step = 1};
 }
 
-// False if there is nothing to fit to.
+// False if there is no triangle to fit to.
 bool PreparedLight::fit(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles) {
     cl::StageTimer timer(session, statistics, "light_frame");
     const cl_uint frame_count = frame_count_of(light_frame_);
@@ -134,15 +134,15 @@ std::vector<cl_uint> PreparedLight::unshadowed_bits(cl::Session& session) const 
     return words;
 }
 
-// Not sought for a point light, since a triangle may be in several of its frames, and hidden in some. Nor on a CPU,
-// where the search takes longer than dozens of frames would gain: its trace does not read the bits. Nor where there are
-// hardly any. Measured on an H200: .19 of the triangles are unshadowed in lost_empire and .22 in a city, whose frames
-// take two thirds with the bits; .006 in Sponza, .002 in pipes and .0001 in foliage, where they gain nothing and the
-// search takes half of preparing.
+// Unshadowed triangles are not searched for under a point light, since a triangle may be in several of its frames and
+// hidden in some; nor on a CPU, where the search takes longer than dozens of frames would gain: its trace does not read
+// the bits; nor where they are rare. Measured on an H200: .19 of the triangles are unshadowed in lost_empire and .22 in
+// a city, whose frames take two thirds with the bits; .006 in Sponza, .002 in pipes and .0001 in foliage, where they
+// gain no time and the search takes half of preparing.
 void PreparedLight::find_unshadowed_triangles(cl::Session& session, Statistics& statistics,
                                               const TriangleInputs& triangles) {
     constexpr cl_uint sample_step = 16;
-    constexpr std::size_t least_share = 32;  // one of so many
+    constexpr std::size_t least_share = 32;  // at least one triangle in this many
     if (session.is_cpu() || frame_count_of(light_frame_) != 1 || records_kept_ == 0) return;
     cl::StageTimer timer(session, statistics, "unshadowed_triangles");
     if (records_kept_ >= sample_step * least_share) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Prepared light: what depends on the triangles and the light alone, kept while the points change
+// Prepared light: the data that depend on the triangles and the light alone, kept while the points change
 // (kernels/prepared/prepared_light.h).
 #pragma once
 
@@ -11,12 +11,12 @@ namespace gnomon {
 
 class PreparedLight {
 public:
-    /// Makes everything. `grid` and `settings` as for a run; `first_capacity`: of growing lists, 0: their own. Throws
-    /// as a run does, and is then of no use.
+    /// Makes all tables. `grid` and `settings` as for a run; `first_capacity`: of growing lists, 0: their default.
+    /// Throws as a run does; the object is then unusable.
     PreparedLight(cl::Session& session, Statistics& statistics, const Triangles& triangles, const Light& light,
                   const FrameGrid& grid, const ListSettings& settings, std::uint32_t first_capacity);
 
-    /// False if the grid cannot tell these triangles apart: then nothing is kept, and every run makes its own lists.
+    /// False if the grid cannot separate these triangles: then no lists are kept, and every run makes its own lists.
     bool is_usable() const { return is_usable_; }
     bool is_of(const Triangles& triangles, const Light& light) const;
 
@@ -24,10 +24,10 @@ public:
     const cl::Buffer& projections() const { return light_frame_fit_.projections(); }
     const cl::Buffer* map() const { return draws_map_ ? &map_ : nullptr; }
     ListBuffers lists() const { return {tables_, entries_, records_, bounds_, offsets_}; }
-    /// On a GPU: the bits of the triangles that nothing shadows (kernels/prepared/unshadowed_triangles.h).
+    /// On a GPU: the bits of the unshadowed triangles (kernels/prepared/unshadowed_triangles.h).
     std::vector<cl_uint> unshadowed_bits(cl::Session& session) const;
     std::uint64_t bytes() const;
-    const FrameCounters& counted() const { return counted_; }  ///< over the frames
+    const FrameCounters& counted() const { return counted_; }  ///< summed over the frames
 
 private:
     void reserve_tables(cl::Session& session, cl_uint triangle_count);
@@ -39,7 +39,7 @@ private:
     void keep(cl::Session& session, Statistics& statistics, const OccluderLists& lists, const FrameCounters& counted,
               cl_uint frame);
 
-    Triangles triangles_;  ///< held, so that no other buffer can take its place
+    Triangles triangles_;  ///< kept, so that no other buffer can get the same handle
     Light light_;
     LightFrame light_frame_;
     bool draws_map_, is_usable_ = false;

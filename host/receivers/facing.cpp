@@ -13,7 +13,7 @@ struct FacingBuffers {
     const cl::Buffer& counters;
     const cl::Buffer* cache = nullptr;      ///< null: every point classifies its receiver
     const cl::Buffer* blocks = nullptr;     ///< null: not written
-    const cl::Buffer* undecided = nullptr;  ///< null: no float filter
+    const cl::Buffer* undecided = nullptr;  ///< null: there is no float filter
 };
 
 FacingParams facing_params(const LightFrame& light_frame, const TriangleInputs& triangles, const PointInputs& points,
@@ -29,7 +29,7 @@ FacingParams facing_params(const LightFrame& light_frame, const TriangleInputs& 
             .padding = 0};
 }
 
-// A camera's picture under a directional light: a CPU has a kernel of its own for it.
+// True for a camera's picture under a directional light: a CPU has a separate kernel for it.
 bool is_picture_directional(const cl::Session& session, const FacingParams& params) {
     return session.lanes() > 1 && params.opens_points != 0 && params.has_blocks != 0 &&
            params.light_frame.perspective == 0 && params.layout.point_stride == 1 && params.has_receivers != 0 &&

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage facing: decides backfacing points, opens the others and takes their bounds (kernels/receivers/facing.h).
+// Stage facing: decides backfacing points, opens the others and computes their bounds (kernels/receivers/facing.h).
 #pragma once
 
 #include "kernels/receivers/facing.h"
@@ -32,8 +32,8 @@ private:
     bool has_blocks_ = false;
 };
 
-/// For techniques without frames: decides the backfacing points, and leaves all others lit. Returns what it counted, in
-/// `counters`, which has room for FrameCounters afterwards.
+/// For techniques without frames: decides the backfacing points, and makes all other points lit. Returns the counts, in
+/// `counters`, which then has room for FrameCounters.
 FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
                          const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters);
 

@@ -43,8 +43,8 @@ FrameGrid run_grid(const cl::Session& session, std::uint32_t map_size, std::size
     return map_grid(session, size);
 }
 
-// Finer than a run's own grid, since making the lists no longer counts, and since the frame holds all triangles and not
-// those of a view.
+// Finer than a run's own grid, since the lists are made only once, and since the frame contains all triangles of the
+// scene instead of those of a view.
 FrameGrid prepared_grid(const cl::Session& session, std::uint32_t map_size, std::size_t triangle_count,
                         bool is_point_light) {
     if (!session.is_cpu()) {
@@ -52,10 +52,10 @@ FrameGrid prepared_grid(const cl::Session& session, std::uint32_t map_size, std:
         return with_bins(map_size != 0 ? map_size : kept_size_on_gpu(triangle_count, device_bytes, is_point_light),
                          largest_map_size);
     }
-    // Counted on Sponza: of 256, 512, 1024 and 2048 texels and 128, 256 and 512 bins 1024 and 256 leave a trace the
-    // fewest tests (a tenth to a quarter fewer than 512), but for 2048, where making the map takes five times as long.
-    // A list's entries come 16 at a time, so that a bin of few is mostly empty; but to read long lists is what scenes
-    // of millions cost (docs/performance.md).
+    // Counted on Sponza: of 256, 512, 1024 and 2048 texels and 128, 256 and 512 bins, 1024 and 256 give a trace the
+    // fewest tests (a tenth to a quarter fewer than 512), except for 2048, where making the map takes five times as
+    // long. A list's entries are read 16 at a time, so that a bin with few entries is mostly empty; but scenes of
+    // millions spend their time on reading long lists (docs/performance.md).
     std::uint32_t most_bins = 256;
     while (most_bins < 1024 && triangle_count > std::size_t(most_bins) * most_bins * 8) most_bins *= 2;
     return with_bins(map_size != 0 ? map_size : 1024, most_bins);

@@ -15,14 +15,14 @@ struct FrameGrid {
     std::uint32_t bin_count() const { return bins() * bins(); }
 };
 
-/// Texels per side that a setting may ask for.
+/// Texels per side that a setting may give.
 constexpr std::uint32_t smallest_map_size = 16, largest_map_size = 8192;
 
-/// So many texels, with the finest bins that are worth it: at most 128 x 128 on a CPU, 1024 x 1024 on a GPU.
+/// The grid with this many texels and the finest useful bins: at most 128 x 128 on a CPU, 1024 x 1024 on a GPU.
 FrameGrid map_grid(const cl::Session& session, std::uint32_t size);
-/// So many texels, each a bin of its own.
+/// The grid with this many texels, each a bin of its own.
 inline FrameGrid texel_grid(std::uint32_t size) { return {size, 0}; }
-/// For lists that a run makes for its points. `map_size`: texels per side, 0: chosen here.
+/// For lists that a run makes for its points. `map_size`: texels per side, 0: chosen by device and scene.
 FrameGrid run_grid(const cl::Session& session, std::uint32_t map_size, std::size_t triangle_count,
                    std::size_t point_count);
 /// For the lists that a prepared light keeps. `map_size` as above.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The first stages of techniques in light frames: facing and light_frame, then the frames that have open points, one by
-// one.
+// The first stages of techniques in light frames: facing and light_frame, then the frames with open points, one by one.
 #pragma once
 
 #include "kernels/simd/frame_counters.h"

@@ -9,7 +9,7 @@ namespace gnomon {
 
 class ReceiverDepthPyramid {
 public:
-    /// Takes the frames from `first_frame` on, `frame_count` of them, whose projections lie one behind the other.
+    /// Makes the pyramid of `frame_count` frames from `first_frame` on; their projections lie one behind the other.
     /// `blocks`: Facing::blocks() of these points, for one frame; null: all points are loaded.
     void run(cl::Session& session, const LightFrame& light_frame, cl_uint first_frame, cl_uint frame_count,
              const PointInputs& points, const cl::Buffer& projections, const cl::Buffer* blocks, cl_mem visibility);
@@ -19,8 +19,8 @@ public:
     const cl::Buffer& pyramid() const { return pyramid_; }
     const cl::Buffer& self_shadow_depths() const { return self_shadow_depths_; }  ///< per bin
 
-    /// After the map (null: none, and depth_after_map() is pyramid()): a pyramid over the points that the map leaves
-    /// open.
+    /// After the map (null: no map, and depth_after_map() is pyramid()): makes a pyramid over the points that the map
+    /// leaves open.
     void run_depth_after_map(cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                              const cl::Buffer& projections, const cl::Buffer* map);
     const cl::Buffer& depth_after_map() const { return has_map_ ? depth_after_map_ : pyramid_; }

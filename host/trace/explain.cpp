@@ -32,7 +32,7 @@ constexpr struct {
     {"facing", "none"},  // absent
 };
 
-/// Along the shadow ray from the point to the triangle's plane. Rounded: an order for people, not a decision.
+/// Distance along the shadow ray from the point to the triangle's plane. Rounded: it orders the report, no decision.
 double distance_along_ray(const ExplainedTriangle& t, const Float3& point, const Light& light) {
     Double3 u, v, to_plane, ray;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -111,7 +111,7 @@ Explanation explain_signs(const Device& device, const Triangles& triangles, cons
 void add_provenance(Explanation& explanation, std::uint32_t provenance, float visibility) {
     explanation.visibility = visibility;
     explanation.stage = decided_by[provenance].stage;
-    // The level of facing is that of the receiver's determinants, which are known.
+    // The level of facing is the level of the receiver's determinants, which are known.
     if (provenance != PROVENANCE_FACES_AWAY) explanation.arithmetic = decided_by[provenance].arithmetic;
 }
 

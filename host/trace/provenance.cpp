@@ -25,7 +25,7 @@ constexpr Colors legend[PROVENANCE_COUNT] = {
     {{70, 120, 175}, {70, 120, 175}},    // in shadow by the filter
     {{25, 50, 110}, {25, 50, 110}},      // by the map
     {{220, 150, 255}, {130, 40, 220}},   // queue overflow
-    {{20, 20, 20}, {20, 20, 20}},        // faces away
+    {{20, 20, 20}, {20, 20, 20}},        // backfacing
     {{255, 255, 255}, {255, 255, 255}},  // not traced
     {{96, 96, 96}, {96, 96, 96}},        // absent
 };

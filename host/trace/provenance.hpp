@@ -7,12 +7,12 @@
 
 namespace gnomon {
 
-/// When provenance is recorded.
+/// The moments at which provenance is recorded.
 enum class Moment { after_facing, after_trace, after_exact_trace, before_queue_overflow };
 
 class Provenance {
 public:
-    /// Called at each of these moments of each frame. After facing only the points and their visibility are read.
+    /// Called at each of these moments of each frame. After facing it reads only the points and their visibility.
     void record(cl::Session& session, Moment moment, const TraceInputs& inputs, const Trace& trace);
 
     /// A PROVENANCE_... per point.

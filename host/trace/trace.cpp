@@ -6,16 +6,16 @@
 namespace gnomon {
 namespace {
 
-// How many points each item of a GPU's work-group takes in a round: the more, the better they share out the lists; but
-// every multiprocessor should have several groups. Measured on an H200, Sponza, 512, 1024 and 2048 points in a round:
-// .143, .137 and .122 ms at 1920x1080 under a prepared light, .298, .253 and .251 at 3840x2160. One frame of a point
-// light has few of the points, and long rounds only wait for them (six frames 1.00 ms with 2048, .86 without rounds).
+// How many points each item of a GPU's work-group takes in a round. More points let the items share out the lists
+// better, but every multiprocessor should have several groups. Measured on an H200, Sponza, 512, 1024 and 2048 points
+// in a round: .143, .137 and .122 ms at 1920x1080 under a prepared light, .298, .253 and .251 at 3840x2160. One frame
+// of a point light has few points, and long rounds only wait (six frames 1.00 ms with 2048, .86 without rounds).
 std::size_t points_each(const cl::Session& session, const LightFrame& light_frame, cl_uint frame_count,
                         std::size_t count) {
     if (session.is_cpu()) return 1;  // no rounds
     constexpr std::size_t groups_each = 8;
     const std::size_t most = frame_count < frame_count_of(light_frame) ? 512 : 2048;
-    // Rounded up: a group too many would begin when all others have ended.
+    // Rounded up: a surplus group would begin when all others have ended.
     const std::size_t groups = session.compute_units() * groups_each;
     const std::size_t each = (count / groups + session.work_group_size()) / session.work_group_size();
     return std::clamp<std::size_t>(each, 1, std::max<std::size_t>(most / session.work_group_size(), 1));
@@ -37,7 +37,7 @@ TraceParams Trace::params(const TraceInputs& inputs) const {
             .round_points = 0};
 }
 
-// `table`: what only the task's kernel reads on a CPU; may be null.
+// `table`: an argument that only the task's kernel reads on a CPU; may be null.
 void Trace::launch(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* table) {
     const PointInputs& points = inputs.points;
     const ListBuffers& lists = inputs.lists;

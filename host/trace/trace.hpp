@@ -19,8 +19,8 @@ inline ListBuffers list_buffers(const Bins& bins, const TriangleSetup& setup) {
     return {bins.ranges(), bins.entries(), setup.records(), setup.bounds()};
 }
 
-/// What points are traced against, in the frames from `first_frame` on. The frames' projections, bins and maps lie one
-/// behind the other.
+/// The lists and the map of a trace, in the frames from `first_frame` on. The frames' projections, bins and maps lie
+/// one behind the other.
 struct TraceInputs {
     const LightFrame& light_frame;
     cl_uint first_frame, frame_count;
@@ -35,20 +35,20 @@ struct TraceInputs {
 
 class Trace {
 public:
-    /// Queues undecided pairs; a point whose pairs find no room stays open. `blocks`: bounds from facing, valid for a
-    /// single frame and only while no point has been decided since. May be null.
+    /// Queues undecided pairs; a point with pairs that find no room stays open. `blocks`: bounds from facing, valid for
+    /// a single frame and only while no stage has decided a point since. May be null.
     void run(cl::Session& session, const TraceInputs& inputs, const cl::Buffer* blocks);
     /// Decides the points that run() or run_prepared() left open, in place.
     void run_queue_overflow(cl::Session& session, const TraceInputs& inputs);
     /// As run(), under a prepared light, for all its frames: decides facing too, and counts fallback points. If there
-    /// are none, all points are decided. `task`: prepared_trace_task() or Task::trace_prepared. `facing_cache`: for the
-    /// task that reads one, else null.
+    /// are no fallback points, all points are decided. `task`: prepared_trace_task() or Task::trace_prepared.
+    /// `facing_cache`: for the task that reads a cache, else null.
     void run_prepared(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* facing_cache);
     /// True if all undecided pairs fitted. Else run_queue_overflow() is needed; later runs have more room, at most one
     /// pair per point or initial_capacity.
     bool fitted(cl::Session& session, const PointInputs& points, const FrameCounters& counted);
 
-    /// Room for the queue before its first use.
+    /// Capacity of the queue before its first use.
     void reserve_queue(cl::Session& session, const PointInputs& points);
     TraceParams params(const TraceInputs& inputs) const;
     std::uint32_t capacity() const { return capacity_; }

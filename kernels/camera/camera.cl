@@ -51,8 +51,8 @@ GN_NOINLINE_ON_CPU void find_visible(ItemRange items, CameraParams params, __con
     }
 }
 
-// `rays` are those of one sample per pixel. With pixel_receivers, a sample whose ray meets the receiver of its pixel
-// takes that receiver, even if another triangle hides it.
+// `rays` has one ray per pixel, through one sample. With pixel_receivers, a sample takes the receiver of its pixel if
+// the sample's ray meets that receiver, even if another triangle hides it.
 __kernel void camera_visibility(CameraParams params, __constant const Projection* projection,
                                 __global const float* vertices, __global const float* rays,
                                 __global const TriangleRecord* records, __global const TriangleBounds* bounds,
@@ -109,7 +109,7 @@ static float3 unit_normal(Triangle t, float3 eye) {
 GN_NOINLINE_ON_CPU void make_normals(ItemRange items, CameraParams params, __global const float* vertices,
                                      __global const uint* visible, __global float* normals) {
     float3 eye = eye_of_camera(params);
-    uint id = GN_NO_ID;  // of the triangle that `normal` belongs to
+    uint id = GN_NO_ID;  // the triangle of `normal`
     float3 normal = (float3)(0.0f);
     GN_FOR_EACH_OF(pixel, items) {
         if (visible[pixel] != id) {
@@ -129,8 +129,8 @@ __kernel void camera_normals(CameraParams params, __global const float* vertices
 
 // ---- Points of a caller ---------------------------------------------------------------------------------------------
 
-// Moves each point off its receiver as a camera's points are (camera.h); the point itself takes the part of the hit.
-// Points that are absent, or have no receiver with a plane, stay where they are. Packed xyz.
+// Lifts each point off its receiver as camera.h describes it for the camera's points; the given point is used as the
+// hit. A point that is absent, or has no receiver with a plane, is not moved. Packed xyz.
 __kernel void lift_points(LiftParams params, __global const float* vertices, __global const float* positions,
                           __global const uint* receivers, __global float* lifted_positions) {
     float3 eye = (float3)(params.eye[0], params.eye[1], params.eye[2]);

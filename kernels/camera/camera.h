@@ -6,9 +6,9 @@
 // device alike, and r differs from the camera's real ray by less than 2^-47 of its length.
 //
 // Visibility buffer: the nearest triangle that the open ray t > 0 meets, closed triangles, both faces, edge-on never.
-// Nearest by 1 / t computed in double from determinants whose relative error is below 2^-29 (exactly evaluated where
-// double alone cannot promise that), ties by the smaller id. So of two hits nearer to each other than 2^-28 of their
-// depth (1 / 16 ulp of float) either may win, and on every device the same one does.
+// Hits are ordered by 1 / t, computed in double from determinants with a relative error below 2^-29 (evaluated exactly
+// where double alone cannot promise that), ties by the smaller id. So of two hits nearer to each other than 2^-28 of
+// their depth (1 / 16 ulp of float) either may win, and on every device the same one does.
 //
 // Shading point: Q = eye + t r + LIFT_ULPS unit n / |n|_max, n the plane's normal towards the eye, unit = one float32
 // ulp of m = max(|Q|, |eye|) (largest coordinates); then each coordinate is rounded to float towards the sign of n's.
@@ -61,7 +61,7 @@ GN_STRUCT_BEGIN(CameraParams)
     float offset[2];  // of the samples from the pixels' centres, pixels
     uint width, height;
     uint first_point, point_count;
-    uint has_pixel_receivers;  // 0: the buffer of the pixels' receivers is ignored
+    uint has_pixel_receivers;  // 0: the buffer of the pixels' receivers is not read
 GN_STRUCT_END(CameraParams, 96)
 
 // Points of a caller that are lifted off their receivers.

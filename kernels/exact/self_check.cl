@@ -2,14 +2,14 @@
 // Start-up check: does this device compute as the proofs of the other kernels assume? Cheap, run once per device
 // opened.
 //
-// Every operation gets numbers for which a compiler or a chip that cheats gives other bits. Inputs are constants
+// Every operation gets numbers for which an incorrect compiler or chip gives other bits. Inputs are constants
 // exclusive-or a zero from memory, so that nothing is computed at compile time; results are compared as integers.
 //
 // Float arithmetic may flush denormals: the float filter of det3.clh allows for it, and the exact level computes with
-// bit patterns. What must not happen is that a denormal changes by being moved about, its sign included: then the exact
-// level would get other coordinates than the caller gave (Mesa's rusticl does it, docs/drivers.md). Nor may it vanish
-// on its way to double: there the double filter takes it for exact. And a double that is narrowed to a denormal must
-// give the nearest: the camera's points near the origin are made so.
+// bit patterns. A copy must not change a denormal or its sign: the exact level would then get other coordinates than
+// the caller gave (Mesa's rusticl does it, docs/drivers.md). A denormal must also not vanish when it is widened to
+// double: the double filter would take the result for exact. A double narrowed to a denormal must give the nearest one:
+// the camera rounds its points near the origin in this way.
 #include "exact/det3.clh"
 #include "exact/self_check.h"
 
@@ -80,7 +80,7 @@ static void check_floats(uint* faults, uint zero) {
            as_uint(TRIED_ADD(one, half_ulp)) == 0x3F800000u && as_uint(TRIED_ADD(one + ulp, half_ulp)) == 0x3F800002u &&
                as_uint(TRIED_ADD(-one, -half_ulp)) == 0xBF800000u && as_uint(square) == 0x3F801000u);
 
-    // The tie again: 2^-80 more breaks it, if it is not lost in a sum rounded before.
+    // The same tie: 2^-80 more breaks it, unless a sum that is rounded before loses the 2^-80.
     float little = as_float(0x17800000u ^ zero);
     demand(faults, FAULT_FMA,
            as_uint(TRIED_FMA(a, a, minus_square)) == 0x33800000u && as_uint(TRIED_FMA(a, a, little)) == 0x3F801001u);

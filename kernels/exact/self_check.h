@@ -4,7 +4,7 @@
 
 #include "prelude.h"
 
-// A device with one of these is refused.
+// A device with one of these faults is refused.
 #define FAULT_FUSED 0            // a * b + c is rounded once
 #define FAULT_REORDERED 1        // (a - (s - b)) + ... is simplified as if nothing rounded
 #define FAULT_ROUNDING 2         // + and * do not round to nearest even
@@ -24,7 +24,7 @@
 
 #define SELF_CHECK_FAULTS 13
 
-// What the kernel writes: the faults, and the least and the greatest key that all work-items saw.
+// The kernel's result: the faults, and the least and the greatest key over all work-items.
 GN_STRUCT_BEGIN(SelfCheckResult)
     uint faults;
     uint least_key;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Slots in a list that many work-items append to: one counter hands them out. A work-item of a CPU reserves
-// APPEND_BLOCK slots at a time, since there a shared counter is slow; in the end it must mark the slots that it has not
-// used, [next, end).
+// Slots in a list that many work-items append to: one counter hands out all slots. A work-item of a CPU reserves
+// APPEND_BLOCK slots at a time, since a shared counter is slow there; at its end it must mark its unused slots, [next,
+// end).
 #pragma once
 
 #include "prelude.h"
@@ -46,7 +46,7 @@ static uint reservation(Reservation* mine, __global uint* counter) {
 }
 
 #ifndef GN_CPU
-// A GPU's work-group reserves by one atomic for all of its items, which must all come here: on one address a GPU does
+// A GPU's work-group reserves by one atomic for all of its items; all items must call this. On one address a GPU does
 // some 1.3 atomics a nanosecond. The first of the local words must be 0, and is 0 again afterwards.
 #define GROUP_APPEND_WORDS 2
 #define LARGEST_GROUP_APPEND 256u  // for each item of the group

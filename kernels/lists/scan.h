@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the scan: how many counts one work-item adds up, and what they are rounded up to.
+// Contract of the scan: the number of counts that one work-item sums, and the multiple to which they are rounded up.
 #pragma once
 
 #include "prelude.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A pass of the sort (sort.h) by one digit: sort_count counts each digit in each chunk of SORT_CHUNK keys, prefix sums
-// over the counts (scan.cl), by digit and within a digit by chunk, give the slots, and sort_scatter writes every key to
-// its slot. Each chunk belongs to one work-item, whatever the size of work-groups, so the order of equal keys depends
-// on nothing else.
+// A pass of the sort (sort.h) by one digit. sort_count counts each digit in each chunk of SORT_CHUNK keys. Prefix sums
+// over the counts (scan.cl), by digit and within a digit by chunk, give the slots. sort_scatter writes every key to its
+// slot. Each chunk belongs to one work-item, whatever the size of work-groups, so the order of equal keys depends only
+// on the chunks.
 #include "lists/sort.h"
 
 static uint digit_of(uint key, uint shift) { return (key >> shift) & (SORT_DIGITS - 1u); }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contract of the sort: 32-bit keys with a value each, put in the order of the keys; equal keys keep their order. One
-// byte at a time, the lowest first: each pass keeps the order of keys whose byte is the same.
+// Contract of the sort: 32-bit keys with a value each, put in the order of the keys; equal keys keep their order. The
+// sort takes one byte at a time, the lowest first: each pass keeps the order of keys with the same byte.
 #pragma once
 
 #include "prelude.h"
@@ -8,7 +8,7 @@
 #define SORT_DIGIT_BITS 8u
 #define SORT_DIGITS 256u
 
-// Keys that one work-item takes, one after the other: a CPU is faster with long chunks, a GPU with many.
+// The number of keys of a chunk, which one work-item sorts: a CPU is faster with long chunks, a GPU with many.
 #ifdef __cplusplus
 namespace gnomon {
 constexpr uint sort_chunk(bool is_cpu) { return is_cpu ? 4096 : 512; }
@@ -20,6 +20,6 @@ constexpr uint sort_chunk(bool is_cpu) { return is_cpu ? 4096 : 512; }
 #endif
 
 GN_STRUCT_BEGIN(SortParams)
-    uint count;  // of keys
+    uint count;  // number of keys
     uint shift;  // the lowest bit of the digit
 GN_STRUCT_END(SortParams, 8)

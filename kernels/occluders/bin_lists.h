@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Contract of the bins: per bin of a projection the list of the triangles that may block a point in it, each entry with
-// bounds of 16 bits that dismiss most of the triangles before a record is read.
+// Contract of the bins: per bin of a projection the list of the triangles that may block a point in it. Each entry has
+// bounds of 16 bits, which dismiss most triangles before a record is read.
 //
 // GN_LANES entries of one bin lie together, coordinate by coordinate, so that a CPU tests 16 entries with one
 // comparison. ranges[bin] = (first, past the last), in units of BinEntries. Unused lanes have x0 > x1.
 //
 // On a GPU a list is in runs of LIST_RUN entries, each run with its highest triangle first: a point above an entry is
-// above the rest of the run. Apart from that the order within a list means nothing. A point (X, Y, Z) of the bin, or a
-// block of points by its own bounds, can only meet an entry with
+// above the rest of the run. The rest of a list's order has no meaning. A point (X, Y, Z) of the bin, or a block of
+// points by its own bounds, can only meet an entry with
 //     x0 <= qx <= x1,   y0 <= qy <= y1,   qz <= z          qx = quantised_texel(X, width) and so on.
-// Why: x0..y1 are made from the rectangle that holds every computed (X, Y) of points whose ray the triangle can meet
-// (all errors in it), z from the record's z_high, and the same functions quantise both sides. Each is monotone, being
-// made of monotone roundings: X <= X' implies q(X) <= q(X'); so q(X) < x0 implies X < the rectangle's left side. A
-// camera's heights are 1 / t; the search for the nearest triangle tests with the least 1 / t that is certain.
+// Proof: x0..y1 are made from the rectangle that holds every computed (X, Y) of points that the triangle can block (all
+// errors included), z from the record's z_high, and the same functions quantise both sides. Each function is monotone,
+// being made of monotone roundings: X <= X' implies q(X) <= q(X'); so q(X) < x0 implies X < the rectangle's left side.
+// A camera's heights are 1 / t; the search for the nearest triangle tests with the least 1 / t that is certain.
 #pragma once
 
 #include "prelude.h"
@@ -36,7 +36,7 @@ GN_STRUCT_BEGIN(Pair)
     uint bin, slot, index;
 GN_STRUCT_END(Pair, 12)
 
-// Bins, for each item, that a GPU's work-group tests before it reserves slots: all items wait for a reservation.
+// Bins per item that a GPU's work-group tests before it reserves slots: all items wait for a reservation.
 #define PAIRS_AT_ONCE 4u
 
 GN_STRUCT_BEGIN(BinsParams)
@@ -46,7 +46,7 @@ GN_STRUCT_BEGIN(BinsParams)
     uint tile_capacity;
     uint pair_capacity;
     uint entry_capacity;  // in BinEntries
-    uint has_pyramid;     // 0: no bin is left out for its depth
+    uint has_pyramid;     // 0: the depth excludes no bin
 GN_STRUCT_END(BinsParams, 28)
 
 #ifndef __cplusplus
@@ -66,7 +66,7 @@ typedef struct BinEntries {
     LaneUshort x0, y0, x1, y1;
     LaneUshort z;
     LaneUshort unused;
-    LaneUint slot;  // of the record
+    LaneUint slot;  // slot of the record
 } BinEntries;
 typedef char BinEntries_has_size[sizeof(BinEntries) == GN_LANES * BIN_ENTRY_BYTES ? 1 : -1];
 
@@ -91,7 +91,7 @@ static LaneInt quantised(LaneFloat units) {
 // A camera's heights, 1 / t of any size: exponent and 8 bits behind the point, in the order of the floats; 0 below 0.
 static LaneInt quantised_nearness(LaneFloat z) { return max(LANES_AS_INT(z), (LaneInt)(0)) >> 15; }
 
-// The least and greatest coordinates of a point, or of a block of points.
+// The least and greatest coordinates of a point or of a block of points.
 typedef struct QuantisedBlock {
     ushort x0, y0, x1, y1;
     ushort z;  // the least
@@ -118,8 +118,8 @@ static uint slot_of_words(EntryWords entry) { return entry.w; }
 // Entries that a work-item loads at once, to wait once for all of them.
 #define ENTRIES_AT_ONCE 4u
 
-// Tests ENTRIES_AT_ONCE entries of a list from entry *next on. Bit k: the k-th may meet the block, and is not the entry
-// of record `own` (GN_NO_ID: of none). Moves *next to the entry to go on with.
+// Tests ENTRIES_AT_ONCE entries of a list from entry *next on. Bit k: entry k may meet the block, and is not the entry
+// of record `own` (GN_NO_ID: no record). Moves *next to the next untested entry.
 static uint next_that_meet(__global const BinEntries* entries, uint2 range, uint* next, QuantisedBlock block,
                            uint own) {
     uint first = *next, last = first + ENTRIES_AT_ONCE - 1u, meeting = 0;
@@ -182,7 +182,7 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
     return bits_of_shorts(meets);
 }
 
-// The same for entries[i], 0 from `end` on. Fetches the records: in large scenes a walk mostly waited for them.
+// The same for entries[i], 0 from `end` on. Prefetches the records: in large scenes a walk mostly waited for them.
 static uint prefetch_entries_that_meet(__global const BinEntries* entries, __global const TriangleRecord* records,
                                        __global const TriangleBounds* bounds, uint i, uint end, QuantisedBlock block) {
     if (i >= end) return 0u;

@@ -3,16 +3,16 @@
 // and, with a bin for each 16 x 16 pixels, the camera.
 //
 // A triangle enters a bin's list if it survives the cull there (bin_test.clh). Each pair of triangle and bin is found
-// once: bins_pairs stores it with its index in the bin's list (on a CPU triangle_tiles has found most pairs before,
-// while it had the records), bins_ranges gives each bin its range of the entries (in any order, but contiguous), and
-// bins_scatter writes the entry there. On a GPU bins_order then puts the highest triangles of each run of a list first.
+// once: bins_pairs stores it with its index in the bin's list (on a CPU triangle_tiles finds most pairs before, while
+// it has the records). bins_ranges gives each bin its range of the entries (in any order, but contiguous). bins_scatter
+// writes the entry there. On a GPU bins_order then puts the highest triangles of each run of a list first.
 #include "occluders/tile_bins.clh"
 
 #ifdef GN_CPU
-// How many tiles ahead a record is fetched: large scenes cost mostly the wait for records.
+// The number of tiles by which a record is fetched ahead: in large scenes the wait for records takes the most time.
 #define TILES_AHEAD 12u
 
-// Appends the pairs of the item's tiles, and marks the slots that were reserved and not used.
+// Appends the pairs of the item's tiles, and marks the slots that were reserved but not used.
 GN_NOINLINE_ON_CPU void append_pairs(ItemRange items, PairList* list, uint tile_count,
                                      __global const TriangleRecord* records, __global const uint2* tiles) {
     GN_FOR_EACH_OF(i, items) {
@@ -160,7 +160,7 @@ __kernel void bins_scatter(BinsParams params, __global const Pair* pairs, __glob
 
 #if GN_LANES == 1
 // Sorts each run of each list, highest first; equal heights keep their order. An item takes one entry at a time, so
-// that all have about as much to do. `heights`: one for each item of the work-group, and a run on either side.
+// that all items have about equal work. `heights`: one for each item of the work-group, and a run on either side.
 __kernel void bins_order(__global const uint4* listed, __global uint4* entries, __global const FrameCounters* counters,
                          __local uint* heights) {
     __local uint span[2];

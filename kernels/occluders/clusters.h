@@ -22,7 +22,7 @@ GN_STRUCT_BEGIN(ClusterParams)
     ulong first_float;  // of the first triangle, in `vertices`
     uint triangle_count;
     uint cluster_count;
-    uint has_pyramid;  // cull_clusters. 0: no cluster is dropped for its depth
+    uint has_pyramid;  // for cull_clusters; 0: the depth drops no cluster
     uint padding;
 GN_STRUCT_END(ClusterParams, 24)
 

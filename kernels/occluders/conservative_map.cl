@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Conservative map: for each texel that ONE triangle covers completely, a height below which every point of the texel
-// is in shadow for certain; the highest such height over all triangles.
+// is certainly in shadow; the highest such height over all triangles.
 //
 // Method: Mizoguchi and Tokuyoshi, "Accelerating Frustum Traced Shadows Using Conservative Shadow Maps", section 2.
 // Complete cover, tight (their eq. 1): every edge function is positive at its worst corner, i.e. its value at the
@@ -8,8 +8,8 @@
 // every edge is at least half a texel's DIAGONAL from the centre. Height, tight: the plane at its lowest corner,
 // z(centre) - (|dz/dx| + |dz/dy|) / 2  (= their max(|a + b|, |a - b|) / 2). Z = 1 / W is as linear in the grid as a
 // directional light's Z, so the same formula is the perspective form for a point light.
-// All comparisons leave the record's margins, so rounding cannot shadow a lit point. A receiver never shadows its own
-// points: see trace/coarse_test.clh.
+// All comparisons leave the record's margins, so rounding cannot shadow a lit point. The points on a receiver that the
+// receiver might cover itself are excluded: see trace/coarse_test.clh.
 #include "occluders/conservative_map.h"
 #include "occluders/tile_bins.clh"
 
@@ -46,7 +46,7 @@ static LaneInt covers_circle(const TriangleRecord* record, LaneFloat x, float y)
     return covers;
 }
 
-// Draws one triangle into GN_LANES texels from (x, y) on, or those before last_x; returns how many it covers.
+// Draws one triangle into GN_LANES texels from (x, y) on, up to last_x; returns the number of covered texels.
 static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint y, uint circle_cover,
                         volatile __global uint* row) {
     LaneFloat left = LANES_TO_FLOAT((LaneInt)((int)x) + LANE_INDEX);
@@ -65,7 +65,7 @@ static uint draw_texels(const TriangleRecord* record, uint x, uint last_x, uint 
     return count_lanes(covers);
 }
 
-// Draws one triangle into the texels of a rectangle of bins; returns how many it covers.
+// Draws one triangle into the texels of a rectangle of bins; returns the number of covered texels.
 static uint draw_bins(const TriangleRecord* record, __constant const Projection* projection, uint4 bins,
                       uint circle_cover, volatile __global uint* map) {
     uint size = 1u << projection->bin_log2, written = 0;
@@ -117,9 +117,9 @@ __kernel void conservative_map_draw(ConservativeMapParams params, __constant con
     add_in_group(written, &sum, &counters->map_texels);
 }
 
-// One work-item, before anything is drawn: is a map worth its cost? It decides neighbouring points at once, but every
-// point pays for the look-up. Measured on a CPU, 1920x1080 (docs/performance.md): where a tenth of the texels or more
-// are written, a frame with the map is 3 to 28 % faster; where a twenty-fifth or fewer, 2 to 7 % slower.
+// One work-item decides before the drawing whether a map is worth its cost: a map decides neighbouring points at once,
+// but every point loads its texel. Measured on a CPU, 1920x1080 (docs/performance.md): where a tenth of the texels or
+// more are written, a frame with the map is 3 to 28 % faster; where a twenty-fifth or fewer, 2 to 7 % slower.
 __kernel void conservative_map_judge(__global Projection* projection, __global const FrameCounters* counters) {
     if (get_global_id(0) == 0)
         projection->map_disabled = counters->map_expected < texels_worth_a_map(projection->width, projection->height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the conservative map: what a launch takes, and when a map is worth drawing.
+// Contract of the conservative map: the parameters of a launch, and when a map is worth drawing.
 #pragma once
 
 #include "prelude.h"
@@ -10,6 +10,6 @@ GN_STRUCT_BEGIN(ConservativeMapParams)
 GN_STRUCT_END(ConservativeMapParams, 8)
 
 #ifndef __cplusplus
-// A map that covers fewer texels than these costs more than it saves.
+// A map that covers fewer texels than this costs more than it saves.
 static uint texels_worth_a_map(uint width, uint height) { return width * height / 16u; }
 #endif

@@ -13,7 +13,7 @@
 
 // ---- Candidates of the map ------------------------------------------------------------------------------------------
 
-// The lanes whose interval contains a texel's centre.
+// The lanes with an interval that contains a texel's centre.
 static LaneInt contains_centre(LaneFloat low, LaneFloat high, uint texels) {
     LaneFloat last = LANES_MIN(high - 0.5f, (LaneFloat)((float)texels)), first = low - 0.5f;
     LaneInt inside = LANE_COMPARE(last, >=, (LaneFloat)(0.0f));
@@ -24,11 +24,11 @@ static LaneInt contains_centre(LaneFloat low, LaneFloat high, uint texels) {
 // The triangles that may cover a whole texel. This affects speed alone: a result that is off by rounding costs a test
 // or a texel of the map, never a wrong shadow.
 //
-// A texel with its centre at p is covered if each barycentric coordinate at p is at least what it loses towards the
-// texel's worst corner: for the corner opposite the edge (x, y), s = (|x| + |y|) / 2 / (2 area). The three s sum up to
-// S = (breadth + depth) / (2 area). If S > 1 there is no such p; else these p make up a triangle, the original times
-// 1 - S, with its first corner at a + s_b ab + s_c ac + (1 - S) 0; and some texel's centre must be within its bounds.
-// Its area, `expected`, is the number of texels that the original covers on average over all shifts of the grid.
+// A texel with its centre at p is covered if each barycentric coordinate at p is at least its loss towards the texel's
+// worst corner: for the corner opposite the edge (x, y), s = (|x| + |y|) / 2 / (2 area). The three s sum up to S =
+// (breadth + depth) / (2 area). If S > 1 there is no such p. Else the set of such p is a triangle, the original times 1
+// - S, with its first corner at a + s_b ab + s_c ac + (1 - S) 0; and some texel's centre must be within its bounds. Its
+// area, `expected`, is the number of texels that the original covers on average over all shifts of the grid.
 static LaneInt can_cover_texel(const Projected* v, Rectangles rectangle, __constant const Projection* projection,
                                LaneInt lanes, LaneFloat* expected) {
     lanes &= LANE_COMPARE(rectangle.x1 - rectangle.x0, >=, (LaneFloat)(1.0f)) &
@@ -60,7 +60,7 @@ typedef struct BoundsBlock {
     LaneFloat expected;  // about how many texels a candidate of the map covers
 } BoundsBlock;
 
-// Bounds that exclude nothing: every bin, or (indistinct) the one bin that all points share.
+// Bounds that exclude no point: every bin, or (indistinct) the one bin that all points share.
 static BoundsBlock unbounded(__constant const Projection* projection) {
     BoundsBlock bounds;
     bounds.x0 = bounds.y0 = bounds.flags = (LaneInt)(0);
@@ -107,7 +107,7 @@ typedef struct BoundsCounts {
     LaneFloat expected;
 } BoundsCounts;
 
-// The survivors among GN_LANES triangles, of which *first is the first.
+// The survivors among GN_LANES triangles; *first is the first triangle.
 static LaneInt bound_block(uint block, TriangleSetupParams params, __constant const Projection* projection,
                            __global const float* vertices, __global const uint* pyramid, uint* first,
                            BoundsBlock* found, BoundsCounts* counts) {
@@ -165,9 +165,9 @@ static void append_block(BoundsWork* work, uint block) {
     }
 }
 
-// A CPU takes GN_LANES clusters at a time: the listed clusters, or (if no clusters are kept) those whose boxes, made on
-// the way, survive the cull. A box around triangles takes a small part of the time that bounding them one by one does;
-// where its test drops fewer than one in LEAST_DROPPED clusters, the next groups of clusters go without it.
+// A CPU takes GN_LANES clusters at a time: the listed clusters, or (if no clusters are kept) the clusters with boxes,
+// made on the way, that survive the cull. A box around triangles takes a small part of the time that bounding them one
+// by one does; where it drops fewer than one in LEAST_DROPPED clusters, the next groups skip the box.
 #define BLOCKS_OF_CLUSTER (CLUSTER_TRIANGLES / GN_LANES)
 #define LEAST_DROPPED 4u
 #define GROUPS_WITHOUT_BOXES 3u
@@ -196,8 +196,8 @@ GN_NOINLINE_ON_CPU void cull_by_boxes(BoundsWork* work, uint first, uint count, 
     }
 }
 
-// A work-item takes every `step`th group of clusters: where most clusters are dropped others are in view, and items
-// with neighbouring groups would differ in time. Reserved slots that remain unused in the end are marked.
+// A work-item takes every `step`th group of clusters: dropped clusters are neighbours in most views, and items with
+// neighbouring groups would differ in time. At its end the item marks its reserved but unused slots.
 GN_NOINLINE_ON_CPU void bound_clusters(ItemRange items, uint cluster_count, __global const uint* clusters,
                                        BoundsWork* work) {
     uint without_boxes = 0, capacity = work->params.capacity;
@@ -240,7 +240,7 @@ __kernel void triangle_bounds(TriangleSetupParams params, __constant const Proje
     ItemRange items = {get_global_id(0), (cluster_count + GN_LANES - 1u) / GN_LANES, get_global_size(0)};
     bound_clusters(items, cluster_count, clusters, &work);
     BoundsCounts counts = work.counts;
-    // Nothing is added beyond `enough`, by this item or to a sum that has come that far, so that no sum overflows.
+    // No count is added beyond `enough`, by this item or to a sum that has reached `enough`, so that no sum overflows.
     uint enough = texels_worth_a_map(projection->width, projection->height);
     uint texels = (uint)LANES_SUM(LANES_TO_INT(LANES_MIN(counts.expected, (LaneFloat)((float)enough))));
     volatile __global uint* counted = &counters->map_expected;

@@ -5,8 +5,8 @@
 //     e_i = edge_x[i] X + edge_y[i] Y + edge_0[i]       inside the triangle's projection iff all three are >= 0
 //     z   = plane_x X + plane_y Y + plane_0             the triangle's height along the point's ray
 // Some e_i < -margin_edge: certainly outside. All e_i > margin_edge: certainly inside. Z > z + margin_plane: certainly
-// nearer to the light. Z < z - margin_plane: certainly behind. Z < z_low, Z > z_high: behind and nearer, whatever the
-// plane gives. Every other pair is left to the exact predicate. The margins are proven in triangle_records.clh.
+// nearer to the light. Z < z - margin_plane: certainly behind. Z < z_low, Z > z_high: behind and nearer, at any value
+// of the plane. Every other pair is left to the exact predicate. The margins are proven in triangle_records.clh.
 #pragma once
 
 #include "simd/frame_counters.h"
@@ -22,16 +22,16 @@ GN_STRUCT_BEGIN(TriangleRecord)
     float z_high;
 GN_ALIGNED_STRUCT_END(TriangleRecord, 64)
 
-// Of both kernels; members that a kernel does not use are 0.
+// Parameters of both kernels; members that a kernel does not use are 0.
 GN_STRUCT_BEGIN(TriangleSetupParams)
     ulong first_float;  // of the first triangle, in `vertices`
     uint triangle_count;
-    uint capacity;  // of the bounds, the records and the map's candidates
+    uint capacity;  // capacity of the bounds, the records and the map's candidates
     uint tile_capacity;
     uint pair_capacity;
     uint has_clusters;  // 1: only the triangles of the listed clusters
     uint has_numbers;   // 1: clusters have an order of their own, and `numbers` has the triangle at each position
-    uint has_pyramid;   // 0: no triangle is dropped for its depth
+    uint has_pyramid;   // 0: the depth drops no triangle
     uint for_map;       // 1: tiles of the map's candidates; 0: tiles of all triangles, for the lists
     uint lists_pairs;   // 1: a CPU appends the pairs of small triangles at once
     uint padding;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Triangle tiles, the second pass of the triangle setup. Takes the triangles that triangle_bounds listed, or (for the
 // conservative map) its candidates alone: the map is drawn first, and then hides many of the other triangles. Drops the
-// triangles below the pyramid, makes the records of the rest, drops triangles that are exactly edge-on to the rays
-// (they never block, by contract), and cuts the bins of each triangle into tiles. So no later stage walks a triangle:
-// they walk tiles, which are all of about the same size.
+// triangles below the pyramid, makes the records of the rest, drops triangles that are exactly edge-on to the rays (by
+// contract they never block), and cuts the bins of each triangle into tiles. Later stages walk tiles, not triangles:
+// all tiles are of about the same size.
 //
 // A CPU's work-item takes its triangles in their order and appends the tiles that survive the cull; with `lists_pairs`
 // the bins of small triangles become pairs at once. A GPU's work-group shares out the tiles of its triangles evenly,
@@ -24,7 +24,7 @@ typedef struct TileWork {
     uint hidden, edge_on, exact;
 #ifdef GN_CPU
     Reservation slots;  // in `tiles`
-    PairList pairs;     // with `lists_pairs`: of small triangles, which then have no tiles
+    PairList pairs;     // with `lists_pairs`: pairs of small triangles, which then have no tiles
 #endif
 } TileWork;
 
@@ -37,13 +37,13 @@ typedef struct RecordBatch {
     BinRectangles bins;
 } RecordBatch;
 
-// Of GN_LANES neighbours in the list, the triangles that survive the cull, and their bins.
+// The triangles among GN_LANES neighbours in the list that survive the cull, and their bins.
 typedef struct SurvivingLanes {
     LaneInt slots, lanes;
     BinRectangles bins;
 } SurvivingLanes;
 
-// Culls the triangles from the i-th on against the pyramid. What is dropped from the list of bounds gets empty bounds.
+// Culls the triangles from the i-th on against the pyramid. Triangles dropped from the list of bounds get empty bounds.
 static SurvivingLanes cull_batch(TileWork* work, uint i, uint count) {
     SurvivingLanes found;
     found.lanes = LANE_COMPARE((LaneInt)((int)min(count - i, (uint)GN_LANES)), >, LANE_INDEX);
@@ -103,7 +103,7 @@ static void add_to_batch(const TileWork* work, const SurvivingLanes* found, int 
     ++batch->count;
 }
 
-// Makes the records of a batch that is not empty; returns the triangles to keep, the others being exactly edge-on.
+// Makes the records of a batch that is not empty; returns the triangles to keep. The others are exactly edge-on.
 static LaneInt make_batch_records(TileWork* work, RecordBatch* batch, RecordBlock* records) {
     __global const float* rows[GN_LANES];
     for (uint lane = 0; lane < GN_LANES; ++lane) {
@@ -147,8 +147,8 @@ static void append_surviving_tile(TileWork* work, uint slot, uint4 bins, uint i)
         append_tile(work, slot, tile);
 }
 
-// Most triangles are in four bins at most: 2 x 2 bins of GN_LANES triangles are culled at once, while the records are
-// at hand, and no tile is made. Returns the triangles that were that small.
+// Most triangles are in four bins at most: 2 x 2 bins of GN_LANES triangles are culled at once, while their records are
+// in registers, and no tile is made. Returns the triangles that were that small.
 static LaneInt append_small_triangles(TileWork* work, const RecordBatch* batch, const RecordBlock* records,
                                       LaneInt kept) {
     const BinRectangles* bins = &batch->bins;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Prepared light: fits a light's frames to the triangles, and keeps what a trace needs of the stages' lists.
+// Prepared light: fits a light's frames to the triangles, and keeps the parts of the stages' lists that a trace needs.
 //
-// Why a point outside the triangles' bounds is lit. Parallel: the raw grid coordinates of light_frame.h are off by at
-// most 4u M (M the largest world coordinate) and what underflow takes, those of vertices and of points alike; a
-// triangle's lie between its vertices'. The bounds are moved out by PREPARED_PADDING M of the vertices, and a point
-// counts as outside by PREPARED_PADDING times the sum of its own coordinates. A point whose coordinate along the
-// light's axis is greater than every vertex' has all triangles on the far side: that is exact. Perspective: a face's
-// triangles are those with a vertex at W > 0. If all its vertices have W > 0 its ratios lie between theirs (off by 8u),
-// else they may be any; a face has points up to 1 alone. A triangle with W < 0 at all vertices lies behind, and W of a
-// point is greater than 0 once it is above SMALLEST_W, far above what underflow could make of any other.
+// Proof that a point outside the triangles' bounds is lit. Parallel: the raw grid coordinates of light_frame.h are off
+// by at most 4u M (M the largest world coordinate) and the underflow, for vertices and points alike; a triangle's
+// coordinates lie between its vertices'. The bounds are moved out by PREPARED_PADDING M of the vertices, and a point
+// counts as outside by PREPARED_PADDING times the sum of its own coordinates. If a point's coordinate along the light's
+// axis is greater than every vertex's, all triangles are on the far side: that is exact. Perspective: a face's
+// triangles are those with a vertex at W > 0. If all vertices have W > 0 the triangle's ratios lie between theirs (off
+// by 8u), else they may be any; a face has only points with ratios up to 1. A triangle with W < 0 at all vertices lies
+// behind. W of a point is greater than 0 once it is above SMALLEST_W, far above what underflow could make of any other.
 #include "occluders/bin_lists.h"
 #include "occluders/triangle_setup.h"
 #include "prepared/prepared_facing.clh"
@@ -41,7 +41,7 @@ static void include_parallel(TriangleValues* values, LightFrame frame, const flo
     ++values->count;
 }
 
-// Nothing of a triangle that lies outside one of the face's sides by this can be seen from a point of the face.
+// A triangle that lies outside one of the face's sides by this blocks no point of the face.
 #define FACE_SIDE (1.0f + 64.0f * GN_U)
 
 static void include_perspective(TriangleValues* values, LightFrame frame, const float3* vertices) {
@@ -109,10 +109,10 @@ __kernel void prepared_bounds(const PreparedParams params, __global const float*
 // ---- Domains --------------------------------------------------------------------------------------------------------
 
 // How far beyond the triangles points may lie, in parts of the largest extent; and how much farther from a point light.
-// More of the first costs precision, of the second nothing.
+// A larger first value costs precision, a larger second value does not.
 #define ROOM_AROUND 0.25f
 #define ROOM_BEYOND 1024.0f
-// The lists' 16 bits do not tell a point light's heights, 1 / W, apart beyond this many times the least height.
+// Beyond this many times the least height the lists' 16 bits do not separate a point light's heights, 1 / W.
 #define HEIGHT_RANGE 0x1p16f
 
 static void set_bound(__global PointBounds* bounds, int i, float low, float high) {
@@ -145,7 +145,7 @@ static void make_parallel(LightFrame frame, const float* low, const float* high,
 
 static void make_perspective(const float* low, const float* high, __global PointBounds* bounds,
                              PreparedDomain* domain) {
-    // Where even the triangles reach beyond LARGEST_EXTENT the fit finds the frame indistinct.
+    // If even the triangles reach beyond LARGEST_EXTENT the fit finds the frame indistinct.
     float farthest = fmax(high[4], fmin(ROOM_BEYOND * high[4], 0.5f * LARGEST_EXTENT));
     domain->world_low[2] = SMALLEST_W / unit_of_farthest(farthest);
     domain->world_high[2] = farthest;
@@ -193,8 +193,8 @@ static bool is_used(__global const BinEntries* entries, uint lane) {
     return ENTRY_LANE(at, x0, lane) <= ENTRY_LANE(at, x1, lane);
 }
 
-// Gives each record that a list names its kept slot, from first_record on, in about the order of the lists: records
-// that are read together lie together. kept_slots[slot] is GN_NO_ID before.
+// Gives each record that a list names its kept slot, from first_record on, in about the order of the lists, so that
+// records that are read together are neighbours. kept_slots[slot] is GN_NO_ID before.
 __kernel void prepared_kept_slots(const KeptFrame frame, __global const BinEntries* entries, __global uint* kept_slots,
                                   __global uint* kept_count) {
     GN_FOR_EACH(i, frame.entry_count) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Contract of a prepared light: what is kept of a light's frames while only the points change.
+// Contract of a prepared light: the data of a light's frames that stay valid while only the points change.
 //
 // The light's frames are fitted to the triangles instead of the points, as if the points were at the corners of
-// prepared_domains()' boxes. A point within them changes nothing about the fit, so that all bounds hold for it that are
-// proven for fitted points (docs/numerics.md, 6, Prepared lights). Any other point is decided without the lists: it is
-// lit for certain, or it is a fallback point, and then the run is done as if nothing were prepared.
+// prepared_domains()' boxes. A point within the boxes does not change the fit, so that all bounds proven for fitted
+// points are valid for it (docs/numerics.md, 6, Prepared lights). Any other point is decided without the lists: it is
+// certainly lit, or it is a fallback point, and then the run is done as if no light were prepared.
 //
 // All tables lie in one buffer, each aligned to 16 bytes: the ranges of the bins of all frames first, then the tables
 // of PreparedTables (trace/trace.h).
@@ -13,8 +13,8 @@
 #include "receivers/block_bounds.h"
 #include "trace/trace.h"
 
-// Where the points of one frame may be. A point strictly outside the lit bounds by its own error, or strictly nearer to
-// the light than `top`, is lit for certain: no triangle can lie between.
+// The domain of one frame's points. A point strictly outside the lit bounds by its own error, or strictly nearer to the
+// light than `top`, is certainly lit: no triangle can lie between.
 GN_STRUCT_BEGIN(PreparedDomain)
     float lit_low[2], lit_high[2];      // grid x and y, as grid_values() has them, moved out by the triangles' error
     float world_low[3], world_high[3];  // world x, y, z; in perspective [2]: W, low exclusive, the others unused
@@ -22,17 +22,17 @@ GN_STRUCT_BEGIN(PreparedDomain)
     uint has_triangles;                 // 0: no triangle can block a point of this frame
 GN_STRUCT_END(PreparedDomain, 48)
 
-// What the kernels take that make the tables.
+// Parameters of the kernels that make the tables.
 GN_STRUCT_BEGIN(PreparedParams)
     ulong first_float;  // of the first triangle in the buffer of vertices
     LightFrame light_frame;
     PreparedTables tables;
     uint triangle_count;
-    uint record_count;  // unshadowed_triangles: kept records of all frames,
-    uint sample_step;   // of which one in so many is tested
+    uint record_count;  // unshadowed_triangles: kept records of all frames
+    uint sample_step;   // unshadowed_triangles: kept records per tested record
 GN_STRUCT_END(PreparedParams, 104)
 
-// One frame's lists, as they are copied behind those of the frames before.
+// One frame's lists, to be copied behind those of the frames before.
 GN_STRUCT_BEGIN(KeptFrame)
     PreparedTables tables;
     uint entry_count, slot_count, bin_count;  // of the frame's own lists
@@ -54,8 +54,7 @@ static __global const PreparedDomain* prepared_domains_of(PreparedTables tables,
 #define PREPARED_PADDING (32.0f * GN_U)
 #define PREPARED_UNDERFLOW 0x1p-120f
 
-// Of the lanes that belong to this frame: the lanes that are lit for certain, and the lanes that the fit's bounds hold
-// for.
+// For the lanes in this frame: the lanes that are certainly lit, and the lanes for which the fit's bounds are valid.
 typedef struct PreparedAnswer {
     LaneInt lit, inside;
 } PreparedAnswer;
@@ -66,8 +65,8 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
     LaneFloat margin = 0.0f;
     LaneInt outside = (LaneInt)(domain->has_triangles ? 0 : -1), nearest = (LaneInt)(0);
     if (IS_PERSPECTIVE(frame)) {
-        // The ratios of a face's points are at most 1 (and 8u), so that the lit bounds can hold their error. Nearer to
-        // the point light than `low` not even the face is certain.
+        // The ratios of a face's points are at most 1 (and 8u), so that the lit bounds can include their error. Nearer
+        // to the point light than `low` even the face is uncertain.
         answer.inside = LANE_COMPARE(values.z, >, (LaneFloat)(domain->world_low[2])) &
                         LANE_COMPARE(values.z, <=, (LaneFloat)(domain->world_high[2]));
     } else {
@@ -87,7 +86,7 @@ static PreparedAnswer prepared_answer(LightFrame frame, __global const PreparedD
     return answer;
 }
 
-// Returns the open lanes that stay open, and sets those that are fallback points. The others are lit.
+// Returns the lanes that stay open, and sets the lanes that are fallback points. The others are lit.
 static LaneInt prepared_lanes(LightFrame light_frame, __global const PreparedDomain* domains, PointBlock points,
                               LaneInt lanes, LaneInt* fallback_points) {
     LaneInt frames = frames_of(light_frame, points), open = (LaneInt)(0);
@@ -107,7 +106,7 @@ static LaneInt lanes_between(LaneFloat v, float low, float high) {
     return LANE_COMPARE(v, >=, (LaneFloat)(low)) & LANE_COMPARE(v, <=, (LaneFloat)(high));
 }
 
-// Of a directional light's frame, with world coordinates in the order of its axes.
+// For a directional light's frame, with world coordinates in the order of its axes.
 static PreparedDomain domain_in_order(__global const PreparedDomain* domain, LightFrame frame) {
     PreparedDomain ordered = *domain;
     const uint axes[3] = {frame.axis_x, frame.axis_y, frame.axis_z};
@@ -118,8 +117,8 @@ static PreparedDomain domain_in_order(__global const PreparedDomain* domain, Lig
     return ordered;
 }
 
-// The points of a directional light's frame that are within the world's bounds and the lit ones, so that
-// prepared_lanes() would leave them open (or find them lit, which a trace finds as well). `points` and `domain` are in
+// The points of a directional light's frame that are within both the world's bounds and the lit bounds, so that
+// prepared_lanes() would leave them open (or find them lit; a trace finds that as well). `points` and `domain` are in
 // the order of the frame's axes, `values` are the points' grid values.
 static LaneInt lanes_stay_open(const PreparedDomain* domain, PointBlock points, PointBlock values) {
     return lanes_between(values.x, domain->lit_low[0], domain->lit_high[0]) &
@@ -133,8 +132,8 @@ static bool is_between(float low, float high, float least, float greatest) {
     return (low >= least) & (high <= greatest);
 }
 
-// True only if that holds for all points within a block's bounds. All comparisons at once: the outcome is nearly always
-// the same, and one jump is cheaper than one for each.
+// True only if that is true for all points within a block's bounds. All comparisons are done at once: the outcome is
+// nearly always the same, and one jump is cheaper than one for each.
 static bool block_stays_open(const PreparedDomain* domain, LightFrame frame, const BlockBounds* block) {
     float z_low = frame.sign_z < 0.0f ? block->minus_height : block->height;
     float z_high = frame.sign_z < 0.0f ? -block->height : -block->minus_height;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The trace under a prepared light, of all points: it decides facing on the way (prepared_facing.clh), since to read
-// points and to write visibility once is most of what such a run costs. Two variants are for some points only:
+// The trace under a prepared light, of all points. It decides facing on the way (prepared_facing.clh), since reading
+// points and writing visibility take most of such a run and are then done once. Two variants are for some points only:
 //     PREPARED_PLANE_SIDE     GPU, lifted points: a point whose receiver's plane leaves its facing undecided becomes a
 //                             fallback point, for which the variant without defines has to run
 //     PREPARED_CACHED_FACING  CPU, directional light, points that cannot shadow themselves, each coordinate in a row of
@@ -52,9 +52,9 @@ static PointBlock load_rows(CoordinateRows rows, BlockPlace place) {
     return points;
 }
 
-// The map decides whole blocks first: the points that it hides are in shadow whichever way they face, so that their
-// receivers need not be loaded. Up to there coordinates are in the order of the frame's axes: to choose them block by
-// block takes longer than to load some of them once more.
+// The map decides whole blocks first: the points that it hides are in shadow for either facing, so that their receivers
+// need not be loaded. This part uses coordinates in the order of the frame's axes: choosing them block by block takes
+// longer than loading some of them once more.
 GN_NOINLINE_ON_CPU void trace_blocks(ItemRange items, LightFrame light_frame, TraceFrames frames, TraceLists lists,
                                      ExactPairs pairs, TracePoints to, TraceCounts* total) {
     PointsLayout layout = to.layout;
@@ -161,7 +161,7 @@ static bool list_holds_only_receiver(const TracePoints* to, TraceLists lists, ui
     return range.y - range.x == 1u && ENTRY_SLOT(&lists.entries[range.x], 0) == receiver_slot(to, point);
 }
 
-// A point that is loaded while the one before is tested.
+// A point that is loaded while the previous point is tested.
 typedef struct PointAhead {
     PointBlock at;
     LaneInt receiver;

@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: MIT
-// Unshadowed triangles: finds the triangles that nothing shadows under a prepared directional light
+// Unshadowed triangles: finds the triangles that no triangle shadows under a prepared directional light
 // (unshadowed_triangles.h).
 //
-// Why. With D towards the light, n R's normal, s = sign(n . D) and Q any point in R's interior, another triangle T
+// Proof. With D towards the light, n R's normal, s = sign(n . D) and Q any point in R's interior, another triangle T
 // meets no ray Q + t D, t > 0, if
 //   - no vertex of T is above R's plane, s n . (v - a) <= 0: on the ray that grows from 0; or
 //   - no vertex of R is below T's plane: then Q is not, and the ray leaves it; or
 //   - an edge of one has the other beyond it, or on it, in the light's view: Q lies strictly on its own side of R's
 //     edges, and strictly beyond an edge of T that all of R is beyond.
-// All signs are certain. Most pairs that touch are kept apart by this: a mesh's neighbours share an edge or lie below.
+// All signs are certain. These tests separate most pairs that touch: a mesh's neighbours share an edge or lie below.
 //
-// The tested T are those in the lists of all bins under R's rectangle that may be above R's least height by their
-// bounds. T blocks Q only where both their rectangles are, in the bin of Q's real grid position, where T is listed, for
-// lists hold for all errors of grid positions (docs/numerics.md, 5); or T and Q lie below one triangle K that covers
-// the whole texel (6). Then K blocks Q, K is listed there, and K is not R, which has no point below Q on its ray but Q:
-// R is not found to be unshadowed.
+// The tested T are the triangles in the lists of all bins under R's rectangle that may be above R's least height by
+// their bounds. T blocks Q only where both their rectangles are, in the bin of Q's real grid position. T is listed
+// there, since lists allow for all errors of grid positions (docs/numerics.md, 5); or T and Q lie below one triangle K
+// that covers the whole texel (6). Then K blocks Q, K is listed there, and K is not R, which has no point below Q on
+// its ray but Q: R is not found to be unshadowed.
 #include "prepared/unshadowed_triangles.h"
 
 #include "occluders/bin_test.clh"
 #include "prepared/prepared_light.h"
 
 // True, and the sign, if float or double are certain of it. The integers' level is left out: on a GPU it took three
-// quarters of preparing, and only rare triangles' planes need it.
+// quarters of the time to prepare, and only rare triangles' planes need it.
 static bool is_sign_certain(float3 u1, float3 u0, float3 v1, float3 v0, float3 w1, float3 w0, int* sign) {
     if (det3_sign_float(u1, u0, v1, v0, w1, w0, sign)) return true;
 #ifdef GN_FP64
@@ -37,7 +37,7 @@ static int certain_side(const Triangle* t, float3 towards_light) {
     return is_sign_certain(t->b, t->a, t->c, t->a, towards_light, (float3)(0.0f), &side) ? side : 0;
 }
 
-// True if det(u1 - u0, v1 - v0, p - w0) `side` <= 0 for certain at all vertices p.
+// True if det(u1 - u0, v1 - v0, p - w0) `side` is certainly <= 0 at all vertices p.
 static bool has_none_beyond(const Triangle* t, float3 u1, float3 u0, float3 v1, float3 v0, float3 w0, int side) {
     const float3 vertices[3] = {t->a, t->b, t->c};
     for (int i = 0; i < 3; ++i) {
@@ -47,8 +47,8 @@ static bool has_none_beyond(const Triangle* t, float3 u1, float3 u0, float3 v1, 
     return true;
 }
 
-// True if `other` has nothing above the plane of t, whose side of the light is `side`. With the side's sign turned:
-// nothing below.
+// True if no point of `other` is above the plane of t; `side` is that plane's side of the light. With the side's sign
+// turned: no point is below the plane.
 static bool has_none_above(const Triangle* other, const Triangle* t, int side) {
     return has_none_beyond(other, t->b, t->a, t->c, t->a, t->a, side);
 }
@@ -62,7 +62,7 @@ static bool is_beyond_an_edge(const Triangle* other, const Triangle* t, int side
     return false;
 }
 
-// False if t blocks no point in the interior of `receiver`, whose side of the light is `side`.
+// False if t blocks no point in the interior of `receiver`; `side` is the receiver's side of the light.
 static bool may_shadow(const Triangle* t, const Triangle* receiver, int side, float3 towards_light) {
     if (has_none_above(t, receiver, side) || is_beyond_an_edge(t, receiver, side, towards_light)) return false;
     int own_side = certain_side(t, towards_light);
@@ -77,17 +77,17 @@ typedef struct SearchLists {
     __global const float* vertices;         // from the first triangle on
 } SearchLists;
 
-// Beyond this work of an item a triangle is not found to be unshadowed.
+// A triangle that takes an item more bins or tests than this does not count as unshadowed.
 #define SEARCH_MOST_BINS 128u
 #define SEARCH_MOST_TESTS 64u
 
-// How many triangles an item has tested for a receiver, and the last few, which neighbouring bins mostly share.
+// The number of triangles that an item has tested, and the last few of them, which neighbouring bins mostly share.
 typedef struct SearchTests {
     uint count;
     uint4 last;
 } SearchTests;
 
-// The triangle that is searched for: its `side` of the light, and the part of the grid where others may shadow it.
+// The receiver of the search: its `side` of the light, and the part of the grid where other triangles may shadow it.
 typedef struct SearchedTriangle {
     Triangle receiver;
     float3 towards_light;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Contract of unshadowed triangles: under a prepared light nothing shadows them. A point on one needs neither map nor
-// list.
+// Contract of unshadowed triangles: under a prepared light no triangle shadows them. A point on one needs neither map
+// nor list.
 //
 // Each triangle R has a bit, which is set only if no other triangle can block any point in R's interior
 // (unshadowed_triangles.cl). Let P be a point with receiver R, lifted (on R's plane or on its light's side, exactly),
 // and strictly within R in the light's view: P = Q + t D, t >= 0, Q in R's interior, D towards the light. P's ray is
-// part of Q's, so a triangle that blocked P would block Q: P is lit, wherever on its ray it is. A triangle whose plane
-// holds Q has no other point on the ray, so that the contract's exception for such Q takes nothing away.
+// part of Q's, so a triangle that blocked P would block Q: P is lit, wherever on its ray it is. A triangle with Q on
+// its plane has no other point on the ray, so the contract's exception for such Q changes no result.
 //
-// Whether P is within R is decided by the three edges' determinants of blocks(), by det3's float level alone, which is
-// certain but for points a millionth of R's size from an edge. Such points are traced.
+// The three edges' determinants of blocks() decide whether P is within R, by det3's float level alone, which is certain
+// except for points a millionth of R's size from an edge. Such points are traced.
 #pragma once
 
 #include "simd/points.h"

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 // Contract: the box that the open points of a block span in the light's frame. The facing stage writes one per block of
-// several points, so that later stages need not load points that they can decide as a block.
+// several points, so that later stages can decide a whole block without loading its points.
 #pragma once
 
 #include "receivers/light_frame.h"
 
 GN_STRUCT_BEGIN(BlockBounds)
-    // The least of grid_values(), and minus the greatest; height (z towards the light; under a point light -W) replaces
-    // z.
+    // The least of grid_values(), and minus the greatest. Component z is the height (z towards the light; -W under a
+    // point light).
     float x, minus_x, y, minus_y, height, minus_height;
-    uint frame;  // of all open points, or BLOCK_IN_*
+    uint frame;  // the frame of all open points, or BLOCK_IN_*
     uint flags;  // BLOCK_ALL_OPEN, BLOCK_MAY_SELF_SHADOW
 GN_STRUCT_END(BlockBounds, 32)
 
 #define BLOCK_IN_NO_FRAME 0xFFFFFFFFu  // no point is open
-#define BLOCK_IN_FRAMES 0xFFFFFFFEu    // the open points are in several frames; the other members mean nothing
+#define BLOCK_IN_FRAMES 0xFFFFFFFEu    // the open points are in several frames; the other members are undefined
 #define BLOCK_ALL_OPEN 1u              // every lane is open
 #define BLOCK_MAY_SELF_SHADOW 2u       // an open lane may shadow itself
 
@@ -22,7 +22,7 @@ GN_STRUCT_END(BlockBounds, 32)
 
 static float8 least_of_two(float8 a, float8 b) { return select(b, a, a < b); }
 
-// The spans of points in the order of BlockBounds; the last two components mean nothing.
+// The spans of points in the order of BlockBounds; the last two components are undefined.
 #if GN_LANES == 1
 // (The one lane is set.)
 static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
@@ -87,10 +87,10 @@ typedef struct BlockBox {
 } BlockBox;
 
 // The error. Let X be the projection's real map (light_frame.cl); every point's computed grid position is within
-// point_error of X. Here it comes from grid values instead. These are off by 4u M (M the largest world coordinate; 8u
-// for ratios), and so is origin; the difference and the sum round once each. All that is below 16u M scale, for which
-// block_error has 32u M scale (for ratios below 10u scale, which point_error has), and u times the position's
-// magnitudes, which point_error has ten times. So block_error = 2 point_error + 32u M scale (light_frame.cl).
+// point_error of X. Here the grid position comes from grid values instead, which are off by 4u M (M the largest world
+// coordinate; 8u for ratios), as is origin; the difference and the sum round once each. Their sum is below 16u M scale
+// (block_error has 32u M scale; for ratios below 10u scale, which point_error has) and u times the position's
+// magnitudes (point_error has ten times that). So block_error = 2 point_error + 32u M scale (light_frame.cl).
 static BlockGrid block_grid(LightFrame light_frame, __constant const Projection* projection, uint face) {
     LightFrame frame = face_of(light_frame, face);
     BlockGrid grid;
@@ -117,7 +117,7 @@ static BlockGrid block_grid(LightFrame light_frame, __constant const Projection*
     return grid;
 }
 
-// A computed height. Parallel: the same operation as in project_points(), which is monotone. Perspective: a quotient,
+// A computed height. Parallel: the same operation as in project_points(); it is monotone. Perspective: a quotient,
 // which may be off by 3 ulp, as in project_points().
 static float height_of_block(const BlockGrid* grid, float height, float error) {
     if (!grid->perspective) return height - grid->origin_height;

@@ -15,7 +15,7 @@ __kernel void facing_triangles(FacingParams params, __global const float* vertic
     if (exact != 0) atomic_add(&counters->facing_exact, exact);
 }
 
-// The visibility of a point between the two kernels below. No point of theirs may shadow itself or is a footprint.
+// The visibility of a point between the two kernels below. Their points are no footprints, and none may shadow itself.
 #define VISIBILITY_UNDECIDED 4.0f
 
 static void face_filter(FacingParams params, const FacingBuffers* buffers, FacingSums* sums, ItemRange items) {
@@ -39,7 +39,7 @@ static void face_filter(FacingParams params, const FacingBuffers* buffers, Facin
     }
 }
 
-// If the list had no room for all undecided points, the pass finds them by their visibility.
+// If the list had no room for all undecided points, this pass finds the undecided points by their visibility.
 static void face_exact_fallback(FacingParams params, const FacingBuffers* buffers, FacingSums* sums, ItemRange items) {
     FacingBuffers to = *buffers;
     bool all_are_listed = to.undecided[0] <= UNDECIDED_CAPACITY;
@@ -54,7 +54,7 @@ static void face_exact_fallback(FacingParams params, const FacingBuffers* buffer
                                            to.vertices, &sums->exact)
                             .backfacing;
         open_facing_block(params, 0u, to, point, &at, sums);
-        // The bounds of each point by itself: the list is in any order, and margins must not depend on it.
+        // Each point has its own bounds: the list's order varies, and margins must not depend on it.
         flush_bounds(params.light_frame, &sums->bounds, to.shared);
         start_bounds(&sums->bounds, 0u);
     }

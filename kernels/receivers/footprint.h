@@ -32,7 +32,7 @@
 #include "receivers/light_frame.h"
 
 #define FOOTPRINT_SLACK 1.01f
-// Bins (or texels) per side that a footprint may span; a larger one is mixed, whatever occluders there are.
+// Bins (or texels) per side that a footprint may span; a larger footprint is mixed, whatever occluders there are.
 #if GN_LANES == 1
 #define FOOTPRINT_SPAN 3  // a GPU would wait longer for a few larger footprints than it takes to trace their samples
 #else
@@ -67,8 +67,8 @@ static PointBlock footprint_reach(const FootprintBlock* f) {
     return reach;
 }
 
-// The footprints that lie in one frame as a whole: they are bounded and, in perspective, within the pyramid of the
-// centre's face by more than roundings.
+// The footprints that lie wholly in one frame: they are bounded and, in perspective, within the pyramid of the centre's
+// face by more than roundings.
 static LaneInt in_one_frame(LightFrame light_frame, PointBlock centres, const FootprintBlock* f) {
     LaneInt bounded = LANE_COMPARE(f->spread, <, (LaneFloat)(INFINITY));
     if (!IS_PERSPECTIVE(light_frame)) return bounded;
@@ -83,7 +83,7 @@ static LaneInt in_one_frame(LightFrame light_frame, PointBlock centres, const Fo
     return bounded & (face_x | face_y | face_z);
 }
 
-// A footprint in the grid: centre, half axes, slack, and the reach of all of it. Only `usable` lanes mean anything.
+// A footprint in the grid: centre, half axes, slack, and its whole reach. Lanes that are not `usable` are undefined.
 typedef struct GridFootprint {
     PointBlock centre, u, v, slack, reach;
     LaneInt usable;
@@ -133,7 +133,7 @@ static GridFootprint project_footprint(__constant const Projection* projection, 
     grid_coordinate(gx, size_x, scale, stretch, k, f, &grid.u.x, &grid.v.x, &grid.slack.x);
     grid_coordinate(gy, size_y, scale, stretch, k, f, &grid.u.y, &grid.v.y, &grid.slack.y);
     grid_coordinate(gz, size_z, scale, stretch, k, f, &grid.u.z, &grid.v.z, &grid.slack.z);
-    // And 4u of the place for the roundings of centre +- reach.
+    // 4u of the grid position for the roundings of centre +- reach.
     grid.slack.x += 4.0f * projection->point_error + (4.0f * GN_U) * fabs(x);
     grid.slack.y += 4.0f * projection->point_error + (4.0f * GN_U) * fabs(y);
     grid.slack.z += height_error + (4.0f * GN_U) * fabs(z);

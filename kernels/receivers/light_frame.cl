@@ -12,8 +12,7 @@
 #define FRAME_PADDING (32.0f * GN_U)
 #define EDGE_TEXELS 0.25f
 
-// PointBounds as floats: [0] and [1] grid x and y, [2] to [4] world x, y, z (in perspective only [4] means anything:
-// W).
+// PointBounds as floats: [0] and [1] grid x and y, [2] to [4] world x, y, z (in perspective only [4] is defined: W).
 typedef struct FittedBounds {
     float low[BOUNDED_VALUES], high[BOUNDED_VALUES];
     uint count;

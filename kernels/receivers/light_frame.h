@@ -4,8 +4,8 @@
 
 #include "simd/projection.h"
 
-// A light's frames before they are fitted. A directional light has one frame. A point light has POINT_LIGHT_FRAMES, the
-// faces of a cube around it: the members describe the first, and face_of() makes the others.
+// A light's frames before the fit. A directional light has one frame. A point light has POINT_LIGHT_FRAMES, the faces
+// of a cube around it: the members describe the first face, and face_of() makes the others.
 GN_STRUCT_BEGIN(LightFrame)
     float light[4];          // homogeneous: w = 0 minus the direction of travel, w = 1 the position
     uint axis_x, axis_y;     // world coordinates that span the grid; axis_x, axis_y, axis_z are a cyclic order
@@ -21,7 +21,7 @@ GN_STRUCT_END(LightFrame, 64)
 
 // The grid does not separate points that are spread beyond this (beyond it floats overflow).
 #define LARGEST_EXTENT 1.0e30f
-// Nor points nearer to a point light than this, once the farthest is brought within 2 (nearer, floats underflow).
+// Nor points nearer to a point light than this, after scaling the farthest to within 2 (floats underflow).
 #define SMALLEST_W 1.0e-15f
 
 // Bounds of the points of a frame: keys of the highest values and of minus the lowest ones, so that atomic maxima
@@ -54,9 +54,9 @@ static LightFrame face_of(LightFrame light_frame, uint face) {
     return frame;
 }
 
-// The frame of each point, or POINT_LIGHT_FRAMES for none. Parallel: 0. Perspective: the face of the largest difference
-// to the light (first of equals), on its side. A point at the light itself has no frame: no occluder lies strictly
-// between.
+// The frame of each point, or POINT_LIGHT_FRAMES if it has no frame. Parallel: 0. Perspective: the face of the largest
+// difference to the light (first of equals), on its side. A point at the light itself has no frame: no occluder lies
+// strictly between.
 static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
     if (!IS_PERSPECTIVE(light_frame)) return (LaneInt)(0);
     LaneFloat light_x = light_frame.light[0], light_y = light_frame.light[1], light_z = light_frame.light[2];
@@ -68,7 +68,7 @@ static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
     LaneFloat along = LANES_SELECT(LANES_SELECT(z, y, along_y), x, along_x);
     LaneInt face = LANES_SELECT(LANES_SELECT((LaneInt)(4), (LaneInt)(2), along_y), (LaneInt)(0), along_x);
     face -= LANE_COMPARE(along, <, (LaneFloat)(0.0f));
-    // Where denormals are flushed, a difference of unlike positions can vanish. Such a point goes to the first frame,
+    // Where denormals are flushed, a difference of unlike positions can vanish. Such a point goes to the first frame
     // and makes the heights there indistinct.
     LaneInt none = LANE_COMPARE(along, ==, (LaneFloat)(0.0f));
     LaneInt unlike = LANE_COMPARE(LANES_AS_INT(points.x), !=, LANES_AS_INT(light_x)) |
@@ -78,7 +78,7 @@ static LaneInt frames_of(LightFrame light_frame, PointBlock points) {
 }
 
 // Grid positions of points, X and Y in texels, and Z. In perspective the division may be off by 3 ulp. Every kernel
-// takes grid positions from here, so that on one device they agree to the bit.
+// computes grid positions by this function, so that on one device they agree to the bit.
 static PointBlock project_points(__constant const Projection* projection, PointBlock points) {
     PointBlock d = {points.x - projection->center[0], points.y - projection->center[1],
                     points.z - projection->center[2]};
@@ -105,8 +105,8 @@ static LaneInt bins_of(__constant const Projection* projection, PointBlock in_gr
     return y * (int)projection->bins_x + x;
 }
 
-// x, y and W are homogeneous: a power of two brings W below 2, so that products of three do not overflow in scenes of
-// 1e10 units, and changes no rounding.
+// x, y and W are homogeneous. A power of two scales W below 2, so that products of three do not overflow in scenes of
+// 1e10 units; it changes no rounding.
 static float unit_of_farthest(float farthest_w) {
     float farthest = fmin(farthest_w, LARGEST_EXTENT);
     return farthest >= 1.0f ? ldexp(1.0f, -ilogb(farthest)) : 1.0f;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Receiver depth pyramid: see its contract. The depths of points that may shadow themselves are kept per bin a second
-// time, in self_shadow_depths, because the conservative map must not decide those points.
+// Receiver depth pyramid (receiver_depth_pyramid.h). A second set of bins, self_shadow_depths, has only the depths of
+// points that may shadow themselves, because the conservative map must not decide those points.
 #include "receivers/block_bounds.h"
 #include "receivers/footprint.h"
 #include "receivers/receiver_depth_pyramid.h"
 
-// Most points are not the farthest of their bin: a relaxed load saves the atomic. It can only read too high a key.
+// Most points are not the farthest of their bin: a relaxed load saves the atomic. A stale key can only be too high.
 static void lower_to(volatile __global uint* lowest, uint key) {
     if (key < GN_RELAXED_LOAD(lowest)) atomic_min(lowest, key);
 }
@@ -22,7 +22,7 @@ static void lower_bins(LaneInt bins, LaneInt heights, LaneInt lanes, volatile __
 }
 
 // The least height of each footprint, in every bin that the footprint touches. Footprints that span more than
-// LISTED_SPAN bins per side are fallback points (samples/settle.cl).
+// LISTED_SPAN bins per side are fallback points (classify_footprints).
 static void lower_footprint_bins(__constant const Projection* projection, PointBlock centres,
                                  const FootprintBlock* footprints, LaneInt lanes, volatile __global uint* lowest) {
     GridFootprint grid = project_footprint(projection, centres, footprints);
@@ -39,9 +39,8 @@ static void lower_footprint_bins(__constant const Projection* projection, PointB
     }
 }
 
-// Lowers the bins of a block by its bounds, without its points. False if the points must be loaded; they need not be if
-// they lie in 2 x 2 bins, each of which gets the block's least height. (Counted on Sponza: .7 % more references are
-// listed for it.)
+// Lowers the bins of a block by its bounds, without its points. False if the points must be loaded. If they lie in 2 x
+// 2 bins, each of these bins gets the block's least height. (Counted on Sponza: this lists .7 % more references.)
 static bool lower_block(const BlockGrid* grid, __constant const Projection* projection, BlockBounds block, uint frame,
                         volatile __global uint* lowest) {
     if (block.frame == BLOCK_IN_FRAMES) return false;
@@ -98,9 +97,9 @@ __kernel void receiver_depth_pyramid(ReceiverDepthParams params, __constant cons
                  item_range(block_count(params.layout)));
 }
 
-// The PYRAMID_LEVELS levels (or up to the last) above `level`: each cell is the minimum of up to 2 x 2 below. A
-// work-group takes a square of 2^PYRAMID_LEVELS cells of one frame, which is whole cells of every level it makes, so
-// that it reads nothing that another group writes.
+// Makes PYRAMID_LEVELS levels (or up to the last) above `level`: each cell is the minimum of up to 2 x 2 cells below. A
+// work-group takes a square of 2^PYRAMID_LEVELS cells of one frame. It is whole cells of every level that the group
+// makes, so a group reads no cell that another group writes.
 __kernel void receiver_depth_pyramid_reduce(PyramidLevel level, __global uint* pyramid) {
     uint width = level.width, height = level.height, first = level.first;
     uint squares_x = (width + (1u << PYRAMID_LEVELS) - 1u) >> PYRAMID_LEVELS;
@@ -130,8 +129,8 @@ __kernel void receiver_depth_pyramid_reduce(PyramidLevel level, __global uint* p
 }
 
 // Per bin a height such that no point below it needs an occluder list. The map decides every point below its texel, so
-// the least height of the bin's texels counts beside the farthest point's; but points that may shadow themselves need a
-// list wherever they are.
+// the least height of the bin's texels counts beside the farthest point's height; but points that may shadow themselves
+// need a list at every height.
 __kernel void depth_after_map(uint frame_count, __constant const Projection* projections, __global const uint* map,
                               __global const uint* pyramid, __global const uint* self_shadow_depths,
                               __global uint* depths) {

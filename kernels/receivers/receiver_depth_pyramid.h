@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of the receiver depth pyramid (Hi-Z): per bin the depth that the farthest open point reaches, and a pyramid
-// over it. A triangle that lies wholly farther than every point it could cover blocks none of them (Wyman et al. 2016,
+// over it. A triangle that lies wholly farther than every point that it could cover blocks no point (Wyman et al. 2016,
 // "Frustum-Traced Irregular Z-Buffers", section on early-z; the pyramid is ours). A frame culls its triangles by it
 // twice, as in two-pass occlusion culling:
 //
@@ -23,14 +23,14 @@ GN_STRUCT_BEGIN(ReceiverDepthParams)
     PointsLayout layout;
     uint first_frame, frame_count;
     uint has_footprints;  // 1: the points are the centres of footprints
-    uint has_blocks;      // 1: facing has written the points' BlockBounds; frame_count is 1 then
+    uint has_blocks;      // 1: the facing stage has written the points' BlockBounds; frame_count is 1 then
 GN_STRUCT_END(ReceiverDepthParams, 128)
 
 // The level that a reduction starts from.
 GN_STRUCT_BEGIN(PyramidLevel)
     uint frame_count, width, height;
-    uint first;  // index of its first cell
+    uint first;  // index of the level's first cell
 GN_STRUCT_END(PyramidLevel, 16)
 
-// Levels that one launch makes.
+// The number of levels that one launch makes.
 #define PYRAMID_LEVELS 5

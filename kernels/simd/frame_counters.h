@@ -7,19 +7,19 @@
 
 // Counters of one projection's run, zeroed at its start, written by the stages named.
 GN_STRUCT_BEGIN(FrameCounters)
-    uint clusters_listed;   // clusters: that survive the cull, if clusters are kept
-    uint clusters_outside;  // clusters: left out, behind the light or outside the fitted frustum
-    uint clusters_too_far;  // clusters: left out, farther than every point they could cover
+    uint clusters_listed;   // clusters: survivors of the cull, if clusters are kept
+    uint clusters_outside;  // clusters: dropped, behind the light or outside the fitted frustum
+    uint clusters_too_far;  // clusters: dropped, farther than every point that they could cover
     uint slots;             // triangle_setup: slots of the list of bounds wanted (may exceed the capacity)
     uint map_slots;         // triangle_setup: slots of the list of the map's candidates wanted
     uint survivors;         // triangle_setup: triangles with bounds
-    uint map_candidates;    // triangle_setup: of those, able to cover a whole texel
-    uint map_expected;    // triangle_setup, on a CPU: texels they will cover, roughly; counted until a map is worth it
-    uint not_finite;      // clusters, triangle_setup: left out for a NaN or infinite vertex
-    uint edge_on;         // triangle_setup: left out, exactly edge-on to the light or of zero area
-    uint outside;         // the same: left out, outside the fitted frustum or farther than every point there
-    uint hidden;          // triangle_setup: with bounds, but farther than every point that is still open
-    uint map_hidden;      // triangle_setup: not for the map for the same reason
+    uint map_candidates;    // triangle_setup: survivors that can cover a whole texel
+    uint map_expected;    // triangle_setup, on a CPU: texels the map will cover, roughly; counted until it is worth it
+    uint not_finite;      // clusters, triangle_setup: dropped for a NaN or infinite vertex
+    uint edge_on;         // triangle_setup: dropped, exactly edge-on to the light or of zero area
+    uint outside;         // the same: dropped, outside the fitted frustum or farther than every point there
+    uint hidden;          // triangle_setup: with bounds, but farther than every open point
+    uint map_hidden;      // triangle_setup: not drawn into the map for the same reason
     uint setup_exact;     // triangle_setup: orientations decided at the exact level
     uint map_tiles;       // triangle_setup: tiles for the map wanted
     uint tiles;           // triangle_setup: tiles for the lists wanted
@@ -37,8 +37,8 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint decided_by_exact;  // exact_trace: points in shadow by the exact predicate
     uint facing_away;       // facing: points
     uint absent;            // facing: points
-    uint facing_exact;      // facing: points (or receivers, each counted once) whose facing needed the exact level
-    uint fallback_points;   // points that these lists do not cover: a prepared light's (trace); classify_footprints'
+    uint facing_exact;      // facing: points (or receivers, each counted once) that needed the exact level
+    uint fallback_points;   // fallback points of a prepared light (trace) or of classify_footprints
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
 GN_STRUCT_END(FrameCounters, 136)

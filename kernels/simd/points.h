@@ -11,10 +11,10 @@ GN_STRUCT_BEGIN(PointsLayout)
     uint coordinate_stride;
     uint count;
     uint has_receivers;  // 0: the receivers buffer is a dummy
-    uint has_eye;        // 1: the eye is known, and backfacing points are decided by that
+    uint has_eye;        // 1: the eye is known, and its side of the receivers decides backfacing
     float eye[2 + 1];
     uint picture_width;  // a multiple of 4: the points are whole rows of pictures, each a multiple of 4 rows; else 0
-    uint is_lifted;      // 1: the camera stage made them of these triangles: with an eye, and none may shadow itself
+    uint is_lifted;      // 1: the camera stage made points from these triangles: with an eye; none may shadow itself
     uint padding;
 GN_STRUCT_END(PointsLayout, 48)
 

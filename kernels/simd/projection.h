@@ -24,8 +24,8 @@
 // products and sums in double, whose error is relative to the row's largest entry, not to each: 2^-20 |row|_1 |d|_1 is
 // added to g for it (10u 2^-20 = 5.7e-13, thousands of double roundings).
 // Underflow: a product or sum below 2^-126 errs by up to 2^-150 (2^-126 times the row where denormals are flushed),
-// whatever its size. PROJECTION_UNDERFLOW is above that for rows up to 2^36: a vertex that near to a point light
-// or an eye counts as not certainly in front of it.
+// whatever its size. PROJECTION_UNDERFLOW is above that for rows up to 2^36: a vertex that near to a point light or an
+// eye does not count as certainly in front of it.
 #pragma once
 
 #include "prelude.h"
@@ -60,8 +60,8 @@ GN_STRUCT_END(Projection, 144)
 
 #ifndef __cplusplus
 
-// Of a Projection, or of a LightFrame. A GPU has programs of their own for directional lights (GN_DIRECTIONAL_ONLY):
-// the registers that perspective takes would leave fewer work-items at once.
+// For a Projection or a LightFrame. A GPU has separate programs for directional lights (GN_DIRECTIONAL_ONLY): the
+// registers that perspective takes would leave fewer work-items at once.
 #ifdef GN_DIRECTIONAL_ONLY
 #define IS_PERSPECTIVE(of) 0u
 #else

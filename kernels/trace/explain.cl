@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Explains one point: the signs of the determinants of its receiver, and of each triangle that blocks its shadow ray or
-// that the exact predicate found hard. The predicates are those that decide a frame (blocks(), is_backfacing()). Two
-// launches: explain_point, then explain_triangles over the whole scene.
+// for which the float level of the exact predicate was not certain. The predicates are those that decide a frame
+// (blocks(), is_backfacing()). Two launches: explain_point, then explain_triangles over the whole scene.
 #include "exact/blocks.clh"
 #include "receivers/facing.clh"
 #include "trace/explain.h"
@@ -55,8 +55,8 @@ __kernel void explain_point(const ExplainParams params, __global const float* po
     *out = point;
 }
 
-// Appends the triangles that block the shadow ray, and those that do not block it but for which the float level of the
-// exact predicate was not certain.
+// Appends the triangles that block the shadow ray, and the other triangles for which the float level of the exact
+// predicate was not certain.
 __kernel void explain_triangles(const ExplainParams params, __global const float* vertices,
                                 __global ExplainedPoint* point, __global ExplainedTriangle* list) {
     float3 p = vload3(0, point->position);

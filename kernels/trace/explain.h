@@ -27,10 +27,10 @@ GN_STRUCT_END(ExplainedTriangle, 68)
 
 GN_STRUCT_BEGIN(ExplainedPoint)
     float position[3];
-    uint receiver;  // GN_NO_ID if it is no triangle of the scene
+    uint receiver;  // GN_NO_ID if the receiver is no triangle of the scene
     uint is_backfacing;
     int eye_side;  // of the receiver's plane, as light_side; 0 without an eye
     int facing_level;
-    uint count;  // triangles that belong in the list, also where it is too short for them
+    uint count;  // triangles that belong in the list, even if it is too short for them
     ExplainedTriangle on_receiver;
 GN_STRUCT_END(ExplainedPoint, 100)

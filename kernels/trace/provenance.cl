@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Records what decided each point (contract: provenance.h). These kernels run between the stages of an exact run and
-// compare visibility before and after a stage. Visibility does not tell the map from the filter, nor the predicate's
-// level: for these the kernels call the functions that the stages call, with the same values, and get the same results.
+// Records the provenance of each point (contract: provenance.h). These kernels run between the stages of an exact run
+// and compare visibility before and after a stage. Visibility alone does not separate the map from the filter, or the
+// predicate's levels: for these the kernels call the stages' functions with the same values.
 #include "exact/blocks.clh"
 #include "simd/frame_counters.h"
 #include "trace/coarse_test.clh"
@@ -50,7 +50,7 @@ __kernel void provenance_of_trace(const TraceParams params, __constant const Pro
     }
 }
 
-// After the exact stage. All pairs of a lit point count; of a point in shadow only the pairs that block it.
+// After the exact stage. All pairs of a lit point count; for a point in shadow only the pairs that block it count.
 __kernel void provenance_of_pairs(const TraceParams params, __global const float* positions,
                                   __global const float* vertices, __global const uint2* queue,
                                   __global const float* visibility, __global uint* provenance,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The trace of points that facing has left open. Undecided pairs are queued for the exact stage.
 //
-// TRACE_QUEUE_OVERFLOW makes the variant for the points whose undecided pairs found no room in the queue: it decides
+// TRACE_QUEUE_OVERFLOW makes the variant for points with undecided pairs that found no room in the queue: it decides
 // such pairs in place.
 #ifdef TRACE_QUEUE_OVERFLOW
 #define TRACE_KERNEL trace_queue_overflow
@@ -15,7 +15,7 @@
 #define TRACE_MORE_OF_POINTS
 #define TRACE_MORE_VALUES
 #else
-#define TRACE_MORE_OF_POINTS __global const BlockBounds* blocks;  // from facing; null: there are none
+#define TRACE_MORE_OF_POINTS __global const BlockBounds* blocks;  // from facing; null: no block bounds
 #define TRACE_MORE_VALUES , params.has_block_bounds ? table : 0
 #endif
 #include "trace/walk_cpu.clh"
@@ -23,7 +23,7 @@
 
 #if GN_LANES > 1
 
-// The map decides blocks that it hides by their bounds alone, without their points.
+// The map decides the blocks that it hides wholly by their bounds alone, without their points.
 GN_NOINLINE_ON_CPU void trace_blocks(ItemRange items, LightFrame light_frame, TraceFrames frames, TraceLists lists,
                                      ExactPairs pairs, TracePoints to, TraceCounts* total) {
     PointsLayout layout = to.layout;
@@ -33,7 +33,7 @@ GN_NOINLINE_ON_CPU void trace_blocks(ItemRange items, LightFrame light_frame, Tr
     TraceCounts counts = *total;
     GN_FOR_EACH_OF(block, items) {
         uint coverage = MAP_MAY_HIDE;
-        bool all_open = false;  // all lanes are, and in this frame: nothing has decided one before
+        bool all_open = false;  // all lanes are open and in this frame: no stage has decided one before
         if (to.blocks != 0) {
             BlockBounds bounds = to.blocks[block];
             if (bounds.frame != frames.first && bounds.frame != BLOCK_IN_FRAMES) continue;
@@ -61,10 +61,10 @@ GN_NOINLINE_ON_CPU void trace_blocks(ItemRange items, LightFrame light_frame, Tr
 
 #else
 
-// Lists that one run makes have no slots by triangle.
+// The lists that a run makes have no table from triangles to slots.
 static uint receiver_slot(const TracePoints* to, size_t point) { return GN_NO_ID; }
 
-// The next point's state is loaded while one is tested: most points are not open.
+// The next point's state is loaded while the current point is tested: most points are not open.
 static void queue_walks(ItemRange items, LightFrame light_frame, TraceFrames frames, TraceLists lists, ExactPairs pairs,
                         TracePoints to, TraceCounts* total, const WalkQueue* queue) {
     PointsLayout layout = to.layout;

@@ -6,14 +6,14 @@
 #include "receivers/light_frame.h"
 #include "simd/points.h"
 
-// A prepared light keeps its tables in one buffer with the ranges of its bins, which come first
-// (prepared/prepared_light.h). Where each table begins, in units of 16 bytes; all 0 for lists that one run makes.
+// A prepared light keeps its tables in one buffer; the ranges of its bins come first (prepared/prepared_light.h). The
+// members are the start of each table, in units of 16 bytes; all are 0 for lists that one run makes.
 GN_STRUCT_BEGIN(PreparedTables)
     uint largest;     // the largest coordinate of all finite triangles, as the bits of a float
     uint unshadowed;  // GPU: a bit per triangle (unshadowed_triangles.h)
     uint domains;     // a PreparedDomain per frame
     uint planes;      // a float4 per triangle
-    uint slots;       // GPU: the slot of each triangle's record, GN_NO_ID where it has none
+    uint slots;       // GPU: the slot of each triangle's record, GN_NO_ID if it has no record
 GN_STRUCT_END(PreparedTables, 20)
 
 GN_STRUCT_BEGIN(TraceParams)
