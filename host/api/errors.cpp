@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The exceptions of gnomon.hpp: an OpenCL error says its call, its name and, for builds, what the compiler said.
+// The exceptions of gnomon.hpp: an OpenCL error's text has its call, its name and, for builds, the compiler's log.
 #include <gnomon.hpp>
 
 namespace gnomon {

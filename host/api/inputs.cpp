@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Triangles, points and visibility buffers: uploading, wrapping, and what the kernels are told of them.
+// Triangles, points and visibility buffers: uploads and wraps them, and fills the kernels' descriptions of them.
 #include "api/inputs.hpp"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::size_t size_of(cl_mem memory) {
     return bytes;
 }
 
-// `first` is the caller's word: the sum of both may be beyond what a size can say.
+// The caller chooses `first`: the sum of both may exceed the range of a size.
 void require_floats(cl_mem memory, std::size_t floats, const char* what, std::size_t first = 0) {
     const std::size_t held = size_of(memory) / sizeof(float);
     if (first <= held && floats <= held - first) return;
@@ -61,7 +61,7 @@ Extent extent_of(cl_mem memory, std::size_t first_float, std::size_t end_float) 
 }
 bool overlap(const Extent& a, const Extent& b) { return a.root == b.root && a.first < b.end && b.first < a.end; }
 
-// What a run writes must not be what it reads.
+// The buffers that a run writes must not overlap the buffers that it reads.
 void require_apart(const Triangles& triangles, const Points& points, const Visibility& visibility) {
     const std::size_t count = points.count();
     if (count == 0) return;

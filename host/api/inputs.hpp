@@ -13,10 +13,10 @@ struct Float4 {
 };
 inline Float4 float4_of(const std::array<float, 4>& v) { return {v[0], v[1], v[2], v[3]}; }
 
-/// A buffer of gnomon's own that lives as long as anyone holds it, and its device with it; points to the cl_mem.
+/// A buffer that gnomon owns. It and its device live as long as any copy of the pointer; points to the cl_mem.
 std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer);
 
-/// Throws InvalidArgument unless the light is one that Light's makers could have made (its xyzw is public).
+/// Throws InvalidArgument unless one of Light's makers could have made the light (its xyzw is public).
 void require_light(const Light& light);
 
 /// Throws InvalidArgument unless a technique can run on these: a light, a finite eye, if any, and a visibility buffer
@@ -27,7 +27,7 @@ void require_run(const Triangles& triangles, const Points& points, const Light& 
 void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
                         std::span<const Visibility> visibilities);
 
-/// Points whose buffers live as long as these points, or copies of them, do.
+/// Makes points; their buffers live as long as these points, or copies of them, do.
 struct OwnedPoints {
     static Points make(std::shared_ptr<void> positions, const PointLayout& layout, std::size_t count,
                        std::shared_ptr<void> receivers) {
@@ -45,14 +45,14 @@ struct TriangleInputs {
     cl_mem vertices;
     cl_ulong first_float;
     cl_uint count;
-    const Clusters* clusters;  ///< null if none are kept
+    const Clusters* clusters;  ///< null if there are none
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);
 
 struct PointInputs {
     PointsLayout layout;
     cl_mem positions;
-    cl_mem receivers;             ///< any buffer if there are none
+    cl_mem receivers;             ///< any buffer if the points have no receivers
     cl_mem footprints = nullptr;  ///< kernels/receivers/footprint.h, around the points; null: points are points
     bool face_light = false;      ///< all points are known to face the light, and not to shadow themselves
 };

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Scenes of which the device holds only a part at a time: look_in_parts() and run_in_parts() of gnomon.hpp.
+// Scenes that are on the device one part at a time: look_in_parts() and run_in_parts() of gnomon.hpp.
 //
-// The bits are those of the whole, since both answers are made of the parts' answers:
-// - A point is in shadow exactly if it is for some part: the contract asks for one triangle that blocks. Its receiver
-//   is excluded, and can face away from the light, in the part that holds it; in the others the point has none.
-// - What a pixel sees is the first of all triangles in one order that only depends on the pixel (nearer first, the
-//   smaller id among equals). So of the triangles looked at so far only those that are seen can matter, and each next
-//   part is looked at together with these. Ids rise in such a list as in the scene, so equals stay in order.
+// The bits equal those of the whole scene, since both results combine the parts' results:
+// - A point is in shadow exactly if some part puts it into shadow: one triangle that blocks suffices. The part with the
+//   point's receiver excludes the receiver and tests backfacing; in the other parts the point has no receiver.
+// - A pixel sees the first of all triangles in one order that only depends on the pixel (nearer first, the smaller id
+//   among equals). So only the visible triangles of the earlier parts can be visible in the whole; the next part is
+//   tested together with these. Ids rise in such a list as in the scene, so equals stay in order.
 //
-// How much fits is found out by trying: a part that ends with OutOfDeviceMemory is halved. Nothing is assumed of what a
-// technique needs, and every failed try leaves everything usable.
+// The size of a part is found by trying: a part that ends with OutOfDeviceMemory is halved. The code assumes nothing
+// about a technique's memory, and every failed try leaves all objects usable.
 #include <algorithm>
 #include <chrono>
 #include <numeric>
@@ -23,7 +23,7 @@ namespace {
 
 using Ids = std::vector<std::uint32_t>;
 
-/// Smaller parts than this are not tried: what does not fit then is not the parts.
+/// Smaller parts are not tried: if such a part does not fit, the parts are not the cause.
 constexpr std::size_t smallest_part = 256;
 
 std::vector<float> gathered(std::span<const float> vertices, std::span<const std::uint32_t> ids) {
@@ -38,7 +38,7 @@ std::vector<float> gathered(std::span<const float> vertices, std::span<const std
 
 // ---- Views ----------------------------------------------------------------------------------------------------------
 
-/// Of the triangles `ids` that were looked at, those that are seen.
+/// The visible triangles among the tested triangles `ids`.
 Ids seen_of(const Device& device, const View& view, const Ids& ids) {
     Ids receivers(view.points.count());
     device.session().read(view.points.receivers(), receivers.data(), receivers.size() * sizeof(std::uint32_t));
@@ -57,7 +57,7 @@ Ids seen_of(const Device& device, const View& view, const Ids& ids) {
 struct OpenPoints {
     std::vector<float> positions;  ///< 3 each
     Ids receivers;                 ///< positions in the whole scene, or no_receiver
-    Ids places;                    ///< where their answers belong
+    Ids places;                    ///< the points' indices in `visibility`
 
     std::size_t count() const { return places.size(); }
 };
@@ -96,7 +96,7 @@ std::vector<float> visible(const Device& device, Technique& technique, const Par
     return visibility.read();
 }
 
-/// Takes those in shadow out of the open points, and notes them in `visibility`.
+/// Removes the points in shadow from the open points and writes their `visibility`.
 void close_points(OpenPoints& open, std::span<const float> answers, std::vector<float>& visibility) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -166,7 +166,7 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
         } catch (const OutOfDeviceMemory&) {
             if (std::max(count, point_part) <= smallest_part) throw;
             (count >= point_part ? triangle_part : point_part) = (std::max(count, point_part) + 1) / 2;
-            technique.reset();  // what it kept of the failed try would stand in the way
+            technique.reset();  // frees the buffers of the failed try
             technique = make();
         }
     }

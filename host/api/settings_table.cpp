@@ -23,7 +23,7 @@ Number parsed(const SettingText& value, Number low, Number high, const char* kin
                           ", not \"" + std::string(text) + "\"");
 }
 
-// "a, b or c", by what name_of gives for each.
+// "a, b or c": the text that name_of gives for each.
 template <typename List, typename NameOf>
 std::string listed(const List& list, const char* last_joint, const NameOf& name_of) {
     std::string text;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The settings of a technique as a table: one row states a setting's name, default, meaning and how its text is read.
-// The fields' first values, set(), describe() and the texts of errors follow from it.
+// The settings of a technique as a table: one row has a setting's name, default, meaning and the reader of its text.
+// The table determines the fields' first values, set(), describe() and the texts of errors.
 // techniques/sub_pixel_shadow_map.cpp has a small one.
 #pragma once
 
@@ -61,7 +61,7 @@ public:
     };
     SettingsTable(std::initializer_list<Row> rows) : rows_(rows) {}
 
-    /// Every field as its row's default says.
+    /// Sets every field to its row's default.
     Settings defaults() const {
         Settings settings{};
         for (const Row& row : rows_) row.apply(settings, {row.description.name, row.description.default_value});

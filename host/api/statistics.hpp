@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Statistics of a run, and of several runs, or of a stage that runs several times, as those of one.
+// Statistics of a run. Also sums the statistics of several runs, or of a stage that runs several times, to one.
 #pragma once
 
 #include "cl/session.hpp"

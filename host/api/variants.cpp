@@ -20,7 +20,7 @@ constexpr bool specialised = true;
 // launches of a frame gained .389 -> .350 ms for Sponza. On a CPU one program for both compiles sooner.
 constexpr const char* directional_only = "GN_DIRECTIONAL_ONLY";
 
-// For each task the first row that fits is taken.
+// For each task the first matching row is taken.
 // One row per line:
 // clang-format off
 constexpr Variant variants[] = {
@@ -42,9 +42,9 @@ constexpr Variant variants[] = {
     {Task::cull_clusters, any_device, any_light, {"occluders/clusters.cl", "cull_clusters"}, specialised},
     {Task::make_triangle_bounds, any_device, any_light, {"occluders/triangle_bounds.cl", "triangle_bounds"}, specialised},
     {Task::make_triangle_tiles, any_device, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles"}, specialised},
-    // One text for all: a CPU walks lists by blocks of points, a GPU by points of its own (GN_LANES).
+    // One text for all: a CPU walks lists by blocks of points, a GPU by single points (GN_LANES).
     {Task::trace, any_device, any_light, {"trace/trace.cl", "trace"}},
-    // A program of its own: few frames need it, and a GPU's compiler takes a second or two for it.
+    // A separate program: few frames need it, and a GPU's compiler takes a second or two for it.
     {Task::trace_queue_overflow, any_device, any_light, {"trace/trace.cl", "trace_queue_overflow", "TRACE_QUEUE_OVERFLOW"}},
     {Task::trace_prepared, any_device, any_light, {"prepared/prepared_trace.cl", "prepared_trace"}},
     // Measured: the facing cache takes 11 to 17 % off a CPU's run.

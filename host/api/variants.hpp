@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The one place that says which kernel runs when, and why (the table is in variants.cpp).
+// The one table of kernels: which kernel runs when, and why (the table is in variants.cpp).
 #pragma once
 
 #include "api/inputs.hpp"
 
 namespace gnomon {
 
-/// What a kernel is to do. Several kernels can do it: which one is right depends on the device and on the light.
+/// The task of a kernel. Several kernels can do one task: the device and the light decide which kernel is right.
 enum class Task {
     cull_clusters,
     decide_facing_cached,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Vectors of three doubles for the host's own geometry: cameras, node transforms. Sums are taken from left to right and
-// never contracted (the build says -ffp-contract=off), so every host computes the same bits.
+// never contracted (the build sets -ffp-contract=off), so every host computes the same bits.
 #pragma once
 
 #include <array>

@@ -23,7 +23,7 @@ void for_each_window(std::uint32_t width, std::uint32_t height, std::uint32_t si
             visit(Window{x, y, std::min(width, x + side), std::min(height, y + side)});
 }
 
-/// What a technique answers, as an error sees it: no number is as wrong as can be.
+/// A technique's value as the error measures use it: a value that is no number counts as wrong as can be.
 double answer(float visibility, float truth) { return std::isnan(visibility) ? 1.0 - double(truth) : visibility; }
 
 double mean_absolute_in(const Window& window, std::span<const float> a, std::span<const float> b, std::uint32_t width) {

@@ -32,8 +32,8 @@ inline constexpr std::uint32_t tile_side = 32;
 VisibilityErrors visibility_errors(std::span<const float> visibility, std::span<const float> truth, std::uint32_t width,
                                    std::uint32_t height);
 
-/// RGB bytes: the truth in dim grey, what is too bright in orange, what is too dark in blue, both the stronger the
-/// larger the error (two colours that colour-blind people tell apart).
+/// RGB bytes: the truth in dim grey, too bright pixels in orange, too dark pixels in blue, both the stronger the larger
+/// the error (two colours that colour-blind people can distinguish).
 std::vector<std::uint8_t> difference_picture(std::span<const float> visibility, std::span<const float> truth);
 
 }  // namespace gnomon::measure

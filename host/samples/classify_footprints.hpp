@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage classify_footprints: footprints, regions of points on one receiver, against the map and the triangles of their
-// bins' lists (kernels/receivers/footprint.h, kernels/samples/classify_footprints.cl).
+// Stage classify_footprints: tests footprints, regions of points on one receiver, against the map and the triangles of
+// their bins' lists (kernels/receivers/footprint.h, kernels/samples/classify_footprints.cl).
 #pragma once
 
 #include "receivers/light_frame.hpp"
@@ -10,19 +10,19 @@ namespace gnomon {
 
 class SampleBuffers;
 
-/// A technique that can prove one result for all points of a footprint. run_samples() uses this where a technique is
-/// one.
+/// A technique that can prove one result for all points of a footprint. run_samples() uses this interface if a
+/// technique implements it.
 class ClassifiesFootprints {
 public:
     ClassifiesFootprints();
     virtual ~ClassifiesFootprints();
     /// Writes one value per footprint: 0 if all its points are in shadow, 1 if all are lit, else VISIBILITY_MIXED.
-    /// `centres` have receivers and the eye of a camera, which made the footprints' points.
+    /// `centres` have receivers and the camera's eye; that camera made the footprints' points.
     virtual Statistics classify_footprints(const Triangles& triangles, const Points& centres,
                                            const cl::Buffer& footprints, const Light& light,
                                            const Visibility& classes) = 0;
-    /// As Technique::run(), for samples whose footprints the last classify_footprints() of these triangles and this
-    /// light classified as mixed. Their visibility is VISIBILITY_OPEN.
+    /// As Technique::run(), for samples of mixed footprints, as the last classify_footprints() of these triangles and
+    /// this light classified them. Their visibility is VISIBILITY_OPEN.
     virtual Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
                                    const Visibility& visibility) = 0;
 

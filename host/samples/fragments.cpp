@@ -69,7 +69,7 @@ public:
         for (std::uint32_t first = 0; first < bands;) {
             set_batch(first, std::min(at_once, bands - first));
             if (!find_fragments()) {
-                // There are more receivers per pixel than expected: room for them, or fewer pixels at a time.
+                // More receivers per pixel than expected: makes more room, or takes fewer pixels at a time.
                 kept_.extra_expected = counted_.extra + counted_.extra / 4;
                 if (batch_.count + kept_.extra_expected > points_at_once_) at_once = std::max(batch_.bands / 2, 1u);
                 continue;
@@ -103,14 +103,14 @@ private:
         session_.launch("samples/samples.cl", kernel, range, arguments...);
     }
 
-    /// Work-groups of samples_fragments, each of which may leave some of its reserved slots unused.
+    /// Work-groups of samples_fragments; each may leave some of its reserved slots unused.
     cl::Range fragment_groups(std::size_t edges) const {
         cl::Range range = session_.small_groups();
         range.count = std::min(range.count, edges);
         return range;
     }
 
-    /// Slots of a list that work-items may reserve and not use.
+    /// Slots of a list that work-items may reserve and leave unused.
     std::size_t unused_slots() const {
         return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
     }
@@ -182,7 +182,7 @@ private:
 
     void find_receivers_in_parts() {
         const std::size_t part = points_at_once_ / pattern_.count;
-        // Room for all edge pixels: how many are unproven depends on threads, and the memory of a run must not.
+        // Room for all edge pixels: the number of unproven pixels depends on threads, and a run's memory must not.
         kept_.sample_receivers.reserve(
             session_, std::min<std::size_t>(part, counted_.edges + unused_slots()) * pattern_.count * sizeof(cl_uint));
         for (std::size_t first = 0; first < counted_.unproven; first += part)
@@ -210,7 +210,7 @@ private:
 
     void classify() {
         const std::size_t count = used_slots();
-        // Room for all slots: how many are used depends on threads (see find_receivers_in_parts()).
+        // Room for all slots: the number of used slots depends on threads (see find_receivers_in_parts()).
         kept_.classes.reserve(session_, batch_.slots * sizeof(float));
         // The fragments' buffer begins with their receivers.
         Points centres = Points::wrap(device_, kept_.centres.get(), {0, 1, batch_.slots}, count, kept_.fragments.get());
@@ -234,7 +234,7 @@ private:
     }
 
     void trace_mixed() {
-        // All at once where that fits for certain, else as many fragments as fit with all samples each.
+        // Takes all fragments at once if they certainly fit, else as many fragments as fit with all samples each.
         const std::size_t part =
             counted_.mixed_samples <= points_at_once_ ? counted_.mixed : points_at_once_ / pattern_.count;
         for (std::size_t first = 0; first < counted_.mixed; first += part)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Technique conservative-map: the exact pipeline up to its conservative map, and nothing after it: a lower bound of the
-// shadow (kernels/occluders/conservative_map_alone.cl).
+// Technique conservative-map: the exact pipeline up to its conservative map, without the later stages: a lower bound of
+// the shadow (kernels/occluders/conservative_map_alone.cl).
 #pragma once
 
 #include "api/settings_table.hpp"
@@ -29,7 +29,7 @@ private:
     void run_frame(Run& run, cl_uint frame) override;
     void begin_counts() override { map_candidates_ = map_texels_ = 0; }
     void add_counts(Run& run) const override;
-    /// False if the lists of triangles were too short, which are longer now.
+    /// False if the lists of triangles were too short; the lists are longer now.
     bool list_triangles(Run& run);
 
     Settings settings_ = settings_table().defaults();

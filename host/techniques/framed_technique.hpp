@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The base of techniques that decide points frame by frame of the light, by a map of triangles: everything but the map
-// and its lookup.
+// The base of techniques that decide points frame by frame of the light, by a map of triangles. A derived technique
+// adds the map and its lookup.
 #pragma once
 
 #include "occluders/triangle_setup.hpp"
@@ -26,7 +26,7 @@ protected:
     explicit FramedTechnique(const Device& device) : device_(device) {}
 
     virtual FrameGrid grid() const = 0;
-    /// Decides the open points of a frame, whose projection is frames_.projection(), and counts those in shadow.
+    /// Decides the open points of a frame by its projection, frames_.projection(), and counts points in shadow.
     virtual void run_frame(Run& run, cl_uint frame) = 0;
     /// begin_counts() runs before the first frame; add_counts() after the last frame adds the technique's own counts.
     virtual void begin_counts() = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Technique izb: exact hard shadows by an irregular z-buffer. Triangles are traced over the lists of the points that
-// they may shadow (kernels/techniques/izb.cl); frustum-traced walks the other way. A baseline to compare with.
+// Technique izb: exact hard shadows by an irregular z-buffer. Each triangle traverses the lists of the points that it
+// may shadow (kernels/techniques/izb.cl); frustum-traced does the reverse. A baseline to compare with.
 #pragma once
 
 #include "api/settings_table.hpp"
@@ -12,13 +12,13 @@
 
 namespace gnomon {
 
-/// The points of a frame that the coarse test leaves open, listed by bin.
+/// The points of a frame that the conservative map leaves open, listed by bin.
 class Izb {
 public:
     /// Lists the points of inputs.first_frame, once its triangles are listed.
     void run(cl::Session& session, const TraceInputs& inputs);
-    /// Takes each pair of a triangle and a bin over the bin's points, and queues undecided pairs of a triangle and a
-    /// point. A pair that finds no room is decided in place.
+    /// Tests each pair of a triangle and a bin over the bin's points, and queues undecided pairs of a triangle and a
+    /// point. If the queue is full, the item decides the pair in place.
     void trace(cl::Session& session, const TraceInputs& inputs, const Bins& bins, Trace& queue);
 
     const cl::Buffer& offsets() const { return offsets_; }  ///< of each bin's slots

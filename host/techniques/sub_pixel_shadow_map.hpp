@@ -27,7 +27,7 @@ private:
     void run_frame(Run& run, cl_uint frame) override;
     void begin_counts() override;
     void add_counts(Run& run) const override;
-    /// False if the lists of triangles were too short, which are longer now.
+    /// False if the lists of triangles were too short; the lists are longer now.
     bool list_triangles(Run& run);
     void draw(Run& run);
     void decide_points(Run& run, cl_uint frame);

@@ -6,25 +6,24 @@
 //
 // An edge function e (and the plane's height above the receiver) is linear, so over a footprint it lies within
 //     e(C) +- ext,    ext = |e . u| + |e . v| + |e_x| slack_x + |e_y| slack_y.
-// Every sample's grid position is in the footprint; what the filter's table (numerics.md, 4) says of a position with e
-// beyond margin + ext at the centre holds for each of them, as long as the position is in the triangle's bins. Where it
-// is not, the ray misses: enough for "misses", and for "blocks" the whole footprint must lie in the triangle's
-// rectangle. The rounding of e(C) is in the margin, except that the centre may lie outside the bins, 4u |e| reach; that
-// of ext is below 8u of its terms: 16u |e| reach is added for both.
+// Every sample's grid position lies in the footprint. If e at the centre is beyond margin + ext, the filter's result
+// (table in numerics.md, 4) therefore holds for each sample whose position lies in the triangle's bins. A ray outside
+// the bins misses the triangle: "misses" stays true, and "blocks" needs the whole footprint in the triangle's
+// rectangle. The margin covers the rounding of e(C), but the centre may lie outside the bins: 4u |e| reach. The
+// rounding of ext is below 8u of its terms. 16u |e| reach is added for both.
 //
 // The lists are complete for a sample that is not below its texel of the map, since every bin that a footprint touches
 // knows the height of its lowest position (receiver_depth_pyramid). A sample below its texel is in the shadow of the
-// triangle that covers the texel; and that triangle is listed, since its height there is above the bin's open height,
-// which is at most the texel's. So that triangle does not miss, and no footprint with such a sample is classified as
-// lit.
+// triangle that covers the texel. The list has that triangle: its height there is above the bin's open height, which is
+// at most the texel's. So that triangle does not miss, and no footprint with such a sample is classified as lit.
 //
-// Most footprints that this leaves mixed are decidable: a mesh that shadows them has an edge above them, with a
-// triangle on either side, or the receiver's neighbours in the mesh touch them (clearance.clh). So the first few
-// triangles that may shadow a footprint in part, its undecided occluders, are kept and tested in the end.
+// Most remaining mixed footprints can be decided: the occluding mesh has an edge above them, with a triangle on either
+// side, or the receiver's neighbours in the mesh touch them (clearance.clh). So the kernel keeps the first few
+// triangles that may shadow a part of a footprint, its undecided occluders, and tests them at the end.
 //
 // The samples of mixed footprints are traced over the same lists: their grid positions lie in the footprints, and every
-// bin has the triangles for these. An exception are fallback points, footprints that the bins' lists do not cover
-// (unbounded, in no frame as a whole, or too large): if there is one, the samples get a frame of their own.
+// bin lists the triangles for these positions. The lists do not cover fallback points: footprints that are unbounded,
+// lie in no frame as a whole or are too large. If there is a fallback point, the samples get a frame of their own.
 #include "occluders/bin_test.clh"
 #include "occluders/triangle_setup.h"
 #include "samples/classify_footprints.h"
@@ -43,11 +42,11 @@ typedef struct FootprintClasses {
     LaneInt not_lit;  // as a whole
 } FootprintClasses;
 
-// Triangles that may shadow each lane's footprint in part. An entry is 4 slot + edge if the footprint lies below the
-// triangle except for a part that may be beyond that one of its edges, else 4 slot + 3.
+// Triangles that may shadow a part of each lane's footprint. An entry is 4 slot + edge if the footprint lies below the
+// triangle, except for a part that may be beyond that single edge. Any other entry is 4 slot + 3.
 #define MOST_UNDECIDED 6
 typedef struct UndecidedOccluders {
-    LaneInt counts;  // may be more than are kept
+    LaneInt counts;  // may exceed the capacity
     LaneInt kept[MOST_UNDECIDED];
 } UndecidedOccluders;
 
@@ -58,7 +57,7 @@ static void clear_undecided(UndecidedOccluders* undecided) {
     for (int i = 0; i < MOST_UNDECIDED; ++i) undecided->kept[i] = (LaneInt)(-1);
 }
 
-// Every bin that a footprint and a triangle share has the triangle in its list; it is kept once.
+// Every bin that a footprint and a triangle share lists the triangle; the footprint keeps the triangle once.
 static void keep_undecided(UndecidedOccluders* undecided, uint slot, LaneInt lanes, LaneInt lone_edges) {
     LaneInt entry = (LaneInt)((int)(slot << 2)) | (lone_edges & 3);
     for (int i = 0; i < MOST_UNDECIDED; ++i) lanes &= ~LANE_COMPARE(undecided->kept[i], ==, entry);
@@ -86,9 +85,9 @@ static bool in_rectangle(TriangleBounds bounds, __constant const Projection* pro
            quantised_texel(y + reach_y, projection->height) <= bounds.y1;
 }
 
-// The filter of the trace for footprints. `possible`: the triangle may block a part; `certain`: it blocks the whole
-// footprint if that lies in its rectangle; `within`: the whole footprint is within this edge for certain; `below`: the
-// triangle may block a part, and the whole footprint is below its plane for certain.
+// The filter of the trace for footprints. `possible`: the triangle may block a part. `certain`: the triangle blocks the
+// whole footprint if the footprint lies in its rectangle. `within`: the whole footprint is certainly within this edge.
+// `below`: the triangle may block a part, and the whole footprint is certainly below its plane.
 typedef struct FootprintFilter {
     LaneInt possible, certain, below, within[3];
 } FootprintFilter;
@@ -119,8 +118,8 @@ static FootprintFilter filter_footprints(__global const TriangleRecord* r, const
     return found;
 }
 
-// The one edge beyond which a part of a footprint may lie whose other parts are below the triangle; else -1. If the sum
-// of the three masks, each 0 or -1, is -2, then two are -1, and the edge is that of the third.
+// If the footprint is below the triangle except for a part that may lie beyond exactly one edge: that edge; else -1. If
+// the sum of the three masks, each 0 or -1, is -2, two masks are -1, and the third mask gives the edge.
 static LaneInt lone_edges_of(const FootprintFilter* f) {
     LaneInt one_open = f->below & LANE_COMPARE(f->within[0] + f->within[1] + f->within[2], ==, (LaneInt)(-2));
     return LANES_SELECT((LaneInt)(-1), 3 + f->within[1] + 2 * f->within[2], one_open);
@@ -164,8 +163,8 @@ static void walk_bin(OccluderLists lists, __constant const Projection* projectio
             classes->shadowed |= blocked;
             possible &= ~blocked;
 #if GN_LANES == 1
-            // Tracing them is less work for a GPU than the predicates' registers and the wait for the few items that
-            // need them.
+            // On a GPU tracing these samples is less work than the predicates' registers and the wait for the few items
+            // that run the predicates.
             classes->not_lit |= possible;
 #else
             if (LANES_ANY(possible)) keep_undecided(undecided, slot, possible, lone_edges_of(&found));
@@ -215,7 +214,7 @@ static void walk_footprints(OccluderLists lists, __constant const Projection* pr
     }
 }
 
-// True if the whole footprint lies in the triangle's bins, for which its record holds.
+// True if the whole footprint lies in the triangle's bins, where its record is valid.
 static bool in_bins(TriangleBounds bounds, __constant const Projection* projection, const CellSpan* span, int lane) {
     LaneInt x0 = bins_of_quantised((LaneInt)(bounds.x0), projection->width, projection->bin_log2);
     LaneInt y0 = bins_of_quantised((LaneInt)(bounds.y0), projection->height, projection->bin_log2);
@@ -232,7 +231,7 @@ static int orientation_from(float4 light, Triangle t) {
 
 static bool same_position(float3 a, float3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-// True if these edges are one, with a triangle on either side as the light sees it.
+// True if both edges are the same edge, with a triangle on either side as seen from the light.
 static bool meet_at_edge(float4 light, Triangle s, int edge_of_s, Triangle t, int edge_of_t) {
     const float3 vertices_of_s[4] = {s.a, s.b, s.c, s.a}, vertices_of_t[4] = {t.a, t.b, t.c, t.a};
     float3 s0 = vertices_of_s[edge_of_s], s1 = vertices_of_s[edge_of_s + 1];
@@ -244,8 +243,8 @@ static bool meet_at_edge(float4 light, Triangle s, int edge_of_s, Triangle t, in
     return opposed ? product > 0 : product < 0;
 }
 
-// If two triangles meet at an edge and each covers a footprint except for the part beyond that edge, they cover all of
-// it: their edge functions there are one, times a factor below 0, so that nowhere both are negative.
+// If two triangles meet at an edge and each covers a footprint except for the part beyond that edge, both cover all of
+// it: one's function of that edge is the other's times a factor below 0, so that nowhere both are negative.
 static bool below_a_pair(OccluderLists lists, __global const float* vertices, __constant const Projection* projection,
                          const CellSpan* span, float4 light, const UndecidedOccluders* undecided, int lane) {
     Triangle others[MOST_UNDECIDED];
@@ -289,7 +288,7 @@ static void decide_undecided(OccluderLists lists, __global const float* vertices
     classes->not_lit &= ~lanes;
 }
 
-// Lanes whose footprint is below all texels of the map that it touches.
+// Lanes with a footprint below all texels of the map that the footprint touches.
 static LaneInt footprints_below_map(__constant const Projection* projection, const GridFootprint* grid, LaneInt lanes,
                                     __global const uint* map) {
     CellSpan texels = footprint_cells(projection, grid, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the classification of footprints (receivers/footprint.h) as in shadow, lit or mixed.
+// Contract of the stage that classifies footprints (receivers/footprint.h) as in shadow, lit or mixed.
 #pragma once
 
 #include "receivers/light_frame.h"

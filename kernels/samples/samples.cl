@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Samples: several per pixel. Contract in samples.h. A technique that cannot classify footprints uses samples_mean
-// alone. The kernels in the order of their launches:
+// Samples: several per pixel. Contract in samples.h. A technique that cannot classify footprints uses only
+// samples_mean. The kernels in the order of their launches:
 //
 // samples_rays            the tables of the samples' rays
 // samples_whole           the whole pixels and their footprints; lists the edge pixels
-// samples_guess           the receivers of the edge pixels' samples, where the guess that they are the neighbours'
-//                         receivers can be proven, and the fragments; lists the unproven pixels
+// samples_guess           guesses that an edge pixel's samples lie on the receivers of its neighbours; writes the
+//                         fragments of the pixels for which it proves this; lists the unproven pixels
 // samples_fragments       GPU: the receivers and fragments of the unproven pixels. A CPU takes two kernels:
 // samples_receivers           the receivers
 // samples_group               the fragments
@@ -20,9 +20,9 @@
 #include "samples/find_receivers_gpu.clh"
 #include "samples/footprints.clh"
 
-// visibility: sample by sample, `pixels` each. The first batch starts the sum, the last one's scale makes it the mean.
-// Sums of 0 and 1 are exact, and so is the mean, because the number of samples is a power of two; filtered techniques'
-// values are added in the samples' order on every device.
+// visibility: sample by sample, `pixels` each. The first batch starts the sum; the last batch's scale makes it the
+// mean. Sums of 0 and 1 are exact. The mean is exact because the number of samples is a power of two. On every device
+// the values of filtered techniques are added in the samples' order.
 __kernel void samples_mean(MeanParams params, __global const float* visibility, __global float* mean) {
     GN_FOR_EACH(pixel, params.pixels) {
         float sum = params.is_first ? 0.0f : mean[pixel];
@@ -32,8 +32,8 @@ __kernel void samples_mean(MeanParams params, __global const float* visibility, 
     }
 }
 
-// The tables of exact rays (camera.h) of all samples, the samples of one column, or row, together: the bits of the
-// host's camera_tables().
+// The tables of exact rays (camera.h) of all samples, with the samples of one column, or row, side by side. The bits
+// equal those of the host's camera_tables().
 __kernel void samples_rays(RayAxes axes, __constant const SamplePattern* pattern, __global float* rays) {
     Wide pixel = wide_of_bits(axes.pixel);
     GN_FOR_EACH(i, pattern->count * (axes.width + axes.height)) {
@@ -67,7 +67,7 @@ __kernel void samples_whole(SamplesParams params, __constant const SamplePattern
     LaneInt minus_whole = (LaneInt)(0), minus_sky = (LaneInt)(0);
     vertices += params.first_float;
 #if GN_LANES == 1
-    // The edge pixels that a group finds in a round lie in a tile or two, and follow each other in the list: neighbours
+    // The edge pixels that a group finds in a round lie in one or two tiles and are neighbours in the list: neighbours
     // in a warp then walk the same lists.
     __local uint reserved[GROUP_APPEND_WORDS], sums[2];
     uint items = (uint)get_local_size(0);
@@ -109,7 +109,7 @@ __kernel void samples_whole(SamplesParams params, __constant const SamplePattern
     if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
 }
 
-// edges: the list of edge pixels; the list of unproven pixels behind it is written.
+// edges: the list of edge pixels. The kernel writes the list of unproven pixels behind it.
 __kernel void samples_guess(SamplesParams params, __constant const SamplePattern* pattern,
                             __global const float* vertices, __global const float* rays,
                             __global const TriangleRecord* records, __global const TriangleBounds* bounds,
@@ -143,7 +143,7 @@ __kernel void samples_guess(SamplesParams params, __constant const SamplePattern
 
 #if GN_LANES == 1
 
-// A group per unproven pixel (find_receivers_gpu.clh).
+// One group takes one unproven pixel (find_receivers_gpu.clh).
 __kernel void samples_fragments(SamplesParams params, __constant const SamplePattern* pattern,
                                 __global const float* vertices, __global const float* rays,
                                 __global const TriangleRecord* records, __global const TriangleBounds* bounds,
@@ -195,7 +195,7 @@ __kernel void samples_receivers(SamplesParams params, __constant const Projectio
         LaneInt searching = LANE_COMPARE(sample, <, (LaneInt)((int)samples)), present = searching;
         block.column = sample + (int)(x * samples);
         block.row = sample + (int)((batch.width + y) * samples);
-        // Lanes past the last sample hold 0.
+        // Lanes past the last sample are 0.
         block.x = (float)x + LANES_STRIDED(pattern->position_x + first, 1);
         block.y = (float)y + LANES_STRIDED(pattern->position_y + first, 1);
         uint own = pixel_receivers[pixel];
@@ -208,8 +208,8 @@ __kernel void samples_receivers(SamplesParams params, __constant const Projectio
     }
 }
 
-// One fragment for each receiver of an unproven pixel's samples: that on the own receiver in the pixel's slot, the
-// others in extra slots.
+// One fragment for each receiver of an unproven pixel's samples: the fragment on the own receiver goes into the pixel's
+// slot, every other fragment into an extra slot.
 __kernel void samples_group(SamplesParams params, __constant const SamplePattern* pattern,
                             __global const uint* pixel_receivers, __global const uint* edges,
                             __global const uint* sample_receivers, __global uint* fragment_words,
@@ -284,9 +284,9 @@ __kernel void samples_bound(SamplesParams params, __constant const SamplePattern
     }
 }
 
-// ---- What the footprints leave --------------------------------------------------------------------------------------
+// ---- Undecided fragments --------------------------------------------------------------------------------------------
 
-// visibility: of each fragment, as its footprint is classified. Appends to `mixed`.
+// visibility: the class of each fragment's footprint. Appends to `mixed`.
 __kernel void samples_resolve(SamplesParams params, __global uint* fragment_words, __global const float* visibility,
                               __global uint* mixed, __global SampleCounters* counters) {
     Fragments fragments = fragments_of(fragment_words, params.batch);
@@ -324,7 +324,7 @@ __kernel void samples_resolve(SamplesParams params, __global uint* fragment_word
     atomic_add(&counters->mixed_samples, sums[4]);
 }
 
-// Where the points of mixed samples go. They are open (point_blocks.h). x of point_stride points, then y, then z.
+// The output points of mixed samples. The points are open (point_blocks.h). x of point_stride points, then y, then z.
 typedef struct SamplePoints {
     __global uint2* samples;  // (pixel of the batch, sample)
     __global uint* receivers;
@@ -352,8 +352,8 @@ static void write_points(SamplesParams params, __global const float* vertices, _
     }
 }
 
-// A fragment's samples share a plane, and their points follow each other: a CPU's work-item takes all of them, a GPU's
-// a part.
+// A fragment's samples share a plane, and their points are neighbours in the buffers. A CPU's work-item takes all
+// samples of a fragment, a GPU's work-item a part.
 __kernel void samples_points(SamplesParams params, __global const float* vertices, __global const float* rays,
                              __global uint* fragment_words, __global const uint* mixed, __global uint2* point_samples,
                              __global uint* receivers, __global float* positions, __global float* visibility,

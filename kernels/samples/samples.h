@@ -2,11 +2,11 @@
 // Contract of the samples: how the samples of many pixels are decided together.
 //
 // A pixel fragment is the part of a pixel's samples that lies on one receiver: pixel, receiver and a mask of samples.
-// Slot i of a batch of pixels holds the fragment on pixel i's own receiver, which is that of the view; the fragments on
-// further receivers follow in the extra slots. A pixel is whole if its own receiver holds all its samples, which the
-// corners of the samples' box prove; the other pixels are edge pixels, and the receivers of their samples are found one
-// by one, exactly. Every fragment has a footprint (receivers/footprint.h). A fragment whose footprint is classified as
-// lit or in shadow counts for all its samples; every sample of a mixed fragment becomes a point.
+// Slot i of a batch of pixels has the fragment on pixel i's own receiver, the receiver in the view. The fragments on
+// further receivers follow in the extra slots. A pixel is whole if all its samples lie on its own receiver; the corners
+// of the samples' box prove this. The other pixels are edge pixels: for each of their samples the kernels find the
+// receiver exactly. Every fragment has a footprint (receivers/footprint.h). If a fragment's footprint is classified as
+// lit or in shadow, the result is that of all its samples. Every sample of a mixed fragment becomes a point.
 #pragma once
 
 #include "camera/camera.h"
@@ -24,20 +24,20 @@
 GN_STRUCT_BEGIN(SamplePattern)
     uint count;
     uint all;                        // the mask of all samples
-    float low[2], high[2];           // the box that holds them, in pixels from the pixel's upper left corner
+    float low[2], high[2];           // the box around all samples, in pixels from the pixel's upper left corner
     float position_x[MOST_SAMPLES];  // of each sample, likewise
     float position_y[MOST_SAMPLES];
 GN_STRUCT_END(SamplePattern, 280)
 
-// The pixels that are worked on: `count` of them from `first` on, in rows of `width`: whole bands, which are rows of
-// camera tiles.
+// The pixels of a batch: `count` pixels from `first` on, in rows of `width`. A batch has whole bands; a band is a row
+// of camera tiles.
 GN_STRUCT_BEGIN(PixelBatch)
     uint first, count;
     uint width, height;  // of the picture
     uint tiles_x;        // camera tiles per band
     uint bands;
     uint slots;       // of fragments: one for each pixel, then the extra slots
-    uint edge_slots;  // of the list of edge pixels, and of that of unproven pixels, which follows it
+    uint edge_slots;  // of the list of edge pixels; the list of unproven pixels follows, of the same size
 GN_STRUCT_END(PixelBatch, 32)
 
 // Each kernel takes the elements [first, first + count) of its list.
@@ -59,17 +59,17 @@ GN_STRUCT_BEGIN(MeanParams)
     float scale;    // 1, or for the last batch 1 / the number of all samples
 GN_STRUCT_END(MeanParams, 16)
 
-// Zeroed before each batch of pixels. Unused slots of a list hold GN_NO_ID.
+// Zeroed before each batch of pixels. Unused slots of a list are GN_NO_ID.
 GN_STRUCT_BEGIN(SampleCounters)
     uint edges;          // slots in the list of edge pixels
-    uint unproven;       // slots in the list of edge pixels whose samples' receivers could not be guessed
-    uint whole;          // pixels
-    uint extra;          // extra slots wanted (may exceed the room)
+    uint unproven;       // slots in the list of unproven pixels
+    uint whole;          // whole pixels
+    uint extra;          // extra slots needed (may exceed the capacity)
     uint mixed;          // slots in the list of mixed fragments
-    uint mixed_samples;  // in mixed fragments
-    uint fragments;      // with a sample
+    uint mixed_samples;  // samples in mixed fragments
+    uint fragments;      // fragments with a sample
     uint mixed_fragments;
     uint in_shadow;  // samples decided by their footprint
-    uint lit;        // samples decided by their footprint, those of the sky among them
-    uint points;     // made of a part of the mixed fragments; zeroed for each part
+    uint lit;        // samples decided by their footprint, including samples of the sky
+    uint points;     // written for a part of the mixed fragments; zeroed for each part
 GN_STRUCT_END(SampleCounters, 44)

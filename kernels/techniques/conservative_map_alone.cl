@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Technique conservative-map: the open points of one frame by the coarse test alone. Below the map's height of its
-// texel a point is certainly in shadow; every other point counts as lit. So each dark point is dark by the exact
-// technique too, and their share is the part of the shadow that whole texels under single triangles prove.
+// Technique conservative-map: decides one frame's open points by the conservative map alone. A point below the map's
+// height of its texel is certainly in shadow; every other point counts as lit. So each dark point is dark by the exact
+// technique too, and their share is the part of the shadow that single triangles over whole texels prove.
 #include "occluders/triangle_setup.h"
 #include "trace/coarse_test.clh"
 

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Irregular z-buffer: the points that the map leaves open, listed by bin of light space, contiguous (count, scan,
-// scatter) and as a structure of arrays (Johnson et al. 2005, Aila and Laine 2004); and the traversal of triangles over
-// these lists (Wyman et al. 2016; Mizoguchi and Tokuyoshi), by the filter of the trace.
+// Irregular z-buffer. The kernels list the points that the map leaves open by bin of light space, contiguous (count,
+// scan, scatter) and as a structure of arrays (Johnson et al. 2005, Aila and Laine 2004). Then triangles traverse these
+// lists (Wyman et al. 2016; Mizoguchi and Tokuyoshi), with the filter of the trace.
 //
-// Listed points are lit after izb_scatter; izb_trace puts those into shadow that a triangle blocks.
+// Listed points are lit after izb_scatter; izb_trace puts a point into shadow if a triangle blocks it.
 #include "techniques/izb.h"
 
 #include "occluders/bin_lists.h"
 #include "trace/coarse_test.clh"
 #include "trace/filter.clh"
 
-// If a list of triangles overflowed, the host will grow it and run again from the same visibility: then no lists of
-// points are made.
+// If a list of triangles overflowed, the host grows it and runs again from the same visibility: in that case the
+// kernels make no lists of points.
 __kernel void izb_count(const IzbParams params, __constant const Projection* projection,
                         __global const float* positions, __global const uint* map, __global float* visibility,
                         __global uint* counts, __global FrameCounters* counters) {
@@ -66,8 +66,8 @@ __kernel void izb_scatter(const IzbParams params, __constant const Projection* p
     }
 }
 
-// A work-item takes one (triangle, bin) pair. Several may put one point into shadow, so visibility is written by an
-// atomic exchange, and counted where it changes. A pair that finds the queue full is decided in place.
+// A work-item takes one (triangle, bin) pair. Several items may put one point into shadow, so an item writes visibility
+// by an atomic exchange and counts changes. If the queue is full, the item decides the pair in place.
 __kernel void izb_trace(const IzbParams params, __global const float* positions, __global const uint* receivers,
                         __global const float* vertices, __global const float* lists, __global const uint* offsets,
                         __global const Pair* triangle_pairs, __global const TriangleRecord* records,

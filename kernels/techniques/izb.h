@@ -9,7 +9,7 @@ GN_STRUCT_BEGIN(IzbParams)
     ulong first_float;       // of the first triangle in the buffer of vertices
     LightFrame light_frame;  // the light's first frame
     PointsLayout layout;
-    uint frame;           // whose points are listed
+    uint frame;           // the frame of the listed points
     uint has_map;         // 0: the map's buffer is not read
     uint slot_count;      // of the lists, a multiple of 16
     uint queue_capacity;  // pairs

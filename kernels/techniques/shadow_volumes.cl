@@ -3,8 +3,8 @@
 // The pixel's ray counts them: entering a volume is +1, leaving it -1 (Crow 1977; with a stencil buffer Heidmann 1991,
 // z-fail Bilodeau and Songy 1999 and Carmack 2000).
 //
-// Sides that two neighbouring triangles share are drawn only where they do not cancel. A sum per edge decides: each
-// casting triangle, turned so that it faces the light, adds +1 or -1 for the direction in which it runs along the edge;
+// Two neighbouring triangles share sides; the kernels draw such sides only where they do not cancel. A sum per edge
+// decides: each casting triangle, turned so that it faces the light, adds +1 or -1 for its direction along the edge;
 // the sum is the number of sides to draw there (Bergeron 1986; Kim et al. 2008, "A shadow volume algorithm for opaque
 // and transparent non-manifold casters"). So open and non-manifold meshes need no special care, and no adjacency is
 // stored: edges meet in a hash table, by their vertices' positions.
@@ -64,7 +64,7 @@ static void load_edge(__global const float* vertices, uint edge, float3* first, 
     *second = in_order ? v : u;
 }
 
-// The slot of an edge: it keeps any one of the edges between the same two positions.
+// The slot of an edge: it stores one of the edges between the same two positions.
 static uint slot_of_edge(uint edge, uint slot_mask, __global const float* vertices, __global uint* slot_edges) {
     float3 u, v;
     load_edge(vertices, edge, &u, &v);
@@ -79,7 +79,7 @@ static uint slot_of_edge(uint edge, uint slot_mask, __global const float* vertic
     }
 }
 
-// Sums up the sides of every edge. Without cancellation each edge of each triangle keeps a slot of its own.
+// Sums up the sides of every edge. Without cancellation each edge of each triangle has its own slot.
 __kernel void shadow_volumes_edges(VolumeParams params, __global const float* vertices_all, __global uint* slot_edges,
                                    __global int* slot_weights, __global VolumeCounters* counters) {
     __global const float* vertices = vertices_all + params.first_float;
@@ -110,8 +110,8 @@ __kernel void shadow_volumes_edges(VolumeParams params, __global const float* ve
 
 // ---- Sides ----------------------------------------------------------------------------------------------------------
 
-// An edge of a cone of rays: det(u, v, ray), computed from the canonical order of u and v, so that the two sides that
-// share it get the same value with opposite signs, and a ray exactly on it belongs to one of them.
+// An edge of a cone of rays: det(u, v, ray), computed from the canonical order of u and v. The two sides that share the
+// edge thus get the same value with opposite signs, and a ray exactly on the edge belongs to one side.
 static void set_cone_edge(VolumeSide* side, uint i, float3 u, float3 v, VolumeParams params) {
     bool in_order = is_before(u, v);
     float3 normal = in_order ? cross(u, v) : cross(v, u);
@@ -196,7 +196,7 @@ __kernel void shadow_volumes_caps(VolumeParams params, __global const float* ver
 
 // ---- Tiles ----------------------------------------------------------------------------------------------------------
 
-// Nearest and farthest view depth of each tile's points; (inf, -inf) where there are none.
+// Nearest and farthest view depth of each tile's points; (inf, -inf) for a tile without points.
 __kernel void shadow_volumes_depths(VolumeParams params, PointsLayout layout, __global const float* positions,
                                     __global float2* tile_depths) {
     float3 eye = vector_of(params.eye);
@@ -239,13 +239,13 @@ static int cone_over(__global const VolumeSide* side, float4 rectangle) {
     return result;
 }
 
-// The eye counts as outside of the half-space n . x <= n . a only if its own n . x - n . a = -(n . a) is positive.
+// The eye counts as outside of the half-space n . x <= n . a only if its n . x - n . a = -(n . a) is positive.
 static bool is_eye_outside(__global const VolumeSide* side) { return side->plane_start < 0.0f; }
 
 static bool is_at_infinity(__global const VolumeSide* side) { return (side->flags & VOLUME_AT_INFINITY) != 0u; }
 
 // Whether the side's plane lies between the eye and each (WHOLLY), none (MISSED) or some (PARTLY) of a tile's points.
-// Near the plane, where single precision could err, the result is PARTLY.
+// The result is PARTLY near the plane, where single precision could err.
 static int plane_over(__global const VolumeSide* side, float4 rectangle, float2 depths) {
     if (is_at_infinity(side)) return MISSED;
     float2 slope = range_over(side->plane_x, side->plane_y, side->plane_0, rectangle);
@@ -257,8 +257,8 @@ static int plane_over(__global const VolumeSide* side, float4 rectangle, float2 
     return all_outside == is_eye_outside(side) ? MISSED : WHOLLY;
 }
 
-// What crossing the side adds to the count. z-pass: entered before the point +1, left -1. z-fail: the opposite, beyond;
-// `slope` is n . ray.
+// The weight that a crossing of the side adds to the count. z-pass: entered before the point +1, left -1. z-fail: the
+// opposite, beyond the point; `slope` is n . ray.
 static int crossing_of(VolumeParams params, __global const VolumeSide* side, float slope) {
     if (params.z_fail) return slope < 0.0f ? -side->weight : side->weight;
     return is_eye_outside(side) ? side->weight : -side->weight;
@@ -270,7 +270,7 @@ static float4 tile_rectangle(VolumeParams params, uint x, uint y, uint side) {
                     (float)min((y + 1u) * side, params.height) - 0.5f);
 }
 
-// One work-item per (side of the slice, block of tiles): counts whole tiles at once, queues the others.
+// One work-item takes one (side of the slice, block of tiles): it counts whole tiles at once and queues the others.
 __kernel void shadow_volumes_tiles(VolumeParams params, __global const VolumeSide* sides,
                                    __global const float2* tile_depths, __global int* tile_counts, __global uint2* pairs,
                                    __global uint* pair_count, __global VolumeCounters* counters) {

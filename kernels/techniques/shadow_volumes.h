@@ -7,12 +7,12 @@
 // the directions, so all tests are signs of functions that are linear in (X, Y):
 //     inside the cone   det(u, v, ray) for its edges u, v
 //     crossed before P  the eye and P lie on different sides of the side's plane  n . x = n . a:  w (n . ray) - n . a
-// A work-item never divides and nothing is clipped. In float: this technique is not exact.
+// A work-item never divides or clips. It computes in float: this technique is not exact.
 #pragma once
 
 #include "prelude.h"
 
-// The view and what a launch works on. right and up are a pixel's width and height; ray(0, 0) = forward is the
+// The view and the ranges of a launch. right and up are a pixel's width and height; ray(0, 0) = forward is the
 // picture's upper left corner.
 GN_STRUCT_BEGIN(VolumeParams)
     ulong first_float;  // where the triangles begin in their buffer
@@ -29,8 +29,8 @@ GN_STRUCT_BEGIN(VolumeParams)
     uint width, height;
     uint tiles_x, tiles_y;    // of TILE x TILE pixels
     uint blocks_x, blocks_y;  // of BLOCK x BLOCK tiles
-    uint both_faces;          // 1: every triangle casts; 0: those whose winding faces the light
-    uint z_fail;              // 1: crossings behind the point are counted, caps too; 0: those before it
+    uint both_faces;          // 1: every triangle casts; 0: a triangle casts if its winding faces the light
+    uint z_fail;              // 1: counts crossings behind the point, and caps; 0: counts crossings before the point
 GN_STRUCT_END(VolumeParams, 144)
 
 // One triangle of rays: a volume's side, a half of one, or a cap.
@@ -44,14 +44,14 @@ GN_STRUCT_BEGIN(VolumeSide)
     float plane_start;  // n . a
     int weight;         // number of volumes with this side, + where n points out of them; 0: nothing to draw
     uint cap_of;        // a cap's triangle: points on it always lie before it, whatever the rounding; else GN_NO_ID
-    uint flags;         // bit i < 3: a ray exactly on edge i belongs to this side and not to its neighbour; AT_INFINITY
+    uint flags;         // bit i < 3: a ray exactly on edge i belongs to this side, not to its neighbour; AT_INFINITY
 GN_STRUCT_END(VolumeSide, 64)
 
 GN_STRUCT_BEGIN(VolumeCounters)
     uint casting;             // triangles that cast
     uint edges;               // of casting triangles, without those of length 0
     uint eye_inside;          // volumes that contain the eye (z-pass starts there)
-    uint tiles_whole;         // (side, tile) pairs that one addition counted for all pixels
+    uint tiles_whole;         // (side, tile) pairs counted by one addition for all pixels
     uint pixels_written_low;  // additions to single pixels: 64 bits in two words
     uint pixels_written_high;
     uint padding[2];

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Sub-pixel shadow map: the nearest triangle of each texel, and points against the triangles near them.
+// Sub-pixel shadow map: stores the nearest triangle of each texel and tests points against the triangles near them.
 //
 // Bins are texels here (bin_log2 is 0), so that bin_test.clh rasterizes conservatively: a texel leaves a triangle out
-// only if the triangle certainly misses it.
+// only if the triangle certainly misses the texel.
 #include "techniques/sub_pixel_shadow_map.h"
 
 #include "exact/blocks.clh"
@@ -18,7 +18,7 @@
 #endif
 
 // The triangle's greatest height in a texel, towards the light, as a key: its plane's highest corner, or its highest
-// vertex. A height that floats cannot represent counts as the farthest, so that it hides no other.
+// vertex. If a float cannot represent the height, the key is the farthest one, so that the triangle hides no other.
 static uint height_key(const TriangleRecord* record, float4 square) {
     float plane = highest_at_corners(record->plane_x, record->plane_y, record->plane_0, square) + record->margin_plane;
     float height = fmin(plane, record->z_high);
@@ -52,7 +52,7 @@ __kernel void sub_pixel_draw(SubPixelParams params, __constant const Projection*
     if (texels != 0) atomic_add(&counters->texels, texels);
 }
 
-// Whether a stored triangle blocks the point: those of the map's texels at most `reach` away from (x, y).
+// True if a stored triangle blocks the point. The map's texels at most `reach` away from (x, y) store the triangles.
 static bool is_blocked(float3 point, uint receiver, int x, int y, int reach, __constant const Projection* projection,
                        float4 light, __global const float* vertices, __global const uint* ids) {
     int last_x = min(x + reach, (int)projection->width - 1), last_y = min(y + reach, (int)projection->height - 1);

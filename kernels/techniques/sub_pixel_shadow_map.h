@@ -2,13 +2,13 @@
 // Contract of technique sub-pixel: a shadow map that stores which triangle, not how deep (Lecocq, Marvie, Sourimant and
 // Gautron 2014, "Sub-Pixel Shadow Mapping").
 //
-// Per texel of a light's frame the map keeps the triangle that comes nearest to the light among those that touch the
-// texel anywhere (conservative rasterization), GN_NO_ID where there is none. The exact predicate (exact/blocks.clh)
-// tests a point against the triangle of its texel; with neighbours also against those of the 8 texels around.
-// So a shadow's edge is the triangle's edge, however large the texels are, and nothing needs a bias.
+// Per texel of a light's frame the map stores the triangle that comes nearest to the light among the triangles that
+// touch the texel anywhere (conservative rasterization), or GN_NO_ID. The exact predicate (exact/blocks.clh) tests a
+// point against the triangle of its texel; with neighbours also against the triangles of the 8 texels around. So a
+// shadow's edge is the triangle's edge, however large the texels are, and the test needs no bias.
 //
-// Promise: a point is in shadow only if a triangle other than its receiver blocks it, so none is wrongly in shadow.
-// Limit: one triangle a texel. Where several overlap in one, or are smaller than it, points are wrongly lit.
+// Promise: a point is in shadow only if a triangle other than its receiver blocks it, so no point is wrongly in shadow.
+// Limit: one triangle a texel. If several triangles overlap in a texel or are smaller than it, points are wrongly lit.
 #pragma once
 
 #include "receivers/light_frame.h"
@@ -17,15 +17,15 @@
 GN_STRUCT_BEGIN(SubPixelParams)
     ulong first_float;  // where the triangles begin in their buffer
     uint frame;         // of a point light
-    uint reach;         // texels around the point's whose triangles are tested: 0 or 1
+    uint reach;         // rings of texels around the point's texel with triangles to test: 0 or 1
     uint tile_capacity;
     uint stores_ids;  // the second run of sub_pixel_draw
     LightFrame light_frame;
     PointsLayout layout;
 GN_STRUCT_END(SubPixelParams, 136)
 
-// Of a frame, zeroed at its start.
+// The counts of a frame, zeroed at its start.
 GN_STRUCT_BEGIN(SubPixelCounters)
-    uint texels;     // with a triangle
-    uint in_shadow;  // points
+    uint texels;     // texels with a triangle
+    uint in_shadow;  // points in shadow
 GN_STRUCT_END(SubPixelCounters, 8)

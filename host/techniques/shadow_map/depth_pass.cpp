@@ -19,7 +19,7 @@ void DepthMap::draw(cl::Session& session, const TriangleInputs& triangles, const
     if (triangles.count == 0) return;
     chunk_count_.reserve(session, sizeof(cl_uint));
     for (pass.view_index = 0; pass.view_index < map_views.set.view_count; ++pass.view_index) {
-        // A minimum stays one when triangles are drawn twice: after growing, the view is drawn again.
+        // Drawing triangles twice leaves a minimum unchanged: after growing, the pass draws the view again.
         for (bool fitted = false; !fitted;) {
             chunks_.reserve(session, std::size_t(chunk_capacity_) * 2 * sizeof(cl_uint));
             pass.chunk_capacity = chunk_capacity_;

@@ -7,7 +7,7 @@
 
 namespace gnomon {
 
-/// Bias that is built into the map. All in units of depth, 0 to 1 over the receivers.
+/// Bias that the depth pass adds to the map. All in units of depth, 0 to 1 over the receivers.
 struct DepthBias {
     float slope = 0;        ///< times the steeper of the two depth slopes per texel
     float slope_limit = 1;  ///< most that the slope adds

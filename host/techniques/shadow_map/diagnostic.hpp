@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Diagnostics of shadow maps: how texels lie over what the camera sees (kernels/techniques/shadow_map/diagnostic.h).
+// Diagnostics of shadow maps: texels over the camera's picture (kernels/techniques/shadow_map/diagnostic.h).
 #pragma once
 
 #include "kernels/techniques/shadow_map/diagnostic.h"
@@ -12,7 +12,7 @@ struct MapDiagnostic {
     std::vector<float> colors;            ///< red, green, blue per point, 0 to 1
 };
 
-/// What diagnostics there are, in the order of their values.
+/// The names of the diagnostics, in the order of their values.
 const std::vector<DiagnosticDescription>& map_diagnostics();
 
 /// RGBA, 4 bytes per point, of red, green and blue from 0 to 1.

@@ -53,7 +53,7 @@ void store_camera(const PointsCamera& from, ViewPlan& plan) {
     plan.up[3] = static_cast<float>(tangent);
 }
 
-// Entries 0 and 1: rows whose bounds are the scene's box and the points' camera depths.
+// Entries 0 and 1: the bounds of their rows are the scene's box and the points' camera depths.
 std::array<PlannedView, first_view> measures(const ViewPlan& plan) {
     std::array<PlannedView, first_view> planned{};
     for (PlannedView& view : planned) {

@@ -12,7 +12,7 @@ namespace gnomon {
 
 class ViewFit {
 public:
-    /// False where the setting is none of the fit's; throws InvalidArgument where its value is not allowed.
+    /// False if the fit has no such setting; throws InvalidArgument if the value is not allowed.
     bool set(std::string_view name, std::string_view value) {
         return settings_table().set_if_known(settings_, name, value);
     }
@@ -20,8 +20,8 @@ public:
     /// Fills map_views, texel centres included, with views of size x size texels each (or that many in all, shared out
     /// by error). Nothing is read back.
     void run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views);
-    /// What run() would make of these inputs: empty, or why it cannot do what the settings ask for and what it does
-    /// instead.
+    /// The limits of run() for these inputs: empty, or the reason why it cannot do as the settings require, and the
+    /// replacement.
     std::string limits(const FitInputs& inputs) const;
 
 private:

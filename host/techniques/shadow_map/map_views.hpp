@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a fit hands to the rest of the shadow-map family, and what it is given
+// The inputs of a fit, and its result for the other stages of the shadow-map family
 // (kernels/techniques/shadow_map/map_view.h).
 #pragma once
 
@@ -9,14 +9,14 @@
 
 namespace gnomon {
 
-/// The views of one shadow map. `set` is known to the host; the rest stays on the device.
+/// The views of one shadow map. The host knows `set`; the rest stays on the device.
 struct MapViews {
     cl::Buffer views;   ///< MapView, set.view_count of them
     cl::Buffer tables;  ///< floats: texel centres of every view, and the tables of rectilinear warps
     MapSet set{};
 };
 
-/// What a fit may look at. Points with visibility 1 are those that still need an answer.
+/// The inputs of a fit. Points with visibility 1 are still open.
 struct FitInputs {
     TriangleInputs triangles;
     PointInputs points;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rectilinear texture warping: tables that move texels to where they are needed
+// Rectilinear texture warping: tables that move texels to the parts of the map that the picture needs
 // (kernels/techniques/shadow_map/rectilinear_warp.h).
 #pragma once
 

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint32_t largest_size = 16384;
 
-// In the order of the constants they stand for.
+// In the order of the constants' values.
 constexpr std::string_view store_names[] = {"depth", "variance", "layered", "convolution", "exponential",
                                             "evsm2", "evsm4",    "ewgf",    "moments"};
 constexpr std::string_view lookup_names[] = {"hard", "pcf", "bilinear", "gaussian", "twelve", "pcss"};
@@ -137,7 +137,7 @@ StorePlan ShadowMap::store_plan() const {
     StorePlan plan = s;
     plan.half_bits = !s.all_bits && s.store == STORE_MOMENTS;
     plan.edges_only = s.edges_only && s.store == STORE_VARIANCE;
-    // Peters and Klein 2015 for moments; the others: what rounding of their squares needs.
+    // For moments as in Peters and Klein 2015; for the others: the bias that rounding of their squares needs.
     const float own_bias = s.store != STORE_MOMENTS ? (s.store <= STORE_LAYERED ? 1e-3f : 1e-4f)
                            : s.all_bits             ? 3e-7f
                                                     : 3e-5f;

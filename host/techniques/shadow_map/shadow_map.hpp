@@ -24,7 +24,7 @@ struct ShadowMapSettings : StorePlan {
 
 class ShadowMap final : public Technique {
 public:
-    /// `name`: of the preset, for what errors say.
+    /// `name`: of the preset, for the texts of errors.
     explicit ShadowMap(const Device& device, std::string name = "shadow-map");
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;

@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* file = "techniques/shadow_map/virtual_map.cl";
 
-// The least is one page; each is the double of the one before.
+// The least is one page; each size is the double of the previous size.
 constexpr std::string_view sizes[] = {"128", "256", "512", "1024", "2048", "4096", "8192", "16384"};
 
 // Texels are counted in 32 bits.
@@ -110,7 +110,7 @@ void VirtualShadowMap::draw(const TriangleInputs& triangles, const VirtualPlan& 
     pass.triangle_count = triangles.count;
     pass.slope_bias = settings_.slope_bias;
     pass.slope_limit = settings_.slope_limit;
-    // A minimum stays one when triangles are drawn twice: after growing, all are drawn again.
+    // Drawing triangles twice leaves a minimum unchanged: after growing, the stage draws all triangles again.
     for (;;) {
         pairs_.reserve(session, std::size_t(pair_capacity_) * 2 * sizeof(cl_uint));
         pass.chunk_capacity = pair_capacity_;

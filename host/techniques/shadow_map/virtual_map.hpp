@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Technique virtual-shadow-map: a large shadow map of which only the pages that shading points request exist
+// Technique virtual-shadow-map: a large shadow map that has only the pages that shading points request
 // (kernels/techniques/shadow_map/virtual_map.h).
 #pragma once
 
@@ -22,7 +22,7 @@ public:
     void set(std::string_view name, std::string_view value) override {
         settings_table().set(settings_, "virtual-shadow-map", name, value);
     }
-    /// "page": which page serves each point. Of any points, not only a camera's.
+    /// "page": the page that serves each point. The points need not be a camera's.
     std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                        const Light& light) override;
 
@@ -51,7 +51,7 @@ private:
     /// Makes a physical page of every requested entry.
     void allocate(const VirtualPlan& plan);
     void draw(const TriangleInputs& triangles, const VirtualPlan& plan);
-    /// How many of the pages [first, first + count) the rectangle of some caster overlaps.
+    /// How many of the pages [first, first + count) overlap the rectangle of some caster.
     std::uint64_t pages_drawn(std::uint64_t first, std::uint64_t count) const;
 
     Device device_;

@@ -2,9 +2,9 @@
 // Lookups that compare depths: hard, percentage-closer filters, soft shadows by blocker search (contract: lookup.h).
 //
 //   visibility = sum of weight_i [depth_i >= receiver_i - receiver_bias] / sum of weight_i
-// receiver_i is the point's depth or, with adaptive bias, the depth at texel i's centre of the receiver's plane where
-// that is nearer (Dou, Yan, Kerzner, Dai, Wyman 2014): a flat receiver then never shadows itself, whatever
-// the angle, and the only bias left is for rounding.
+// receiver_i is the nearer of two depths with adaptive bias: the point's depth, and the depth of the receiver's plane
+// at texel i's centre (Dou, Yan, Kerzner, Dai, Wyman 2014); else it is the point's depth. With adaptive bias a flat
+// receiver never shadows itself, whatever the angle, and the only remaining bias is for rounding.
 #include "techniques/shadow_map/lookup.h"
 
 static float tap(const LookupPlan* plan, const MapPoint* point, __global const float* depths, int x, int y) {
@@ -22,7 +22,7 @@ static float lookup_hard(const LookupPlan* plan, const MapPoint* point, __global
     return tap(plan, point, depths, (int)floor(at.x), (int)floor(at.y));
 }
 
-// taps x taps points a texel apart, each the texel it lies in.
+// taps x taps points a texel apart; each reads the texel that it lies in.
 static float lookup_pcf(const LookupPlan* plan, const MapPoint* point, __global const float* depths) {
     float sum = 0.0f, first = -0.5f * (float)(plan->taps - 1);
     for (uint y = 0; y < plan->taps; ++y)
@@ -32,7 +32,7 @@ static float lookup_pcf(const LookupPlan* plan, const MapPoint* point, __global 
 }
 
 // Weights of taps + 1 texels along an axis: each of the kernel's taps is a bilinear lookup, and so a share of two
-// texels. As in Gruen's filter (2010), equal texels of neighbouring taps are read once.
+// texels. As in Gruen's filter (2010), the kernel reads each texel once if neighbouring taps share it.
 static void smooth_weights(const LookupPlan* plan, float fraction, float* weights) {
     float sigma = (float)plan->taps / 4.5f, middle = 0.5f * (float)(plan->taps - 1);
     float before = 0.0f;
@@ -88,9 +88,9 @@ static float grid_of_taps(const LookupPlan* plan, const MapPoint* point, __globa
     return lit / (float)(plan->taps * plan->taps);
 }
 
-// The penumbra of a point light is (d_receiver - d_blocker) / d_blocker times the light's size; that of a directional
-// light is the distance of receiver and blocker times the tangent of the angle. Both are widths at the receiver. The
-// search covers the reach of a blocker half-way (point light) or of one at depth 0 (directional light).
+// The penumbra of a point light is (d_receiver - d_blocker) / d_blocker times the light's size; the penumbra of a
+// directional light is the distance of receiver and blocker times the tangent of the angle. Both are widths at the
+// receiver. The search covers the reach of a blocker half-way (point light) or at depth 0 (directional light).
 static float lookup_pcss(const LookupPlan* plan, const MapPoint* point, __global const float* depths) {
     __global const MapView* view = point->view;
     float world_per_depth = 1.0f / length(vload3(0, view->row_depth));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Depth pass: rasterizes the casters into all views of a shadow map (contract: depth_pass.h).
 //
-// A work-item draws a small triangle at once. A larger one is listed in chunks of CHUNK_TILES tiles, so that no
-// work-item has much more to do than another; a tile that an edge excludes costs three evaluations.
+// A work-item draws a small triangle at once. It lists a larger triangle in chunks of CHUNK_TILES tiles, so that all
+// work-items have about equal work; a tile that an edge excludes costs three evaluations.
 #include "techniques/shadow_map/caster.clh"
 
 __kernel void depth_pass_clear(MapSet set, uint word, __global uint* keys) {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Contract of the depth pass: which triangle is nearest to the light at each texel's centre.
+// Contract of the depth pass: finds the triangle that is nearest to the light at each texel's centre.
 //
 // A texel's key is the depth (map_view.h) of the nearest caster that covers its centre, biased and clamped to [0, 1],
-// as the bits of the float: they order like the numbers, so that an atomic minimum finds it in any order. An empty
-// texel holds EMPTY_KEY, depth 1: no receiver is farther.
+// as the bits of the float: bits and numbers have the same order, so an atomic minimum finds the key in any order of
+// work. An empty texel has EMPTY_KEY, depth 1: no receiver is farther.
 //
 // Coverage: a triangle covers a centre P if its three edge functions there have the same sign or are 0. With vertices
 // h = (u w, v w, w) and a the vertex of an edge (a, b) with the larger |w|,
 //   e(P) = a_w ((b_x - a_u b_w) (P_v - a_v) - (b_y - a_v b_w) (P_u - a_u)),
-// which is the triple product (a, b, P): no clipping, whatever the signs of w (Olano and Greer 1997), and differences
-// are taken before products, so that small triangles keep their shape. a and b are ordered by their values alone, so
-// two triangles that share an edge compute the same number with opposite signs, and a centre between them is covered by
-// at least one: no cracks. Both faces cast; triangles edge-on to the light cast nothing.
+// the triple product (a, b, P): no clipping, whatever the signs of w (Olano and Greer 1997). Differences are taken
+// before products, so that small triangles keep their shape. The values of a and b alone decide their order, so two
+// triangles that share an edge compute the same number with opposite signs, and at least one covers a centre between
+// them: no cracks. Both faces cast; triangles edge-on to the light cast nothing.
 //
 // Depth at P: (sum of e_i d_i) / (sum of e_i), a convex combination: never outside the triangle's own range.
 #pragma once
@@ -20,12 +20,12 @@
 
 #define EMPTY_KEY 0x3F800000u  // the bits of 1.0f
 
-// What a pass writes.
+// The output of a pass.
 #define PASS_NEAREST 0u  // the key of the nearest caster
 #define PASS_SECOND 1u   // the nearest key after the first one (dual depth layers)
 #define PASS_SLOPE 2u    // of the nearest caster: squared depth per texel, dx^2 + dy^2, as float bits (moment bias)
 
-// A triangle whose bounding rectangle has more texels than this is split into chunks of tiles.
+// If a triangle's bounding rectangle has more texels than this, it is split into chunks of tiles.
 #define SMALL_TEXELS 256u
 #define TILE_LOG2 4u
 #define CHUNK_TILES 64u

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures of how a shadow map's texels lie over what the camera sees (diagnostic.h).
+// Pictures of a shadow map's texels as they lie over the camera's picture (diagnostic.h).
 #include "techniques/shadow_map/diagnostic.h"
 
 // Colours at these texels per pixel, linear between.
@@ -15,8 +15,8 @@ static float3 error_color(float error) {
     return color_at(error_colors[6]);
 }
 
-// 1 where the texel coordinate is on a line of the grid. A line is an eighth of a texel, or a pixel where that is
-// wider.
+// 1 where the texel coordinate is on a line of the grid. A line is an eighth of a texel or a pixel wide, the wider of
+// the two.
 static float grid_line(float at, float pixel) {
     float from_line = fabs(at - rint(at));
     float width = fmax(0.125f, fmin(pixel, 1.0f));
@@ -30,7 +30,7 @@ static float3 grid_color(float2 at, float2 ds, float2 dt) {
     return line != 0.0f ? (float3)(0.1f, 0.1f, 0.1f) : (float3)(0.9f, 0.9f, 0.9f);
 }
 
-// How many times denser the warp makes texels along an axis at x than they would be without it.
+// The factor by which the warp makes texels denser along an axis at x than the map without the warp.
 static float warp_density(__global const MapView* view, __global const float* tables, uint axis, float x) {
     if (view->warp == WARP_LOGARITHMIC && axis == 1u)
         return view->log_strength / ((1.0f + view->log_strength * fmax(x, 0.0f)) * log1p(view->log_strength));
@@ -43,8 +43,8 @@ static float warp_density(__global const MapView* view, __global const float* ta
     return 1.0f;
 }
 
-// Cells of the warped map as a checkerboard, `at` and the steps in texels; between the two where a pixel is wider than
-// a cell.
+// Cells of the warped map as a checkerboard, `at` and the steps in texels. If a pixel is wider than a cell, the colour
+// is between the two.
 static float3 warp_color(__global const MapView* view, __global const float* tables, float2 uv, float2 at, float2 ds,
                          float2 dt) {
     float2 cells = (float2)(WARP_CELLS / (float)view->width, WARP_CELLS / (float)view->height);
@@ -54,7 +54,7 @@ static float3 warp_color(__global const MapView* view, __global const float* tab
     return error_color(density) * (is_mixed ? 0.8f : is_dark ? 0.6f : 1.0f);
 }
 
-// errors: texels per pixel, 0 where there are none; colors: red, green, blue.
+// errors: texels per pixel, 0 for a point without texels; colors: red, green, blue.
 __kernel void map_diagnostic(DiagnosticPlan plan, MapSet set, PointsLayout layout, ulong first_float,
                              __global const float* positions, __global const uint* receivers,
                              __global const float* vertices, __global const MapView* views,

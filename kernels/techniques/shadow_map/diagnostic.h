@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contract of the shadow maps' diagnostics: pictures of how a map's texels lie over what the camera sees.
+// Contract of the shadow maps' diagnostics: pictures of a map's texels as they lie over the camera's picture.
 //
 //   aliasing  texels per pixel, max(|ds + dt|, |ds - dt|) with ds, dt the steps through the map from a pixel to the
 //             next along x and y. Green is one texel to a pixel; yellow, red, black is too coarse by 3.25, 7.75 and
@@ -7,11 +7,11 @@
 //   grid      the map's texels as lines on the scene, an eighth of a texel or a pixel wide, the wider of the two (as
 //             Lloyd 2007, 6.8, draws them); evenly grey where a pixel is wider than a texel
 //   views     a colour per view (cascade, side, cube face); black where no view serves
-//   depth     the map's depth of what is seen, black nearest to the light
+//   depth     the map's depth of the visible points, black nearest to the light
 //   warp      a checkerboard of WARP_CELLS x WARP_CELLS equal shares of the map's texels: small where the map is dense.
-//             In the colours of aliasing: how many times denser, per side, the warp (map_view.h) makes texels than
-//             they would be without it; green where it leaves them as they are
-// Steps are those of texel_footprint.h. Points without a camera or a receiver, and the sky, are drawn in SKY.
+//             In the colours of aliasing: the factor, per side, by which the warp (map_view.h) makes texels denser than
+//             in the map without it; green where the factor is 1
+// Steps are computed as in texel_footprint.h. Points without a camera or a receiver, and the sky, have colour SKY.
 #pragma once
 
 #include "techniques/shadow_map/texel_footprint.h"

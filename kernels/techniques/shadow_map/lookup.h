@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Contract of the lookups: from a shading point and a shadow map to visibility in [0, 1].
 //
-// A point with visibility 1 that a view serves (map_view.h) is looked up there. Every other point keeps its value: a
-// backfacing point is in shadow, a point that is absent or outside all maps is lit.
+// If a point has visibility 1 and a view serves it (map_view.h), the lookup decides it. Every other point keeps its
+// value: a backfacing point is in shadow; a point that is absent or outside all maps is lit.
 #pragma once
 
 #include "techniques/shadow_map/map_view.h"
@@ -10,7 +10,7 @@
 // Lookups of depths.
 #define LOOKUP_HARD 0u      // the texel under the point (Williams 1978)
 #define LOOKUP_PCF 1u       // mean of taps x taps texels (Reeves, Salesin, Cook 1987)
-#define LOOKUP_BILINEAR 2u  // the same, moving smoothly: (taps + 1)^2 texels, the outer ones by their share
+#define LOOKUP_BILINEAR 2u  // the same, moving smoothly: (taps + 1)^2 texels, the outer texels by their share
 #define LOOKUP_GAUSSIAN 3u  // as bilinear, weighted by a Gaussian of sigma taps / 4.5 (Gruen 2010)
 #define LOOKUP_TWELVE 4u    // 12 taps distributed like a Gaussian of sigma `softness` texels
 #define LOOKUP_PCSS 5u      // kernel as wide as the penumbra estimated from the blockers (Fernando 2005)
@@ -22,7 +22,7 @@ GN_STRUCT_BEGIN(LookupPlan)
     uint lookup;
     uint taps;
     uint adaptive;        // 1: each texel is compared with the receiver's plane at that texel's centre
-    float receiver_bias;  // depth; subtracted from the receiver's
+    float receiver_bias;  // depth; subtracted from the receiver's depth
     float softness;       // texels
     float light_size;     // point light: world units across; directional light: tangent of the angle across
     uint triangle_count;
@@ -45,7 +45,7 @@ typedef struct MapPoint {
     float4 tangent_a, tangent_b;  // of the receiver's plane, as map_homogeneous changes along them
 } MapPoint;
 
-// How map_homogeneous changes along a world direction.
+// The change of map_homogeneous along a world direction.
 static float4 homogeneous_direction(__global const MapView* view, float3 d) {
     float4 q;
     q.x = view->row_u[0] * d.x + view->row_u[1] * d.y + view->row_u[2] * d.z;
@@ -66,7 +66,7 @@ static bool plane_tangents(Triangle t, float3* tangent_a, float3* tangent_b) {
     return true;
 }
 
-// Writes through a pointer: oclgrind cannot run the code that clang makes for returning a structure this large.
+// Writes through a pointer: oclgrind cannot run clang's code for returning a structure this large.
 static void make_map_point(__global const MapView* view, __global const float* tables, float3 p, MapPoint* point) {
     point->view = view;
     point->tables = tables;
@@ -77,7 +77,7 @@ static void make_map_point(__global const MapView* view, __global const float* t
     point->has_plane = false;
 }
 
-// Whether the point is looked up; writes its position and the view.
+// True if the map serves the point; writes its position and the view.
 static bool is_looked_up(MapSet set, PointsLayout layout, __global const float* positions,
                          __global const float* visibility, __global const MapView* views, size_t i, float3* p,
                          uint* index) {
@@ -88,9 +88,9 @@ static bool is_looked_up(MapSet set, PointsLayout layout, __global const float* 
     return *index != NO_VIEW;
 }
 
-// Depth of the receiver's plane on the ray of light through (u, v): p + a tangent_a + b tangent_b lies on it if
+// Depth of the receiver's plane on the ray of light through (u, v): p + a tangent_a + b tangent_b lies on that ray if
 //   (X - u W) = 0 and (Y - v W) = 0,
-// two linear equations in a and b. No plane, or one edge-on to the light: the point's own depth.
+// two linear equations in a and b. Without a plane, or with a plane edge-on to the light: the point's own depth.
 static float plane_depth(const MapPoint* point, float2 uv) {
     float2 column_a = point->tangent_a.xy - uv * point->tangent_a.z,
            column_b = point->tangent_b.xy - uv * point->tangent_b.z;
@@ -102,13 +102,13 @@ static float plane_depth(const MapPoint* point, float2 uv) {
     return GN_FINITE(depth) ? depth : point->depth;
 }
 
-// Texels that a world length across the light covers at the point, along u and v.
+// Number of texels under a world length across the light at the point, along u and v.
 static float2 texels_per_length(const MapPoint* point) {
     __global const MapView* view = point->view;
     float3 row_w = vload3(0, view->row_w);
     float u = length(vload3(0, view->row_u) - point->uv.x * row_w);
     float v = length(vload3(0, view->row_v) - point->uv.y * row_w);
-    // Of a warped map: how dense its texels are where the point lies.
+    // For a warped map: the density of its texels at the point.
     float step = 0.5f / (float)max(view->width, view->height);
     float2 low = map_texels(view, point->tables, clamp(point->uv - step, 0.0f, 1.0f));
     float2 high = map_texels(view, point->tables, clamp(point->uv + step, 0.0f, 1.0f));

@@ -3,7 +3,7 @@
 //   map_projection_bounds  of the scene, of the points' camera depths, of the points of each view
 //   map_projection_plan    slices and homographies, one work-item per view
 //   map_projection_fit     the rectangle, the depth range and the texels of each view
-//   map_projection_centres where each column and row of texels lies before the warp
+//   map_projection_centres the position of each column and row of texels before the warp
 #include "simd/points.h"
 #include "techniques/shadow_map/partition.clh"
 
@@ -24,7 +24,7 @@ __kernel void map_projection_bounds(ViewPlan plan, ViewRange range, PointsLayout
                                     __local uint* shared) {
     for (uint index = range.first_view; index < range.first_view + range.view_count; ++index) {
         __global const PlannedView* view = planned + index;
-        // A view that is off has no points; it is not skipped, since every item must reach the barriers.
+        // A view that is off has no points; the item still runs, since every item must reach the barriers.
         uint points = view->is_off ? 0u : layout.count;
         float4 low = (float4)(INFINITY), high = (float4)(-INFINITY);
         GN_FOR_EACH(i, points) {
@@ -80,7 +80,7 @@ static ViewPlan relative_to(ViewPlan plan, float3 origin) {
     return plan;
 }
 
-// The part of a slice that can hold points: the slice inside the scene's box. Slices that repeat each other stay whole.
+// The part of a slice that can have points: the slice inside the scene's box. Slices that repeat each other stay whole.
 static void make_slice_body(const ViewPlan* plan, const PlannedView* view, SceneBox scene, Polyhedron* body) {
     float2 slice = widened_slice(plan, view);
     if (!plan->self_similar) {
@@ -91,12 +91,12 @@ static void make_slice_body(const ViewPlan* plan, const PlannedView* view, Scene
         body->vertices[body->count] = (float4)(slice_corner(plan, slice.x, slice.y, body->count), 1.0f);
 }
 
-// The homography along the view for a directional light, or the plain one where the view gives no direction.
+// The homography along the view for a directional light, or the plain one if the view gives no direction.
 static Homography along_the_view(const ViewPlan* plan, SceneBox scene, PlannedView* view) {
     bool follows = has_camera(plan) && plan->fit != FIT_SPHERE && plan->fit != FIT_QUANTISED;
     LightAxes axes = make_axes(plan, follows);
     Homography h = orthographic(axes);
-    // Forms that grow with the scene's box have no use for the view; fits against swimming need even texels.
+    // Forms that grow with the scene's box do not use the view; fits against swimming need even texels.
     if (!follows || plan->fit == FIT_CASTERS || plan->projection == PROJECTION_UNIFORM) return h;
     float2 slice = widened_slice(plan, view);
     if (plan->projection == PROJECTION_PSM) {
@@ -203,7 +203,7 @@ static Rectangle bounds_of_box(const PlannedView* view, SceneBox scene) {
 }
 
 // A little room at the rim, so that rounding leaves every point inside: half a texel, and no less than floats resolve
-// easily; for v = 1/w, which must stay positive, a share of itself.
+// easily. v = 1/w must stay positive, so its room is a share of v itself.
 static float rim(float low, float high, uint size) {
     return fmax(0.5f * (high - low) / (float)size, 1.0e-5f * fmax(fabs(low), fabs(high)) + 1.0e-18f);
 }
@@ -218,8 +218,8 @@ static Rectangle with_rim(Rectangle r, const PlannedView* view, uint size) {
     return r;
 }
 
-// A square of half width `half_width` and one texel of room, its centre on the grid of its own texels, which is
-// anchored at the origin: moved or turned, the camera moves the square by whole texels alone.
+// A square of half width `half_width` and one texel of room, with its centre on the grid of its own texels. The grid
+// has its anchor at the origin: a moved or turned camera moves the square by whole texels alone.
 static Rectangle snapped_square(float center_u, float center_v, float half_width, uint size) {
     float wide = half_width * (float)size / (float)(size - 2);
     float texel = 2.0f * wide / (float)size;
@@ -228,9 +228,9 @@ static Rectangle snapped_square(float center_u, float center_v, float half_width
     return r;
 }
 
-// The slice's bounding sphere: centre on the view's axis, as far from the near corners as from the far ones
-// or, where that is beyond the far end, in it. Its radius depends neither on the camera's position nor on its
-// direction.
+// The slice's bounding sphere: its centre lies on the view's axis, equally far from the near and the far corners; if
+// that point is beyond the far end, the centre lies in the far end. The radius does not depend on the camera's position
+// or direction.
 static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view) {
     float2 slice = widened_slice(plan, view);
     float n = slice.x, f = slice.y;
@@ -270,7 +270,7 @@ static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view,
     return with_rim(bounds_of_vertices(view, body->vertices, body->count), view, plan->map_size);
 }
 
-// Of the scene's box.
+// The depth range of the scene's box.
 static float2 depths_of_box(const PlannedView* view, SceneBox scene) {
     float2 depths = (float2)(INFINITY, -INFINITY);
     for (int i = 0; i < 8; ++i) {
@@ -280,8 +280,8 @@ static float2 depths_of_box(const PlannedView* view, SceneBox scene) {
     return depths;
 }
 
-// Depths that the map resolves: those of the receivers or, where the map must not follow the camera, of the whole
-// scene. Casters nearer than that are clamped to depth 0, unless the lookup measures their distance.
+// Depths that the map resolves: the receivers' depths or, if the map must not follow the camera, the depths of the
+// whole scene. Nearer casters are clamped to depth 0, unless the lookup measures their distance.
 static float2 fitted_depths(const ViewPlan* plan, const PlannedView* view, SceneBox scene, KeyBounds points) {
     float low = least_of(&points, 2), high = greatest_of(&points, 2);
     float2 box = depths_of_box(view, scene);

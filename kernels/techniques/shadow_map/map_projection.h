@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Contract of the projections of shadow maps: how a map's texels are laid over the rays of its light.
+// Contract of the projections of shadow maps: the layout of a map's texels over the rays of its light.
 //
 // Light rays are points of a projective plane, so every linear projection of a shadow map is a homography of that
 // plane: three rows u, v, w that vanish on the light (a point light's position, or a directional light's direction at
-// infinity). Consequences, on which everything relies:
+// infinity). All stages rely on the consequences:
 //   - u, v and w are the same for a point and for every occluder that can shadow it, so casters beside or behind the
 //     camera need no clipping, no "virtual camera" and no reversed depth order, for which perspective shadow maps are
 //     known (Kozlov 2004, GPU Gems, chapter 14);
@@ -36,7 +36,7 @@
 #define PROJECTION_LISPSM 2u
 #define PROJECTION_LOGPSM 3u
 
-// What a view's rectangle is fitted to.
+// The target to which a view's rectangle is fitted.
 #define FIT_RECEIVERS 0u  // the shading points of the view: the tightest
 #define FIT_FRUSTUM 1u    // the slice of the view frustum, cut by the bounding box of the scene
 #define FIT_CASTERS 2u    // the bounding box of the scene: the same for every camera
@@ -48,18 +48,18 @@
 #define PARTITION_FACES 2u   // one view per side of the view frustum that rays leave through
 #define PARTITION_CUBE 3u    // six faces around a point light
 
-#define RANGE_POINTS 0u  // the slices share out the depths that the points have (Lauritzen, Salvi, Lefohn 2011)
-#define RANGE_PLANES 1u  // the slices share out near_plane to far_plane
+#define RANGE_POINTS 0u  // the slices divide the range of the points' depths (Lauritzen, Salvi, Lefohn 2011)
+#define RANGE_PLANES 1u  // the slices divide near_plane to far_plane
 
 #define MOST_VIEWS 8u
-// Sides of a view that shares texels with others: at most so many times the side of an even share.
+// If a view shares texels with other views, its side is at most this many times the side of an even share.
 #define MOST_SIDES 4u
-// And at least so many texels; the map has room for a row of that height of every view beside its even shares.
+// Its side has at least this many texels: beside its even shares the map has room for one row of that height per view.
 #define LEAST_SIDE 16u
 
-// Depth range of the receivers: a thirty-second of it is kept free before the nearest, so that a caster clamped to the
-// near plane stays before every receiver by more than any bias; and behind the farthest, so that the surfaces that
-// points were lifted off are in the map.
+// Depth range of the receivers: a thirty-second of the range stays free before the nearest receiver, so that a caster
+// clamped to the near plane is before every receiver by more than any bias; and behind the farthest, so that the map
+// has the surfaces from which points were lifted.
 #define NEAR_MARGIN 0.03125f
 #define FAR_MARGIN 0.03125f
 
@@ -80,7 +80,7 @@ GN_STRUCT_BEGIN(ViewPlan)
     uint shares_resolution;  // 1: texels are shared out by error (Lloyd 2007, 6.4)
     uint atlas_columns;      // views side by side in one picture of that many columns; 0: one after the other
     uint self_similar;       // 1: depth slices of lambda 1 repeat the first one's fit (Lloyd 2007, eq. 6.2-6.3)
-    uint keeps_casters;      // 1: depths before the receivers are kept apart too, as far as the scene's box reaches
+    uint keeps_casters;      // 1: the map also resolves depths before the receivers, as far as the scene's box reaches
     uint blends;             // 1: slices blend into the next one within its overlap
 GN_STRUCT_END(ViewPlan, 148)
 
@@ -89,22 +89,22 @@ GN_STRUCT_BEGIN(KeyBounds)
     uint least[8];
 GN_STRUCT_END(KeyBounds, 32)
 
-// A view before its rectangle is fitted: written by map_projection_plan, read by map_projection_bounds and
-// map_projection_fit. Rows are those of map_view.h but for scale and offset.
+// A view before its rectangle is fitted: map_projection_plan writes it; map_projection_bounds and map_projection_fit
+// read it. Rows are as in map_view.h, but without scale and offset.
 GN_STRUCT_BEGIN(PlannedView)
     float row_u[4], row_v[4], row_w[4], row_depth[4];  // of (p_world - origin, 1)
     float origin[3];
     uint takes_logarithm;               // 1: v is spaced by the logarithm of w
-    float limit_low[2], limit_high[2];  // u and v that belong to the view: what lies beyond is another's
+    float limit_low[2], limit_high[2];  // u and v that belong to the view; rays beyond belong to other views
     float near_depth, far_depth;        // the slice, along the camera's forward axis
     float cover_near, cover_far;        // camera depths of the points that the view serves: slice and overlap
     float error_u, error_v;             // largest ratio of a texel of unit resolution to a pixel (Lloyd 2007: R_s, R_t)
     uint is_front_only;                 // 1: only points with depth > 0 (in front of a point light)
     uint is_off;                        // 1: no ray of light leaves the view volume through this side
-    uint face;  // serves what the light sees through this face of the cube; NO_FACE: the limits decide
+    uint face;  // serves points that the light sees through this cube face; NO_FACE: the limits decide
 GN_STRUCT_END(PlannedView, 132)
 
-// What one launch of map_projection_bounds takes: planned views [first_view, first_view + view_count).
+// The input of one launch of map_projection_bounds: planned views [first_view, first_view + view_count).
 GN_STRUCT_BEGIN(ViewRange)
     uint first_view, view_count;
     uint only_open;  // 1: open points alone

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Contract of the shadow-map family: what a fit (projection x partition) hands to the depth pass and the lookups. It
-// lies on the device from beginning to end, so that a fit may follow the shading points without a read-back.
+// Contract of the shadow-map family: the result of a fit (projection x partition) for the depth pass and the lookups.
+// It stays on the device from beginning to end, so a fit can follow the shading points without a read-back.
 //
-// A shadow map is one or more views. With q = (p - origin, 1), p in world space, a view says:
+// A shadow map is one or more views. With q = (p - origin, 1), p in world space, a view defines:
 //   u = (row_u . q) / (row_w . q),  v = (row_v . q) / (row_w . q)   position in the map, [0, 1] inside it
 //   depth = row_depth . q                                           affine along the light, 0 near, 1 far
 // All points of one ray of light share u and v, whatever the sign of row_w . q: a perspective warp that turns the
@@ -15,15 +15,15 @@
 //   WARP_LOGARITHMIC  v only: log(1 + log_strength v) / log(1 + log_strength), u unchanged (LogPSM)
 //   WARP_RECTILINEAR  a table per axis with warp_size segments of equal length, linear between entries (RTW):
 //                     tables[forward_first + i], i in [0, warp_size], for u; the next warp_size + 1 for v
-// The depth pass rasterizes exactly under any of them: it evaluates triangles at the texels' unwarped centres,
+// The depth pass is exact under any of the warps: it evaluates triangles at the texels' unwarped centres,
 //   tables[centres_first + x], x in [0, width), for u; tables[centres_first + width + y] for v
-// which kernel map_projection_centres (map_projection.cl) fills from the warp.
+// Kernel map_projection_centres (map_projection.cl) fills these tables from the warp.
 //
 // A view with a face serves only the points that a point light sees through that face of the cube around it: face / 2
 // is the axis, odd faces lie on its negative side. The view's map may reach farther.
 //
 // Storage: view's texel (x, y) is texel first_texel + y * row_stride + x of the map. Views one after the other are an
-// array, views that share a row_stride an atlas. A view of width 0 is off.
+// array; views with a common row_stride are an atlas. A view of width 0 is off.
 #pragma once
 
 #include "prelude.h"
@@ -33,14 +33,14 @@
 #define WARP_RECTILINEAR 2u
 
 #define NO_FACE 0xFFFFFFFFu
-// How far views whose face alone decides overlap, as a share: rays through an edge must not fall between two of them.
+// Views selected by face alone overlap by this share: rays through an edge must not fall between two views.
 #define FACE_RIM 5.0e-4f
 
 GN_STRUCT_BEGIN(MapView)
     float row_u[4], row_v[4], row_w[4], row_depth[4];
     float origin[3];
     float front_depth;
-    float select_near, select_far;  // serves points whose camera depth lies in [select_near, select_far)
+    float select_near, select_far;  // serves points with camera depth in [select_near, select_far)
     float blend_from;               // from this camera depth on the next view takes over, fully at select_far
     uint warp;
     float log_strength;  // > 0
@@ -104,7 +104,7 @@ static float unwarp_by_table(__global const float* table, uint segments, float w
     return ((float)low + inside) / (float)segments;
 }
 
-// The warp, axis 0 (u) or 1 (v); outside [0, 1] the value is clamped by the caller where it matters.
+// The warp, axis 0 (u) or 1 (v); for values outside [0, 1] the caller clamps the result if needed.
 static float map_warp(__global const MapView* view, __global const float* tables, uint axis, float x) {
     if (view->warp == WARP_LOGARITHMIC && axis == 1u)
         return log1p(view->log_strength * fmax(x, 0.0f)) / log1p(view->log_strength);
@@ -133,7 +133,7 @@ static float camera_depth_of(MapSet set, float3 p) {
            (p.z - set.eye[2]) * set.camera_forward[2];
 }
 
-// Whether the light sees this direction through the face of its cube, widened by `rim` times the face's half width.
+// True if the light sees this direction through the face of its cube, widened by `rim` times the face's half width.
 static bool is_on_face(float3 from_light, uint face, float rim) {
     float d[3] = {from_light.x, from_light.y, from_light.z};
     uint axis = face / 2;
@@ -141,7 +141,7 @@ static bool is_on_face(float3 from_light, uint face, float rim) {
     return fabs(d[(axis + 1) % 3]) <= reach && fabs(d[(axis + 2) % 3]) <= reach;
 }
 
-// Whether the view serves the point: inside the map, in front of the light, and seen through the view's face, if any.
+// True if the view serves the point: inside the map, in front of the light, and seen through the view's face, if any.
 static bool is_in_map(MapSet set, __global const MapView* view, float3 p) {
     if (view->width == 0) return false;
     if (view->face != NO_FACE &&
@@ -151,8 +151,8 @@ static bool is_in_map(MapSet set, __global const MapView* view, float3 p) {
     return at.x >= 0.0f && at.x <= 1.0f && at.y >= 0.0f && at.y <= 1.0f && at.z > view->front_depth;
 }
 
-// The first view that serves the point and whose interval contains its camera depth. NO_VIEW: the point is outside all
-// maps, and lit.
+// The first view that serves the point and has the point's camera depth in its interval. NO_VIEW: the point is outside
+// all maps, and lit.
 static uint select_view(MapSet set, __global const MapView* views, float3 p) {
     float camera_depth = camera_depth_of(set, p);
     for (uint i = 0; i < set.view_count; ++i) {
@@ -162,7 +162,7 @@ static uint select_view(MapSet set, __global const MapView* views, float3 p) {
     return NO_VIEW;
 }
 
-// The share of the visibility that comes from the view after `index`, which serves the point: 0 unless slices blend.
+// The next view's share of the visibility, if the view after `index` serves the point: 0 unless slices blend.
 static float share_of_next(MapSet set, __global const MapView* views, uint index, float3 p) {
     __global const MapView* view = views + index;
     if (!(view->blend_from < view->select_far) || index + 1 >= set.view_count) return 0.0f;

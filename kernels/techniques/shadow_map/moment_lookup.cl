@@ -27,7 +27,7 @@ static void add_bilinear(const StorePlan* plan, const MapPoint* point, MipLevel 
     }
 }
 
-// Level of the chain for a footprint: a texel as wide as its longer side. A whole number and the share of the next.
+// Chain level for a footprint: a texel is as wide as its longer side. A whole level plus the share of the next level.
 static float level_of_footprint(const StorePlan* plan, const PixelSteps* steps, const MapPoint* point, Triangle t,
                                 float3 p) {
     float2 ds, dt;
@@ -60,8 +60,8 @@ static float box_sum(const MapPoint* point, __global const uint* sums, int x0, i
                    sum_before(point, sums, x0, y0));
 }
 
-// Mean over the box of plan->width texels around the point, border texels by their share: bilinear between the four
-// boxes of whole texels, which is the same.
+// Mean over the box of plan->width texels around the point, border texels by their share. This equals the bilinear mean
+// of the four boxes of whole texels.
 static void fetch_summed(const StorePlan* plan, const MapPoint* point, uint texels, __global const uint* sums,
                          float* means) {
     int width = (int)rint(plan->width);
@@ -86,7 +86,7 @@ static void fetch_summed(const StorePlan* plan, const MapPoint* point, uint texe
     }
 }
 
-// 1: none of the four texels around the point is nearer than it; -1: all are; 0: they disagree.
+// 1: all four texels around the point are at least as far as the point; -1: all are nearer; 0: they disagree.
 static int agreement(const StorePlan* plan, const MapPoint* point, __global const float* depths) {
     float t = point->depth - plan->receiver_bias;
     int x = (int)floor(point->at_texels.x - 0.5f), y = (int)floor(point->at_texels.y - 0.5f), lit = 0;
@@ -106,7 +106,7 @@ static float lookup_in_view(const StorePlan* plan, const MapPoint* point, float 
     return visibility_estimate(plan, means, point->depth - plan->receiver_bias);
 }
 
-// With mips the points have receivers and a camera, whose pixel steps plan.steps are.
+// With mips the points have receivers and a camera; plan.steps are the camera's pixel steps.
 __kernel void moment_lookup(MomentLookupPlan plan, MapSet set, PointsLayout layout, __global const float* positions,
                             __global const uint* receivers, __global const float* vertices,
                             __global const MapView* views, __global const float* tables, __global const float* depths,

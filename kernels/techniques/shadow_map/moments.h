@@ -30,8 +30,8 @@
 #define STORE_EWGF 7u
 #define STORE_MOMENTS 8u
 
-// A layer reaches back into the one before it by this share of its length, or points just behind a border would find
-// no variance there (Lauritzen and McCool 2008, section 4).
+// A layer extends back into the previous layer by this share of its length: otherwise points just behind a border would
+// find no variance there (Lauritzen and McCool 2008, section 4).
 #define LAYER_OVERLAP 0.5f
 
 GN_STRUCT_BEGIN(StorePlan)
@@ -41,13 +41,13 @@ GN_STRUCT_BEGIN(StorePlan)
     uint terms;               // convolution: 1 to 16
     float exponent;           // c
     float negative_exponent;  // c_negative
-    float receiver_bias;      // depth; subtracted from the receiver's
+    float receiver_bias;      // depth; subtracted from the receiver's depth
     float bleeding;           // visibility below this becomes 0, the rest is stretched to [0, 1]
     float moment_bias;        // moments: share of a constant vector mixed in; others: least deviation, depth
     uint half_bits;      // moments alone: 16 bits per number (64-bit texels) after the optimised transform; else 32
     uint edges_only;     // variance: only where the four texels around the point disagree (Sterna 2011)
     uint summed;         // planes are summed areas (prefilter.cl)
-    float width;         // of the box that is looked up in summed areas, texels
+    float width;         // of the lookup's box in summed areas, texels
     float summed_scale;  // fixed point: 1 is this much
     uint mips;           // levels of the mip chain beside level 0 (below); 0: none
     uint padding;
@@ -75,7 +75,7 @@ static float2 layer_range(const StorePlan* plan, uint l) {
     return (float2)((float)l * length - (l > 0 ? LAYER_OVERLAP * length : 0.0f), (float)(l + 1) * length);
 }
 
-// Number i of planes as memory holds them. Where half_bits is a constant after inlining, so is the way to read.
+// Number i of planes as stored in memory. If half_bits is a constant after inlining, the branch falls away.
 static float load_number(uint half_bits, __global const void* numbers, size_t i) {
     if (half_bits) return (float)((__global const ushort*)numbers)[i] * (1.0f / 65535.0f);
     return ((__global const float*)numbers)[i];
@@ -87,7 +87,7 @@ static void store_number(uint half_bits, __global void* numbers, size_t i, float
         ((__global float*)numbers)[i] = number;
 }
 
-// Whether the planes' numbers lie in [-1, 1].
+// True if the planes' numbers lie in [-1, 1].
 static bool is_signed(const StorePlan* plan) {
     return plan->store == STORE_CONVOLUTION || (plan->store == STORE_MOMENTS && !plan->half_bits);
 }

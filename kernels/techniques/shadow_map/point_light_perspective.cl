@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Searches for the warp of each face of a point light's cube, and applies it (point_light_perspective.h):
-//   ..._samples  (X, Y, A / z) of every so many receivers, and their face
+//   ..._samples  (X, Y, A / z) and face of every k-th receiver (k: the stride)
 //   ..._costs    the cost of each face's choices, one work-item for each: every device adds in the same order
 //   ..._warp     the cheapest choice becomes the face's homography, one work-item per face
 #include "simd/points.h"
@@ -80,7 +80,7 @@ __kernel void point_light_perspective_costs(ViewPlan plan, WarpSampling sampling
     }
 }
 
-// Resets the bounds, which are taken anew. A face that stays plain gets the same bounds again.
+// Resets the bounds, which the next launch computes anew. A face that stays plain gets the same bounds again.
 __kernel void point_light_perspective_warp(ViewPlan plan, __global const float* costs, __global KeyBounds* bounds,
                                            __global PlannedView* planned) {
     GN_FOR_EACH(face, plan.view_count) {

@@ -10,12 +10,12 @@
 // With Du and Dv the ranges of u and v, a texel of unit resolution is Du w A wide and Dv w^2 A long where it meets a
 // receiver, and a pixel there is as wide as the camera depth z. For a directional light Wimmer et al. derive the best n
 // from z_near and z_far, because z grows along the map. For a point light z / A decides, and camera and light alone do
-// not determine where it grows nor how fast: on a floor it is linear in (X, Y), between walls it is not. So a search
-// chooses d and n, with the plain face among the choices: those for which the texels of the receivers have the least
-// width and length together, in pixels,
-//   sum over receivers of (Du w + Dv w^2) A / z,
-// to which the pixels that edges of any orientation get wrong are in proportion. (Tried: the least product of the
-// largest ratios, as logpsm has it. A few receivers near the camera dominate it; it made more points wrong, not fewer.)
+// not determine where and how fast z / A grows: on a floor it is linear in (X, Y), between walls it is not. So a search
+// chooses d and n, with the plain face among the choices. It minimises the sum of width and length of the receivers'
+// texels, in pixels,
+//   sum over receivers of (Du w + Dv w^2) A / z.
+// The number of wrong pixels along edges of any orientation is in proportion to this sum. (Tried: the least product of
+// the largest ratios, as in logpsm. A few receivers near the camera dominate it; it made more points wrong, not fewer.)
 // A sample of the receivers suffices: a poor choice costs sharpness, never coverage.
 #pragma once
 
@@ -24,7 +24,7 @@
 #define WARP_DIRECTIONS 16u                 // of d, evenly around
 #define WARP_DISTANCES 16u                  // of n, half octaves from a 16th of the range of d . (X, Y)
 #define WARP_CHOICES (WARP_DISTANCES + 1u)  // per direction: the last is the plain face, of direction 0 alone
-#define WARP_SAMPLES 8192u                  // receivers that are sampled, about
+#define WARP_SAMPLES 8192u                  // number of sampled receivers, about
 
 // Sample k is point k * stride.
 GN_STRUCT_BEGIN(WarpSampling)

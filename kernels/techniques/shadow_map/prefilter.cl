@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Prefilters, shared by all stored quantities: a plane of a shadow map is filtered before it is looked up.
+// Prefilters, common to all stored quantities: filter a plane of a shadow map before the lookup.
 //
 //   gaussian     separable, `taps` (odd) texels with weights exp(-d^2 / (2 sigma^2)), sigma = taps / 4.5; a view's
 //                border texels are repeated beyond it
@@ -51,7 +51,7 @@ __kernel void prefilter_gaussian(StorePlan plan, MapSet set, GaussianPass pass, 
         gaussian(0u, set, plan.planes, pass, weights, views, input, output);
 }
 
-// Rows first, turning numbers into fixed point; then columns in place.
+// This kernel sums rows and converts numbers to fixed point; the next kernel sums columns in place.
 __kernel void prefilter_sum_rows(StorePlan plan, MapSet set, __global const MapView* views, __global const void* input,
                                  __global uint* output) {
     float low = is_signed(&plan) ? -1.0f : 0.0f, scale_in = is_signed(&plan) ? 0.5f : 1.0f;
@@ -83,8 +83,8 @@ __kernel void prefilter_sum_columns(StorePlan plan, MapSet set, __global const M
     }
 }
 
-// Shares of the texels 2 i, 2 i + 1 and 2 i + 2 of a line of `fine` in texel i of its half. Of an odd line 2 m + 1, m
-// texels take (2 m + 1) / m each.
+// Shares of the texels 2 i, 2 i + 1 and 2 i + 2 of a line of `fine` in texel i of its half. On an odd line 2 m + 1 each
+// of the m texels has a length of (2 m + 1) / m.
 static float3 shares_of_half(uint i, uint fine) {
     uint half_line = fine / 2u;
     if (fine % 2u == 0u) return (float3)(0.5f, 0.5f, 0.0f);
@@ -103,7 +103,7 @@ static float mean_below(uint half_bits, __global const void* numbers, size_t pla
     return sum;
 }
 
-// One level, from the one before: `input` is the map for level 1, else the chain itself.
+// Computes one level from the previous level: `input` is the map for level 1, else the chain itself.
 __kernel void prefilter_mip(StorePlan plan, MapSet set, uint level, __global const MapView* views,
                             __global const void* input, __global void* mips) {
     for (uint v = 0; v < set.view_count; ++v) {

@@ -27,7 +27,7 @@ static uint cell_at(float3 uv) {
     return (uint)at.y * WARP_SEGMENTS + (uint)at.x;
 }
 
-// Importances are positive, so their bits order like they do.
+// Importances are positive, so their bits have the same order as their values.
 __kernel void rectilinear_backward(ViewPlan plan, WarpPlan warp, MapSet set, PointsLayout layout, ulong first_float,
                                    __global const float* positions, __global const uint* receivers,
                                    __global const float* vertices, __global const float* visibility,
@@ -77,7 +77,7 @@ static float depth_of(__global const float* depths, __global const MapView* view
     return depths[view->first_texel + (uint)at.y * view->row_stride + (uint)at.x];
 }
 
-// Does depth jump here? Across each pair of opposite neighbours a plane changes evenly; what is more is a jump.
+// True if depth jumps here: a plane changes evenly across each pair of opposite neighbours; a larger change is a jump.
 static bool is_edge(__global const float* depths, __global const MapView* view, int x, int y) {
     const int2 ways[4] = {(int2)(1, 0), (int2)(0, 1), (int2)(1, 1), (int2)(1, -1)};
     float here = depth_of(depths, view, x, y);
@@ -92,7 +92,7 @@ static bool is_edge(__global const float* depths, __global const MapView* view, 
 static float forward_importance(const ViewPlan* plan, const WarpPlan* warp, __global const MapView* view,
                                 __global const float* depths, int x, int y, float farthest) {
     float here = depth_of(depths, view, x, y);
-    if (here >= 1.0f) return 0.0f;  // the light sees nothing there
+    if (here >= 1.0f) return 0.0f;  // the texel is empty
     float cell = 1.0f / (float)WARP_SEGMENTS, u = ((float)x + 0.5f) * cell, v = ((float)y + 0.5f) * cell;
     float3 p = point_at(view, u, v, here);
     if ((warp->functions & IMPORTANCE_VIEW) && !is_in_view(plan, p)) return 0.0f;
@@ -101,7 +101,7 @@ static float forward_importance(const ViewPlan* plan, const WarpPlan* warp, __gl
     return surface_importance(plan, warp, p, cross3(across, along), farthest);
 }
 
-// `views` and `depths` are the small map's.
+// `views` and `depths` belong to the small map.
 __kernel void rectilinear_forward(ViewPlan plan, WarpPlan warp, __global const MapView* views,
                                   __global const float* depths, __global const KeyBounds* bounds,
                                   __global uint* importance) {
@@ -131,7 +131,7 @@ static float blurred(__local const float* lines, int line) {
     return sum / weights;
 }
 
-// Work-group g: view g / 2, axis g % 2. `lines` holds 2 WARP_SEGMENTS floats.
+// Work-group g: view g / 2, axis g % 2. `lines` has 2 WARP_SEGMENTS floats.
 __kernel void rectilinear_tables(WarpPlan warp, __global const uint* importance, __global MapView* views,
                                  __global float* tables, __local float* lines) {
     uint view = (uint)get_group_id(0) / 2, axis = (uint)get_group_id(0) % 2;
@@ -151,7 +151,7 @@ __kernel void rectilinear_tables(WarpPlan warp, __global const uint* importance,
     __local float* shares = lines + WARP_SEGMENTS;
     float largest = 0.0f, sum = 0.0f;
     for (uint i = 0; i < WARP_SEGMENTS; ++i) largest = fmax(largest, shares[i]);
-    // Nothing is important where no point is: then all is.
+    // If no point gives importance, all columns have the same importance.
     float least = largest > 0.0f ? LEAST_IMPORTANCE * largest : 1.0f;
     for (uint i = 0; i < WARP_SEGMENTS; ++i) {
         shares[i] = fmax(shares[i], least);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contract of rectilinear texture warping (Rosen 2012): texels are moved along each axis to where the picture needs
-// them.
+// Contract of rectilinear texture warping (Rosen 2012): moves texels along each axis to the parts of the map that the
+// picture needs.
 //
 // The view's square is covered by WARP_SEGMENTS x WARP_SEGMENTS cells, each with an importance. A column (row) of cells
 // needs its largest importance, blurred by a Gaussian so that neighbours differ little; the warp gives every
@@ -8,10 +8,10 @@
 //   table[i] = (sum of the first i columns' importance) / (sum of all).
 // An analysis finds the importance of a cell:
 //   backward  from the camera's points: the largest importance of the points that lie in the cell
-//   forward   from the light: that of the surface a small map of WARP_SEGMENTS^2 texels sees there
+//   forward   from the light: the importance of the surface in a small map of WARP_SEGMENTS^2 texels
 //   hybrid    backward, and forward's shadow edges
 // It is the product of the chosen functions (d is 0 at the eye, 1 at the farthest point):
-//   view      1 where the camera's view is, 0 elsewhere
+//   view      1 in the camera's view, 0 elsewhere
 //   distance  1 - d
 //   edge      1 + EDGE_GAIN where depth jumps to one of the 8 neighbours, by more than its slope explains (forward
 //             only)

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Contract of footprints: how far a pixel reaches over a shadow map, ds and dt, the steps in texels from a pixel to the
-// next along x and y.
+// Contract of footprints: the size of a pixel in a shadow map, ds and dt, the steps in texels from a pixel to the next
+// along x and y.
 //
-// A step is taken on the plane of the point's receiver: at pixel (x, y) the ray r meets it at e + z r, and one pixel to
-// the side, r + a, the meeting point moves by z (a - r (n . a) / (n . r)).
+// A step is taken on the plane of the point's receiver: at pixel (x, y) the ray r meets the plane at e + z r; one pixel
+// to the side, at r + a, the meeting point moves by z (a - r (n . a) / (n . r)).
 #pragma once
 
 #include "techniques/shadow_map/map_projection.h"
 
-// One pixel's step of the camera's rays, whose component along forward is 1.
+// One pixel's step of the camera's rays; the rays' component along forward is 1.
 GN_STRUCT_BEGIN(PixelSteps)
     float eye[4], forward[4];
     float step_x[4], step_y[4];
@@ -19,7 +19,7 @@ GN_STRUCT_END(PixelSteps, 64)
 #include "simd/points.h"
 #include "techniques/shadow_map/homography.clh"
 
-// Where the surface is met one pixel to the side, less where it is met here.
+// The meeting point of the ray one pixel to the side, minus the meeting point of this pixel's ray.
 static float3 pixel_step(float3 ray, float depth, float3 normal, float3 step) {
     return (step - ray * (dot3(normal, step) / dot3(normal, ray))) * depth;
 }

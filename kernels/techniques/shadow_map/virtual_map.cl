@@ -52,7 +52,7 @@ __kernel void virtual_map_request(VirtualPlan plan, VirtualLight light, MapSet s
         uint row = texel_below(point.at_texels.y, point.view->height) >> (PAGE_LOG2 + level);
         uint entry = page_entry(&plan, light.first_view + index, level, column, row);
         point_entries[light.first_point + i] = entry;
-        // Many points request one page: most need not write.
+        // Many points request one page: most points need not write.
         if (GN_RELAXED_LOAD(&requested[entry]) == 0 && atomic_xchg(&requested[entry], 1u) == 0)
             atomic_inc(&counters->pages_requested);
     }
@@ -108,7 +108,7 @@ __kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, __global const
     for (uint level_view = 0; level_view < plan.view_count * plan.levels; ++level_view) {
         uint first = page_entry(&plan, level_view / plan.levels, level_view % plan.levels, 0, 0);
         uint across = plan.pages_across >> (level_view % plan.levels);
-        if (page_of[first] == page_of[first + across * across]) continue;  // none of its pages is requested
+        if (page_of[first] == page_of[first + across * across]) continue;  // no page of this level is requested
         GN_FOR_EACH(i, pass.triangle_count) {
             Caster caster;
             if (make_caster(level_views + level_view, tables, load_triangle(vertices + pass.first_float, i), &caster))
@@ -118,7 +118,7 @@ __kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, __global const
     }
 }
 
-// A work-group per pair, a work-item per tile of its page.
+// One work-group takes one pair, one work-item one tile of the pair's page.
 __kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, __global const float* vertices,
                                 __global const float* tables, __global const uint* page_of,
                                 __global const MapView* pages, __global uint* keys,
@@ -156,7 +156,7 @@ __kernel void virtual_map_lookup(VirtualPlan plan, VirtualLight light, PointsLay
     }
 }
 
-// The diagnostic "page": a colour per level, lighter and darker page by page; black where no page serves a point.
+// The diagnostic "page": a colour per level, lighter and darker page by page; black for a point without a page.
 __kernel void virtual_map_page_colors(VirtualPlan plan, PointsLayout layout, __global const float* positions,
                                       __global const uint* point_entries, __global float* colors) {
     GN_FOR_EACH(i, layout.count) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Contract of virtual shadow maps (Olsson, Sintorn, Kaempe, Billeter, Assarsson 2014, "Efficient Virtual Shadow Maps
-// for Many Lights"): a map of which only the pages that shading points request exist.
+// for Many Lights"): the map has only the pages that shading points request.
 //
 // Several lights share one pool: their views stand one after the other, and so do their entries and pages.
 //
@@ -14,8 +14,8 @@
 // every requested entry a physical page, and only these are cleared and drawn, exactly as the depth pass draws a whole
 // map (caster.clh): a page's texels have the bits that a shadow map of its level's size would have.
 //
-// A physical page is a MapView of its level's grid whose first_texel is where texel (0, 0) would lie, so that the
-// page's own texels fall into its PAGE_TEXELS words; first_texel may wrap, and sums are taken modulo 2^32.
+// A physical page is a MapView of its level's grid. Its first_texel is the index that texel (0, 0) would have, so that
+// the page's own texels fall into its PAGE_TEXELS words; first_texel may wrap, and sums are taken modulo 2^32.
 #pragma once
 
 #include "techniques/shadow_map/map_view.h"
@@ -33,7 +33,7 @@ GN_STRUCT_BEGIN(VirtualPlan)
     float pixel_size;       // a pixel's side at camera depth 1; 0: no camera
     float detail;           // texels per pixel side, at least
     uint level;             // without a camera
-    float receiver_bias;    // depth; subtracted from the receiver's
+    float receiver_bias;    // depth; subtracted from the receiver's depth
 GN_STRUCT_END(VirtualPlan, 32)
 
 // One light of a run.
