@@ -32,7 +32,7 @@ struct Exhibit {
     std::vector<ExhibitDiagnostic> diagnostics;
 };
 
-/// The page.
+/// The content of the page.
 struct GalleryPage {
     std::string title;
     std::vector<std::pair<std::string, std::string>> facts;  ///< scene, camera, light, device, ...: label and text

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- What an interrupt must remove ----------------------------------------------------------------------------------
+// ---- Removal of temporaries on an interrupt -------------------------------------------------------------------------
 
 // A signal handler may use neither the heap nor a lock, so the names are in fixed slots. One slot per output and run is
 // enough (there are five outputs); a file without a slot would only not be removed on interrupt.

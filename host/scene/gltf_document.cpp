@@ -189,7 +189,7 @@ tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& co
     return model;
 }
 
-// ---- What refers to what --------------------------------------------------------------------------------------------
+// ---- References -----------------------------------------------------------------------------------------------------
 
 std::string view_text(int index) { return "bufferViews[" + std::to_string(index) + "]"; }
 

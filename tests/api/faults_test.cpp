@@ -42,7 +42,7 @@ enum class Lists {
     tight   ///< must grow in the first run
 };
 
-/// A technique whose maps are small.
+/// A technique with small maps.
 std::unique_ptr<gnomon::Technique> made(const gnomon::TechniqueDescription& description, const Device& device,
                                         Lists lists) {
     auto technique = gnomon::make_technique(description.name, device);

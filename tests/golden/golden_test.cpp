@@ -88,7 +88,7 @@ std::string command_of(const Line& line) {
            " --aov found.exr --stats found.json";
 }
 
-// ---- What a line asks -----------------------------------------------------------------------------------------------
+// ---- The scene and the options of a line ----------------------------------------------------------------------------
 
 struct Question {
     gnomon::Camera camera;
@@ -180,7 +180,7 @@ const gnomon::scene::Scene* scene_of(const Line& line) {
     return &scene;
 }
 
-// ---- What is found --------------------------------------------------------------------------------------------------
+// ---- The findings ---------------------------------------------------------------------------------------------------
 
 /// FNV-1a of 64 bits over the values' bytes, one after the other.
 class Hash {

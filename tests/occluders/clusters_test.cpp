@@ -245,7 +245,7 @@ TEST(clusters, bounds_hold_for_every_vertex_in_the_box) {
     EXPECT_GT(tally.bounded, 100000u);
 }
 
-// ---- What is dropped ------------------------------------------------------------------------------------------------
+// ---- Dropped clusters -----------------------------------------------------------------------------------------------
 
 struct Tally {
     std::uint64_t clusters = 0, outside = 0, too_far = 0, pairs = 0;

@@ -154,7 +154,7 @@ Tally attack(const std::vector<LightScene>& scenes, const char* what, const Stag
 }
 
 // Not vacuous: about half of the points are built behind a triangle, many of them exactly on a ray through an edge or
-// a vertex, and the records claim thousands of certain shadows.
+// a vertex, and the records give thousands of certain shadows.
 TEST(triangle_setup, equals_reference_in_scenes_of_ties) {
     const Tally tally = attack(light_scenes(), "ties");
     EXPECT_GT(tally.behind, 1000u);

@@ -26,7 +26,7 @@ std::vector<LightScene> all_scenes() {
     return scenes;
 }
 
-// ---- Points by their place ------------------------------------------------------------------------------------------
+// ---- Points by their position ---------------------------------------------------------------------------------------
 
 enum Verdict { absent = 0, lit = 1, open = 2, fallback_point = 3 };
 
@@ -353,8 +353,8 @@ gnomon::Points points_in_rows(const Device& device, const Floats& positions, std
     return gnomon::Points::wrap(device, uploaded.positions(), {0, 1, count}, count, uploaded.receivers());
 }
 
-// Points that the caller promises to be lifted off: on a CPU facing runs before the trace, and finds such points in all
-// blocks: within the bounds of the prepared light, beside them and across their sides. Fallback points are traced anew.
+// Points that the caller promises to be lifted off: on a CPU facing precedes the trace, and finds them in all blocks:
+// within the prepared bounds, beside them and across their sides. Runs with fallback points ignore the prepared light.
 TEST(Prepared, LiftedPointsAnywhere) {
     const Device device;
     Floats vertices = soup(60, 0.5f, 21);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stage facing: a point whose receiver's plane does not have the light strictly on the eye's side is in shadow by
-// definition; an open point may shadow itself if the receiver's plane is strictly between it and the light.
+// Stage facing: a point is in shadow by definition unless the light is strictly on the eye's side of its receiver's
+// plane; an open point may shadow itself if the receiver's plane is strictly between it and the light.
 #include "receivers/facing.hpp"
 
 #include <gtest/gtest.h>
@@ -21,10 +21,10 @@ struct Answer {
     std::vector<float> visibility;
     gnomon::FrameCounters counters;
     std::vector<gnomon::PointBounds> bounds{};  ///< of each frame
-    std::uint32_t undecided = 0;                ///< on a GPU, by the float filter
+    std::uint32_t undecided = 0;                ///< on a GPU: points that the float filter left undecided
 };
 
-/// The stage, with canaries behind the visibility. With `is_lifted` no point may shadow itself.
+/// Runs the stage, with canaries behind the visibility. With `is_lifted` no point may shadow itself.
 Answer run(const gnomon::Device& device, const LightScene& scene, bool is_lifted = false) {
     gnomon::cl::Session& session = device.session();
     const UploadedScene inputs(device, scene);
@@ -47,7 +47,7 @@ Answer run(const gnomon::Device& device, const LightScene& scene, bool is_lifted
 
 constexpr float DARK = 0, LIT = 1, OPEN = 2, MAY_SELF_SHADOW = 3;
 
-/// Does the receiver's plane part the point from the light, strictly? Only then can the receiver block the point.
+/// True if the receiver's plane is strictly between point and light. Only then can the receiver block the point.
 bool is_behind_receiver(const reference::Triangle& t, const Float3& p, const Light& light, reference::Effort& effort) {
     const Float3 l{light[0], light[1], light[2]};
     const int side_of_light =
@@ -55,7 +55,7 @@ bool is_behind_receiver(const reference::Triangle& t, const Float3& p, const Lig
     return side_of_light != 0 && reference::side_of_point(p, t, effort) == side_of_light;
 }
 
-/// By the reference's predicates.
+/// The expected result, by the reference's predicates.
 std::vector<float> expected(const LightScene& scene) {
     std::vector<float> visibility;
     reference::Effort effort;
@@ -75,14 +75,14 @@ std::vector<float> expected(const LightScene& scene) {
     return visibility;
 }
 
-/// As expected(), where no point may shadow itself.
+/// As expected(), but no point may shadow itself.
 std::vector<float> expected_of_lifted(const LightScene& scene) {
     std::vector<float> truth = expected(scene);
     std::replace(truth.begin(), truth.end(), MAY_SELF_SHADOW, OPEN);
     return truth;
 }
 
-/// The oracle's scenes, seen from several eyes: random, at a vertex, at the light, and none.
+/// The oracle's scenes, with several eyes: random, at a vertex, at the light, and none.
 std::vector<LightScene> scenes() {
     std::vector<LightScene> all;
     for (const LightScene& scene : reference_scenes()) {
@@ -97,8 +97,8 @@ std::vector<LightScene> scenes() {
     return all;
 }
 
-// Not vacuous: the scenes on lattices have the light or the eye exactly in hundreds of the receivers' planes, where
-// only an exact sign is right, and both answers occur.
+// Not vacuous: in the scenes on lattices the light or the eye is exactly in hundreds of the receivers' planes, where
+// only an exact sign is right, and both results occur.
 TEST(facing, equals_reference) {
     const gnomon::Device device = device_with();
     std::uint64_t away = 0, open = 0, self_shadowing = 0, by_integers = 0;
@@ -120,8 +120,8 @@ TEST(facing, equals_reference) {
     EXPECT_GT(by_integers, 10u);
 }
 
-// So small that the float level knows no sign: where coordinates are equal a CPU knows that products are 0, else the
-// predicate decides. Not vacuous: all answers occur under each light.
+// Coordinates so small that the float level proves no sign: if coordinates are equal, a CPU knows that products are 0,
+// else the predicate decides. Not vacuous: all results occur under each light.
 TEST(facing, knows_zeros_by_equal_coordinates) {
     const gnomon::Device device = device_with();
     std::mt19937 random(14);
@@ -145,9 +145,9 @@ TEST(facing, knows_zeros_by_equal_coordinates) {
     }
 }
 
-// Each triangle is classified once for all points on it where no point may shadow itself; a CPU's blocks whose
-// triangles are far apart classify their own receivers. Not vacuous: both answers occur, some only by an exact sign;
-// and without the cache, some points may shadow themselves, and more signs are exact.
+// If no point may shadow itself, each triangle is classified once for all points on it. If a CPU's block has triangles
+// far apart, it classifies its own receivers. Not vacuous: both results occur, some only by an exact sign; and without
+// the cache, some points may shadow themselves, and more signs are exact.
 TEST(facing, classifies_triangles_for_lifted_points) {
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
         const gnomon::Device device = device_with(group);
@@ -155,8 +155,8 @@ TEST(facing, classifies_triangles_for_lifted_points) {
         for (LightScene scene : scenes()) {
             if (!scene.eye || scene.receivers.empty()) continue;
             SCOPED_TRACE(scene.name);
-            // First the points as they are, on triangles from anywhere; then in the order of their triangles, as often
-            // as it takes to have several on each.
+            // First the points in their own order, on triangles from anywhere; then in the order of their triangles,
+            // repeated until several points are on each.
             std::vector<std::size_t> order(scene.receivers.size());
             std::iota(order.begin(), order.end(), 0);
             std::stable_sort(order.begin(), order.end(),
@@ -191,8 +191,8 @@ Float3 exact_vector(reference::Random& random, float reach) {
     return v;
 }
 
-/// A triangle whose plane goes through the light (or holds its direction), or misses it by so little that floats do not
-/// tell on which side it is. A few have no area, so that eye and light are in theirs.
+/// A triangle with the light (or its direction) in its plane, or so near to the plane that floats do not prove the
+/// side. A few triangles have no area, so that eye and light are in their planes.
 void add_in_line_with(Floats& triangles, const Light& light, reference::Random& random) {
     const Float3 a = exact_vector(random, 0x1p14f);
     const Float3 side = random.below(16) == 0 ? Float3{0, 0, 0} : exact_vector(random, 0x1p14f);
@@ -201,13 +201,13 @@ void add_in_line_with(Floats& triangles, const Light& light, reference::Random& 
         b[k] = a[k] + side[k];
         c[k] = (light[3] != 0 ? 0 : a[k]) + light[k] - side[k];
     }
-    for (int k = 0; k < 3; ++k)  // the least change, where it is less than 2^-21 of the edge
+    for (int k = 0; k < 3; ++k)  // the least change, if that is less than 2^-21 of the edge
         if (std::abs(c[k] - a[k]) >= 0x1p13f) c[k] += 0x1p-8f * float(int(random.below(3)) - 1);
     add(triangles, a, b, c);
 }
 
-/// A point on each of `count` triangles. The last triangle and others, `undecided` in all, are in line with the light
-/// or, a third of them, with the eye. So are the triangles of some absent points, which must not be classified.
+/// A point on each of `count` triangles. The planes of the last triangle and others, `undecided` in all, contain the
+/// light or, for a third of them, the eye. So do planes of some absent points, which must not be classified.
 LightScene partly_undecided(std::uint32_t undecided, std::uint32_t count, const Light& light) {
     LightScene scene{"partly undecided", {}, {}, light};
     scene.eye = Float3{0x1p14f, -0x3p12f, 0x5p12f};
@@ -215,7 +215,7 @@ LightScene partly_undecided(std::uint32_t undecided, std::uint32_t count, const 
     const Float3 absent = {std::numeric_limits<float>::quiet_NaN(), 0, 0};
     reference::Random random(41);
     for (std::uint32_t i = 0; i < count; ++i) {
-        // As evenly as it goes: where i undecided / count comes to the next whole number.
+        // As evenly as possible: at each i where i undecided / count reaches the next whole number.
         const bool is_undecided = std::uint64_t(i + 1) * undecided / count != std::uint64_t(i) * undecided / count;
         const bool is_absent = !is_undecided && i % 16 == 0;
         if (is_undecided || is_absent)
@@ -230,8 +230,8 @@ LightScene partly_undecided(std::uint32_t undecided, std::uint32_t count, const 
     return scene;
 }
 
-/// What a grid of the open points alone is fitted to: their number, and their extent across the light's direction. (The
-/// other bounds have margins that hang on who takes which points together.)
+/// The open points' number, and their extent across the light's direction: the fit of a grid depends on both. (The
+/// margins of the other bounds depend on which points an item takes together.)
 std::vector<std::uint32_t> extents(const std::vector<gnomon::PointBounds>& bounds) {
     std::vector<std::uint32_t> words;
     for (const gnomon::PointBounds& of : bounds)
@@ -246,9 +246,9 @@ std::vector<std::uint32_t> extents_of_open(const gnomon::Device& device, const L
     return extents(run(device, open).bounds);
 }
 
-// A GPU filters by floats, and lists the undecided points up to a capacity; beyond it the exact kernel scans all points
-// for them. Not vacuous: as many points are undecided as the scene is made to have, and dark and open points are among
-// them, which only integers separate.
+// A GPU filters by floats, and lists the undecided points up to a capacity; if there are more, the exact kernel scans
+// all points. Not vacuous: the scene has the intended number of undecided points, and some of these are backfacing and
+// some open, which only integers separate.
 TEST(facing, exact_fallback_decides_undecided_points) {
     constexpr std::uint32_t few = 1000, listed = UNDECIDED_CAPACITY, many = listed + listed / 8;
     gnomon::DeviceOptions options;
@@ -279,7 +279,7 @@ TEST(facing, exact_fallback_decides_undecided_points) {
     }
 }
 
-// Not vacuous: two thirds of the answers of this scene are 0 or 1 for the receiver's sake.
+// Not vacuous: for two thirds of the points of this scene, the receiver decides whether the result is 0 or 1.
 TEST(facing, order_free) {
     const gnomon::Device device = device_with();
     for (LightScene scene : scenes()) {
@@ -297,8 +297,8 @@ TEST(facing, shape_free) {
         EXPECT_EQ(run(device_with(group), scene).visibility, expected(scene)) << "work-groups of " << group;
 }
 
-// Absent points, receivers that do not exist or are not finite: not dark, whatever the eye. Not vacuous: the same point
-// with the receiver that faces away is dark.
+// Absent points, and receivers that do not exist or are not finite: not backfacing for any eye. Not vacuous: the same
+// point with the backfacing receiver is in shadow.
 TEST(facing, survives_degenerates) {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     Floats triangles;
@@ -306,7 +306,7 @@ TEST(facing, survives_degenerates) {
     add(triangles, {-1, 0, -1}, {1, nan, -1}, {0, 0, 1});  // 1: not finite
     add(triangles, {-1, 0, -1}, {1, -inf, -1}, {0, 0, 1});
     add(triangles, {0, 0, 0}, {1, 0, 0}, {2, 0, 0});            // 3: no area, so no side
-    add(triangles, {0, 0, 0}, {0, 0, 1e-45f}, {1e-45f, 0, 0});  // 4: the smallest area there is
+    add(triangles, {0, 0, 0}, {0, 0, 1e-45f}, {1e-45f, 0, 0});  // 4: the smallest possible area
     add(triangles, {-3e38f, 0, -3e38f}, {3e38f, 0, -3e38f}, {0, 0, 3e38f});
     LightScene scene{"degenerates", triangles, {}, along(0, 1, 0)};
     scene.eye = Float3{0, 1, 0};
@@ -320,13 +320,13 @@ TEST(facing, survives_degenerates) {
     EXPECT_EQ(answer.visibility, (std::vector<float>{0, 2, 2, 0, 0, 0, 2, 2, 1, 1}));
     EXPECT_EQ(answer.visibility, expected(scene));
     EXPECT_EQ(answer.counters.absent, 2u);
-    // Without an eye nothing faces away.
+    // Without an eye no point is backfacing.
     scene.eye.reset();
     EXPECT_EQ(run(device, scene).visibility, (std::vector<float>{2, 2, 2, 2, 2, 2, 2, 2, 1, 1}));
 }
 
-// A structure of arrays with gaps is read as it is described. Not vacuous: read as packed triples, the NaN between the
-// coordinates would make points absent.
+// A structure of arrays with gaps is read by its layout. Not vacuous: if it were read as packed triples, the NaN
+// between the coordinates would make points absent.
 TEST(facing, reads_any_layout) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = device.session();

@@ -9,7 +9,7 @@
 
 namespace support {
 
-/// The scene's triangles and points behind them, for a light given in the scene's own scale.
+/// The scene's triangles and points behind them, for a light in the scene's own scale.
 inline LightScene tie_scene(std::string name, const Floats& triangles, const Light& light, std::size_t points,
                             double reach, std::uint64_t seed) {
     return {std::move(name), triangles, points_behind(triangles, light, points, reach, seed), light};

@@ -136,7 +136,7 @@ std::vector<float> answer(const gnomon::Device& device, const LightScene& scene,
     return visibility;
 }
 
-// Not vacuous: thousands of points are decided by ties of an ulp; about half of them are dark.
+// Not vacuous: ties of an ulp decide thousands of points; about half of these points are in shadow.
 TEST(trace, order_free) {
     const gnomon::Device device = device_with();
     for (const Light& light : {along(0.3f, -1, 0.2f), at(0.05f, -0.1f, 0.2f)}) {
