@@ -14,8 +14,8 @@ trap 'rm -rf "$scratch"' EXIT
 # The device must be oclgrind's, else a pass would mean nothing; and a cached program of another run would be checked
 # instead of the kernels as they are now.
 export GNOMON_DEVICE=Oclgrind GNOMON_CACHE_DIR="$scratch/cache"
-# Relaxed loads that only save an atomic would be reported as races (kernels/prelude.h, GN_RELAXED_LOAD). Optimised, clang 14 leaves
-# llvm.experimental.noalias.scope.decl where structures are returned, which oclgrind 21.10 does not know.
+# Relaxed loads that only save an atomic would be reported as races (kernels/prelude.h, GN_RELAXED_LOAD). Optimised,
+# clang 14 leaves llvm.experimental.noalias.scope.decl where structures are returned, which oclgrind 21.10 does not know.
 export GNOMON_BUILD_OPTIONS="-DGN_ATOMIC_RELAXED_LOADS -cl-opt-disable"
 # Each OpenCL context of the program opens the log anew, which would empty a file: a pipe keeps what the first ones
 # said. Held open here, so that its reader waits for the last of them.
