@@ -66,10 +66,14 @@ static ItemRange item_range(size_t n) {
 #define GN_NOINLINE_ON_CPU static
 #endif
 
+// A part of a kernel that is a function only for the reader. On an NVIDIA GPU samples_guess reads and writes addresses
+// out of range if such a part is not inlined (driver 580).
+#define GN_INLINE __attribute__((always_inline)) static
+
 // A function for the innermost loops. PoCL's compiler does not inline a function with several callers, and then passes
 // its blocks of 16 lanes through memory.
 #ifdef GN_CPU
-#define GN_INLINE_ON_CPU __attribute__((always_inline)) static
+#define GN_INLINE_ON_CPU GN_INLINE
 #else
 #define GN_INLINE_ON_CPU static
 #endif

@@ -105,10 +105,7 @@ std::string Session::source_of(const std::string& program, const std::string& de
     std::set<std::string> pasted;
     std::string source;
     std::istringstream macros(defines);
-    for (std::string macro; macros >> macro;) {
-        std::replace(macro.begin(), macro.end(), '=', ' ');
-        source += "#define " + macro + '\n';
-    }
+    for (std::string macro; macros >> macro;) source += "#define " + macro + '\n';
     if (program == picture_program) {
         for (const char* file : picture_files) paste(file, text_of(file), pasted, source);
         return source;

@@ -205,8 +205,10 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     const auto start = std::chrono::steady_clock::now();
     attempt(std::string("launching kernel ") + name, [&] {
         if (is_first) clEnqueueMarkerWithWaitList(queue_, 0, nullptr, &before);
-        return clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr,
-                                      profiles_ || before != nullptr ? &event : nullptr);
+        const cl_int code = clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr,
+                                                   profiles_ || before != nullptr ? &event : nullptr);
+        if (code != CL_SUCCESS && before != nullptr) clReleaseEvent(before);
+        return code;
     });
     if (before != nullptr) first_launches_.push_back({before, event});
     if (before != nullptr && profiles_) clRetainEvent(event);

@@ -57,7 +57,7 @@ struct Fill {
 };
 
 /// Kernel `name` of kernels/<file>. `defines`: macros at the beginning of the program's text, separated by spaces, so
-/// that one text gives several programs; GN_A or GN_A=1.
+/// that one text gives several programs.
 struct Kernel {
     const char* file;
     const char* name;
