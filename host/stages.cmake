@@ -42,7 +42,7 @@ endmacro()
 # The ground: OpenCL, and what implements gnomon.hpp.
 gnomon_wing(cl description program session source_locations)
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
-gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks blocks_lanes predicates self_check)
+gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks decide_pair predicates self_check)
 gnomon_wing(lists append fill group_scan scan sort)
 gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
             library faults regressions)

@@ -110,6 +110,10 @@ Triangles Triangles::wrap(const Device& device, cl_mem vertices, std::size_t cou
 
 cl_mem Triangles::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
 
+bool Triangles::is_same_as(const Triangles& other) const {
+    return buffer_ == other.buffer_ && first_float_ == other.first_float_ && count_ == other.count_;
+}
+
 // ---- Points ---------------------------------------------------------------------------------------------------------
 
 Points Points::upload(const Device& device, std::span<const float> positions,
@@ -241,7 +245,9 @@ void require_run_lights(const Triangles& triangles, const Points& points, std::s
 }
 
 TriangleInputs triangle_inputs(const Triangles& triangles) {
-    return {triangles.buffer(), triangles.first_float(), static_cast<cl_uint>(triangles.count()), triangles.clusters()};
+    return {{.first_float = triangles.first_float(), .count = static_cast<cl_uint>(triangles.count()), .padding = 0},
+            triangles.buffer(),
+            triangles.clusters()};
 }
 
 PointInputs point_inputs(const Points& points, bool is_lifted) {

@@ -41,10 +41,9 @@ struct OwnedPoints {
     static const std::shared_ptr<void>& receivers(const Points& points) { return points.receivers_; }
 };
 
-struct TriangleInputs {
+/// A launch takes the layout in its parameters, and `vertices`. Whatever a triangle has is found by these two.
+struct TriangleInputs : TrianglesLayout {
     cl_mem vertices;
-    cl_ulong first_float;
-    cl_uint count;
     const Clusters* clusters;  ///< null if there are none
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);

@@ -226,6 +226,7 @@ public:
     std::size_t count() const { return count_; }
     cl_mem buffer() const;
     std::size_t first_float() const { return first_float_; }
+    bool is_same_as(const Triangles& other) const;  ///< of the same part of the same buffer
     /// For the library's own stages only; null if there are no clusters.
     const Clusters* clusters() const { return clusters_.get(); }
 

@@ -70,11 +70,14 @@ ClusterGrid grid_of(const Box& whole) {
 }
 
 ClusterParams params_of(const TriangleInputs& triangles, cl_uint cluster_count, bool has_pyramid = false) {
-    return {.first_float = triangles.first_float,
-            .triangle_count = triangles.count,
-            .cluster_count = cluster_count,
-            .has_pyramid = has_pyramid,
-            .padding = 0};
+    return {.triangles = triangles, .cluster_count = cluster_count, .has_pyramid = has_pyramid};
+}
+
+/// The sorted copy of the triangles.
+TriangleInputs in_order(TriangleInputs triangles, const cl::Buffer& vertices) {
+    triangles.first_float = 0;
+    triangles.vertices = vertices.get();
+    return triangles;
 }
 
 void make_boxes(cl::Session& session, const TriangleInputs& triangles, cl_uint count, const cl::Buffer& boxes) {
@@ -109,7 +112,7 @@ void Clusters::reorder(const TriangleInputs& triangles, const ClusterGrid& grid,
     cl::Buffer vertices(session, 9 * word_bytes), boxes(session, boxes_.bytes());
     session.launch("occluders/clusters.cl", "cluster_gather", cl::Range::items(triangles.count),
                    params_of(triangles, count_), triangles.vertices, numbers, vertices);
-    make_boxes(session, {vertices.get(), 0, triangles.count, nullptr}, count_, boxes);
+    make_boxes(session, in_order(triangles, vertices), count_, boxes);
     if (spread_of(session, boxes, count_).area > area * most_area_worth_order) return;
     boxes_ = std::move(boxes);
     vertices_ = std::move(vertices);
@@ -117,9 +120,8 @@ void Clusters::reorder(const TriangleInputs& triangles, const ClusterGrid& grid,
 }
 
 OrderedTriangles ordered_triangles(const TriangleInputs& triangles) {
-    if (triangles.clusters == nullptr || !triangles.clusters->is_reordered())
-        return {triangles.vertices, triangles.first_float, nullptr};
-    return {triangles.clusters->vertices().get(), 0, &triangles.clusters->numbers()};
+    if (triangles.clusters == nullptr || !triangles.clusters->is_reordered()) return {triangles, nullptr};
+    return {in_order(triangles, triangles.clusters->vertices()), &triangles.clusters->numbers()};
 }
 
 const cl::Buffer* ClusterCull::run(cl::Session& session, const ProjectionInput& projection,

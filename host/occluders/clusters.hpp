@@ -29,9 +29,7 @@ private:
 };
 
 /// The triangles in the order of the clusters; `numbers` is null if a triangle's position is its number.
-struct OrderedTriangles {
-    cl_mem vertices;
-    cl_ulong first_float;
+struct OrderedTriangles : TriangleInputs {
     const cl::Buffer* numbers;
 };
 OrderedTriangles ordered_triangles(const TriangleInputs& triangles);

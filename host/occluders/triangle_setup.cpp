@@ -41,8 +41,7 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
     for (GrowingList* list : {&records_, &map_candidates_, &map_tiles_, &tiles_}) list->reserve(session, capacity());
     const OrderedTriangles ordered = ordered_triangles(triangles);
     TriangleSetupParams params{};
-    params.first_float = ordered.first_float;
-    params.triangle_count = triangles.count;
+    params.triangles = ordered;
     params.capacity = capacity();
     params.has_clusters = clusters != nullptr;
     params.has_pyramid = pyramid != nullptr;
@@ -59,7 +58,7 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
     const GrowingList& tiles = for_map ? map_tiles_ : tiles_;
     const cl::Buffer& selection = for_map ? map_candidates_.buffer() : ordered.numbers ? *ordered.numbers : bounds();
     TriangleSetupParams params{};
-    params.first_float = ordered.first_float;
+    params.triangles = ordered;
     params.capacity = capacity();
     params.tile_capacity = tiles.capacity();
     params.pair_capacity = pairs ? pairs->capacity : 0;

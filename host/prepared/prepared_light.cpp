@@ -84,12 +84,12 @@ void PreparedLight::reserve_tables(cl::Session& session, cl_uint triangle_count)
 }
 
 PreparedParams PreparedLight::params(const TriangleInputs& triangles) const {
-    return {.first_float = triangles.first_float,
+    return {.triangles = triangles,
             .light_frame = light_frame_,
             .tables = offsets_,
-            .triangle_count = triangles.count,
             .record_count = records_kept_,
-            .sample_step = 1};
+            .sample_step = 1,
+            .padding = 0};
 }
 
 // False if there is no triangle to fit to.
@@ -209,8 +209,7 @@ std::uint64_t PreparedLight::bytes() const {
 }
 
 bool PreparedLight::is_of(const Triangles& triangles, const Light& light) const {
-    return triangles.buffer() == triangles_.buffer() && triangles.first_float() == triangles_.first_float() &&
-           triangles.count() == triangles_.count() && light.xyzw == light_.xyzw;
+    return triangles.is_same_as(triangles_) && light.xyzw == light_.xyzw;
 }
 
 }  // namespace gnomon

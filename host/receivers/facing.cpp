@@ -18,15 +18,13 @@ struct FacingBuffers {
 
 FacingParams facing_params(const LightFrame& light_frame, const TriangleInputs& triangles, const PointInputs& points,
                            bool opens_points, bool has_blocks) {
-    return {.first_float = triangles.first_float,
+    return {.triangles = triangles,
             .light_frame = light_frame,
             .layout = points.layout,
-            .triangle_count = triangles.count,
             .has_receivers = points.layout.has_receivers != 0 && !points.face_light,
             .has_footprints = points.footprints != nullptr,
             .has_blocks = has_blocks,
-            .opens_points = opens_points,
-            .padding = 0};
+            .opens_points = opens_points};
 }
 
 // True for a camera's picture under a directional light: a CPU has a separate kernel for it.

@@ -10,7 +10,7 @@ void run_classify_footprints(cl::Session& session, const TraceInputs& inputs) {
     const ListBuffers& lists = inputs.lists;
     session.launch("samples/classify_footprints.cl", "classify_footprints",
                    cl::Range::items(points.layout.count / session.lanes() + 1),
-                   ClassifyParams{.first_float = inputs.triangles.first_float,
+                   ClassifyParams{.triangles = inputs.triangles,
                                   .light_frame = inputs.light_frame,
                                   .layout = points.layout,
                                   .first_frame = inputs.first_frame,

@@ -145,7 +145,7 @@ private:
 
     /// For the elements [first, first + count) of a kernel's list.
     SamplesParams params_of(cl_uint first, cl_uint count) const {
-        return {.first_float = inputs_.first_float,
+        return {.triangles = inputs_,
                 .picture = kept_.camera.picture(),
                 .batch = batch_,
                 .eye = {camera_.eye[0], camera_.eye[1], camera_.eye[2]},

@@ -9,7 +9,7 @@
 namespace gnomon {
 
 IzbParams Izb::params(const TraceInputs& inputs, cl_uint queue_capacity) const {
-    return {.first_float = inputs.triangles.first_float,
+    return {.triangles = inputs.triangles,
             .light_frame = inputs.light_frame,
             .layout = inputs.points.layout,
             .frame = inputs.first_frame,

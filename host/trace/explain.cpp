@@ -67,11 +67,10 @@ Explanation explain_signs(const Device& device, const Triangles& triangles, cons
     const TriangleInputs scene = triangle_inputs(triangles);
     const PointInputs inputs = point_inputs(points);
     ExplainParams params{};
-    params.first_float = scene.first_float;
+    params.triangles = scene;
     std::copy(light.xyzw.begin(), light.xyzw.end(), params.light);
     params.points = inputs.layout;
     params.index = static_cast<cl_uint>(index);
-    params.triangle_count = scene.count;
     params.capacity = 64;
     cl::Buffer on_device(session, sizeof(ExplainedPoint)), list;
     ExplainedPoint found{};

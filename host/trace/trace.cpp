@@ -24,17 +24,17 @@ std::size_t points_each(const cl::Session& session, const LightFrame& light_fram
 }  // namespace
 
 TraceParams Trace::params(const TraceInputs& inputs) const {
-    return {.first_float = inputs.triangles.first_float,
+    return {.triangles = inputs.triangles,
             .light_frame = inputs.light_frame,
             .layout = inputs.points.layout,
             .tables = inputs.lists.tables,
             .first_frame = inputs.first_frame,
             .frame_count = inputs.frame_count,
-            .triangle_count = inputs.triangles.count,
             .has_map = inputs.map != nullptr,
             .has_block_bounds = 0,
             .queue_capacity = capacity_,
-            .round_points = 0};
+            .round_points = 0,
+            .padding = 0};
 }
 
 // `table`: an argument that only the task's kernel reads on a CPU; may be null.

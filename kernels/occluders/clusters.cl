@@ -8,7 +8,7 @@
 __kernel void make_clusters(ClusterParams params, __global const float* vertices, __global ClusterBoxes* boxes) {
     GN_FOR_EACH(block, (params.cluster_count + GN_LANES - 1u) / GN_LANES) {
         ClusterBoxes made;
-        make_boxes(vertices + params.first_float, params.triangle_count, block * GN_LANES, &made);
+        make_boxes(vertices + params.triangles.first_float, params.triangles.count, block * GN_LANES, &made);
         boxes[block] = made;
     }
 }
@@ -32,8 +32,8 @@ static uint code_of_middle(float a, float b, float c, float origin, float scale)
 
 __kernel void cluster_codes(ClusterGrid grid, ClusterParams params, __global const float* vertices,
                             __global uint* codes, __global uint* numbers) {
-    GN_FOR_EACH(i, params.triangle_count) {
-        Triangle t = load_triangle(vertices + params.first_float, (uint)i);
+    GN_FOR_EACH(i, params.triangles.count) {
+        Triangle t = load_triangle(vertices + params.triangles.first_float, (uint)i);
         uint code = GN_NO_ID;
         if (is_finite_triangle(t))
             code = code_of_middle(t.a.x, t.b.x, t.c.x, grid.origin[0], grid.scale) |
@@ -46,8 +46,8 @@ __kernel void cluster_codes(ClusterGrid grid, ClusterParams params, __global con
 
 __kernel void cluster_gather(ClusterParams params, __global const float* vertices, __global const uint* numbers,
                              __global float* gathered) {
-    GN_FOR_EACH(i, params.triangle_count) {
-        __global const float* from = vertices + params.first_float + 9 * (size_t)numbers[i];
+    GN_FOR_EACH(i, params.triangles.count) {
+        __global const float* from = vertices + params.triangles.first_float + 9 * (size_t)numbers[i];
         for (uint k = 0; k < 9u; ++k) gathered[9 * i + k] = from[k];
     }
 }
@@ -76,7 +76,7 @@ __kernel void cull_clusters(ClusterParams params, __constant const Projection* p
             if (LANE_OF_INT(visible, lane)) {
                 listed[slot++] = cluster;
             } else if (cluster < params.cluster_count) {
-                uint mine = min(params.triangle_count - cluster * CLUSTER_TRIANGLES, CLUSTER_TRIANGLES);
+                uint mine = min(params.triangles.count - cluster * CLUSTER_TRIANGLES, CLUSTER_TRIANGLES);
                 triangles_not_finite += (uint)LANE_OF_INT(not_finite, lane);
                 triangles_outside += mine - (uint)LANE_OF_INT(not_finite, lane);
             }

@@ -5,7 +5,7 @@
 // projection then lists the clusters that survive its cull, and the vertices of all others are never read.
 #pragma once
 
-#include "prelude.h"
+#include "simd/points.h"
 
 #define CLUSTER_TRIANGLES 64u
 #define CLUSTER_BOX_BYTES 28
@@ -19,11 +19,9 @@ GN_STRUCT_BEGIN(ClusterGrid)
 GN_STRUCT_END(ClusterGrid, 16)
 
 GN_STRUCT_BEGIN(ClusterParams)
-    ulong first_float;  // of the first triangle, in `vertices`
-    uint triangle_count;
+    TrianglesLayout triangles;
     uint cluster_count;
     uint has_pyramid;  // for cull_clusters; 0: the depth drops no cluster
-    uint padding;
 GN_STRUCT_END(ClusterParams, 24)
 
 #ifndef __cplusplus

@@ -112,9 +112,9 @@ static LaneInt bound_block(uint block, TriangleSetupParams params, __constant co
                            __global const float* vertices, __global const uint* pyramid, uint* first,
                            BoundsBlock* found, BoundsCounts* counts) {
     *first = block * GN_LANES;
-    if (*first >= params.triangle_count) return (LaneInt)(0);  // past the end of the last cluster
-    uint count = min(params.triangle_count - *first, (uint)GN_LANES);
-    TriangleBlock t = load_triangles(vertices, *first, params.triangle_count);
+    if (*first >= params.triangles.count) return (LaneInt)(0);  // past the end of the last cluster
+    uint count = min(params.triangles.count - *first, (uint)GN_LANES);
+    TriangleBlock t = load_triangles(vertices, *first, params.triangles.count);
     LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & finite_triangles(&t);
     counts->visited += count;
     counts->finite += count_lanes(finite);
@@ -179,7 +179,7 @@ typedef struct ClusterGroup {
 
 GN_NOINLINE_ON_CPU void cull_by_boxes(BoundsWork* work, uint first, uint count, ClusterGroup* group) {
     ClusterBoxes boxes;
-    make_boxes(work->vertices, work->params.triangle_count, first, &boxes);
+    make_boxes(work->vertices, work->params.triangles.count, first, &boxes);
     LaneInt too_far, present = LANE_COMPARE(boxes.low[0], <=, boxes.high[0]);
     LaneInt visible =
         visible_boxes(&boxes, present, work->projection, work->pyramid, work->params.has_pyramid != 0u, &too_far);
@@ -189,7 +189,7 @@ GN_NOINLINE_ON_CPU void cull_by_boxes(BoundsWork* work, uint first, uint count, 
         if (LANE_OF_INT(visible, lane)) {
             group->clusters[group->count++] = cluster;
         } else {
-            uint triangles = min(work->params.triangle_count - cluster * CLUSTER_TRIANGLES, CLUSTER_TRIANGLES);
+            uint triangles = min(work->params.triangles.count - cluster * CLUSTER_TRIANGLES, CLUSTER_TRIANGLES);
             work->counts.visited += triangles;
             work->counts.finite += triangles - (uint)LANE_OF_INT(boxes.not_finite, lane);
         }
@@ -231,9 +231,10 @@ __kernel void triangle_bounds(TriangleSetupParams params, __constant const Proje
                               __global const uint* pyramid, __global TriangleBounds* bounds,
                               __global uint* map_candidates, __global FrameCounters* counters, __local uint4* found) {
     __local uint sum;
-    vertices += params.first_float;
+    vertices += params.triangles.first_float;
 #ifdef GN_CPU
-    uint cluster_count = params.triangle_count / CLUSTER_TRIANGLES + (params.triangle_count % CLUSTER_TRIANGLES != 0u);
+    uint cluster_count =
+        params.triangles.count / CLUSTER_TRIANGLES + (params.triangles.count % CLUSTER_TRIANGLES != 0u);
     if (params.has_clusters) cluster_count = counters->clusters_listed;
     if (projection->active_points == 0u) cluster_count = 0u;
     BoundsWork work = {params, projection, vertices, pyramid, bounds, map_candidates, counters};
@@ -246,7 +247,7 @@ __kernel void triangle_bounds(TriangleSetupParams params, __constant const Proje
     volatile __global uint* counted = &counters->map_expected;
     if (texels != 0 && GN_RELAXED_LOAD(counted) < enough) atomic_add(counted, min(texels, enough));
 #else
-    uint blocks = params.has_clusters ? counters->clusters_listed * CLUSTER_TRIANGLES : params.triangle_count;
+    uint blocks = params.has_clusters ? counters->clusters_listed * CLUSTER_TRIANGLES : params.triangles.count;
     if (projection->active_points == 0u) blocks = 0u;
     BoundsCounts counts = {0u};
     __local uint reserved[GROUP_APPEND_WORDS];

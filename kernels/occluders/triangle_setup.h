@@ -10,6 +10,7 @@
 #pragma once
 
 #include "simd/frame_counters.h"
+#include "simd/points.h"
 
 GN_STRUCT_BEGIN(TriangleRecord)
     float edge_x[3];
@@ -24,8 +25,7 @@ GN_ALIGNED_STRUCT_END(TriangleRecord, 64)
 
 // Parameters of both kernels; members that a kernel does not use are 0.
 GN_STRUCT_BEGIN(TriangleSetupParams)
-    ulong first_float;  // of the first triangle, in `vertices`
-    uint triangle_count;
+    TrianglesLayout triangles;
     uint capacity;  // capacity of the bounds, the records and the map's candidates
     uint tile_capacity;
     uint pair_capacity;
@@ -34,7 +34,6 @@ GN_STRUCT_BEGIN(TriangleSetupParams)
     uint has_pyramid;   // 0: the depth drops no triangle
     uint for_map;       // 1: tiles of the map's candidates; 0: tiles of all triangles, for the lists
     uint lists_pairs;   // 1: a CPU appends the pairs of small triangles at once
-    uint padding;
 GN_STRUCT_END(TriangleSetupParams, 48)
 
 // Triangles that a GPU's work-item bounds before its group reserves slots for the survivors.

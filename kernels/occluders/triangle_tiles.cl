@@ -232,7 +232,8 @@ __kernel void triangle_tiles(TriangleSetupParams params, __constant const Projec
                              __global TriangleRecord* records, __global uint2* tiles, __global uint* bin_counts,
                              __global Pair* pairs, __global FrameCounters* counters, __local uint4* ranges) {
     __local uint sum;
-    TileWork work = {params, projection, vertices + params.first_float, selection, pyramid, bounds, records, tiles};
+    TileWork work = {params,  projection, vertices + params.triangles.first_float, selection, pyramid, bounds,
+                     records, tiles};
     work.tiles_wanted = params.for_map ? &counters->map_tiles : &counters->tiles;
     uint count = min(params.for_map ? counters->map_slots : counters->slots, params.capacity);
     if (params.for_map && projection->map_disabled) count = 0;

@@ -87,8 +87,8 @@ __kernel void prepared_bounds(const PreparedParams params, __global const float*
             values.lowest[i] = INFINITY;
             values.highest[i] = -INFINITY;
         }
-        GN_FOR_EACH(i, params.triangle_count) {
-            Triangle t = load_triangle(vertices + params.first_float, i);
+        GN_FOR_EACH(i, params.triangles.count) {
+            Triangle t = load_triangle(vertices + params.triangles.first_float, i);
             if (!is_finite_triangle(t)) continue;
             float3 corners[3] = {t.a, t.b, t.c};
             if (frame.perspective)
@@ -249,7 +249,7 @@ __kernel void prepared_ranges(const KeptFrame frame, __global const uint2* range
 // The plane of each triangle, and the largest coordinate of all finite triangles, as bits; it is 0 before.
 __kernel void prepared_planes(const PreparedParams params, __global const float* vertices, __global float4* tables) {
     LightFrame light_frame = params.light_frame;
-    uint triangle_count = params.triangle_count;
+    uint triangle_count = params.triangles.count;
     __global float4* planes = tables + params.tables.planes;
     volatile __global uint* largest_coordinate = (volatile __global uint*)(tables + params.tables.largest);
     PointBlock light = same_point(light_frame.light[0], light_frame.light[1], light_frame.light[2]);
@@ -258,7 +258,7 @@ __kernel void prepared_planes(const PreparedParams params, __global const float*
     uint exact = 0;
     GN_FOR_EACH(block, triangle_count / GN_LANES + (triangle_count % GN_LANES != 0u)) {
         size_t first = block * GN_LANES;
-        TriangleBlock t = load_triangles(vertices + params.first_float, first, triangle_count);
+        TriangleBlock t = load_triangles(vertices + params.triangles.first_float, first, triangle_count);
         LaneInt size = largest_triangle_bits(&t), finite = finite_triangles(&t);
         LaneCross normals = triangle_normals(&t);
         LaneInt sides = lanes_side(&t, &normals, &light, light_frame.light[3] != 0.0f ? &t.a : &zero, finite, &exact);

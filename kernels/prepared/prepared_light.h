@@ -24,13 +24,13 @@ GN_STRUCT_END(PreparedDomain, 48)
 
 // Parameters of the kernels that make the tables.
 GN_STRUCT_BEGIN(PreparedParams)
-    ulong first_float;  // of the first triangle in the buffer of vertices
+    TrianglesLayout triangles;
     LightFrame light_frame;
     PreparedTables tables;
-    uint triangle_count;
     uint record_count;  // unshadowed_triangles: kept records of all frames
     uint sample_step;   // unshadowed_triangles: kept records per tested record
-GN_STRUCT_END(PreparedParams, 104)
+    uint padding;
+GN_STRUCT_END(PreparedParams, 112)
 
 // One frame's lists, to be copied behind those of the frames before.
 GN_STRUCT_BEGIN(KeptFrame)

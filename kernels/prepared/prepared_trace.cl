@@ -12,9 +12,8 @@
 #define TRACE_TABLE FacingCache
 #define TRACE_MORE_OF_POINTS               \
     __global const PreparedDomain* domain; \
-    FacingCache cache;                     \
-    uint triangle_count;
-#define TRACE_MORE_VALUES , prepared_domains_of(params.tables, ranges), table, params.triangle_count
+    FacingCache cache;
+#define TRACE_MORE_VALUES , prepared_domains_of(params.tables, ranges), table
 #else
 #ifdef PREPARED_PLANE_SIDE
 #define TRACE_KERNEL prepared_trace_plane_side
@@ -85,8 +84,9 @@ GN_NOINLINE_ON_CPU void trace_blocks(ItemRange items, LightFrame light_frame, Tr
             continue;
         }
         LaneInt ids = LANES_AS_INT(load_strided((__global const float*)to.receivers, 1u, place));
-        LaneInt away = cached_backfacing(to.cache, pairs.vertices, ids, left & lanes_below(ids, to.triangle_count),
-                                         to.triangle_count, layout, light, &counts.facing_exact);
+        LaneInt away =
+            cached_backfacing(to.cache, pairs.triangles.vertices, ids, left & lanes_below(ids, pairs.triangles.count),
+                              pairs.triangles.count, layout, light, &counts.facing_exact);
         counts.minus_away += away;
         left &= ~away;
         LaneFloat state = visibility_of_lanes(away, left);

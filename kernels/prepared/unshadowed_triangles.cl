@@ -136,7 +136,7 @@ __kernel void unshadowed_triangles(const PreparedParams params, __constant const
                                    __global const float* vertices, __global const BinEntries* entries,
                                    __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                                    __global float4* tables) {
-    SearchLists lists = {(__global const uint2*)tables, entries, bounds, vertices + params.first_float};
+    SearchLists lists = {(__global const uint2*)tables, entries, bounds, vertices + params.triangles.first_float};
     volatile __global uint* unshadowed = (volatile __global uint*)(tables + params.tables.unshadowed);
     GN_FOR_EACH(i, (size_t)(params.record_count / params.sample_step) * UNSHADOWED_TEAM) {
         uint slot = sampled((uint)(i / UNSHADOWED_TEAM), params.sample_step), member = (uint)(i % UNSHADOWED_TEAM);

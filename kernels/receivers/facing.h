@@ -21,15 +21,13 @@
 #include "simd/points.h"
 
 GN_STRUCT_BEGIN(FacingParams)
-    ulong first_float;  // of the first triangle in `vertices`
+    TrianglesLayout triangles;
     LightFrame light_frame;
     PointsLayout layout;
-    uint triangle_count;
     uint has_receivers;   // 0: no point has a receiver, or all points are known to face the light
     uint has_footprints;  // 1: the points are the centres of footprints
     uint has_blocks;      // 1: the stage writes `blocks`
     uint opens_points;    // 0: points that are not backfacing are lit, and the stage computes no bounds
-    uint padding;
 GN_STRUCT_END(FacingParams, 144)
 
 // On a GPU: word 0 of `undecided` counts the points that the float filter left undecided; the first UNDECIDED_CAPACITY

@@ -31,8 +31,8 @@ GN_NOINLINE_ON_CPU void face_picture_directional(FacingParams params, const Faci
         LaneInt backfacing = (LaneInt)(0);
         if (LANES_ANY(open)) {
             LaneInt ids = LANES_AS_INT(load_strided((__global const float*)to.receivers, 1u, place));
-            backfacing = cached_backfacing(to.cache, to.vertices, ids, open & lanes_below(ids, params.triangle_count),
-                                           params.triangle_count, layout, light_of(frame), &all.exact);
+            backfacing = cached_backfacing(to.cache, to.vertices, ids, open & lanes_below(ids, params.triangles.count),
+                                           params.triangles.count, layout, light_of(frame), &all.exact);
             open &= ~backfacing;
         }
         all.minus_backfacing += backfacing;

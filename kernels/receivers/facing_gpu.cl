@@ -7,8 +7,8 @@
 __kernel void facing_triangles(FacingParams params, __global const float* vertices, __global uchar* cache,
                                __global FrameCounters* counters) {
     uint exact = 0;
-    GN_FOR_EACH(i, params.triangle_count) {
-        TriangleBlock t = load_triangles(vertices + params.first_float, (uint)i, params.triangle_count);
+    GN_FOR_EACH(i, params.triangles.count) {
+        TriangleBlock t = load_triangles(vertices + params.triangles.first_float, (uint)i, params.triangles.count);
         ReceiverFacing found = classify_triangles(&t, -1, 0, params.layout, light_of(params.light_frame), &exact);
         cache[i] = (uchar)-found.backfacing;
     }

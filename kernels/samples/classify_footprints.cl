@@ -321,7 +321,7 @@ __kernel void classify_footprints(ClassifyParams params, __constant const Projec
     OccluderLists lists = {ranges, entries, records, bounds};
     LightFrame light_frame = params.light_frame;
     PointsLayout layout = params.layout;
-    vertices += params.first_float;
+    vertices += params.triangles.first_float;
     float4 light = light_of(light_frame);
     float3 eye = eye_of(layout);
     uint bin_count = light_frame.bins_x * light_frame.bins_y, texel_count = light_frame.width * light_frame.height;

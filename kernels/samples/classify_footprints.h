@@ -7,10 +7,10 @@
 
 // The kernel takes the footprints that lie in the frames [first_frame, first_frame + frame_count).
 GN_STRUCT_BEGIN(ClassifyParams)
-    ulong first_float;  // where the triangles' vertices begin
+    TrianglesLayout triangles;
     LightFrame light_frame;
     PointsLayout layout;  // of the footprints' centres
     uint first_frame, frame_count;
     uint has_map;  // 0: the map's buffer is ignored
     uint padding;
-GN_STRUCT_END(ClassifyParams, 136)
+GN_STRUCT_END(ClassifyParams, 144)

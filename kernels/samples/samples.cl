@@ -65,7 +65,7 @@ __kernel void samples_whole(SamplesParams params, __constant const SamplePattern
     float3 eye = eye_of_samples(params);
     uint block_count = params.batch.bands * params.batch.tiles_x * WHOLE_BLOCKS_PER_TILE;
     LaneInt minus_whole = (LaneInt)(0), minus_sky = (LaneInt)(0);
-    vertices += params.first_float;
+    vertices += params.triangles.first_float;
 #if GN_LANES == 1
     // The edge pixels that a group finds in a round lie in one or two tiles and are neighbours in the list: neighbours
     // in a warp then walk the same lists.
@@ -116,7 +116,7 @@ __kernel void samples_guess(SamplesParams params, __constant const SamplePattern
                             __global const uint2* ranges, __global const BinEntries* entries,
                             __global const uint* pixel_receivers, __global uint* edges, __global uint* fragment_words,
                             __global SampleCounters* counters) {
-    TileLists lists = {ranges, entries, records, bounds, vertices + params.first_float, rays, params.picture};
+    TileLists lists = {ranges, entries, records, bounds, vertices + params.triangles.first_float, rays, params.picture};
     SampleRays sample_rays = {rays, params.batch.width, pattern->count};
     Fragments fragments = fragments_of(fragment_words, params.batch);
     __global uint* unproven = edges + params.batch.edge_slots;
@@ -151,7 +151,7 @@ __kernel void samples_fragments(SamplesParams params, __constant const SamplePat
                                 __global const uint* pixel_receivers, __global const uint* edges,
                                 __global uint* fragment_words, __global SampleCounters* counters) {
     __local FragmentGroup group;
-    TileLists lists = {ranges, entries, records, bounds, vertices + params.first_float, rays, params.picture};
+    TileLists lists = {ranges, entries, records, bounds, vertices + params.triangles.first_float, rays, params.picture};
     Fragments fragments = fragments_of(fragment_words, params.batch);
     __global const uint* unproven = edges + params.batch.edge_slots;
     float3 eye = eye_of_samples(params);
@@ -180,7 +180,7 @@ __kernel void samples_receivers(SamplesParams params, __constant const Projectio
                                 __global const TriangleBounds* bounds, __global const uint2* ranges,
                                 __global const BinEntries* entries, __global const uint* pixel_receivers,
                                 __global const uint* edges, __global uint* sample_receivers) {
-    TileLists lists = {ranges, entries, records, bounds, vertices + params.first_float, rays, params.picture};
+    TileLists lists = {ranges, entries, records, bounds, vertices + params.triangles.first_float, rays, params.picture};
     PixelBatch batch = params.batch;
     __global const uint* unproven = edges + batch.edge_slots + params.first;
     float3 eye = eye_of_samples(params);
@@ -273,7 +273,7 @@ __kernel void samples_bound(SamplesParams params, __constant const SamplePattern
         FragmentBounds bounds = no_fragments();
         if (LANES_ANY(lanes)) {
             PictureBox box = box_of_samples(pattern, mask);
-            TriangleBlock t = load_triangles_of(vertices + params.first_float, ids, lanes);
+            TriangleBlock t = load_triangles_of(vertices + params.triangles.first_float, ids, lanes);
             RayLanes rays[4];
             box.low_x += x, box.low_y += y, box.high_x += x, box.high_y += y;
             corner_rays(params.picture, &box, rays);
@@ -360,7 +360,7 @@ __kernel void samples_points(SamplesParams params, __global const float* vertice
                              __global SampleCounters* counters) {
     Fragments fragments = fragments_of(fragment_words, params.batch);
     SamplePoints points = {point_samples, receivers, positions, visibility};
-    vertices += params.first_float;
+    vertices += params.triangles.first_float;
     mixed += params.first;
 #if GN_LANES == 1
     __local uint reserved[GROUP_APPEND_WORDS];

@@ -42,7 +42,7 @@ GN_STRUCT_END(PixelBatch, 32)
 
 // Each kernel takes the elements [first, first + count) of its list.
 GN_STRUCT_BEGIN(SamplesParams)
-    ulong first_float;  // where the triangles' vertices begin
+    TrianglesLayout triangles;
     PictureRays picture;
     PixelBatch batch;
     float eye[3];
@@ -50,7 +50,7 @@ GN_STRUCT_BEGIN(SamplesParams)
     uint extra_count;   // samples_bound: fragments in the extra slots
     uint point_stride;  // samples_points: points that the buffers have room for
     uint samples;       // per pixel
-GN_STRUCT_END(SamplesParams, 120)
+GN_STRUCT_END(SamplesParams, 128)
 
 // Means of visibility that a technique has written sample by sample, `pixels` values each.
 GN_STRUCT_BEGIN(MeanParams)

@@ -18,6 +18,13 @@ GN_STRUCT_BEGIN(PointsLayout)
     uint padding;
 GN_STRUCT_END(PointsLayout, 48)
 
+// Triangle i: the nine floats from vertices[first_float + 9 * i] on.
+GN_STRUCT_BEGIN(TrianglesLayout)
+    ulong first_float;
+    uint count;
+    uint padding;
+GN_STRUCT_END(TrianglesLayout, 16)
+
 #ifndef __cplusplus
 
 static float3 load_point(__global const float* positions, PointsLayout layout, size_t i) {
@@ -42,6 +49,17 @@ static Triangle load_triangle(__global const float* vertices, size_t id) {
     triangle.b = (float3)(v[3], v[4], v[5]);
     triangle.c = (float3)(v[6], v[7], v[8]);
     return triangle;
+}
+
+// The triangles of a launch.
+typedef struct Triangles {
+    __global const float* vertices;  // from the first triangle on
+    uint count;
+} Triangles;
+
+static Triangles triangles_of(__global const float* vertices, TrianglesLayout layout) {
+    Triangles triangles = {vertices + layout.first_float, layout.count};
+    return triangles;
 }
 
 static bool is_finite_triangle(Triangle t) { return is_present(t.a) && is_present(t.b) && is_present(t.c); }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Explains one point: the signs of the determinants of its receiver, and of each triangle that blocks its shadow ray or
 // for which the float level of the exact predicate was not certain. The predicates are those that decide a frame
-// (blocks(), is_backfacing()). Two launches: explain_point, then explain_triangles over the whole scene.
-#include "exact/blocks.clh"
+// (decide_pair(), is_backfacing()). Two launches: explain_point, then explain_triangles over the whole scene.
+#include "exact/decide_pair.clh"
 #include "receivers/facing.clh"
 #include "trace/explain.h"
 
@@ -10,13 +10,14 @@ static float4 light_of_params(const ExplainParams* params) {
     return (float4)(params->light[0], params->light[1], params->light[2], params->light[3]);
 }
 
-static ExplainedTriangle signs_of_triangle(Triangle t, uint id, float3 p, float4 light) {
+static ExplainedTriangle signs_of_triangle(Triangles triangles, uint id, float3 p, float4 light) {
     ExplainedTriangle signs;
+    Triangle t = load_triangle(triangles.vertices, id);
     int level = DET3_BY_FLOAT, any_level = DET3_BY_FLOAT;
     float3 start = light.w != 0.0f ? p : (float3)(0.0f);  // D = light - start
     bool is_finite = is_finite_triangle(t) && is_present(p);
     signs.triangle = id;
-    signs.blocks = is_finite && blocks(t, p, light, &level);
+    signs.blocks = is_finite && decide_pair(triangles, id, p, light, &level);
     signs.level = level;
     signs.point_side = is_finite ? det3_sign(t.b, t.a, t.c, t.a, p, t.a, &any_level) : 0;
     signs.light_side = is_finite ? side_of_light(t, light, &any_level) : 0;
@@ -34,17 +35,18 @@ __kernel void explain_point(const ExplainParams params, __global const float* po
     if (get_global_id(0) != 0) return;
     float3 p = load_point(positions, params.points, params.index);
     float4 light = light_of_params(&params);
+    Triangles triangles = triangles_of(vertices, params.triangles);
     ExplainedPoint point;
     int level = DET3_BY_FLOAT;
     vstore3(p, 0, point.position);
     point.receiver = params.points.has_receivers ? receivers[params.index] : GN_NO_ID;
-    if (point.receiver >= params.triangle_count) point.receiver = GN_NO_ID;
+    if (point.receiver >= triangles.count) point.receiver = GN_NO_ID;
     point.is_backfacing = 0;
     point.eye_side = 0;
     point.count = 0;
     if (point.receiver != GN_NO_ID) {
-        Triangle receiver = load_triangle(vertices + params.first_float, point.receiver);
-        point.on_receiver = signs_of_triangle(receiver, point.receiver, p, light);
+        Triangle receiver = load_triangle(triangles.vertices, point.receiver);
+        point.on_receiver = signs_of_triangle(triangles, point.receiver, p, light);
         if (params.points.has_eye && is_present(p) && is_finite_triangle(receiver)) {
             float3 eye = eye_of(params.points);
             point.is_backfacing = is_backfacing(receiver, light, eye, &level);
@@ -61,14 +63,14 @@ __kernel void explain_triangles(const ExplainParams params, __global const float
                                 __global ExplainedPoint* point, __global ExplainedTriangle* list) {
     float3 p = vload3(0, point->position);
     float4 light = light_of_params(&params);
+    Triangles triangles = triangles_of(vertices, params.triangles);
     uint receiver = point->receiver;
     if (!is_present(p)) return;
-    GN_FOR_EACH(i, params.triangle_count) {
-        Triangle t = load_triangle(vertices + params.first_float, i);
-        int level = DET3_BY_FLOAT;
-        if (i == receiver || !is_finite_triangle(t)) continue;
-        if (!blocks(t, p, light, &level) && level == DET3_BY_FLOAT) continue;
+    GN_FOR_EACH(i, triangles.count) {
+        int level;
+        if (i == receiver || !is_finite_triangle(load_triangle(triangles.vertices, i))) continue;
+        if (!decide_pair(triangles, (uint)i, p, light, &level) && level == DET3_BY_FLOAT) continue;
         uint slot = atomic_inc(&point->count);
-        if (slot < params.capacity) list[slot] = signs_of_triangle(t, (uint)i, p, light);
+        if (slot < params.capacity) list[slot] = signs_of_triangle(triangles, (uint)i, p, light);
     }
 }

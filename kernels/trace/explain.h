@@ -5,13 +5,11 @@
 #include "simd/points.h"
 
 GN_STRUCT_BEGIN(ExplainParams)
-    ulong first_float;  // of the triangles' vertices
+    TrianglesLayout triangles;
     float light[4];
     PointsLayout points;
-    uint index;  // the point to explain
-    uint triangle_count;
+    uint index;     // the point to explain
     uint capacity;  // slots for ExplainedTriangle
-    uint padding;
 GN_STRUCT_END(ExplainParams, 88)
 
 // A triangle a, b, c and the shadow ray from P along D (exact/blocks.clh).

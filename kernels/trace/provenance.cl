@@ -2,7 +2,7 @@
 // Records the provenance of each point (contract: provenance.h). These kernels run between the stages of an exact run
 // and compare visibility before and after a stage. Visibility alone does not separate the map from the filter, or the
 // predicate's levels: for these the kernels call the stages' functions with the same values.
-#include "exact/blocks.clh"
+#include "exact/decide_pair.clh"
 #include "simd/frame_counters.h"
 #include "trace/coarse_test.clh"
 #include "trace/provenance.h"
@@ -58,9 +58,9 @@ __kernel void provenance_of_pairs(const TraceParams params, __global const float
     uint count = min(counters->uncertain, params.queue_capacity);
     GN_FOR_EACH(i, count) {
         uint2 pair = queue[i];
-        int level = DET3_BY_FLOAT;
-        bool blocked = blocks(load_triangle(vertices + params.first_float, pair.y),
-                              load_point(positions, params.layout, pair.x), light_of(params.light_frame), &level);
+        int level;
+        bool blocked = decide_pair(triangles_of(vertices, params.triangles), pair.y,
+                                   load_point(positions, params.layout, pair.x), light_of(params.light_frame), &level);
         if (blocked || visibility[pair.x] != 0.0f) atomic_max(&provenance[pair.x], PROVENANCE_BY_FLOAT + (uint)level);
     }
 }

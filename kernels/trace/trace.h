@@ -17,14 +17,14 @@ GN_STRUCT_BEGIN(PreparedTables)
 GN_STRUCT_END(PreparedTables, 20)
 
 GN_STRUCT_BEGIN(TraceParams)
-    ulong first_float;       // of the first triangle in the buffer of vertices
+    TrianglesLayout triangles;
     LightFrame light_frame;  // the light's first frame
     PointsLayout layout;
     PreparedTables tables;
     uint first_frame, frame_count;  // the frames of this launch: their projections, ranges and maps lie in this order
-    uint triangle_count;
-    uint has_map;           // 0: the map's buffer is not read
-    uint has_block_bounds;  // CPU, 0: the buffer of block bounds is not read
-    uint queue_capacity;    // pairs
-    uint round_points;      // GPU: points that a work-group takes in a round; the local memory has a word for each
-GN_STRUCT_END(TraceParams, 168)
+    uint has_map;                   // 0: the map's buffer is not read
+    uint has_block_bounds;          // CPU, 0: the buffer of block bounds is not read
+    uint queue_capacity;            // pairs
+    uint round_points;  // GPU: points that a work-group takes in a round; the local memory has a word for each
+    uint padding;
+GN_STRUCT_END(TraceParams, 176)
