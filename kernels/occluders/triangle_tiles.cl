@@ -14,7 +14,7 @@
 typedef struct TileWork {
     TriangleSetupParams params;
     __constant const Projection* projection;
-    __global const float* vertices;  // from the first triangle on
+    Triangles triangles;
     __global const uint* selection;  // with for_map: slots of the map's candidates; else with has_numbers: numbers
     __global const uint* pyramid;
     __global TriangleBounds* bounds;
@@ -96,7 +96,7 @@ static void add_to_batch(const TileWork* work, const SurvivingLanes* found, int 
     uint slot = (uint)LANE_OF_INT(found->slots, lane);
     batch->slots[batch->count] = slot;
     batch->ids[batch->count] = work->bounds[slot].id;
-    __global const float* vertices = work->vertices + 9 * (size_t)batch->ids[batch->count];
+    __global const float* vertices = work->triangles.vertices + 9 * (size_t)batch->ids[batch->count];
     GN_PREFETCH(vertices);
     GN_PREFETCH(vertices + 8);
     set_lane_bins(&batch->bins, batch->count, lane_bins(&found->bins, lane));
@@ -108,7 +108,7 @@ static LaneInt make_batch_records(TileWork* work, RecordBatch* batch, RecordBloc
     __global const float* rows[GN_LANES];
     for (uint lane = 0; lane < GN_LANES; ++lane) {
         uint one = min(lane, batch->count - 1u);
-        rows[lane] = work->vertices + 9 * (size_t)batch->ids[one];
+        rows[lane] = work->triangles.vertices + 9 * (size_t)batch->ids[one];
         if (lane != one) set_lane_bins(&batch->bins, lane, lane_bins(&batch->bins, one));
     }
     TriangleBlock t = load_triangle_rows(rows);
@@ -232,8 +232,8 @@ __kernel void triangle_tiles(TriangleSetupParams params, __constant const Projec
                              __global TriangleRecord* records, __global uint2* tiles, __global uint* bin_counts,
                              __global Pair* pairs, __global FrameCounters* counters, __local uint4* ranges) {
     __local uint sum;
-    TileWork work = {params,  projection, vertices + params.triangles.first_float, selection, pyramid, bounds,
-                     records, tiles};
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    TileWork work = {params, projection, triangles, selection, pyramid, bounds, records, tiles};
     work.tiles_wanted = params.for_map ? &counters->map_tiles : &counters->tiles;
     uint count = min(params.for_map ? counters->map_slots : counters->slots, params.capacity);
     if (params.for_map && projection->map_disabled) count = 0;

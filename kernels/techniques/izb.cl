@@ -74,8 +74,9 @@ __kernel void izb_trace(const IzbParams params, __global const float* positions,
                         __global const TriangleBounds* bounds, __global uint* visibility_bits, __global uint2* queue,
                         __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    ExactPairs pairs = exact_pairs(params.light_frame, params.layout, receivers,
-                                   triangles_of(vertices, params.triangles), queue, params.queue_capacity, counters);
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    ExactPairs pairs = {receivers, params.layout.has_receivers, triangles, light_of(params.light_frame),
+                        queue,     params.queue_capacity,       counters};
     size_t slots = params.slot_count;
     __global const uint* order = (__global const uint*)lists;
     __global const LaneFloat *x = (__global const LaneFloat*)(lists + slots), *y = x + slots / GN_LANES;
