@@ -24,7 +24,6 @@
 #include <limits>
 
 #include "api/statistics.hpp"
-#include "trace/exact_trace.hpp"
 #include "trace/explain.hpp"
 
 namespace gnomon {
@@ -166,18 +165,11 @@ std::optional<FrameCounters> FrustumTraced::decide(const TraceInputs& inputs, St
     cl::Session& session = device_.session();
     const bool are_footprints = inputs.points.footprints != nullptr;
     if (are_footprints) {
-        cl::StageTimer timer(session, statistics, "classify_footprints");
-        run_classify_footprints(session, inputs);
+        cl::timed(session, statistics, "classify_footprints", [&] { run_classify_footprints(session, inputs); });
     } else {
-        {
-            cl::StageTimer timer(session, statistics, "trace");
-            trace_.run(session, inputs, frames_.blocks());
-        }
+        cl::timed(session, statistics, "trace", [&] { trace_.run(session, Task::trace, inputs, frames_.blocks()); });
         observe(Moment::after_trace, inputs);
-        {
-            cl::StageTimer timer(session, statistics, "exact_trace");
-            run_exact_trace(session, inputs, trace_);
-        }
+        cl::timed(session, statistics, "exact_trace", [&] { trace_.decide_queue(session, inputs); });
         observe(Moment::after_exact_trace, inputs);
     }
     first_read = session.read_value<FrameCounters>(counters_);
@@ -190,7 +182,7 @@ std::optional<FrameCounters> FrustumTraced::decide(const TraceInputs& inputs, St
 FrameCounters FrustumTraced::run_queue_overflow(const TraceInputs& inputs, Statistics& statistics) {
     cl::Session& session = device_.session();
     cl::StageTimer timer(session, statistics, "trace");
-    trace_.run_queue_overflow(session, inputs);
+    trace_.run(session, Task::trace_queue_overflow, inputs, nullptr);
     return session.read_value<FrameCounters>(counters_);
 }
 
@@ -198,11 +190,10 @@ FrustumTraced::FrameResult FrustumTraced::run_frame(const RunInputs& in, cl_uint
                                                     bool counters_hold_facing) {
     cl::Session& session = device_.session();
     if (!counters_hold_facing) clear(session, counters_);
-    {
-        cl::StageTimer timer(session, statistics, "receiver_depth_pyramid");
+    cl::timed(session, statistics, "receiver_depth_pyramid", [&] {
         receiver_depth_pyramid_.run(session, in.light_frame, frame, 1, in.points, frames_.projection(),
                                     frames_.blocks(), in.visibility);
-    }
+    });
     FrameResult result;
     const ListSettings settings = list_settings(in.points, frame);
     for (;; ++result.lists_grown) {
@@ -238,14 +229,11 @@ bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
                              .counters = counters_};
     const auto trace = [&](Task task) {
         clear(session, counters_);
-        {
-            cl::StageTimer timer(session, result.statistics, "trace");
+        cl::timed(session, result.statistics, "trace", [&] {
             const bool caches = task == Task::trace_prepared_cached_facing;
-            trace_.run_prepared(session, task, inputs,
-                                caches ? &frames_.empty_facing_cache(session, in.triangles) : nullptr);
-        }
-        cl::StageTimer timer(session, result.statistics, "exact_trace");
-        run_exact_trace(session, inputs, trace_);
+            trace_.run(session, task, inputs, caches ? &frames_.empty_facing_cache(session, in.triangles) : nullptr);
+        });
+        cl::timed(session, result.statistics, "exact_trace", [&] { trace_.decide_queue(session, inputs); });
         return session.read_value<FrameCounters>(counters_);
     };
     const Task task = prepared_trace_task(session, in.points, light_frame.perspective == 0);
@@ -317,21 +305,20 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
         return run_on(triangles, inputs, light, visibility.buffer());
     }
     cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
+    const MeasuredRun measured(session, kept_bytes_);
     const RunInputs in{triangle_inputs(triangles), inputs, footprint_lists_->light_frame, visibility.buffer()};
     Statistics statistics;
     FrameCounters read;
     clear(session, counters_);
     decide(frame_inputs(in, 0, footprint_lists_->map), statistics, read);
-    statistics.device_memory_bytes = memory.peak_bytes();
+    statistics.device_memory_bytes = measured.peak_bytes();
     return statistics;
 }
 
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
                                  cl_mem visibility) {
-    const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
+    const MeasuredRun measured(session, kept_bytes_);
     const FrameGrid grid = run_grid(session, settings_.map_size, triangles.count(), points.layout.count);
     const RunInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     footprint_lists_.reset();
@@ -349,8 +336,8 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
     describe_stages(in, result);
     describe_counts(in, result);
     Statistics& s = result.statistics;
-    s.device_memory_bytes = memory.peak_bytes();
-    s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    s.device_memory_bytes = measured.peak_bytes();
+    s.total_wall_ms = measured.wall_ms();
     return s;
 }
 
@@ -446,9 +433,8 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
     forget();
     Statistics s;
     if (triangles.count() == 0) return s;
-    const auto start = std::chrono::steady_clock::now();
     cl::Session& session = device_.session();
-    const cl::RunMemory memory(session, kept_bytes_);
+    const MeasuredRun measured(session, kept_bytes_);
     const FrameGrid grid = prepared_grid(session, settings_.map_size, triangles.count(), !light.is_directional());
     prepared_ = std::make_unique<PreparedLight>(
         session, s, triangles, light, grid,
@@ -466,8 +452,8 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
                 {"references", c.references},
                 {"prepared", prepared_->is_usable()},
                 {"prepared_bytes", prepared_->bytes()}};
-    s.device_memory_bytes = memory.peak_bytes();
-    s.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    s.device_memory_bytes = measured.peak_bytes();
+    s.total_wall_ms = measured.wall_ms();
     return s;
 }
 

@@ -75,6 +75,15 @@ bool share_facing(const PointInputs& points) {
            (points.layout.is_lifted != 0 || points.footprints != nullptr);
 }
 
+Task facing_task(const cl::Session& session, const PointInputs& points, bool is_directional, bool has_cache,
+                 bool filters, bool opens_points) {
+    if (!has_cache) return filters ? Task::decide_facing_filtered : Task::decide_facing_each;
+    if (points.footprints != nullptr) return Task::decide_facing_footprints;
+    const bool is_picture = points.layout.point_stride == 1 && points.layout.picture_width != 0;
+    return session.is_cpu() && is_directional && is_picture && opens_points ? Task::decide_facing_picture
+                                                                            : Task::decide_facing_cached;
+}
+
 Task prepared_trace_task(const cl::Session& session, const PointInputs& points, bool is_directional) {
     const bool in_rows = points.layout.point_stride == 1;
     if (session.is_cpu() && is_directional && in_rows && share_facing(points))

@@ -33,6 +33,11 @@ cl::Kernel variant(const cl::Session& session, Task task, bool is_directional);
 /// All points on a receiver have the same facing, and none may shadow itself.
 bool share_facing(const PointInputs& points);
 
+/// How facing is decided. `has_cache`: receivers' facing is cached. `filters`: a float filter runs first.
+/// `opens_points`: points that are not backfacing become open.
+Task facing_task(const cl::Session& session, const PointInputs& points, bool is_directional, bool has_cache,
+                 bool filters, bool opens_points);
+
 /// How a prepared light is traced for these points. A point that Task::trace_prepared_plane_side leaves as a fallback
 /// point may still be decided by Task::trace_prepared.
 Task prepared_trace_task(const cl::Session& session, const PointInputs& points, bool is_directional);

@@ -257,4 +257,11 @@ private:
     std::chrono::steady_clock::time_point start_;
 };
 
+/// Times these launches as a stage.
+template <typename Launches>
+void timed(Session& session, Statistics& statistics, const char* stage, const Launches& launches) {
+    StageTimer timer(session, statistics, stage);
+    launches();
+}
+
 }  // namespace gnomon::cl

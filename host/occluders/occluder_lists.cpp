@@ -9,10 +9,7 @@ const cl::Buffer* OccluderLists::run(cl::Session& session, Statistics& statistic
                                      const cl::Buffer& counters) {
     const ProjectionInput in_frame(projection, light_frame.perspective == 0);
     const cl::Buffer& pyramid = depths.pyramid();
-    const auto stage = [&](const char* name, const auto& launches) {
-        cl::StageTimer timer(session, statistics, name);
-        launches();
-    };
+    const auto stage = [&](const char* name, const auto& launches) { cl::timed(session, statistics, name, launches); };
     const cl::Buffer *clusters = nullptr, *map = nullptr;
     if (triangles.clusters != nullptr)
         stage("clusters", [&] { clusters = clusters_.run(session, in_frame, triangles, &pyramid, counters); });

@@ -27,13 +27,6 @@ FacingParams facing_params(const LightFrame& light_frame, const TriangleInputs& 
             .opens_points = opens_points};
 }
 
-// True for a camera's picture under a directional light: a CPU has a separate kernel for it.
-bool is_picture_directional(const cl::Session& session, const FacingParams& params) {
-    return session.lanes() > 1 && params.opens_points != 0 && params.has_blocks != 0 &&
-           params.light_frame.perspective == 0 && params.layout.point_stride == 1 && params.has_receivers != 0 &&
-           params.layout.picture_width != 0;
-}
-
 void launch(cl::Session& session, Task task, cl::Range range, const FacingParams& params,
             const TriangleInputs& triangles, const PointInputs& points, const FacingBuffers& buffers) {
     const auto or_any = [&](const cl::Buffer* buffer) -> const cl::Buffer& {  // for arguments that are not used
@@ -48,13 +41,8 @@ void launch(cl::Session& session, Task task, cl::Range range, const FacingParams
 
 void face_points(cl::Session& session, const FacingParams& params, const TriangleInputs& triangles,
                  const PointInputs& points, const FacingBuffers& buffers) {
-    Task task = Task::decide_facing_each;
-    if (buffers.cache != nullptr)
-        task = params.has_footprints != 0                ? Task::decide_facing_footprints
-               : is_picture_directional(session, params) ? Task::decide_facing_picture
-                                                         : Task::decide_facing_cached;
-    else if (buffers.undecided != nullptr)
-        task = Task::decide_facing_filtered;
+    const Task task = facing_task(session, points, params.light_frame.perspective == 0, buffers.cache != nullptr,
+                                  buffers.undecided != nullptr, params.opens_points != 0);
     // Frame margins depend on how points are grouped per work-item. This changes last bits of margins, never an answer.
     // On a GPU the number of items is the device's, whatever the size of work-groups; on a CPU it depends on the cores
     // and on that size. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)

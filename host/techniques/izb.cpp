@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "api/statistics.hpp"
-#include "trace/exact_trace.hpp"
 
 namespace gnomon {
 
@@ -88,7 +87,7 @@ FrameCounters IrregularZBuffer::run_once(Run& run, cl_uint frame) {
         izb_.trace(session, inputs, lists_.bins(), trace_);
     }
     cl::StageTimer timer(session, run.statistics, "exact_trace");
-    run_exact_trace(session, inputs, trace_);
+    trace_.decide_queue(session, inputs);
     return session.read_value<FrameCounters>(counters_);
 }
 

@@ -37,8 +37,7 @@ TraceParams Trace::params(const TraceInputs& inputs) const {
             .padding = 0};
 }
 
-// `table`: an argument that only the task's kernel reads on a CPU; may be null.
-void Trace::launch(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* table) {
+void Trace::run(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* table) {
     const PointInputs& points = inputs.points;
     const ListBuffers& lists = inputs.lists;
     reserve_queue(session, points);
@@ -59,16 +58,10 @@ void Trace::launch(cl::Session& session, Task task, const TraceInputs& inputs, c
         launch_with(table != nullptr ? *table : lists.ranges);
 }
 
-void Trace::run(cl::Session& session, const TraceInputs& inputs, const cl::Buffer* blocks) {
-    launch(session, Task::trace, inputs, blocks);
-}
-
-void Trace::run_queue_overflow(cl::Session& session, const TraceInputs& inputs) {
-    launch(session, Task::trace_queue_overflow, inputs, nullptr);
-}
-
-void Trace::run_prepared(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* facing_cache) {
-    launch(session, task, inputs, facing_cache);
+void Trace::decide_queue(cl::Session& session, const TraceInputs& inputs) const {
+    session.launch("trace/exact_trace.cl", "exact_trace", cl::Range::items(capacity_ / session.lanes() + 1),
+                   params(inputs), inputs.points.positions, inputs.triangles.vertices, queue_, inputs.visibility,
+                   inputs.counters);
 }
 
 // Room for the pairs of most pictures (the built-in one has 65,400 of 2 million points): the kernel for a queue

@@ -35,17 +35,18 @@ struct TraceInputs {
 
 class Trace {
 public:
-    /// Queues undecided pairs; a point with pairs that find no room stays open. `blocks`: bounds from facing, valid for
-    /// a single frame and only while no stage has decided a point since. May be null.
-    void run(cl::Session& session, const TraceInputs& inputs, const cl::Buffer* blocks);
-    /// Decides the points that run() or run_prepared() left open, in place.
-    void run_queue_overflow(cl::Session& session, const TraceInputs& inputs);
-    /// As run(), under a prepared light, for all its frames: decides facing too, and counts fallback points. If there
-    /// are no fallback points, all points are decided. `task`: prepared_trace_task() or Task::trace_prepared.
-    /// `facing_cache`: for the task that reads a cache, else null.
-    void run_prepared(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* facing_cache);
-    /// True if all undecided pairs fitted. Else run_queue_overflow() is needed; later runs have more room, at most one
-    /// pair per point or initial_capacity.
+    /// Runs a task of the trace, which queues undecided pairs; a point with pairs that find no room stays open.
+    ///   Task::trace                 one frame. `table`: bounds of blocks from facing, valid only while no stage has
+    ///                               decided a point since
+    ///   Task::trace_queue_overflow  decides the points that another task left open, in place
+    ///   prepared_trace_task()       all frames of a prepared light: decides facing too, and counts fallback points; if
+    ///                               there are none, all points are decided. `table`: the cache of cached facing
+    /// `table` is null where the task reads none.
+    void run(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* table);
+    /// Stage exact_trace: the exact predicate decides the queued pairs (kernels/trace/exact_trace.cl).
+    void decide_queue(cl::Session& session, const TraceInputs& inputs) const;
+    /// True if all undecided pairs fitted. Else Task::trace_queue_overflow has to run; later runs have more room, at
+    /// most one pair per point or initial_capacity.
     bool fitted(cl::Session& session, const PointInputs& points, const FrameCounters& counted);
 
     /// Capacity of the queue before its first use.
@@ -58,7 +59,6 @@ public:
     void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
-    void launch(cl::Session& session, Task task, const TraceInputs& inputs, const cl::Buffer* table);
     void reserve(cl::Session& session, std::uint32_t capacity);
 
     cl::Buffer queue_;

@@ -125,7 +125,7 @@ void run_izb(Session& session, LightStages& stages, const UploadedScene& scene, 
     out.visibility_after_izb = downloaded<float>(session, inputs.visibility, scene.points.count());
     session.read(scene.counters.get(), &out.izb_counters, sizeof(out.izb_counters));
     stages.izb.trace(session, inputs, stages.bins, stages.trace);
-    gnomon::run_exact_trace(session, inputs, stages.trace);
+    stages.trace.decide_queue(session, inputs);
     EXPECT_EQ(downloaded<float>(session, inputs.visibility, scene.points.count()), expected)
         << "triangles over points and points over triangles differ";
 }
@@ -171,14 +171,14 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
                                      points,      stages.projection,
                                      map,         gnomon::list_buffers(stages.bins, stages.setup),
                                      visibility,  scene.counters};
-    stages.trace.run(session, inputs, scene.facing.blocks());
-    gnomon::run_exact_trace(session, inputs, stages.trace);
+    stages.trace.run(session, gnomon::Task::trace, inputs, scene.facing.blocks());
+    stages.trace.decide_queue(session, inputs);
     session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     const bool setup = stages.setup.fitted(session, out.counters);
     const bool references = stages.bins.fitted(session, out.counters, setup);
     if (!setup || !references) return false;
     if (!stages.trace.fitted(session, points, out.counters)) {
-        stages.trace.run_queue_overflow(session, inputs);
+        stages.trace.run(session, gnomon::Task::trace_queue_overflow, inputs, nullptr);
         session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
     }
     out.visibility = downloaded<float>(session, visibility, scene.points.count());

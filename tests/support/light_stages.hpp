@@ -15,7 +15,6 @@
 #include "receivers/receiver_depth_pyramid.hpp"
 #include "reference/predicates.hpp"
 #include "techniques/izb.hpp"
-#include "trace/exact_trace.hpp"
 
 namespace support {
 

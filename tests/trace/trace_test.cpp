@@ -43,7 +43,7 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
         counted.uncertain = counted.tests_low = counted.tests_high = counted.decided_by_trace = 0;
         session.write(inputs.counters.get(), &counted, sizeof(counted));
         stages.trace.run(
-            session,
+            session, gnomon::Task::trace,
             {first_frame, face, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection, nullptr,
              gnomon::list_buffers(stages.bins, stages.setup), inputs.visibility.get(), inputs.counters},
             nullptr);
@@ -291,8 +291,8 @@ TEST(trace, writes_only_its_own) {
                                            .lists = gnomon::list_buffers(stages.bins, stages.setup),
                                            .visibility = visibility.get(),
                                            .counters = inputs.counters};
-    stages.trace.run(session, trace_inputs, nullptr);
-    gnomon::run_exact_trace(session, trace_inputs, stages.trace);
+    stages.trace.run(session, gnomon::Task::trace, trace_inputs, nullptr);
+    stages.trace.decide_queue(session, trace_inputs);
     session.read(inputs.counters.get(), &counted, sizeof(counted));
     ASSERT_GT(counted.uncertain, 0u);
     expect_canaries(session, visibility, count * sizeof(float), "visibility");
