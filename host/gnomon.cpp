@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The public functions: devices and the register of techniques. A new technique is one include and one entry in
-// `registered`.
+// The public functions: devices and the register of techniques. A new technique is one entry in
+// `all_registered`, declared in techniques/registered.hpp.
 #include <gnomon.hpp>
 
 #include <functional>
@@ -10,13 +10,7 @@
 #include "cl/session.hpp"
 #include "exact/self_check.hpp"
 #include "frustum_traced.hpp"
-#include "techniques/conservative_map_alone.hpp"
-#include "techniques/izb.hpp"
-#include "techniques/shadow_map/presets.hpp"
-#include "techniques/shadow_map/shadow_map.hpp"
-#include "techniques/shadow_map/virtual_map.hpp"
-#include "techniques/shadow_volumes.hpp"
-#include "techniques/sub_pixel_shadow_map.hpp"
+#include "techniques/registered.hpp"
 
 namespace gnomon {
 
@@ -51,25 +45,14 @@ std::uint64_t Statistics::count(std::string_view name) const {
 
 namespace {
 
-struct Registered {
-    TechniqueDescription description;
-    std::function<std::unique_ptr<Technique>(const Device&)> make;
-};
-
-template <typename T>
-Registered entry() {
-    return {T::describe(),
-            [](const Device& device) -> std::unique_ptr<Technique> { return std::make_unique<T>(device); }};
-}
-
-std::vector<Registered> registered() {
+std::vector<Registered> all_registered() {
     std::vector<Registered> all{
-        entry<FrustumTraced>(),        entry<IrregularZBuffer>(), entry<ShadowMap>(),
-        entry<VirtualShadowMap>(),     entry<ShadowVolumes>(),    entry<SubPixelShadowMap>(),
-        entry<ConservativeMapAlone>(),
+        registered<FrustumTraced>(),  izb_technique(),
+        shadow_map_technique(),       virtual_shadow_map_technique(),
+        shadow_volumes_technique(),   sub_pixel_technique(),
+        conservative_map_technique(),
     };
-    for (const ShadowMapPreset& preset : shadow_map_presets())
-        all.push_back({describe(preset), [&preset](const Device& device) { return make(preset, device); }});
+    for (Registered& preset : shadow_map_presets()) all.push_back(std::move(preset));
     return all;
 }
 
@@ -91,7 +74,7 @@ std::vector<Statistics> Technique::run_lights(const Triangles& triangles, const 
 
 std::vector<TechniqueDescription> techniques() {
     std::vector<TechniqueDescription> all;
-    for (Registered& r : registered()) all.push_back(std::move(r.description));
+    for (Registered& r : all_registered()) all.push_back(std::move(r.description));
     return all;
 }
 
@@ -109,7 +92,7 @@ std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Trian
 
 std::unique_ptr<Technique> make_technique(std::string_view name, const Device& device) {
     std::string names;
-    for (const Registered& r : registered()) {
+    for (const Registered& r : all_registered()) {
         if (r.description.name == name) return r.make(device);
         names += (names.empty() ? "" : ", ") + r.description.name;
     }

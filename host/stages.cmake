@@ -60,4 +60,4 @@ gnomon_wing(samples samples fragments footprints neighbour_receivers find_receiv
 gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb frustum_traced)
 gnomon_wing(techniques/shadow_map map_view map_projection polyhedron homography partition texel_footprint
             map_views depth_pass caster lookup depth_lookup moments mip_chain moment_lookup visibility_bounds prefilter
-            point_light_perspective rectilinear_warp virtual_map stored_map presets shadow_map soft_shadow diagnostic)
+            point_light_perspective rectilinear_warp virtual_map stored_map shadow_map soft_shadow diagnostic)

@@ -306,7 +306,13 @@ double Session::take_device_ms() {
     return ms;
 }
 
-StageTimer::~StageTimer() {
+void StageTimer::begin(std::string name) {
+    name_ = std::move(name);
+    build_ms_ = session_.build_ms();
+    start_ = std::chrono::steady_clock::now();
+}
+
+void StageTimer::end() {
     StageStatistics stage;
     stage.name = name_;
     try {

@@ -127,6 +127,11 @@ public:
         static_assert(count <= 4, "kernels/lists/fill.cl fills four buffers at most");
         fill_all(fills);
     }
+    /// Makes room for so many bytes, and fills them.
+    void reserve_filled(Buffer& buffer, std::uint32_t word, std::size_t bytes) {
+        buffer.reserve(*this, bytes);
+        fill(buffer, word, bytes);
+    }
     /// From byte `from_first` of one buffer to byte `to_first` of another.
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     void write(cl_mem buffer, const void* data, std::size_t bytes);
@@ -238,18 +243,23 @@ private:
     std::uint64_t before_;
 };
 
-/// Times one stage into Statistics: wall time, and device time where the session profiles.
+/// Times one stage after the other into Statistics: wall time, and device time where the session profiles.
 class StageTimer {
 public:
     StageTimer(Session& session, Statistics& statistics, std::string name)
-        : session_(session),
-          statistics_(statistics),
-          name_(std::move(name)),
-          build_ms_(session.build_ms()),
-          start_(std::chrono::steady_clock::now()) {}
-    ~StageTimer();
+        : session_(session), statistics_(statistics) {
+        begin(std::move(name));
+    }
+    ~StageTimer() { end(); }
+    void next(std::string name) {
+        end();
+        begin(std::move(name));
+    }
 
 private:
+    void begin(std::string name);
+    void end();
+
     Session& session_;
     Statistics& statistics_;
     std::string name_;

@@ -1,66 +1,60 @@
 // SPDX-License-Identifier: MIT
-#include "techniques/conservative_map_alone.hpp"
+// Technique conservative-map: the exact pipeline up to its conservative map, without the later stages: a lower bound of
+// the shadow (kernels/techniques/conservative_map_alone.cl).
+#include "occluders/triangle_setup.hpp"
+#include "techniques/framed_technique.hpp"
 
 namespace gnomon {
+namespace {
 
-const SettingsTable<ConservativeMapAlone::Settings>& ConservativeMapAlone::settings_table() {
-    using S = Settings;
-    static const SettingsTable<S> table{
-        {{"cover-test", "tight",
-          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
-         setting::choice(&S::cover_test, cover_test_names)},
-        {{"map-size", "1024", "texels per side of the light's grid, 16 to 8192"},
-         setting::whole(&S::map_size, 16, 8192)},
-    };
-    return table;
-}
+class ConservativeMapAlone final : public FramedTechnique {
+public:
+    explicit ConservativeMapAlone(const Device& device) : FramedTechnique(device, describe()) {}
 
-bool ConservativeMapAlone::list_triangles(Run& run) {
-    cl::Session& session = device_.session();
-    cl::StageTimer timer(session, run.statistics, "triangle_setup");
-    session.fill(counters_, 0, sizeof(FrameCounters));
-    setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, &receiver_depth_pyramid_.pyramid(),
-                      counters_);
-    setup_.run_map_tiles(session, frames_.projection(), run.triangles, receiver_depth_pyramid_.pyramid(), counters_);
-    return setup_.fitted(session, session.read_value<FrameCounters>(counters_));
-}
-
-void ConservativeMapAlone::run_frame(Run& run, cl_uint frame) {
-    cl::Session& session = device_.session();
-    {
-        cl::StageTimer timer(session, run.statistics, "receiver_depth_pyramid");
-        receiver_depth_pyramid_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(),
-                                    frames_.blocks(), run.visibility);
+    static TechniqueDescription describe() {
+        return {"conservative-map",
+                "conservative shadow map (Mizoguchi and Tokuyoshi): never wrongly dark, lit wherever it proves nothing",
+                false, settings({"cover-test", "map-size"})};
     }
-    while (!list_triangles(run)) ++run.grown;
-    {
+
+private:
+    /// False if the lists of triangles were too short; the lists are longer now.
+    bool list_triangles(Run& run) {
+        cl::Session& session = device_.session();
+        cl::StageTimer timer(session, run.statistics, "triangle_setup");
+        session.fill(counters_, 0, sizeof(FrameCounters));
+        const cl::Buffer& pyramid = receiver_depth_pyramid_.pyramid();
+        setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, &pyramid, counters_);
+        setup_.run_map_tiles(session, frames_.projection(), run.triangles, pyramid, counters_);
+        return setup_.fitted(session, session.read_value<FrameCounters>(counters_));
+    }
+
+    FrameCounters run_frame(Run& run, cl_uint frame) override {
+        cl::Session& session = device_.session();
+        make_receiver_depths(run, frame);
+        while (!list_triangles(run)) ++run.grown;
         cl::StageTimer timer(session, run.statistics, "conservative_map");
         map_.run(session, run.light_frame, frames_.projection(), setup_, receiver_depth_pyramid_.pyramid(),
                  settings_.cover_test, counters_);
-    }
-    {
-        cl::StageTimer timer(session, run.statistics, "lookup");
+        timer.next("lookup");
         session.launch("techniques/conservative_map_alone.cl", "conservative_map_lookup",
-                       cl::Range::items(run.points.layout.count / session.lanes() + 1), run.light_frame, frame,
-                       run.points.layout, frames_.projection(), run.points.positions, map_.map(), run.visibility,
-                       counters_);
+                       cl::Range::items(run.points.layout.count / session.lanes() + 1), params_of(run, frame),
+                       frames_.projection(), run.points.positions, map_.map(), run.visibility, counters_);
+        return session.read_value<FrameCounters>(counters_);
     }
-    const auto counted = session.read_value<FrameCounters>(counters_);
-    map_candidates_ += counted.map_candidates;
-    map_texels_ += counted.map_texels;
-    run.in_shadow += counted.decided_by_map;
-}
 
-void ConservativeMapAlone::add_counts(Run& run) const {
-    run.statistics.counts.emplace_back("points_decided_by_map", run.in_shadow);
-    run.statistics.counts.emplace_back("map_candidates", map_candidates_);
-    run.statistics.counts.emplace_back("map_texels_written", map_texels_);
-}
+    decltype(Statistics::counts) counts_of(Run& run) const override {
+        return {{"points_decided_by_map", run.counted.decided_by_map},
+                {"map_candidates", run.counted.map_candidates},
+                {"map_texels_written", run.counted.map_texels}};
+    }
 
-TechniqueDescription ConservativeMapAlone::describe() {
-    return {"conservative-map",
-            "conservative shadow map (Mizoguchi and Tokuyoshi): never wrongly dark, lit wherever it proves nothing",
-            false, settings_table().descriptions()};
-}
+    TriangleSetup setup_;
+    ConservativeMap map_;
+};
+
+}  // namespace
+
+Registered conservative_map_technique() { return registered<ConservativeMapAlone>(); }
 
 }  // namespace gnomon

@@ -3,15 +3,27 @@
 // adds the map and its lookup.
 #pragma once
 
-#include "occluders/triangle_setup.hpp"
+#include "api/settings_table.hpp"
+#include "kernels/techniques/framed_technique.h"
+#include "occluders/conservative_map.hpp"
 #include "receivers/light_frames.hpp"
+#include "receivers/receiver_depth_pyramid.hpp"
+#include "techniques/registered.hpp"
 
 namespace gnomon {
+
+/// The settings of all framed techniques; each has some of them.
+struct FramedSettings {
+    bool draws_map, neighbours;
+    CoverTest cover_test;
+    std::uint32_t map_size;
+};
 
 class FramedTechnique : public Technique {
 public:
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) final;
+    void set(std::string_view name, std::string_view value) final;
 
 protected:
     struct Run {
@@ -20,23 +32,31 @@ protected:
         LightFrame light_frame;
         cl_mem visibility;
         Statistics statistics{};
-        std::uint64_t frames = 0, grown = 0;
-        std::uint64_t in_shadow = 0;  ///< points that frames decided
+        std::uint64_t frames = 0, grown = 0, tests = 0;
+        FrameCounters counted{};  ///< sums over the frames
     };
-    explicit FramedTechnique(const Device& device) : device_(device) {}
+    FramedTechnique(const Device& device, TechniqueDescription description);
+    /// The descriptions of some settings, by name.
+    static std::vector<SettingDescription> settings(std::initializer_list<std::string_view> names);
 
-    virtual FrameGrid grid() const = 0;
-    /// Decides the open points of a frame by its projection, frames_.projection(), and counts points in shadow.
-    virtual void run_frame(Run& run, cl_uint frame) = 0;
-    /// begin_counts() runs before the first frame; add_counts() after the last frame adds the technique's own counts.
-    virtual void begin_counts() = 0;
-    virtual void add_counts(Run& run) const = 0;
+    virtual FrameGrid grid() const { return map_grid(device_.session(), settings_.map_size); }
+    /// Decides the open points of a frame by its projection, frames_.projection(); the counters of the frame.
+    virtual FrameCounters run_frame(Run& run, cl_uint frame) = 0;
+    /// The technique's own counts.
+    virtual decltype(Statistics::counts) counts_of(Run& run) const = 0;
+
+    FramedParams params_of(const Run& run, cl_uint frame) const;
+    void make_receiver_depths(Run& run, cl_uint frame);
 
     Device device_;
-    std::uint64_t kept_bytes_ = 0;  ///< of the buffers, kept from run to run
-    cl::Buffer counters_;           ///< FrameCounters
+    FramedSettings settings_;
+    cl::Buffer counters_;  ///< FrameCounters
     LightFrames frames_;
-    TriangleSetup setup_;
+    ReceiverDepthPyramid receiver_depth_pyramid_;
+
+private:
+    TechniqueDescription description_;
+    std::uint64_t kept_bytes_ = 0;  ///< of the buffers, kept from run to run
 };
 
 }  // namespace gnomon

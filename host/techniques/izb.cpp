@@ -4,17 +4,22 @@
 #include <algorithm>
 
 #include "api/statistics.hpp"
+#include "occluders/occluder_lists.hpp"
+#include "techniques/framed_technique.hpp"
+#include "trace/trace.hpp"
 
 namespace gnomon {
 
 IzbParams Izb::params(const TraceInputs& inputs, cl_uint queue_capacity) const {
-    return {.triangles = inputs.triangles,
-            .light_frame = inputs.light_frame,
-            .layout = inputs.points.layout,
-            .frame = inputs.first_frame,
+    return {.framed = {.triangles = inputs.triangles,
+                       .light_frame = inputs.light_frame,
+                       .layout = inputs.points.layout,
+                       .frame = inputs.first_frame,
+                       .padding = 0},
             .has_map = inputs.map != nullptr,
             .slot_count = slot_count_,
-            .queue_capacity = queue_capacity};
+            .queue_capacity = queue_capacity,
+            .padding = 0};
 }
 
 void Izb::run(cl::Session& session, const TraceInputs& inputs) {
@@ -48,91 +53,78 @@ void Izb::trace(cl::Session& session, const TraceInputs& inputs, const Bins& bin
                    inputs.visibility, queue.queue(), inputs.counters);
 }
 
-const SettingsTable<IrregularZBuffer::Settings>& IrregularZBuffer::settings_table() {
-    using S = Settings;
-    static const SettingsTable<S> table{
-        {{"conservative-map", "on", "on or off: decide points behind triangles that cover a whole texel at once"},
-         setting::on_off(&S::draws_map)},
-        {{"cover-test", "tight",
-          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
-         setting::choice(&S::cover_test, cover_test_names)},
-        {{"map-size", "1024", "texels per side of the light's grid, 16 to 8192"},
-         setting::whole(&S::map_size, smallest_map_size, largest_map_size)},
-    };
-    return table;
-}
+namespace {
 
-FrameCounters IrregularZBuffer::run_once(Run& run, cl_uint frame) {
-    cl::Session& session = device_.session();
-    session.fill(counters_, 0, sizeof(FrameCounters));
-    const ListSettings settings{settings_.draws_map, false, settings_.cover_test};
-    const cl::Buffer* map = lists_.run(session, run.statistics, run.light_frame, frames_.projection(), run.triangles,
-                                       settings, receiver_depth_pyramid_, counters_);
-    const TraceInputs inputs{.light_frame = run.light_frame,
-                             .first_frame = frame,
-                             .frame_count = 1,
-                             .triangles = run.triangles,
-                             .points = run.points,
-                             .projections = frames_.projection(),
-                             .map = map,
-                             .lists = list_buffers(lists_.bins(), lists_.setup()),
-                             .visibility = run.visibility,
-                             .counters = counters_};
-    {
+class IrregularZBuffer final : public FramedTechnique {
+public:
+    explicit IrregularZBuffer(const Device& device) : FramedTechnique(device, describe()) {}
+
+    static TechniqueDescription describe() {
+        return {
+            "izb",
+            "exact hard shadows by an irregular z-buffer (Wyman et al. 2016): triangles are traced over the lists of "
+            "the points that they may shadow; a baseline to compare with",
+            true, settings({"conservative-map", "cover-test", "map-size"})};
+    }
+
+private:
+    /// Lists triangles and points, and decides the points; the counts of the frame.
+    FrameCounters run_once(Run& run, cl_uint frame) {
+        cl::Session& session = device_.session();
+        session.fill(counters_, 0, sizeof(FrameCounters));
+        const cl::Buffer* map =
+            lists_.run(session, run.statistics, run.light_frame, frames_.projection(), run.triangles,
+                       {settings_.draws_map, false, settings_.cover_test}, receiver_depth_pyramid_, counters_);
+        const TraceInputs inputs{.light_frame = run.light_frame,
+                                 .first_frame = frame,
+                                 .frame_count = 1,
+                                 .triangles = run.triangles,
+                                 .points = run.points,
+                                 .projections = frames_.projection(),
+                                 .map = map,
+                                 .lists = list_buffers(lists_.bins(), lists_.setup()),
+                                 .visibility = run.visibility,
+                                 .counters = counters_};
         cl::StageTimer timer(session, run.statistics, "izb");
         izb_.run(session, inputs);
-    }
-    {
-        cl::StageTimer timer(session, run.statistics, "trace");
+        timer.next("trace");
         izb_.trace(session, inputs, lists_.bins(), trace_);
+        timer.next("exact_trace");
+        trace_.decide_queue(session, inputs);
+        return session.read_value<FrameCounters>(counters_);
     }
-    cl::StageTimer timer(session, run.statistics, "exact_trace");
-    trace_.decide_queue(session, inputs);
-    return session.read_value<FrameCounters>(counters_);
-}
 
-void IrregularZBuffer::run_frame(Run& run, cl_uint frame) {
-    cl::Session& session = device_.session();
-    {
-        cl::StageTimer timer(session, run.statistics, "receiver_depth_pyramid");
-        receiver_depth_pyramid_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(),
-                                    frames_.blocks(), run.visibility);
+    FrameCounters run_frame(Run& run, cl_uint frame) override {
+        make_receiver_depths(run, frame);
+        FrameCounters counted = run_once(run, frame);
+        for (; !lists_.fitted(device_.session(), counted); counted = run_once(run, frame)) ++run.grown;
+        trace_.fitted(device_.session(), run.points, counted);  // for later frames: no pair was lost
+        return counted;
     }
-    FrameCounters counted = run_once(run, frame);
-    for (; !lists_.fitted(session, counted); counted = run_once(run, frame)) ++run.grown;
-    trace_.fitted(session, run.points, counted);  // for later frames: no pair was lost
-    gnomon::add_counters(total_, counted);
-    tests_ += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
-    run.in_shadow += std::uint64_t(counted.decided_by_map) + counted.decided_by_trace + counted.decided_by_exact;
-}
 
-void IrregularZBuffer::add_counts(Run& run) const {
-    auto& counts = run.statistics.counts;
-    merge_stages(run.statistics);
-    counts.emplace_back("points_decided_by_map", total_.decided_by_map);
-    counts.emplace_back("points_listed", total_.listed);
-    counts.emplace_back("points_decided_by_trace", total_.decided_by_trace);
-    counts.emplace_back("points_decided_by_exact", total_.decided_by_exact);
-    counts.emplace_back("map_candidates", total_.map_candidates);
-    counts.emplace_back("map_texels_written", total_.map_texels);
-    counts.emplace_back("references", total_.references);
-    counts.emplace_back("tests", tests_);
-    counts.emplace_back("uncertain_pairs", total_.uncertain);
-    counts.emplace_back("decided_by_float", total_.exact_float);
-    counts.emplace_back("decided_by_double", total_.exact_double);
-    counts.emplace_back("decided_by_integers", total_.exact_exact);
-}
+    decltype(Statistics::counts) counts_of(Run& run) const override {
+        const FrameCounters& total = run.counted;
+        return {{"points_decided_by_map", total.decided_by_map},
+                {"points_listed", total.listed},
+                {"points_decided_by_trace", total.decided_by_trace},
+                {"points_decided_by_exact", total.decided_by_exact},
+                {"map_candidates", total.map_candidates},
+                {"map_texels_written", total.map_texels},
+                {"references", total.references},
+                {"tests", run.tests},
+                {"uncertain_pairs", total.uncertain},
+                {"decided_by_float", total.exact_float},
+                {"decided_by_double", total.exact_double},
+                {"decided_by_integers", total.exact_exact}};
+    }
 
-void IrregularZBuffer::set(std::string_view name, std::string_view value) {
-    settings_table().set(settings_, "izb", name, value);
-}
+    OccluderLists lists_;
+    Izb izb_;
+    Trace trace_;
+};
 
-TechniqueDescription IrregularZBuffer::describe() {
-    return {
-        "izb",
-        "exact hard shadows by an irregular z-buffer (Wyman et al. 2016): triangles are traced over the lists of the "
-        "points that they may shadow; a baseline to compare with",
-        true, settings_table().descriptions()};
-}
+}  // namespace
+
+Registered izb_technique() { return registered<IrregularZBuffer>(); }
 
 }  // namespace gnomon

@@ -3,11 +3,8 @@
 // may shadow (kernels/techniques/izb.cl); frustum-traced does the reverse. A baseline to compare with.
 #pragma once
 
-#include "api/settings_table.hpp"
 #include "kernels/techniques/izb.h"
 #include "lists/scan.hpp"
-#include "occluders/occluder_lists.hpp"
-#include "techniques/framed_technique.hpp"
 #include "trace/trace.hpp"
 
 namespace gnomon {
@@ -31,37 +28,6 @@ private:
     Scan scan_;
     cl::Buffer cursors_, offsets_, lists_;
     cl_uint slot_count_ = 0;
-};
-
-class IrregularZBuffer final : public FramedTechnique {
-public:
-    explicit IrregularZBuffer(const Device& device) : FramedTechnique(device) {}
-    void set(std::string_view name, std::string_view value) override;
-
-    static TechniqueDescription describe();
-
-private:
-    struct Settings {
-        bool draws_map;
-        CoverTest cover_test;
-        std::uint32_t map_size;
-    };
-    static const SettingsTable<Settings>& settings_table();
-    FrameGrid grid() const override { return map_grid(device_.session(), settings_.map_size); }
-    void run_frame(Run& run, cl_uint frame) override;
-    void begin_counts() override { total_ = {}, tests_ = 0; }
-    void add_counts(Run& run) const override;
-    /// Lists triangles and points, and decides the points; the counts of the frame.
-    FrameCounters run_once(Run& run, cl_uint frame);
-
-    Settings settings_ = settings_table().defaults();
-
-    FrameCounters total_{};  ///< over the frames
-    std::uint64_t tests_ = 0;
-    ReceiverDepthPyramid receiver_depth_pyramid_;
-    OccluderLists lists_;
-    Izb izb_;
-    Trace trace_;
 };
 
 }  // namespace gnomon

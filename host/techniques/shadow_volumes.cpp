@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: MIT
-#include "techniques/shadow_volumes.hpp"
+// Technique shadow-volumes: stencil shadow volumes without a stencil buffer (kernels/techniques/shadow_volumes.h).
+#include "kernels/techniques/shadow_volumes.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "api/inputs.hpp"
+#include "api/settings_table.hpp"
 #include "api/statistics.hpp"
 #include "api/vectors.hpp"
+#include "occluders/triangle_setup.hpp"
+#include "techniques/registered.hpp"
 
 namespace gnomon {
 namespace {
@@ -17,9 +22,11 @@ constexpr std::size_t pair_capacity = std::size_t(1) << 23;
 
 cl_uint divided_up(cl_uint count, cl_uint size) { return (count + size - 1) / size; }
 
-}  // namespace
+struct Settings {
+    bool cancel, both_faces, z_fail;
+};
 
-const SettingsTable<ShadowVolumes::Settings>& ShadowVolumes::settings_table() {
+const SettingsTable<Settings>& settings_table() {
     static constexpr std::string_view faces[] = {"front", "both"}, methods[] = {"z-pass", "z-fail"};
     static const SettingsTable<Settings> table{
         {{"cancel", "on", "on or off: leave out the sides that neighbouring triangles share"},
@@ -32,153 +39,155 @@ const SettingsTable<ShadowVolumes::Settings>& ShadowVolumes::settings_table() {
     return table;
 }
 
-VolumeParams ShadowVolumes::params_of(const TriangleInputs& triangles, const Points& points, const Light& light) const {
-    const auto& seen = points.camera();
-    if (!seen || std::size_t(seen->width) * seen->height != points.count())
-        throw InvalidArgument(
-            "shadow-volumes needs the points of a whole picture: make them with look(), or name their camera with "
-            "set_camera()");
-    const Camera& camera = seen->camera;
-    // Pixels are square: a pixel's side is 2 tan(fov / 2) / height on the plane at distance 1.
-    const double pixel = 2 * std::tan(camera.fov_y_radians / 2) / seen->height;
-    VolumeParams view{};
-    view.first_float = triangles.first_float;
-    view.triangle_count = triangles.count;
-    view.cancels = settings_.cancel;
-    std::copy(light.xyzw.begin(), light.xyzw.end(), view.light);
-    std::copy(camera.eye.begin(), camera.eye.end(), view.eye);
-    store(view.right, scaled(camera.right, pixel));
-    store(view.up, scaled(camera.up, -pixel));
-    Double3 corner;
-    for (int i = 0; i < 3; ++i)
-        corner[i] =
-            camera.forward[i] - 0.5 * seen->width * pixel * camera.right[i] + 0.5 * seen->height * pixel * camera.up[i];
-    store(view.forward, corner);
-    view.width = seen->width;
-    view.height = seen->height;
-    view.tiles_x = divided_up(view.width, VOLUME_TILE);
-    view.tiles_y = divided_up(view.height, VOLUME_TILE);
-    view.blocks_x = divided_up(view.tiles_x, VOLUME_BLOCK);
-    view.blocks_y = divided_up(view.tiles_y, VOLUME_BLOCK);
-    view.both_faces = settings_.both_faces;
-    view.z_fail = settings_.z_fail;
-    return view;
-}
+class ShadowVolumes final : public Technique {
+public:
+    explicit ShadowVolumes(const Device& device) : device_(device) {}
 
-void ShadowVolumes::reserve_sides(cl_uint count) {
-    if (count <= side_capacity_) return;
-    side_capacity_ = 0;  // stays so if the next line throws
-    sides_.reserve(device_.session(), std::size_t(count) * sizeof(VolumeSide));
-    side_capacity_ = count;
-}
+    static TechniqueDescription describe() {
+        return {"shadow-volumes",
+                "shadow volumes (Crow 1977), counted per pixel; shared sides cancel; needs a whole picture's points",
+                false, settings_table().descriptions()};
+    }
 
-cl_uint ShadowVolumes::make_sides(VolumeParams params, cl_mem vertices) {
-    cl::Session& session = device_.session();
-    const std::uint64_t edges = 3 * std::uint64_t(params.triangle_count);
-    if (edges >= (std::uint64_t(1) << 30))
-        throw InvalidArgument("shadow-volumes takes at most 357 million triangles, not " +
-                              std::to_string(params.triangle_count));
-    // At most half full, so that the search for an edge is short.
-    cl_uint slots = 16;
-    while (slots < 2 * edges) slots *= 2;
-    slot_edges_.reserve(session, std::size_t(slots) * sizeof(cl_uint));
-    slot_weights_.reserve(session, std::size_t(slots) * sizeof(cl_int));
-    session.fill(slot_edges_, GN_NO_ID, std::size_t(slots) * sizeof(cl_uint));
-    session.fill(slot_weights_, 0, std::size_t(slots) * sizeof(cl_int));
-    params.slot_count = slots;
-    session.launch(file, "shadow_volumes_edges", cl::Range::items(params.triangle_count), params, vertices, slot_edges_,
-                   slot_weights_, counters_);
-    cursor_.reserve(session, sizeof(cl_uint));
-    reserve_sides(1u << 16);
-    for (;;) {
-        params.side_capacity = side_capacity_;
-        session.fill(cursor_, 0, sizeof(cl_uint));
-        session.launch(file, "shadow_volumes_sides", cl::Range::items(slots), params, vertices, slot_edges_,
-                       slot_weights_, cursor_, sides_);
-        if (settings_.z_fail)
-            session.launch(file, "shadow_volumes_caps", cl::Range::items(params.triangle_count), params, vertices,
-                           cursor_, sides_);
-        cl_uint wanted = 0;
-        session.read(cursor_.get(), &wanted, sizeof(wanted));
-        if (wanted <= side_capacity_) return wanted;
-        reserve_sides(wanted);
+    void set(std::string_view name, std::string_view value) override {
+        settings_table().set(settings_, "shadow-volumes", name, value);
     }
-}
 
-void ShadowVolumes::draw(VolumeParams params, const PointInputs& points, cl_uint side_count) {
-    cl::Session& session = device_.session();
-    const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
-    const std::size_t blocks = std::size_t(params.blocks_x) * params.blocks_y;
-    const auto slice = static_cast<cl_uint>(std::clamp<std::size_t>(pair_capacity / tiles, 1, 1u << 20));
-    pairs_.reserve(session, slice * tiles * 2 * sizeof(cl_uint));
-    for (cl_uint first = 0; first < side_count; first += slice) {
-        params.first_side = first;
-        params.side_count = std::min(slice, side_count - first);
-        session.fill(cursor_, 0, sizeof(cl_uint));
-        session.launch(file, "shadow_volumes_tiles", cl::Range::items(params.side_count * blocks), params, sides_,
-                       tile_depths_, tile_counts_, pairs_, cursor_, counters_);
-        session.launch(file, "shadow_volumes_pixels", cl::Range::items(session.many_groups() * 256), params,
-                       points.layout, points.positions, points.receivers, sides_, pairs_, cursor_, pixel_counts_,
-                       counters_);
-    }
-}
+    /// Throws InvalidArgument unless the points are a picture's (Points::set_camera): volumes are counted along the
+    /// rays of pixels.
+    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
+                   const Visibility& visibility) override {
+        require_run(triangles, points, light, visibility);
+        if (points.count() == 0) return {};
+        const TriangleInputs triangle_data = triangle_inputs(triangles);
+        const PointInputs point_data = point_inputs(points);
+        VolumeParams params = params_of(triangle_data, points, light);
+        cl::Session& session = device_.session();
+        MeasuredRun measured(session, kept_bytes_);
+        const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
+        session.reserve_filled(counters_, 0, sizeof(VolumeCounters));
+        session.reserve_filled(tile_counts_, 0, tiles * sizeof(cl_int));
+        session.reserve_filled(pixel_counts_, 0, points.count() * sizeof(cl_int));
+        tile_depths_.reserve(session, tiles * 2 * sizeof(cl_float));
 
-Statistics ShadowVolumes::run(const Triangles& triangles, const Points& points, const Light& light,
-                              const Visibility& visibility) {
-    require_run(triangles, points, light, visibility);
-    if (points.count() == 0) return {};
-    const TriangleInputs triangle_data = triangle_inputs(triangles);
-    const PointInputs point_data = point_inputs(points);
-    VolumeParams params = params_of(triangle_data, points, light);
-    cl::Session& session = device_.session();
-    MeasuredRun measured(session, kept_bytes_);
-    const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
-    counters_.reserve(session, sizeof(VolumeCounters));
-    tile_depths_.reserve(session, tiles * 2 * sizeof(cl_float));
-    tile_counts_.reserve(session, tiles * sizeof(cl_int));
-    pixel_counts_.reserve(session, points.count() * sizeof(cl_int));
-    session.fill(counters_, 0, sizeof(VolumeCounters));
-    session.fill(tile_counts_, 0, tiles * sizeof(cl_int));
-    session.fill(pixel_counts_, 0, points.count() * sizeof(cl_int));
+        cl_uint side_count = 0;
+        {
+            cl::StageTimer timer(session, measured.stages, "volume_sides");
+            if (triangles.count() != 0) side_count = make_sides(params, triangle_data.vertices);
+            timer.next("volume_depths");
+            session.launch(file, "shadow_volumes_depths", cl::Range::items(tiles), params, point_data.layout,
+                           point_data.positions, tile_depths_);
+            timer.next("volume_draw");
+            if (side_count != 0) draw(params, point_data, side_count);
+            timer.next("volume_resolve");
+            session.launch(file, "shadow_volumes_resolve", cl::Range::items(points.count()), params, point_data.layout,
+                           point_data.positions, point_data.receivers, triangle_data.vertices, tile_counts_,
+                           pixel_counts_, counters_, visibility.buffer());
+        }
+        const auto counted = session.read_value<VolumeCounters>(counters_);
+        return measured.finish(
+            {{"points", points.count()},
+             {"triangles", triangles.count()},
+             {"triangles_casting", counted.casting},
+             {"edges", counted.edges},
+             {"sides", side_count},
+             {"eye_inside", counted.eye_inside},
+             {"tiles_whole", counted.tiles_whole},
+             {"pixels_written", counted.pixels_written_low + (std::uint64_t(counted.pixels_written_high) << 32) +
+                                    std::uint64_t(counted.tiles_whole) * VOLUME_TILE * VOLUME_TILE}});
+    }
 
-    cl_uint side_count = 0;
-    if (triangles.count() != 0) {
-        cl::StageTimer timer(session, measured.stages, "volume_sides");
-        side_count = make_sides(params, triangle_data.vertices);
+private:
+    VolumeParams params_of(const TriangleInputs& triangles, const Points& points, const Light& light) const {
+        const auto& seen = points.camera();
+        if (!seen || std::size_t(seen->width) * seen->height != points.count())
+            throw InvalidArgument(
+                "shadow-volumes needs the points of a whole picture: make them with look(), or name their camera with "
+                "set_camera()");
+        const Camera& camera = seen->camera;
+        // Pixels are square: a pixel's side is 2 tan(fov / 2) / height on the plane at distance 1.
+        const double pixel = 2 * std::tan(camera.fov_y_radians / 2) / seen->height;
+        VolumeParams view{};
+        view.first_float = triangles.first_float;
+        view.triangle_count = triangles.count;
+        view.cancels = settings_.cancel;
+        std::copy(light.xyzw.begin(), light.xyzw.end(), view.light);
+        std::copy(camera.eye.begin(), camera.eye.end(), view.eye);
+        store(view.right, scaled(camera.right, pixel));
+        store(view.up, scaled(camera.up, -pixel));
+        Double3 corner;
+        for (int i = 0; i < 3; ++i)
+            corner[i] = camera.forward[i] - 0.5 * seen->width * pixel * camera.right[i] +
+                        0.5 * seen->height * pixel * camera.up[i];
+        store(view.forward, corner);
+        view.width = seen->width;
+        view.height = seen->height;
+        view.tiles_x = divided_up(view.width, VOLUME_TILE);
+        view.tiles_y = divided_up(view.height, VOLUME_TILE);
+        view.blocks_x = divided_up(view.tiles_x, VOLUME_BLOCK);
+        view.blocks_y = divided_up(view.tiles_y, VOLUME_BLOCK);
+        view.both_faces = settings_.both_faces;
+        view.z_fail = settings_.z_fail;
+        return view;
     }
-    {
-        cl::StageTimer timer(session, measured.stages, "volume_depths");
-        session.launch(file, "shadow_volumes_depths", cl::Range::items(tiles), params, point_data.layout,
-                       point_data.positions, tile_depths_);
-    }
-    if (side_count != 0) {
-        cl::StageTimer timer(session, measured.stages, "volume_draw");
-        draw(params, point_data, side_count);
-    }
-    {
-        cl::StageTimer timer(session, measured.stages, "volume_resolve");
-        session.launch(file, "shadow_volumes_resolve", cl::Range::items(points.count()), params, point_data.layout,
-                       point_data.positions, point_data.receivers, triangle_data.vertices, tile_counts_, pixel_counts_,
-                       counters_, visibility.buffer());
-    }
-    VolumeCounters counted;
-    session.read(counters_.get(), &counted, sizeof(counted));
-    return measured.finish(
-        {{"points", points.count()},
-         {"triangles", triangles.count()},
-         {"triangles_casting", counted.casting},
-         {"edges", counted.edges},
-         {"sides", side_count},
-         {"eye_inside", counted.eye_inside},
-         {"tiles_whole", counted.tiles_whole},
-         {"pixels_written", counted.pixels_written_low + (std::uint64_t(counted.pixels_written_high) << 32) +
-                                std::uint64_t(counted.tiles_whole) * VOLUME_TILE * VOLUME_TILE}});
-}
 
-TechniqueDescription ShadowVolumes::describe() {
-    return {"shadow-volumes",
-            "shadow volumes (Crow 1977), counted per pixel; shared sides cancel; needs a whole picture's points", false,
-            settings_table().descriptions()};
-}
+    cl_uint make_sides(VolumeParams params, cl_mem vertices) {
+        cl::Session& session = device_.session();
+        const std::uint64_t edges = 3 * std::uint64_t(params.triangle_count);
+        if (edges >= (std::uint64_t(1) << 30))
+            throw InvalidArgument("shadow-volumes takes at most 357 million triangles, not " +
+                                  std::to_string(params.triangle_count));
+        // At most half full, so that the search for an edge is short.
+        cl_uint slots = 16;
+        while (slots < 2 * edges) slots *= 2;
+        session.reserve_filled(slot_edges_, GN_NO_ID, std::size_t(slots) * sizeof(cl_uint));
+        session.reserve_filled(slot_weights_, 0, std::size_t(slots) * sizeof(cl_int));
+        params.slot_count = slots;
+        session.launch(file, "shadow_volumes_edges", cl::Range::items(params.triangle_count), params, vertices,
+                       slot_edges_, slot_weights_, counters_);
+        cursor_.reserve(session, sizeof(cl_uint));
+        sides_.reserve(session, 1u << 16);
+        for (;;) {
+            params.side_capacity = sides_.capacity();
+            session.fill(cursor_, 0, sizeof(cl_uint));
+            session.launch(file, "shadow_volumes_sides", cl::Range::items(slots), params, vertices, slot_edges_,
+                           slot_weights_, cursor_, sides_.buffer());
+            if (settings_.z_fail)
+                session.launch(file, "shadow_volumes_caps", cl::Range::items(params.triangle_count), params, vertices,
+                               cursor_, sides_.buffer());
+            const auto wanted = session.read_value<cl_uint>(cursor_);
+            if (wanted <= sides_.capacity()) return wanted;
+            sides_.reserve(session, wanted);
+        }
+    }
+
+    void draw(VolumeParams params, const PointInputs& points, cl_uint side_count) {
+        cl::Session& session = device_.session();
+        const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
+        const std::size_t blocks = std::size_t(params.blocks_x) * params.blocks_y;
+        const auto slice = static_cast<cl_uint>(std::clamp<std::size_t>(pair_capacity / tiles, 1, 1u << 20));
+        pairs_.reserve(session, slice * tiles * 2 * sizeof(cl_uint));
+        for (cl_uint first = 0; first < side_count; first += slice) {
+            params.first_side = first;
+            params.side_count = std::min(slice, side_count - first);
+            session.fill(cursor_, 0, sizeof(cl_uint));
+            session.launch(file, "shadow_volumes_tiles", cl::Range::items(params.side_count * blocks), params,
+                           sides_.buffer(), tile_depths_, tile_counts_, pairs_, cursor_, counters_);
+            session.launch(file, "shadow_volumes_pixels", cl::Range::items(session.many_groups() * 256), params,
+                           points.layout, points.positions, points.receivers, sides_.buffer(), pairs_, cursor_,
+                           pixel_counts_, counters_);
+        }
+    }
+
+    Device device_;
+    Settings settings_ = settings_table().defaults();
+    std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
+    GrowingList sides_{sizeof(VolumeSide)};
+    cl::Buffer counters_, slot_edges_, slot_weights_, cursor_, tile_depths_, tile_counts_, pixel_counts_, pairs_;
+};
+
+}  // namespace
+
+Registered shadow_volumes_technique() { return registered<ShadowVolumes>(); }
 
 }  // namespace gnomon

@@ -26,7 +26,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint pairs;           // bins: slots for (triangle, bin) pairs wanted
     uint references;      // bins: pairs listed; GN_NO_LISTS if something did not fit: no list may be read
     uint entries;         // bins: BinEntries wanted
-    uint map_texels;      // conservative_map: texels written
+    uint map_texels;      // conservative_map: texels written; sub_pixel_shadow_map: texels with a triangle
     uint decided_by_map;  // izb: points in shadow by the conservative map
     uint listed;          // izb: points listed
     uint uncertain;       // trace: (point, triangle) pairs handed to the exact stage, wanted
@@ -34,7 +34,7 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint exact_float;       // exact_trace: pairs decided at each level of the predicate
     uint exact_double;
     uint exact_exact;
-    uint decided_by_exact;  // exact_trace: points in shadow by the exact predicate
+    uint decided_by_exact;  // exact_trace, sub_pixel_shadow_map: points in shadow by the exact predicate
     uint facing_away;       // facing: points
     uint absent;            // facing: points
     uint facing_exact;      // facing: points (or receivers, each counted once) that needed the exact level

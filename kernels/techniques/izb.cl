@@ -16,22 +16,17 @@ __kernel void izb_count(const IzbParams params, __constant const Projection* pro
                         __global const float* positions, __global const uint* map, __global float* visibility,
                         __global uint* counts, __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    PointsLayout layout = params.layout;
+    PointsLayout layout = params.framed.layout;
     uint decided = 0, listed = 0;
     GN_FOR_EACH(block, block_count(layout)) {
-        LaneFloat state = load_lanes(visibility, layout, block);
-        if (!LANES_ANY(open_lanes(state))) continue;
-        PointBlock points = load_block(positions, layout, block);
-        LaneInt lanes =
-            open_lanes(state) & LANE_COMPARE(frames_of(params.light_frame, points), ==, (LaneInt)((int)params.frame));
-        PointBlock in_grid = project_points(projection, points);
+        FrameBlock at;
+        if (!load_frame_block(params.framed, projection, positions, visibility, block, &at)) continue;
         LaneInt below = (LaneInt)(0);
-        if (params.has_map) below = lanes_below_map(projection, in_grid, state, lanes, map);
-        if (LANES_ANY(below)) store_lanes(LANES_SELECT(state, (LaneFloat)(0.0f), below), visibility, layout, block);
+        if (params.has_map) below = lanes_below_map(projection, at.in_grid, at.state, at.lanes, map);
+        if (LANES_ANY(below)) store_lanes(LANES_SELECT(at.state, (LaneFloat)(0.0f), below), visibility, layout, block);
         decided += count_lanes(below);
-        lanes &= ~below;
+        LaneInt lanes = at.lanes & ~below, bins = bins_of(projection, at.in_grid);
         listed += count_lanes(lanes);
-        LaneInt bins = bins_of(projection, in_grid);
         for (int lane = 0; lane < GN_LANES; ++lane)
             if (LANE_OF_INT(lanes, lane)) atomic_inc(&counts[LANE_OF_INT(bins, lane)]);
     }
@@ -43,26 +38,22 @@ __kernel void izb_scatter(const IzbParams params, __constant const Projection* p
                           __global const float* positions, __global const uint* offsets, __global float* visibility,
                           __global uint* cursors, __global float* lists, __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    PointsLayout layout = params.layout;
+    PointsLayout layout = params.framed.layout;
     size_t slots = params.slot_count;
     GN_FOR_EACH(block, block_count(layout)) {
-        LaneFloat state = load_lanes(visibility, layout, block);
-        if (!LANES_ANY(open_lanes(state))) continue;
-        PointBlock points = load_block(positions, layout, block);
-        LaneInt lanes =
-            open_lanes(state) & LANE_COMPARE(frames_of(params.light_frame, points), ==, (LaneInt)((int)params.frame));
-        PointBlock in_grid = project_points(projection, points);
-        LaneInt bins = bins_of(projection, in_grid);
+        FrameBlock at;
+        if (!load_frame_block(params.framed, projection, positions, visibility, block, &at)) continue;
+        LaneInt bins = bins_of(projection, at.in_grid);
         for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(lanes, lane)) continue;
+            if (!LANE_OF_INT(at.lanes, lane)) continue;
             uint bin = (uint)LANE_OF_INT(bins, lane);
             uint slot = offsets[bin] + atomic_inc(&cursors[bin]);
             lists[slot] = as_float((uint)point_of_lane(layout, block, lane));
-            lists[slots + slot] = LANE_OF_FLOAT(in_grid.x, lane);
-            lists[2 * slots + slot] = LANE_OF_FLOAT(in_grid.y, lane);
-            lists[3 * slots + slot] = LANE_OF_FLOAT(in_grid.z, lane);
+            lists[slots + slot] = LANE_OF_FLOAT(at.in_grid.x, lane);
+            lists[2 * slots + slot] = LANE_OF_FLOAT(at.in_grid.y, lane);
+            lists[3 * slots + slot] = LANE_OF_FLOAT(at.in_grid.z, lane);
         }
-        store_lanes(LANES_SELECT(state, (LaneFloat)(1.0f), lanes), visibility, layout, block);
+        store_frame_block(params.framed, &at, (LaneInt)(0), visibility, block);
     }
 }
 
@@ -74,8 +65,9 @@ __kernel void izb_trace(const IzbParams params, __global const float* positions,
                         __global const TriangleBounds* bounds, __global uint* visibility_bits, __global uint2* queue,
                         __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    Triangles triangles = triangles_of(vertices, params.triangles);
-    ExactPairs pairs = {receivers, params.layout.has_receivers, triangles, light_of(params.light_frame),
+    FramedParams framed = params.framed;
+    Triangles triangles = triangles_of(vertices, framed.triangles);
+    ExactPairs pairs = {receivers, framed.layout.has_receivers, triangles, light_of(framed.light_frame),
                         queue,     params.queue_capacity,       counters};
     size_t slots = params.slot_count;
     __global const uint* order = (__global const uint*)lists;
@@ -101,7 +93,7 @@ __kernel void izb_trace(const IzbParams params, __global const float* positions,
                 if (LANE_OF_INT(found.certain, lane))
                     by_trace += atomic_xchg(&visibility_bits[point], 0u) != 0u;
                 else if (!queue_pair(&pairs, point, id) &&
-                         blocks_exactly(&pairs, load_point(positions, params.layout, point), id))
+                         blocks_exactly(&pairs, load_point(positions, framed.layout, point), id))
                     by_exact += atomic_xchg(&visibility_bits[point], 0u) != 0u;
             }
         }

@@ -14,16 +14,11 @@
 
 // ---- Edges ----------------------------------------------------------------------------------------------------------
 
-static float3 vector_of(const float* v) { return (float3)(v[0], v[1], v[2]); }
-static float4 volume_light(VolumeParams params) {
-    return (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
-}
-
 // The triangle with its winding turned towards the light; false if it casts no shadow.
 static bool casting_triangle(Triangle t, VolumeParams params, Triangle* facing) {
     if (!is_finite_triangle(t)) return false;
     int level = DET3_BY_FLOAT;
-    int side = side_of_light(t, volume_light(params), &level);
+    int side = side_of_light(t, vload4(0, params.light), &level);
     if (side == 0 || (side < 0 && params.both_faces == 0u)) return false;
     *facing = t;
     if (side < 0) facing->b = t.c, facing->c = t.b;
@@ -83,14 +78,14 @@ static uint slot_of_edge(uint edge, uint slot_mask, __global const float* vertic
 __kernel void shadow_volumes_edges(VolumeParams params, __global const float* vertices_all, __global uint* slot_edges,
                                    __global int* slot_weights, __global VolumeCounters* counters) {
     __global const float* vertices = vertices_all + params.first_float;
-    float3 eye = vector_of(params.eye);
+    float3 eye = vload3(0, params.eye);
     uint casting = 0, edges = 0, around_eye = 0;
     GN_FOR_EACH(id, params.triangle_count) {
         Triangle t = load_triangle(vertices, id), facing;
         if (!casting_triangle(t, params, &facing)) continue;
         ++casting;
         int level = DET3_BY_FLOAT;
-        if (params.z_fail == 0u && blocks(t, eye, volume_light(params), &level)) ++around_eye;
+        if (params.z_fail == 0u && blocks(t, eye, vload4(0, params.light), &level)) ++around_eye;
         bool turned = !is_same_position(facing.b, t.b);
         for (uint i = 0; i < 3u; ++i) {
             float3 u = corner_of(t, i), v = corner_of(t, (i + 1u) % 3u);
@@ -110,15 +105,18 @@ __kernel void shadow_volumes_edges(VolumeParams params, __global const float* ve
 
 // ---- Sides ----------------------------------------------------------------------------------------------------------
 
+// The form n . ray.
+static float3 ray_form(float3 n, VolumeParams params) {
+    return (float3)(dot(n, vload3(0, params.right)), dot(n, vload3(0, params.up)), dot(n, vload3(0, params.forward)));
+}
+
+static float form_at(float3 form, float x, float y) { return fma(form.x, x, fma(form.y, y, form.z)); }
+
 // An edge of a cone of rays: det(u, v, ray), computed from the canonical order of u and v. The two sides that share the
 // edge thus get the same value with opposite signs, and a ray exactly on the edge belongs to one side.
 static void set_cone_edge(VolumeSide* side, uint i, float3 u, float3 v, VolumeParams params) {
     bool in_order = is_before(u, v);
-    float3 normal = in_order ? cross(u, v) : cross(v, u);
-    if (!in_order) normal = -normal;
-    side->edge_x[i] = dot(normal, vector_of(params.right));
-    side->edge_y[i] = dot(normal, vector_of(params.up));
-    side->edge_0[i] = dot(normal, vector_of(params.forward));
+    vstore3(ray_form(in_order ? cross(u, v) : -cross(v, u), params), i, side->edges);
     if (in_order) side->flags |= 1u << i;
 }
 
@@ -131,13 +129,10 @@ static VolumeSide make_side(float3 u, float3 v, float3 w, float3 n, float3 start
     set_cone_edge(&side, 2, w, u, params);
     // Turned so that the inside is where all three are positive.
     if (dot(cross(u, v), w) < 0.0f) {
-        for (uint i = 0; i < 3u; ++i)
-            side.edge_x[i] = -side.edge_x[i], side.edge_y[i] = -side.edge_y[i], side.edge_0[i] = -side.edge_0[i];
+        for (uint i = 0; i < 9u; ++i) side.edges[i] = -side.edges[i];
         side.flags ^= 7u;
     }
-    side.plane_x = dot(n, vector_of(params.right));
-    side.plane_y = dot(n, vector_of(params.up));
-    side.plane_0 = dot(n, vector_of(params.forward));
+    vstore3(ray_form(n, params), 0, side.plane);
     side.plane_start = dot(n, start);
     side.weight = weight;
     side.cap_of = GN_NO_ID;
@@ -146,7 +141,7 @@ static VolumeSide make_side(float3 u, float3 v, float3 w, float3 n, float3 start
 
 // From a point towards infinity, away from the light.
 static float3 away_from_light(float3 a, float3 eye, VolumeParams params) {
-    float3 light = vector_of(params.light);
+    float3 light = vload3(0, params.light);
     return params.light[3] != 0.0f ? (a + eye) - light : -light;
 }
 
@@ -154,7 +149,7 @@ static float3 away_from_light(float3 a, float3 eye, VolumeParams params) {
 __kernel void shadow_volumes_sides(VolumeParams params, __global const float* vertices_all,
                                    __global const uint* slot_edges, __global const int* slot_weights,
                                    __global uint* cursor, __global VolumeSide* sides) {
-    float3 eye = vector_of(params.eye);
+    float3 eye = vload3(0, params.eye);
     GN_FOR_EACH(slot, params.slot_count) {
         int weight = slot_edges[slot] == GN_NO_ID ? 0 : slot_weights[slot];
         if (weight == 0) continue;
@@ -176,7 +171,7 @@ __kernel void shadow_volumes_sides(VolumeParams params, __global const float* ve
 // Caps, which z-fail needs: the triangle itself and, for a point light, its shadow at infinity.
 __kernel void shadow_volumes_caps(VolumeParams params, __global const float* vertices_all, __global uint* cursor,
                                   __global VolumeSide* sides) {
-    float3 eye = vector_of(params.eye);
+    float3 eye = vload3(0, params.eye);
     uint each = params.light[3] != 0.0f ? 2u : 1u;
     GN_FOR_EACH(id, params.triangle_count) {
         Triangle t;
@@ -196,13 +191,15 @@ __kernel void shadow_volumes_caps(VolumeParams params, __global const float* ver
 
 // ---- Tiles ----------------------------------------------------------------------------------------------------------
 
+// The view depth of x is forward_unit . x with ray's forward component 1: given by the cross product of the axes.
+static float view_depth(VolumeParams params, float3 p) {
+    float3 axis = cross(vload3(0, params.right), vload3(0, params.up));
+    return dot(axis, p - vload3(0, params.eye)) * (1.0f / dot(axis, vload3(0, params.forward)));
+}
+
 // Nearest and farthest view depth of each tile's points; (inf, -inf) for a tile without points.
 __kernel void shadow_volumes_depths(VolumeParams params, PointsLayout layout, __global const float* positions,
                                     __global float2* tile_depths) {
-    float3 eye = vector_of(params.eye);
-    // The view depth of x is forward_unit . x with ray's forward component 1: given by the cross product of the axes.
-    float3 axis = cross(vector_of(params.right), vector_of(params.up));
-    float scale = 1.0f / dot(axis, vector_of(params.forward));
     GN_FOR_EACH(tile, params.tiles_x * params.tiles_y) {
         uint x0 = (uint)(tile % params.tiles_x) * VOLUME_TILE, y0 = (uint)(tile / params.tiles_x) * VOLUME_TILE;
         float2 range = (float2)(INFINITY, -INFINITY);
@@ -210,19 +207,17 @@ __kernel void shadow_volumes_depths(VolumeParams params, PointsLayout layout, __
             for (uint x = x0; x < min(x0 + VOLUME_TILE, params.width); ++x) {
                 float3 p = load_point(positions, layout, (size_t)y * params.width + x);
                 if (!is_present(p)) continue;
-                float depth = dot(axis, p - eye) * scale;
+                float depth = view_depth(params, p);
                 range = (float2)(fmin(range.x, depth), fmax(range.y, depth));
             }
         tile_depths[tile] = range;
     }
 }
 
-// Least and greatest value of a linear function over a rectangle (x0, y0, x1, y1).
-static float2 range_over(float slope_x, float slope_y, float constant_term, float4 rectangle) {
-    float x_low = slope_x > 0.0f ? rectangle.x : rectangle.z, x_high = slope_x > 0.0f ? rectangle.z : rectangle.x;
-    float y_low = slope_y > 0.0f ? rectangle.y : rectangle.w, y_high = slope_y > 0.0f ? rectangle.w : rectangle.y;
-    return (float2)(fma(slope_x, x_low, fma(slope_y, y_low, constant_term)),
-                    fma(slope_x, x_high, fma(slope_y, y_high, constant_term)));
+// Least and greatest value of a form over a rectangle (x0, y0, x1, y1).
+static float2 range_over(float3 form, float4 rectangle) {
+    float2 x = form.x > 0.0f ? rectangle.xz : rectangle.zx, y = form.y > 0.0f ? rectangle.yw : rectangle.wy;
+    return (float2)(form_at(form, x.x, y.x), form_at(form, x.y, y.y));
 }
 
 #define MISSED 0
@@ -232,7 +227,7 @@ static float2 range_over(float slope_x, float slope_y, float constant_term, floa
 static int cone_over(__global const VolumeSide* side, float4 rectangle) {
     int result = WHOLLY;
     for (int i = 0; i < 3; ++i) {
-        float2 range = range_over(side->edge_x[i], side->edge_y[i], side->edge_0[i], rectangle);
+        float2 range = range_over(vload3(i, side->edges), rectangle);
         if (range.y < 0.0f) return MISSED;
         if (range.x <= 0.0f) result = PARTLY;
     }
@@ -248,7 +243,7 @@ static bool is_at_infinity(__global const VolumeSide* side) { return (side->flag
 // The result is PARTLY near the plane, where single precision could err.
 static int plane_over(__global const VolumeSide* side, float4 rectangle, float2 depths) {
     if (is_at_infinity(side)) return MISSED;
-    float2 slope = range_over(side->plane_x, side->plane_y, side->plane_0, rectangle);
+    float2 slope = range_over(vload3(0, side->plane), rectangle);
     float low = fmin(slope.x * depths.x, slope.x * depths.y);
     float high = fmax(slope.y * depths.x, slope.y * depths.y);
     float margin = 32.0f * GN_U * (fmax(fabs(low), fabs(high)) + fabs(side->plane_start));
@@ -291,7 +286,7 @@ __kernel void shadow_volumes_tiles(VolumeParams params, __global const VolumeSid
                 if (cone == MISSED) continue;
                 int before = plane_over(side, rectangle, depths);
                 if (before == (params.z_fail ? WHOLLY : MISSED)) continue;
-                float2 slope = range_over(side->plane_x, side->plane_y, side->plane_0, rectangle);
+                float2 slope = range_over(vload3(0, side->plane), rectangle);
                 bool one_way = params.z_fail == 0u || slope.x >= 0.0f || slope.y < 0.0f;
                 if (cone == WHOLLY && before != PARTLY && one_way) {
                     atomic_add(&tile_counts[tile], crossing_of(params, side, slope.x));
@@ -308,7 +303,7 @@ __kernel void shadow_volumes_tiles(VolumeParams params, __global const VolumeSid
 
 static bool is_in_cone(__global const VolumeSide* side, float x, float y) {
     for (uint i = 0; i < 3u; ++i) {
-        float e = fma(side->edge_x[i], x, fma(side->edge_y[i], y, side->edge_0[i]));
+        float e = form_at(vload3(i, side->edges), x, y);
         if (e < 0.0f || (e == 0.0f && (side->flags & (1u << i)) == 0u)) return false;
     }
     return true;
@@ -319,9 +314,6 @@ __kernel void shadow_volumes_pixels(VolumeParams params, PointsLayout layout, __
                                     __global const uint* receivers, __global const VolumeSide* sides,
                                     __global const uint2* pairs, __global const uint* pair_count,
                                     __global int* pixel_counts, __global VolumeCounters* counters) {
-    float3 eye = vector_of(params.eye);
-    float3 axis = cross(vector_of(params.right), vector_of(params.up));
-    float scale = 1.0f / dot(axis, vector_of(params.forward));
     uint written = 0;
     GN_FOR_EACH(i, (size_t)*pair_count * VOLUME_TILE) {
         uint2 pair = pairs[i / VOLUME_TILE];
@@ -335,8 +327,8 @@ __kernel void shadow_volumes_pixels(VolumeParams params, PointsLayout layout, __
             size_t pixel = (size_t)y * params.width + x;
             float3 p = load_point(positions, layout, pixel);
             if (!is_present(p)) continue;
-            float slope = fma(side->plane_x, pixel_x, fma(side->plane_y, pixel_y, side->plane_0));
-            float depth = dot(axis, p - eye) * scale;
+            float slope = form_at(vload3(0, side->plane), pixel_x, pixel_y);
+            float depth = view_depth(params, p);
             bool is_outside = slope * depth > side->plane_start;
             bool is_own_cap = layout.has_receivers && side->cap_of != GN_NO_ID && receivers[pixel] == side->cap_of;
             bool crossed_before = !is_at_infinity(side) && !is_own_cap && is_outside != is_eye_outside(side);
@@ -363,7 +355,7 @@ __kernel void shadow_volumes_resolve(VolumeParams params, PointsLayout layout, _
         uint tile =
             (uint)(pixel / params.width) / VOLUME_TILE * params.tiles_x + (uint)(pixel % params.width) / VOLUME_TILE;
         if ((has_receiver && is_backfacing(load_triangle(vertices + params.first_float, receivers[pixel]),
-                                           volume_light(params), vector_of(params.eye), &level)) ||
+                                           vload4(0, params.light), vload3(0, params.eye), &level)) ||
             tile_counts[tile] + pixel_counts[pixel] + (int)counters->eye_inside != 0)
             visibility[pixel] = 0.0f;
     }

@@ -33,14 +33,11 @@ GN_STRUCT_BEGIN(VolumeParams)
     uint z_fail;              // 1: counts crossings behind the point, and caps; 0: counts crossings before the point
 GN_STRUCT_END(VolumeParams, 144)
 
-// One triangle of rays: a volume's side, a half of one, or a cap.
+// One triangle of rays: a volume's side, a half of one, or a cap. A form n . ray is linear in (X, Y): it has the
+// coefficients n . right, n . up and n . forward.
 GN_STRUCT_BEGIN(VolumeSide)
-    float edge_x[3];
-    float plane_x;  // n . right
-    float edge_y[3];
-    float plane_y;  // n . up
-    float edge_0[3];
-    float plane_0;      // n . forward
+    float edges[9];     // the forms of the cone's three edges
+    float plane[3];     // the form of the side's plane
     float plane_start;  // n . a
     int weight;         // number of volumes with this side, + where n points out of them; 0: nothing to draw
     uint cap_of;        // a cap's triangle: points on it always lie before it, whatever the rounding; else GN_NO_ID

@@ -8,7 +8,6 @@
 #include "exact/blocks.clh"
 #include "occluders/bin_test.clh"
 #include "occluders/triangle_setup.h"
-#include "receivers/light_frame.h"
 
 // Items that share a tile, which may have 64 texels; a power of two.
 #ifdef GN_CPU
@@ -29,9 +28,9 @@ static uint height_key(const TriangleRecord* record, float4 square) {
 // triangles at that height, so that the order of work does not change the map. Cleared before: heights 0, ids GN_NO_ID.
 __kernel void sub_pixel_draw(SubPixelParams params, __constant const Projection* projection,
                              __global const TriangleRecord* records, __global const TriangleBounds* bounds,
-                             __global const uint2* tiles, __global const FrameCounters* frame_counters,
-                             __global uint* heights, __global uint* ids, __global SubPixelCounters* counters) {
-    uint tile_count = min(frame_counters->tiles, params.tile_capacity), texels = 0;
+                             __global const uint2* tiles, __global uint* heights, __global uint* ids,
+                             __global FrameCounters* counters) {
+    uint tile_count = min(counters->tiles, params.tile_capacity), texels = 0;
     GN_FOR_EACH(i, tile_count * TILE_ITEMS) {
         uint2 tile = tiles[i / TILE_ITEMS];
         if (tile.x == GN_NO_ID) continue;
@@ -49,7 +48,7 @@ __kernel void sub_pixel_draw(SubPixelParams params, __constant const Projection*
                 ++texels;
         }
     }
-    if (texels != 0) atomic_add(&counters->texels, texels);
+    if (texels != 0) atomic_add(&counters->map_texels, texels);
 }
 
 // True if a stored triangle blocks the point. The map's texels at most `reach` away from (x, y) store the triangles.
@@ -72,31 +71,24 @@ static bool is_blocked(float3 point, uint receiver, int x, int y, int reach, __c
 __kernel void sub_pixel_lookup(SubPixelParams params, __constant const Projection* projection,
                                __global const float* positions, __global const uint* receivers,
                                __global const float* vertices, __global const uint* ids, __global float* visibility,
-                               __global SubPixelCounters* counters) {
-    LightFrame light_frame = params.light_frame;
-    PointsLayout layout = params.layout;
-    float4 light = light_of(light_frame);
+                               __global FrameCounters* counters) {
+    PointsLayout layout = params.framed.layout;
+    float4 light = light_of(params.framed.light_frame);
     uint in_shadow = 0;
     GN_FOR_EACH(block, block_count(layout)) {
-        LaneFloat state = load_lanes(visibility, layout, block);
-        if (!LANES_ANY(open_lanes(state))) continue;
-        PointBlock points = load_block(positions, layout, block);
-        LaneInt lanes =
-            open_lanes(state) & LANE_COMPARE(frames_of(light_frame, points), ==, (LaneInt)((int)params.frame));
-        PointBlock grid_positions = project_points(projection, points);
-        LaneInt x = texel_indices(grid_positions.x, projection->width),
-                y = texel_indices(grid_positions.y, projection->height);
+        FrameBlock at;
+        if (!load_frame_block(params.framed, projection, positions, visibility, block, &at)) continue;
+        LaneInt x = texel_indices(at.in_grid.x, projection->width), y = texel_indices(at.in_grid.y, projection->height);
         LaneInt blocked = (LaneInt)(0);
         for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(lanes, lane)) continue;
+            if (!LANE_OF_INT(at.lanes, lane)) continue;
             uint receiver = layout.has_receivers ? receivers[point_of_lane(layout, block, lane)] : GN_NO_ID;
-            if (is_blocked(lane_point(points, lane), receiver, LANE_OF_INT(x, lane), LANE_OF_INT(y, lane),
-                           (int)params.reach, projection, light, vertices + params.first_float, ids))
+            if (is_blocked(lane_point(at.points, lane), receiver, LANE_OF_INT(x, lane), LANE_OF_INT(y, lane),
+                           (int)params.reach, projection, light, vertices + params.framed.triangles.first_float, ids))
                 LANE_OF_INT(blocked, lane) = -1;
         }
         in_shadow += count_lanes(blocked);
-        LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(0.0f), blocked);
-        store_lanes(LANES_SELECT(state, result, lanes), visibility, layout, block);
+        store_frame_block(params.framed, &at, blocked, visibility, block);
     }
-    if (in_shadow != 0) atomic_add(&counters->in_shadow, in_shadow);
+    if (in_shadow != 0) atomic_add(&counters->decided_by_exact, in_shadow);
 }

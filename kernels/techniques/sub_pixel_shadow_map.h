@@ -11,21 +11,12 @@
 // Limit: one triangle a texel. If several triangles overlap in a texel or are smaller than it, points are wrongly lit.
 #pragma once
 
-#include "receivers/light_frame.h"
-#include "simd/points.h"
+#include "techniques/framed_technique.h"
 
 GN_STRUCT_BEGIN(SubPixelParams)
-    ulong first_float;  // where the triangles begin in their buffer
-    uint frame;         // of a point light
-    uint reach;         // rings of texels around the point's texel with triangles to test: 0 or 1
+    FramedParams framed;
+    uint reach;  // rings of texels around the point's texel with triangles to test: 0 or 1
     uint tile_capacity;
     uint stores_ids;  // the second run of sub_pixel_draw
-    LightFrame light_frame;
-    PointsLayout layout;
-GN_STRUCT_END(SubPixelParams, 136)
-
-// The counts of a frame, zeroed at its start.
-GN_STRUCT_BEGIN(SubPixelCounters)
-    uint texels;     // texels with a triangle
-    uint in_shadow;  // points in shadow
-GN_STRUCT_END(SubPixelCounters, 8)
+    uint padding;
+GN_STRUCT_END(SubPixelParams, 152)

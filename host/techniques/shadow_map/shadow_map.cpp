@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The pipeline of shadow maps:
+// Technique shadow-map: projection x partition x stored quantity x prefilter x lookup, each a setting of its own. Named
+// compositions are in presets.hpp. The pipeline:
 //
 //   facing      decides backfacing points
 //   fit         projection x partition: views fitted to the other points
@@ -7,21 +8,34 @@
 //   moments     the stored quantity, where it is more than depth
 //   prefilter   its means over neighbourhoods
 //   lookup      visibility of the points that face the light
-#include "techniques/shadow_map/shadow_map.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "api/statistics.hpp"
-#include "kernels/simd/frame_counters.h"
+#include "kernels/techniques/shadow_map/lookup.h"
 #include "receivers/facing.hpp"
+#include "techniques/registered.hpp"
 #include "techniques/shadow_map/diagnostic.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
+#include "techniques/shadow_map/presets.hpp"
+#include "techniques/shadow_map/stored_map.hpp"
 
 namespace gnomon {
 namespace {
 
-constexpr std::uint32_t largest_size = 16384;
+/// The settings beside the fit. Depths are in units of the map's depth: 0 to 1 over the receivers.
+struct Settings : StorePlan {
+    enum class Bias : std::uint32_t { scaled, adaptive, dual };
+
+    std::uint32_t size, filter_width, lookup, taps;
+    Prefilter prefilter;
+    float softness, light_size;
+    Bias bias;
+    float slope_bias, slope_limit, dual_limit;
+    std::optional<float> set_moment_bias;  ///< none: the store's own
+    bool all_bits;
+};
 
 // In the order of the constants' values.
 constexpr std::string_view store_names[] = {"depth", "variance", "layered", "convolution", "exponential",
@@ -31,10 +45,10 @@ constexpr std::string_view prefilter_names[] = {"none", "gaussian", "summed-area
 constexpr std::string_view bias_names[] = {"scaled", "adaptive", "dual"};
 constexpr std::string_view bits_names[] = {"64", "128"};
 
-const SettingsTable<ShadowMapSettings>& settings_table() {
-    using S = ShadowMapSettings;
+const SettingsTable<Settings>& settings_table() {
+    using S = Settings;
     static const SettingsTable<S> table{
-        {{"size", "2048", "texels per side of each view, 16 to 16384"}, setting::whole(&S::size, 16, largest_size)},
+        {{"size", "2048", "texels per side of each view, 16 to 16384"}, setting::whole(&S::size, 16, 16384)},
         {{"store", "depth",
           "what a texel holds: depth, variance, layered, convolution, exponential, evsm2, evsm4, ewgf or moments"},
          setting::choice(&S::store, store_names)},
@@ -101,175 +115,227 @@ std::array<float, 24> gaussian_offsets() {
     return offsets;
 }
 
+class ShadowMap final : public Technique {
+public:
+    /// `name`: of the preset, for the texts of errors.
+    explicit ShadowMap(const Device& device, std::string_view name = "shadow-map") : device_(device), name_(name) {}
+
+    static TechniqueDescription describe() {
+        TechniqueDescription description{
+            "shadow-map", "shadow map of any composition: projection x partition x store x prefilter x lookup", false,
+            settings_table().descriptions(), map_diagnostics()};
+        for (SettingDescription& setting : ViewFit::settings()) description.settings.push_back(std::move(setting));
+        return description;
+    }
+
+    void set(std::string_view name, std::string_view value) override {
+        if (!settings_table().set_if_known(settings_, name, value) && !fit_.set(name, value))
+            throw_no_setting(name_, name, describe().settings);
+    }
+
+    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
+                   const Visibility& visibility) override {
+        require_run(triangles, points, light, visibility);
+        require_consistent();
+        cl::Session& session = device_.session();
+        MeasuredRun measured(session, kept_bytes_);
+        FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
+        inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // the lookup measures the distance to casters
+        map_views_.set = {};
+        const FrameCounters facing =
+            run_facing(session, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
+        if (points.count() != 0) {
+            if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
+                run_stages(inputs, measured.stages);
+            else
+                measured.stages.stages.push_back(
+                    {"depth_pass", 0, 0, "no point faces the light, or there are no triangles"});
+        }
+        session.finish();
+        return measured.finish({{"points", points.count()},
+                                {"points_absent", facing.absent},
+                                {"points_facing_away", facing.facing_away},
+                                {"triangles", triangles.count()},
+                                {"map_views", map_views_.set.view_count},
+                                {"map_texels", map_views_.set.texels}});
+    }
+
+    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                       const Light& light) override {
+        const auto& all = map_diagnostics();
+        const auto asked = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.name == name; });
+        if (asked == all.end()) return Technique::diagnose(name, triangles, points, light);
+        const Visibility visibility(device_, points.count());
+        run(triangles, points, light, visibility);  // leaves its views behind
+        const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
+                               points.camera()};
+        const auto diagnostic = static_cast<cl_uint>(asked - all.begin());
+        return opaque_bytes(run_map_diagnostic(device_.session(), diagnostic, inputs, map_views_).colors);
+    }
+
+private:
+    /// Throws InvalidArgument where settings contradict each other.
+    void require_consistent() const {
+        const Settings& s = settings_;
+        const std::string store(store_names[s.store]);
+        const bool is_depth = s.store == STORE_DEPTH;
+        if (is_depth && s.prefilter != Prefilter::none)
+            throw InvalidArgument(
+                "depths must not be filtered before they are compared: set prefilter=none, or a store "
+                "other than depth");
+        if (!is_depth && s.lookup != LOOKUP_HARD)
+            throw InvalidArgument("lookup=" + std::string(lookup_names[s.lookup]) + " compares depths, and store=" +
+                                  store + " holds none: set lookup=hard, and filter by prefilter");
+        if (!is_depth && s.bias == Settings::Bias::adaptive)
+            throw InvalidArgument("bias=adaptive compares depths texel by texel, and store=" + store +
+                                  " holds none: set bias=scaled");
+        if (s.prefilter == Prefilter::gaussian && s.filter_width % 2 == 0)
+            throw InvalidArgument("filter-width is odd where prefilter=gaussian, not " +
+                                  std::to_string(s.filter_width));
+        const bool unit_range = s.store == STORE_VARIANCE || s.store == STORE_LAYERED || s.store == STORE_CONVOLUTION ||
+                                s.store == STORE_MOMENTS;
+        if (s.prefilter == Prefilter::summed_area && !unit_range)
+            throw InvalidArgument("sums of store=" + store +
+                                  " would lose its precision: set prefilter=gaussian, or store=variance or moments");
+        const bool squares = s.store == STORE_EVSM2 || s.store == STORE_EVSM4 || s.store == STORE_EWGF;
+        if (squares && s.exponent > 42)
+            throw InvalidArgument("the squares of store=" + store + " overflow beyond exponent=42: set a smaller one");
+    }
+
+    StorePlan store_plan() const {
+        const Settings& s = settings_;
+        StorePlan plan = s;
+        plan.half_bits = !s.all_bits && s.store == STORE_MOMENTS;
+        plan.edges_only = s.edges_only && s.store == STORE_VARIANCE;
+        // For moments as in Peters and Klein 2015; for the others: the bias that rounding of their squares needs.
+        const float own_bias = s.store != STORE_MOMENTS ? (s.store <= STORE_LAYERED ? 1e-3f : 1e-4f)
+                               : s.all_bits             ? 3e-7f
+                                                        : 3e-5f;
+        plan.moment_bias = s.set_moment_bias.value_or(own_bias);
+        plan.planes = s.store == STORE_LAYERED                             ? 2 * s.layers
+                      : s.store == STORE_CONVOLUTION                       ? 2 * s.terms
+                      : s.store == STORE_EXPONENTIAL                       ? 1
+                      : s.store == STORE_EVSM4 || s.store == STORE_MOMENTS ? 4
+                                                                           : 2;
+        return plan;
+    }
+
+    LookupPlan lookup_plan(const TriangleInputs& triangles) const {
+        const Settings& s = settings_;
+        return {.first_float = triangles.first_float,
+                .lookup = s.lookup,
+                .taps = s.taps,
+                .adaptive = s.bias == Settings::Bias::adaptive,
+                .receiver_bias = s.receiver_bias,
+                .softness = s.softness,
+                .light_size = s.light_size,
+                .triangle_count = triangles.count,
+                .padding = 0};
+    }
+
+    void run_stages(const FitInputs& inputs, Statistics& statistics) {
+        cl::Session& session = device_.session();
+        const Settings& s = settings_;
+        {
+            cl::StageTimer timer(session, statistics, "fit");
+            fit_.run(session, inputs, s.size, map_views_);
+        }
+        if (const std::string limits = fit_.limits(inputs); !limits.empty())
+            statistics.stages.push_back({"fit_along_view", 0, 0, limits});
+        {
+            cl::StageTimer timer(session, statistics, "depth_pass");
+            DepthBias bias;
+            if (s.bias == Settings::Bias::scaled && s.store == STORE_DEPTH) bias.slope = s.slope_bias;
+            bias.slope_limit = s.slope_limit;
+            if (s.bias == Settings::Bias::dual) bias.dual_limit = s.dual_limit;
+            depths_.run(session, inputs.triangles, map_views_, bias,
+                        s.store == STORE_VARIANCE || s.store == STORE_LAYERED);
+        }
+        if (s.store == STORE_DEPTH) {
+            cl::StageTimer timer(session, statistics, "lookup");
+            const auto offsets = gaussian_offsets();
+            offsets_.reserve(session, sizeof(offsets));
+            session.write(offsets_.get(), offsets.data(), sizeof(offsets));
+            session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup",
+                           cl::Range::items(inputs.points.layout.count), lookup_plan(inputs.triangles), map_views_.set,
+                           inputs.points.layout, inputs.points.positions, inputs.points.receivers,
+                           inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), offsets_,
+                           inputs.visibility);
+            return;
+        }
+        StorePlan plan = store_plan();
+        {
+            cl::StageTimer timer(session, statistics, "moments");
+            stored_.fill(session, map_views_, depths_, plan);
+        }
+        // Pixel footprints need a camera and receivers.
+        const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
+        const bool lacks_footprints = s.prefilter == Prefilter::mip && !has_footprints;
+        {
+            cl::StageTimer timer(session, statistics, "prefilter");
+            stored_.prefilter(session, map_views_, lacks_footprints ? Prefilter::none : s.prefilter, s.filter_width,
+                              plan);
+        }
+        if (lacks_footprints) statistics.stages.back().skipped = "mip needs points of a camera: looked up unfiltered";
+        if (s.prefilter == Prefilter::none) statistics.stages.back().skipped = "switched off";
+        cl::StageTimer timer(session, statistics, "lookup");
+        MomentLookupPlan lookup{};
+        lookup.first_float = inputs.triangles.first_float;
+        lookup.triangle_count = inputs.triangles.count;
+        lookup.store = plan;
+        if (inputs.camera) lookup.steps = pixel_steps(*inputs.camera);
+        session.launch("techniques/shadow_map/moment_lookup.cl", "moment_lookup",
+                       cl::Range::items(inputs.points.layout.count), lookup, map_views_.set, inputs.points.layout,
+                       inputs.points.positions, inputs.points.receivers, inputs.triangles.vertices, map_views_.views,
+                       map_views_.tables, depths_.keys(), stored_.planes(),
+                       plan.mips != 0 ? stored_.mips() : stored_.planes(), inputs.visibility);
+    }
+
+    Device device_;
+    std::string name_;
+    Settings settings_ = settings_table().defaults();
+    ViewFit fit_;
+    std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
+    cl::Buffer counters_, offsets_;
+    MapViews map_views_;
+    DepthMap depths_;
+    StoredMap stored_;
+};
+
+template <typename Use>
+void for_each_setting(std::string_view settings, const Use& use) {
+    while (!settings.empty()) {
+        const std::string_view one = settings.substr(0, settings.find(' '));
+        settings.remove_prefix(std::min(one.size() + 1, settings.size()));
+        const std::size_t equals = one.find('=');
+        use(one.substr(0, equals), one.substr(equals + 1));
+    }
+}
+
+Registered registered_preset(const ShadowMapPreset& preset) {
+    TechniqueDescription description = ShadowMap::describe();
+    description.name = preset.name;
+    description.summary = preset.summary;
+    for_each_setting(preset.settings, [&](std::string_view name, std::string_view value) {
+        for (SettingDescription& setting : description.settings)
+            if (setting.name == name) setting.default_value = value;
+    });
+    return {std::move(description), [preset](const Device& device) {
+                auto technique = std::make_unique<ShadowMap>(device, preset.name);
+                for_each_setting(preset.settings,
+                                 [&](std::string_view name, std::string_view value) { technique->set(name, value); });
+                return technique;
+            }};
+}
+
 }  // namespace
 
-ShadowMap::ShadowMap(const Device& device, std::string name)
-    : device_(device), name_(std::move(name)), settings_(settings_table().defaults()) {}
+Registered shadow_map_technique() { return registered<ShadowMap>(); }
 
-void ShadowMap::require_consistent() const {
-    const ShadowMapSettings& s = settings_;
-    const std::string store(store_names[s.store]);
-    const bool is_depth = s.store == STORE_DEPTH;
-    if (is_depth && s.prefilter != Prefilter::none)
-        throw InvalidArgument(
-            "depths must not be filtered before they are compared: set prefilter=none, or a store "
-            "other than depth");
-    if (!is_depth && s.lookup != LOOKUP_HARD)
-        throw InvalidArgument("lookup=" + std::string(lookup_names[s.lookup]) + " compares depths, and store=" + store +
-                              " holds none: set lookup=hard, and filter by prefilter");
-    if (!is_depth && s.bias == ShadowMapSettings::Bias::adaptive)
-        throw InvalidArgument("bias=adaptive compares depths texel by texel, and store=" + store +
-                              " holds none: set bias=scaled");
-    if (s.prefilter == Prefilter::gaussian && s.filter_width % 2 == 0)
-        throw InvalidArgument("filter-width is odd where prefilter=gaussian, not " + std::to_string(s.filter_width));
-    const bool unit_range = s.store == STORE_VARIANCE || s.store == STORE_LAYERED || s.store == STORE_CONVOLUTION ||
-                            s.store == STORE_MOMENTS;
-    if (s.prefilter == Prefilter::summed_area && !unit_range)
-        throw InvalidArgument("sums of store=" + store +
-                              " would lose its precision: set prefilter=gaussian, or store=variance or moments");
-    const bool squares = s.store == STORE_EVSM2 || s.store == STORE_EVSM4 || s.store == STORE_EWGF;
-    if (squares && s.exponent > 42)
-        throw InvalidArgument("the squares of store=" + store + " overflow beyond exponent=42: set a smaller one");
-}
-
-StorePlan ShadowMap::store_plan() const {
-    const ShadowMapSettings& s = settings_;
-    StorePlan plan = s;
-    plan.half_bits = !s.all_bits && s.store == STORE_MOMENTS;
-    plan.edges_only = s.edges_only && s.store == STORE_VARIANCE;
-    // For moments as in Peters and Klein 2015; for the others: the bias that rounding of their squares needs.
-    const float own_bias = s.store != STORE_MOMENTS ? (s.store <= STORE_LAYERED ? 1e-3f : 1e-4f)
-                           : s.all_bits             ? 3e-7f
-                                                    : 3e-5f;
-    plan.moment_bias = s.set_moment_bias.value_or(own_bias);
-    plan.planes = s.store == STORE_LAYERED                             ? 2 * s.layers
-                  : s.store == STORE_CONVOLUTION                       ? 2 * s.terms
-                  : s.store == STORE_EXPONENTIAL                       ? 1
-                  : s.store == STORE_EVSM4 || s.store == STORE_MOMENTS ? 4
-                                                                       : 2;
-    return plan;
-}
-
-LookupPlan ShadowMap::lookup_plan(const TriangleInputs& triangles) const {
-    const ShadowMapSettings& s = settings_;
-    return {.first_float = triangles.first_float,
-            .lookup = s.lookup,
-            .taps = s.taps,
-            .adaptive = s.bias == ShadowMapSettings::Bias::adaptive,
-            .receiver_bias = s.receiver_bias,
-            .softness = s.softness,
-            .light_size = s.light_size,
-            .triangle_count = triangles.count,
-            .padding = 0};
-}
-
-void ShadowMap::run_stages(const FitInputs& inputs, Statistics& statistics) {
-    cl::Session& session = device_.session();
-    const ShadowMapSettings& s = settings_;
-    {
-        cl::StageTimer timer(session, statistics, "fit");
-        fit_.run(session, inputs, s.size, map_views_);
-    }
-    if (const std::string limits = fit_.limits(inputs); !limits.empty())
-        statistics.stages.push_back({"fit_along_view", 0, 0, limits});
-    {
-        cl::StageTimer timer(session, statistics, "depth_pass");
-        DepthBias bias;
-        if (s.bias == ShadowMapSettings::Bias::scaled && s.store == STORE_DEPTH) bias.slope = s.slope_bias;
-        bias.slope_limit = s.slope_limit;
-        if (s.bias == ShadowMapSettings::Bias::dual) bias.dual_limit = s.dual_limit;
-        depths_.run(session, inputs.triangles, map_views_, bias, s.store == STORE_VARIANCE || s.store == STORE_LAYERED);
-    }
-    if (s.store == STORE_DEPTH) {
-        cl::StageTimer timer(session, statistics, "lookup");
-        const auto offsets = gaussian_offsets();
-        offsets_.reserve(session, sizeof(offsets));
-        session.write(offsets_.get(), offsets.data(), sizeof(offsets));
-        session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup",
-                       cl::Range::items(inputs.points.layout.count), lookup_plan(inputs.triangles), map_views_.set,
-                       inputs.points.layout, inputs.points.positions, inputs.points.receivers,
-                       inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), offsets_,
-                       inputs.visibility);
-        return;
-    }
-    StorePlan plan = store_plan();
-    {
-        cl::StageTimer timer(session, statistics, "moments");
-        stored_.fill(session, map_views_, depths_, plan);
-    }
-    // Pixel footprints need a camera and receivers.
-    const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
-    const bool lacks_footprints = s.prefilter == Prefilter::mip && !has_footprints;
-    {
-        cl::StageTimer timer(session, statistics, "prefilter");
-        stored_.prefilter(session, map_views_, lacks_footprints ? Prefilter::none : s.prefilter, s.filter_width, plan);
-    }
-    if (lacks_footprints) statistics.stages.back().skipped = "mip needs points of a camera: looked up unfiltered";
-    if (s.prefilter == Prefilter::none) statistics.stages.back().skipped = "switched off";
-    cl::StageTimer timer(session, statistics, "lookup");
-    MomentLookupPlan lookup{};
-    lookup.first_float = inputs.triangles.first_float;
-    lookup.triangle_count = inputs.triangles.count;
-    lookup.store = plan;
-    if (inputs.camera) lookup.steps = pixel_steps(*inputs.camera);
-    session.launch("techniques/shadow_map/moment_lookup.cl", "moment_lookup",
-                   cl::Range::items(inputs.points.layout.count), lookup, map_views_.set, inputs.points.layout,
-                   inputs.points.positions, inputs.points.receivers, inputs.triangles.vertices, map_views_.views,
-                   map_views_.tables, depths_.keys(), stored_.planes(),
-                   plan.mips != 0 ? stored_.mips() : stored_.planes(), inputs.visibility);
-}
-
-Statistics ShadowMap::run(const Triangles& triangles, const Points& points, const Light& light,
-                          const Visibility& visibility) {
-    require_run(triangles, points, light, visibility);
-    require_consistent();
-    cl::Session& session = device_.session();
-    MeasuredRun measured(session, kept_bytes_);
-    FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
-    inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // the lookup measures the distance to casters
-    map_views_.set = {};
-    const FrameCounters facing =
-        run_facing(session, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
-    if (points.count() != 0) {
-        if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
-            run_stages(inputs, measured.stages);
-        else
-            measured.stages.stages.push_back(
-                {"depth_pass", 0, 0, "no point faces the light, or there are no triangles"});
-    }
-    session.finish();
-    return measured.finish({{"points", points.count()},
-                            {"points_absent", facing.absent},
-                            {"points_facing_away", facing.facing_away},
-                            {"triangles", triangles.count()},
-                            {"map_views", map_views_.set.view_count},
-                            {"map_texels", map_views_.set.texels}});
-}
-
-std::vector<std::uint8_t> ShadowMap::diagnose(std::string_view name, const Triangles& triangles, const Points& points,
-                                              const Light& light) {
-    const auto& all = map_diagnostics();
-    const auto asked = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.name == name; });
-    if (asked == all.end()) return Technique::diagnose(name, triangles, points, light);
-    const Visibility visibility(device_, points.count());
-    run(triangles, points, light, visibility);  // leaves its views behind
-    const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
-                           points.camera()};
-    const auto diagnostic = static_cast<cl_uint>(asked - all.begin());
-    return opaque_bytes(run_map_diagnostic(device_.session(), diagnostic, inputs, map_views_).colors);
-}
-
-void ShadowMap::set(std::string_view name, std::string_view value) {
-    if (!settings_table().set_if_known(settings_, name, value) && !fit_.set(name, value))
-        throw_no_setting(name_, name, describe().settings);
-}
-
-TechniqueDescription ShadowMap::describe() {
-    TechniqueDescription description{
-        "shadow-map", "shadow map of any composition: projection x partition x store x prefilter x lookup", false,
-        settings_table().descriptions(), map_diagnostics()};
-    for (SettingDescription& setting : ViewFit::settings()) description.settings.push_back(std::move(setting));
-    return description;
+std::vector<Registered> shadow_map_presets() {
+    std::vector<Registered> all;
+    for (const ShadowMapPreset& preset : presets) all.push_back(registered_preset(preset));
+    return all;
 }
 
 }  // namespace gnomon
