@@ -9,7 +9,6 @@
 //   prefilter   its means over neighbourhoods
 //   lookup      visibility of the points that face the light
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "api/statistics.hpp"
@@ -100,19 +99,6 @@ const SettingsTable<Settings>& settings_table() {
          setting::on_off(&S::edges_only)},
     };
     return table;
-}
-
-// Twelve points distributed like a Gaussian of deviation 1: radii at the middles of twelve equal shares of its
-// probability, angles turned by the golden one.
-std::array<float, 24> gaussian_offsets() {
-    std::array<float, 24> offsets{};
-    for (int i = 0; i < 12; ++i) {
-        const double radius = std::sqrt(-2 * std::log(1 - (i + 0.5) / 12));
-        const double angle = i * 2.39996322972865332;
-        offsets[2 * i] = static_cast<float>(radius * std::cos(angle));
-        offsets[2 * i + 1] = static_cast<float>(radius * std::sin(angle));
-    }
-    return offsets;
 }
 
 class ShadowMap final : public Technique {
@@ -220,17 +206,42 @@ private:
         return plan;
     }
 
-    LookupPlan lookup_plan(const TriangleInputs& triangles) const {
+    /// Fills and filters what the map holds instead of depth.
+    void store_quantity(const FitInputs& inputs, StorePlan& plan, Statistics& statistics) {
+        cl::Session& session = device_.session();
+        // Pixel footprints need a camera and receivers.
+        const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
+        const bool lacks_footprints = settings_.prefilter == Prefilter::mip && !has_footprints;
+        const Prefilter prefilter = lacks_footprints ? Prefilter::none : settings_.prefilter;
+        {
+            cl::StageTimer timer(session, statistics, "moments");
+            stored_.fill(session, map_views_, depths_, plan);
+            timer.next("prefilter");
+            stored_.prefilter(session, map_views_, prefilter, settings_.filter_width, plan);
+        }
+        if (prefilter != Prefilter::none) return;
+        statistics.stages.back().skipped =
+            lacks_footprints ? "mip needs points of a camera: looked up unfiltered" : "switched off";
+    }
+
+    void look_up(const FitInputs& inputs, const StorePlan& store) {
         const Settings& s = settings_;
-        return {.first_float = triangles.first_float,
-                .lookup = s.lookup,
-                .taps = s.taps,
-                .adaptive = s.bias == Settings::Bias::adaptive,
-                .receiver_bias = s.receiver_bias,
-                .softness = s.softness,
-                .light_size = s.light_size,
-                .triangle_count = triangles.count,
-                .padding = 0};
+        const bool is_stored = s.store != STORE_DEPTH;
+        const LookupPlan plan{.first_float = inputs.triangles.first_float,
+                              .triangle_count = inputs.triangles.count,
+                              .lookup = s.lookup,
+                              .taps = s.taps,
+                              .adaptive = s.bias == Settings::Bias::adaptive,
+                              .softness = s.softness,
+                              .light_size = s.light_size,
+                              .store = store,
+                              .steps = inputs.camera ? pixel_steps(*inputs.camera) : PixelSteps{}};
+        const cl::Buffer& planes = is_stored ? stored_.planes() : depths_.keys();
+        device_.session().launch({"techniques/shadow_map/lookup.cl", "map_lookup", is_stored ? "LOOKUP_STORED" : ""},
+                                 cl::Range::items(inputs.points.layout.count), plan, map_views_.set,
+                                 inputs.points.layout, inputs.points.positions, inputs.points.receivers,
+                                 inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), planes,
+                                 store.mips != 0 ? stored_.mips() : planes, inputs.visibility);
     }
 
     void run_stages(const FitInputs& inputs, Statistics& statistics) {
@@ -251,44 +262,10 @@ private:
             depths_.run(session, inputs.triangles, map_views_, bias,
                         s.store == STORE_VARIANCE || s.store == STORE_LAYERED);
         }
-        if (s.store == STORE_DEPTH) {
-            cl::StageTimer timer(session, statistics, "lookup");
-            const auto offsets = gaussian_offsets();
-            offsets_.reserve(session, sizeof(offsets));
-            session.write(offsets_.get(), offsets.data(), sizeof(offsets));
-            session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup",
-                           cl::Range::items(inputs.points.layout.count), lookup_plan(inputs.triangles), map_views_.set,
-                           inputs.points.layout, inputs.points.positions, inputs.points.receivers,
-                           inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), offsets_,
-                           inputs.visibility);
-            return;
-        }
         StorePlan plan = store_plan();
-        {
-            cl::StageTimer timer(session, statistics, "moments");
-            stored_.fill(session, map_views_, depths_, plan);
-        }
-        // Pixel footprints need a camera and receivers.
-        const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
-        const bool lacks_footprints = s.prefilter == Prefilter::mip && !has_footprints;
-        {
-            cl::StageTimer timer(session, statistics, "prefilter");
-            stored_.prefilter(session, map_views_, lacks_footprints ? Prefilter::none : s.prefilter, s.filter_width,
-                              plan);
-        }
-        if (lacks_footprints) statistics.stages.back().skipped = "mip needs points of a camera: looked up unfiltered";
-        if (s.prefilter == Prefilter::none) statistics.stages.back().skipped = "switched off";
+        if (s.store != STORE_DEPTH) store_quantity(inputs, plan, statistics);
         cl::StageTimer timer(session, statistics, "lookup");
-        MomentLookupPlan lookup{};
-        lookup.first_float = inputs.triangles.first_float;
-        lookup.triangle_count = inputs.triangles.count;
-        lookup.store = plan;
-        if (inputs.camera) lookup.steps = pixel_steps(*inputs.camera);
-        session.launch("techniques/shadow_map/moment_lookup.cl", "moment_lookup",
-                       cl::Range::items(inputs.points.layout.count), lookup, map_views_.set, inputs.points.layout,
-                       inputs.points.positions, inputs.points.receivers, inputs.triangles.vertices, map_views_.views,
-                       map_views_.tables, depths_.keys(), stored_.planes(),
-                       plan.mips != 0 ? stored_.mips() : stored_.planes(), inputs.visibility);
+        look_up(inputs, plan);
     }
 
     Device device_;
@@ -296,7 +273,7 @@ private:
     Settings settings_ = settings_table().defaults();
     ViewFit fit_;
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
-    cl::Buffer counters_, offsets_;
+    cl::Buffer counters_;
     MapViews map_views_;
     DepthMap depths_;
     StoredMap stored_;

@@ -5,7 +5,7 @@
 // value: a backfacing point is in shadow; a point that is absent or outside all maps is lit.
 #pragma once
 
-#include "techniques/shadow_map/map_view.h"
+#include "techniques/shadow_map/moments.h"
 
 // Lookups of depths.
 #define LOOKUP_HARD 0u      // the texel under the point (Williams 1978)
@@ -19,15 +19,14 @@
 
 GN_STRUCT_BEGIN(LookupPlan)
     ulong first_float;  // where the triangles begin in their buffer
-    uint lookup;
-    uint taps;
-    uint adaptive;        // 1: each texel is compared with the receiver's plane at that texel's centre
-    float receiver_bias;  // depth; subtracted from the receiver's depth
-    float softness;       // texels
-    float light_size;     // point light: world units across; directional light: tangent of the angle across
     uint triangle_count;
-    uint padding;
-GN_STRUCT_END(LookupPlan, 40)
+    uint lookup, taps;
+    uint adaptive;     // 1: each texel is compared with the receiver's plane at that texel's centre
+    float softness;    // texels
+    float light_size;  // point light: world units across; directional light: tangent of the angle across
+    StorePlan store;   // of depths only receiver_bias
+    PixelSteps steps;  // of the points' camera; read where store.mips is not 0
+GN_STRUCT_END(LookupPlan, 160)
 
 #ifndef __cplusplus
 
@@ -55,17 +54,6 @@ static float4 homogeneous_direction(__global const MapView* view, float3 d) {
     return q;
 }
 
-// Unit tangents of the triangle's plane; false if it has none.
-static bool plane_tangents(Triangle t, float3* tangent_a, float3* tangent_b) {
-    float3 ab = t.b - t.a, ac = t.c - t.a;
-    float3 normal = cross(ab, ac);
-    float size = length(normal), along = length(ab);
-    if (!(size > 0.0f) || !(along > 0.0f) || !GN_FINITE(size)) return false;
-    *tangent_a = ab / along;
-    *tangent_b = cross(normal / size, *tangent_a);
-    return true;
-}
-
 // Writes through a pointer: oclgrind cannot run clang's code for returning a structure this large.
 static void make_map_point(__global const MapView* view, __global const float* tables, float3 p, MapPoint* point) {
     point->view = view;
@@ -75,6 +63,17 @@ static void make_map_point(__global const MapView* view, __global const float* t
     point->depth = point->homogeneous.w;
     point->at_texels = map_texels(view, tables, point->uv);
     point->has_plane = false;
+}
+
+// Gives the point the plane of its receiver, if the triangle has one: two unit tangents span it.
+static void set_receiver_plane(MapPoint* point, Triangle t) {
+    float3 ab = t.b - t.a, normal = cross(ab, t.c - t.a);
+    float size = length(normal), along = length(ab);
+    if (!(size > 0.0f) || !(along > 0.0f) || !GN_FINITE(size)) return;
+    float3 tangent = ab / along;
+    point->has_plane = true;
+    point->tangent_a = homogeneous_direction(point->view, tangent);
+    point->tangent_b = homogeneous_direction(point->view, cross(normal / size, tangent));
 }
 
 // True if the map serves the point; writes its position and the view.

@@ -59,14 +59,6 @@ GN_STRUCT_BEGIN(GaussianPass)
     uint axis;  // 0 along x, 1 along y
 GN_STRUCT_END(GaussianPass, 8)
 
-GN_STRUCT_BEGIN(MomentLookupPlan)
-    ulong first_float;  // where the triangles begin in their buffer
-    uint triangle_count;
-    uint padding;
-    StorePlan store;
-    PixelSteps steps;  // of the points' camera; read where store.mips is not 0
-GN_STRUCT_END(MomentLookupPlan, 144)
-
 #ifndef __cplusplus
 
 // Depths that layer l maps to [0, 1].

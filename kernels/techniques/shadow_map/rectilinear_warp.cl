@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rectilinear texture warping (rectilinear_warp.h): the importance of each cell of each view, then the views' tables.
-#include "simd/points.h"
 #include "techniques/shadow_map/homography.clh"
+#include "techniques/shadow_map/lookup.h"
 #include "techniques/shadow_map/rectilinear_warp.h"
 
 #define CELLS (WARP_SEGMENTS * WARP_SEGMENTS)
@@ -36,11 +36,9 @@ __kernel void rectilinear_backward(ViewPlan plan, WarpPlan warp, MapSet set, Poi
     KeyBounds depths = bounds[1];
     float farthest = greatest_of(&depths, 2);
     GN_FOR_EACH(i, layout.count) {
-        if (visibility[i] != 1.0f) continue;
-        float3 p = load_point(positions, layout, i);
-        if (!is_present(p)) continue;
-        uint view = select_view(set, views, p);
-        if (view == NO_VIEW) continue;
+        float3 p;
+        uint view;
+        if (!is_looked_up(set, layout, positions, visibility, views, i, &p, &view)) continue;
         float3 normal = (float3)(0.0f);
         if (layout.has_receivers && receivers[i] != GN_NO_ID) {
             Triangle t = load_triangle(vertices + first_float, receivers[i]);

@@ -3,6 +3,8 @@
 // from its definition; penumbrae have the width that the formula says.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "kernels/techniques/shadow_map/lookup.h"
 #include "support/map_scenes.hpp"
 
@@ -12,7 +14,11 @@ using namespace support;
 using gnomon::LookupPlan;
 
 constexpr std::uint32_t size = 64;
-const std::array<float, 24> test_offsets{-0.5f, 1, 2, 0.25f, -1.5f, -2, 0, 0, 3, 3, 0.75f, -1};
+/// The definition of lookup twelve's taps: radii of a Gaussian's equal shares, at golden angles.
+double offset_of(int tap, int axis) {
+    const double radius = std::sqrt(-2 * std::log(1 - (tap + 0.5) / 12)), angle = tap * 2.39996322972865332;
+    return static_cast<float>(radius * (axis == 0 ? std::cos(angle) : std::sin(angle)));
+}
 
 struct Lookup {
     std::vector<float> depths;  ///< size x size, straight view: u = x, v = y, depth = z
@@ -23,17 +29,15 @@ struct Lookup {
         gnomon::cl::Session& session = device.session();
         std::vector<ViewCase> cases{straight_view(size, size)};
         const gnomon::MapViews views = uploaded_views(session, cases);
-        const gnomon::cl::Buffer keys = uploaded(session, depths), positions = uploaded(session, points),
-                                 offsets =
-                                     uploaded(session, std::vector<float>(test_offsets.begin(), test_offsets.end()));
+        const gnomon::cl::Buffer keys = uploaded(session, depths), positions = uploaded(session, points);
         const std::size_t count = points.size() / 3;
         const gnomon::cl::Buffer visibility = uploaded(session, std::vector<float>(count, 1.0f));
         gnomon::PointsLayout layout{};
         layout.point_stride = 3;
         layout.coordinate_stride = 1;
         layout.count = static_cast<cl_uint>(count);
-        session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup", gnomon::cl::Range::items(count), plan,
-                       views.set, layout, positions, positions, positions, views.views, views.tables, keys, offsets,
+        session.launch("techniques/shadow_map/lookup.cl", "map_lookup", gnomon::cl::Range::items(count), plan,
+                       views.set, layout, positions, positions, positions, views.views, views.tables, keys, keys, keys,
                        visibility);
         return downloaded<float>(session, visibility.get(), count);
     }
@@ -118,7 +122,7 @@ TEST(DepthLookup, twelve_taps_are_a_mean_of_twelve) {
     expect_lookup(lookup, plan_of(LOOKUP_TWELVE, 1), 1e-6, [&](double x, double y) {
         double sum = 0;
         for (std::size_t i = 0; i < 12; ++i)
-            sum += lookup.hard(whole(x + 1.5 * test_offsets[2 * i]), whole(y + 1.5 * test_offsets[2 * i + 1]), 0.5);
+            sum += lookup.hard(whole(x + 1.5 * offset_of(i, 0)), whole(y + 1.5 * offset_of(i, 1)), 0.5);
         return sum / 12;
     });
 }
@@ -128,7 +132,7 @@ TEST(DepthLookup, bias_moves_the_comparison_and_points_outside_are_lit) {
     lookup.depths.assign(size * size, 0.5f);
     lookup.points = {0.5f, 0.5f, 0.509f, 0.5f, 0.5f, 0.511f, 1.5f, 0.5f, 0.9f, 0.5f, -0.1f, 0.9f};
     LookupPlan plan = plan_of(LOOKUP_HARD, 1);
-    plan.receiver_bias = 0.01f;
+    plan.store.receiver_bias = 0.01f;
     EXPECT_EQ(lookup.run(plan), (std::vector<float>{1, 0, 1, 1}));
 }
 

@@ -105,11 +105,11 @@ std::vector<float> whole_level(const gnomon::Device& device, const gnomon::Trian
     gnomon::LookupPlan plan{};
     plan.first_float = inputs.triangles.first_float;
     plan.lookup = LOOKUP_HARD;
-    plan.receiver_bias = 1e-4f;
-    session.launch("techniques/shadow_map/depth_lookup.cl", "depth_lookup", gnomon::cl::Range::items(points.count()),
-                   plan, map_views.set, inputs.points.layout, inputs.points.positions, inputs.points.receivers,
-                   inputs.triangles.vertices, map_views.views, map_views.tables, depths.keys(), map_views.tables,
-                   visibility);
+    plan.store.receiver_bias = 1e-4f;
+    session.launch("techniques/shadow_map/lookup.cl", "map_lookup", gnomon::cl::Range::items(points.count()), plan,
+                   map_views.set, inputs.points.layout, inputs.points.positions, inputs.points.receivers,
+                   inputs.triangles.vertices, map_views.views, map_views.tables, depths.keys(), depths.keys(),
+                   depths.keys(), visibility);
     return downloaded<float>(session, visibility.get(), points.count());
 }
 
