@@ -58,6 +58,6 @@ gnomon_wing(trace trace coarse_test filter trace_points walk_cpu walk_gpu trace_
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)
 gnomon_wing(samples samples fragments footprints neighbour_receivers find_receivers_gpu clearance classify_footprints)
 gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb frustum_traced)
-gnomon_wing(techniques/shadow_map map_view map_projection polyhedron homography partition texel_footprint
-            map_views depth_pass caster lookup depth_lookup moments mip_chain moment_lookup visibility_bounds prefilter
-            point_light_perspective rectilinear_warp virtual_map stored_map shadow_map soft_shadow diagnostic)
+gnomon_wing(techniques/shadow_map map_view map_projection homography partition texel_footprint
+            depth_pass caster lookup depth_lookup moments mip_chain moment_lookup visibility_bounds prefilter
+            point_light_perspective rectilinear_warp virtual_map shadow_map soft_shadow diagnostic)

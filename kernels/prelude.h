@@ -113,6 +113,11 @@ namespace gnomon {
 using uint = std::uint32_t;
 using ulong = std::uint64_t;
 using ushort = std::uint16_t;
+struct alignas(16) float4 {
+    float values[4];
+    operator float*() { return values; }
+    operator const float*() const { return values; }
+};
 }  // namespace gnomon
 
 #define GN_STRUCT_BEGIN(name) \

@@ -7,11 +7,7 @@
 
 namespace gnomon {
 
-/// The kernels' float4.
-struct Float4 {
-    float x, y, z, w;
-};
-inline Float4 float4_of(const std::array<float, 4>& v) { return {v[0], v[1], v[2], v[3]}; }
+inline float4 float4_of(const std::array<float, 4>& v) { return {{v[0], v[1], v[2], v[3]}}; }
 
 /// A buffer that gnomon owns. It and its device live as long as any copy of the pointer; points to the cl_mem.
 std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer);

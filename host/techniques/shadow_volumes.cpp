@@ -111,8 +111,8 @@ private:
         view.first_float = triangles.first_float;
         view.triangle_count = triangles.count;
         view.cancels = settings_.cancel;
-        std::copy(light.xyzw.begin(), light.xyzw.end(), view.light);
-        std::copy(camera.eye.begin(), camera.eye.end(), view.eye);
+        view.light = float4_of(light.xyzw);
+        std::copy(camera.eye.begin(), camera.eye.end(), view.eye.values);
         store(view.right, scaled(camera.right, pixel));
         store(view.up, scaled(camera.up, -pixel));
         Double3 corner;

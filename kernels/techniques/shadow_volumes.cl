@@ -18,7 +18,7 @@
 static bool casting_triangle(Triangle t, VolumeParams params, Triangle* facing) {
     if (!is_finite_triangle(t)) return false;
     int level = DET3_BY_FLOAT;
-    int side = side_of_light(t, vload4(0, params.light), &level);
+    int side = side_of_light(t, params.light, &level);
     if (side == 0 || (side < 0 && params.both_faces == 0u)) return false;
     *facing = t;
     if (side < 0) facing->b = t.c, facing->c = t.b;
@@ -78,14 +78,14 @@ static uint slot_of_edge(uint edge, uint slot_mask, __global const float* vertic
 __kernel void shadow_volumes_edges(VolumeParams params, __global const float* vertices_all, __global uint* slot_edges,
                                    __global int* slot_weights, __global VolumeCounters* counters) {
     __global const float* vertices = vertices_all + params.first_float;
-    float3 eye = vload3(0, params.eye);
+    float3 eye = params.eye.xyz;
     uint casting = 0, edges = 0, around_eye = 0;
     GN_FOR_EACH(id, params.triangle_count) {
         Triangle t = load_triangle(vertices, id), facing;
         if (!casting_triangle(t, params, &facing)) continue;
         ++casting;
         int level = DET3_BY_FLOAT;
-        if (params.z_fail == 0u && blocks(t, eye, vload4(0, params.light), &level)) ++around_eye;
+        if (params.z_fail == 0u && blocks(t, eye, params.light, &level)) ++around_eye;
         bool turned = !is_same_position(facing.b, t.b);
         for (uint i = 0; i < 3u; ++i) {
             float3 u = corner_of(t, i), v = corner_of(t, (i + 1u) % 3u);
@@ -107,7 +107,7 @@ __kernel void shadow_volumes_edges(VolumeParams params, __global const float* ve
 
 // The form n . ray.
 static float3 ray_form(float3 n, VolumeParams params) {
-    return (float3)(dot(n, vload3(0, params.right)), dot(n, vload3(0, params.up)), dot(n, vload3(0, params.forward)));
+    return (float3)(dot(n, params.right.xyz), dot(n, params.up.xyz), dot(n, params.forward.xyz));
 }
 
 static float form_at(float3 form, float x, float y) { return fma(form.x, x, fma(form.y, y, form.z)); }
@@ -141,15 +141,15 @@ static VolumeSide make_side(float3 u, float3 v, float3 w, float3 n, float3 start
 
 // From a point towards infinity, away from the light.
 static float3 away_from_light(float3 a, float3 eye, VolumeParams params) {
-    float3 light = vload3(0, params.light);
-    return params.light[3] != 0.0f ? (a + eye) - light : -light;
+    float3 light = params.light.xyz;
+    return params.light.w != 0.0f ? (a + eye) - light : -light;
 }
 
 // A slot's side is one cone for a directional light, two for a point light.
 __kernel void shadow_volumes_sides(VolumeParams params, __global const float* vertices_all,
                                    __global const uint* slot_edges, __global const int* slot_weights,
                                    __global uint* cursor, __global VolumeSide* sides) {
-    float3 eye = vload3(0, params.eye);
+    float3 eye = params.eye.xyz;
     GN_FOR_EACH(slot, params.slot_count) {
         int weight = slot_edges[slot] == GN_NO_ID ? 0 : slot_weights[slot];
         if (weight == 0) continue;
@@ -160,7 +160,7 @@ __kernel void shadow_volumes_sides(VolumeParams params, __global const float* ve
         float3 c_a = away_from_light(a, eye, params), c_b = away_from_light(b, eye, params);
         // Seen from the light the triangle lies to the left of a -> b, so this points out of its volume.
         float3 n = cross(c_a, b - a);
-        bool two = params.light[3] != 0.0f;
+        bool two = params.light.w != 0.0f;
         uint at = atomic_add(cursor, two ? 2u : 1u);
         if (at + (two ? 2u : 1u) > params.side_capacity) continue;
         sides[at] = make_side(a, b, c_a, n, a, weight, params);
@@ -171,8 +171,8 @@ __kernel void shadow_volumes_sides(VolumeParams params, __global const float* ve
 // Caps, which z-fail needs: the triangle itself and, for a point light, its shadow at infinity.
 __kernel void shadow_volumes_caps(VolumeParams params, __global const float* vertices_all, __global uint* cursor,
                                   __global VolumeSide* sides) {
-    float3 eye = vload3(0, params.eye);
-    uint each = params.light[3] != 0.0f ? 2u : 1u;
+    float3 eye = params.eye.xyz;
+    uint each = params.light.w != 0.0f ? 2u : 1u;
     GN_FOR_EACH(id, params.triangle_count) {
         Triangle t;
         if (!casting_triangle(load_triangle(vertices_all + params.first_float, id), params, &t)) continue;
@@ -193,8 +193,8 @@ __kernel void shadow_volumes_caps(VolumeParams params, __global const float* ver
 
 // The view depth of x is forward_unit . x with ray's forward component 1: given by the cross product of the axes.
 static float view_depth(VolumeParams params, float3 p) {
-    float3 axis = cross(vload3(0, params.right), vload3(0, params.up));
-    return dot(axis, p - vload3(0, params.eye)) * (1.0f / dot(axis, vload3(0, params.forward)));
+    float3 axis = cross(params.right.xyz, params.up.xyz);
+    return dot(axis, p - params.eye.xyz) * (1.0f / dot(axis, params.forward.xyz));
 }
 
 // Nearest and farthest view depth of each tile's points; (inf, -inf) for a tile without points.
@@ -354,8 +354,8 @@ __kernel void shadow_volumes_resolve(VolumeParams params, PointsLayout layout, _
         bool has_receiver = layout.has_receivers && receivers[pixel] < params.triangle_count;
         uint tile =
             (uint)(pixel / params.width) / VOLUME_TILE * params.tiles_x + (uint)(pixel % params.width) / VOLUME_TILE;
-        if ((has_receiver && is_backfacing(load_triangle(vertices + params.first_float, receivers[pixel]),
-                                           vload4(0, params.light), vload3(0, params.eye), &level)) ||
+        if ((has_receiver && is_backfacing(load_triangle(vertices + params.first_float, receivers[pixel]), params.light,
+                                           params.eye.xyz, &level)) ||
             tile_counts[tile] + pixel_counts[pixel] + (int)counters->eye_inside != 0)
             visibility[pixel] = 0.0f;
     }

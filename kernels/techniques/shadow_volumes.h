@@ -21,11 +21,11 @@ GN_STRUCT_BEGIN(VolumeParams)
     uint side_capacity;           // of the buffer of sides
     uint first_side, side_count;  // of the slice of sides that a launch draws
     uint cancels;                 // 1: sides that neighbouring triangles share cancel
-    float light[4];               // homogeneous: w = 0 minus the direction of travel, w = 1 the position
-    float eye[4];                 // world; [3] unused
-    float right[4];               // world, [3] unused
-    float up[4];                  // world, points down the picture; [3] unused
-    float forward[4];             // world, [3] unused
+    float4 light;                 // homogeneous: w = 0 minus the direction of travel, w = 1 the position
+    float4 eye;                   // world; [3] unused
+    float4 right;                 // world, [3] unused
+    float4 up;                    // world, points down the picture; [3] unused
+    float4 forward;               // world, [3] unused
     uint width, height;
     uint tiles_x, tiles_y;    // of TILE x TILE pixels
     uint blocks_x, blocks_y;  // of BLOCK x BLOCK tiles

@@ -8,8 +8,7 @@ constexpr const char* file = "techniques/shadow_map/depth_pass.cl";
 
 // A little more than the texels: kernels read the last ones in blocks of lanes.
 void clear(cl::Session& session, const MapSet& set, cl::Buffer& keys, std::uint32_t word) {
-    keys.reserve(session, (std::size_t(set.texels) + session.lanes()) * sizeof(cl_uint));
-    session.launch(file, "depth_pass_clear", cl::Range::items(set.texels), set, cl_uint(word), keys);
+    session.reserve_filled(keys, word, (std::size_t(set.texels) + session.lanes()) * sizeof(cl_uint));
 }
 
 }  // namespace
@@ -21,17 +20,14 @@ void DepthMap::draw(cl::Session& session, const TriangleInputs& triangles, const
     for (pass.view_index = 0; pass.view_index < map_views.set.view_count; ++pass.view_index) {
         // Drawing triangles twice leaves a minimum unchanged: after growing, the pass draws the view again.
         for (bool fitted = false; !fitted;) {
-            chunks_.reserve(session, std::size_t(chunk_capacity_) * 2 * sizeof(cl_uint));
-            pass.chunk_capacity = chunk_capacity_;
+            chunks_.reserve(session, first_capacity_);
+            pass.chunk_capacity = chunks_.capacity();
             session.fill(chunk_count_, 0, sizeof(cl_uint));
             session.launch(file, "depth_pass_small", cl::Range::items(triangles.count), pass, triangles.vertices,
-                           map_views.views, map_views.tables, keys_, output, chunk_count_, chunks_);
+                           map_views.views, map_views.tables, keys_, output, chunk_count_, chunks_.buffer());
             session.launch(file, "depth_pass_large", session.small_groups(), pass, triangles.vertices, map_views.views,
-                           map_views.tables, keys_, output, chunk_count_, chunks_);
-            std::uint32_t wanted = 0;
-            session.read(chunk_count_.get(), &wanted, sizeof(wanted));
-            fitted = wanted <= chunk_capacity_;
-            if (!fitted) chunk_capacity_ = wanted + wanted / 4;
+                           map_views.tables, keys_, output, chunk_count_, chunks_.buffer());
+            fitted = chunks_.fitted(session, session.read_value<cl_uint>(chunk_count_), "chunks of triangles");
         }
     }
 }

@@ -3,9 +3,16 @@
 #pragma once
 
 #include "kernels/techniques/shadow_map/depth_pass.h"
-#include "techniques/shadow_map/map_views.hpp"
+#include "occluders/triangle_setup.hpp"
 
 namespace gnomon {
+
+/// The views of a shadow map. The host knows `set`; the rest stays on the device.
+struct MapViews {
+    cl::Buffer views;   ///< MapView, set.view_count of them
+    cl::Buffer tables;  ///< floats: texel centres of every view, and the tables of rectilinear warps
+    MapSet set{};
+};
 
 /// Bias that the depth pass adds to the map. All in units of depth, 0 to 1 over the receivers.
 struct DepthBias {
@@ -22,15 +29,15 @@ public:
     const cl::Buffer& keys() const { return keys_; }      ///< bits of the depth, one float per texel
     const cl::Buffer& slopes() const { return slopes_; }  ///< dx^2 + dy^2, depth per texel, one float per texel
 
-    static constexpr std::uint32_t initial_capacity = 1u << 16;
-    void limit_initial_capacity(std::uint32_t capacity) { chunk_capacity_ = capacity; }
+    void limit_initial_capacity(std::uint32_t capacity) { first_capacity_ = capacity; }
 
 private:
     void draw(cl::Session& session, const TriangleInputs& triangles, const MapViews& map_views, DepthPass pass,
               cl::Buffer& output);
 
-    cl::Buffer keys_, second_, slopes_, chunk_count_, chunks_;
-    std::uint32_t chunk_capacity_ = initial_capacity;
+    cl::Buffer keys_, second_, slopes_, chunk_count_;
+    GrowingList chunks_{2 * sizeof(cl_uint)};
+    std::uint32_t first_capacity_ = 1u << 16;
 };
 
 }  // namespace gnomon

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "kernels/techniques/shadow_map/diagnostic.h"
-#include "techniques/shadow_map/map_views.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
 
 namespace gnomon {
 

@@ -5,11 +5,15 @@
 #include <cmath>
 
 #include "api/vectors.hpp"
+#include "kernels/techniques/shadow_map/point_light_perspective.h"
+#include "kernels/techniques/shadow_map/rectilinear_warp.h"
 
 namespace gnomon {
 namespace {
 
 constexpr const char* file = "techniques/shadow_map/map_projection.cl";
+constexpr const char* faces_file = "techniques/shadow_map/point_light_perspective.cl";
+constexpr const char* warp_file = "techniques/shadow_map/rectilinear_warp.cl";
 
 // Two entries come before the views: the scene's box, and camera depths (FIRST_VIEW of map_projection.cl).
 constexpr cl_uint first_view = 2;
@@ -44,7 +48,7 @@ cl_uint view_count(const ViewPlan& plan, cl_uint cascades) {
 
 void store_camera(const PointsCamera& from, ViewPlan& plan) {
     const double tangent = std::tan(from.camera.fov_y_radians / 2);
-    std::copy(from.camera.eye.begin(), from.camera.eye.end(), plan.eye);
+    std::copy(from.camera.eye.begin(), from.camera.eye.end(), plan.eye.values);
     plan.eye[3] = 1;
     store(plan.right, from.camera.right);
     store(plan.up, from.camera.up);
@@ -64,8 +68,8 @@ std::array<PlannedView, first_view> measures(const ViewPlan& plan) {
         view.face = NO_FACE;
     }
     planned[0].row_u[0] = planned[0].row_v[1] = planned[0].row_depth[2] = 1;
-    std::copy(plan.eye, plan.eye + 3, planned[1].origin);
-    std::copy(plan.forward, plan.forward + 3, planned[1].row_depth);
+    planned[1].origin = plan.eye;
+    planned[1].row_depth = plan.forward;
     return planned;
 }
 
@@ -101,13 +105,28 @@ MapSet map_set(const ViewPlan& plan) {
         set.texels_per_view = set.texels;
     }
     set.has_camera = plan.eye[3] != 0;
-    std::copy(plan.eye, plan.eye + 3, set.eye);
-    std::copy(plan.forward, plan.forward + 3, set.camera_forward);
-    std::copy(plan.light, plan.light + 3, set.light);
+    set.eye = plan.eye;
+    set.camera_forward = plan.forward;
+    set.light = plan.light;
     return set;
 }
 
 }  // namespace
+
+PixelSteps pixel_steps(const PointsCamera& from) {
+    PixelSteps steps{};
+    const double pixel = 2 * std::tan(from.camera.fov_y_radians / 2) / from.height;
+    std::copy(from.camera.eye.begin(), from.camera.eye.end(), steps.eye.values);
+    store(steps.forward, from.camera.forward);
+    store(steps.step_x, scaled(from.camera.right, pixel));
+    store(steps.step_y, scaled(from.camera.up, -pixel));
+    return steps;
+}
+
+void fill_centres(cl::Session& session, const MapViews& map_views) {
+    session.launch(file, "map_projection_centres", cl::Range::items(4096), map_views.set, map_views.views,
+                   map_views.tables);
+}
 
 const SettingsTable<ViewFit::Settings>& ViewFit::settings_table() {
     using S = Settings;
@@ -153,7 +172,7 @@ const SettingsTable<ViewFit::Settings>& ViewFit::settings_table() {
 ViewPlan ViewFit::plan_of(const FitInputs& inputs, std::uint32_t size) const {
     ViewPlan plan = settings_;
     const bool is_point_light = !inputs.light.is_directional();
-    std::copy(inputs.light.xyzw.begin(), inputs.light.xyzw.end(), plan.light);
+    plan.light = float4_of(inputs.light.xyzw);
     if (inputs.camera) store_camera(*inputs.camera, plan);
     plan.projection = inputs.camera ? settings_.projection : PROJECTION_UNIFORM;
     plan.fit = inputs.camera || settings_.fit == FIT_CASTERS ? settings_.fit : FIT_RECEIVERS;
@@ -196,24 +215,53 @@ void ViewFit::run_bounds(cl::Session& session, const ViewPlan& plan, const ViewR
 void ViewFit::run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views) {
     map_views.set = map_set(plan);
     map_views.views.reserve(session, plan.view_count * sizeof(MapView));
-    map_views.tables.reserve(session,
-                             (centre_floats(plan) + RectilinearWarp::table_floats(plan.view_count)) * sizeof(float));
+    map_views.tables.reserve(
+        session, (centre_floats(plan) + std::size_t(plan.view_count) * 2 * (WARP_SEGMENTS + 1)) * sizeof(float));
     session.launch(file, "map_projection_fit", cl::Range::items(plan.view_count), plan, bounds_, planned_,
                    map_views.views);
     if (plan.shares_resolution != 0)
         session.launch(file, "map_projection_share", cl::Range::groups(1), plan, planned_, map_views.views);
 }
 
-void ViewFit::run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views) {
-    if ((settings_.analysis & ANALYSIS_FORWARD) != 0) {
+void ViewFit::warp_faces(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs) {
+    const cl_uint count = inputs.points.layout.count;
+    WarpSampling sampling{};
+    sampling.stride = count / WARP_SAMPLES | 1u;  // odd: not in step with the picture's rows
+    sampling.sample_count = (count + sampling.stride - 1) / sampling.stride;
+    const std::size_t choices = std::size_t(plan.view_count) * WARP_DIRECTIONS * WARP_CHOICES;
+    samples_.reserve(session, sampling.sample_count * 3 * sizeof(float));
+    faces_.reserve(session, sampling.sample_count * sizeof(cl_uint));
+    costs_.reserve(session, choices * sizeof(float));
+    session.launch(faces_file, "point_light_perspective_samples", cl::Range::items(sampling.sample_count), plan,
+                   sampling, inputs.points.layout, inputs.points.positions, inputs.visibility, planned_, samples_,
+                   faces_);
+    session.launch(faces_file, "point_light_perspective_costs", cl::Range::items(choices), plan, sampling, samples_,
+                   faces_, bounds_, costs_);
+    session.launch(faces_file, "point_light_perspective_warp", cl::Range::items(plan.view_count), plan, costs_, bounds_,
+                   planned_);
+}
+
+void ViewFit::warp_texels(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views) {
+    const WarpPlan warp{settings_.analysis, settings_.importance, static_cast<cl_uint>(centre_floats(plan)), 0};
+    const std::size_t cells = std::size_t(plan.view_count) * WARP_SEGMENTS * WARP_SEGMENTS;
+    session.reserve_filled(importance_, 0, cells * sizeof(cl_uint));
+    if (warp.analysis != ANALYSIS_FORWARD)
+        session.launch(warp_file, "rectilinear_backward", cl::Range::items(inputs.points.layout.count), plan, warp,
+                       map_views.set, inputs.points.layout, inputs.triangles.first_float, inputs.points.positions,
+                       inputs.points.receivers, inputs.triangles.vertices, inputs.visibility, map_views.views, bounds_,
+                       importance_);
+    if ((warp.analysis & ANALYSIS_FORWARD) != 0) {
         ViewPlan small = plan;
         small.map_size = WARP_SEGMENTS;
         small.shares_resolution = small.atlas_columns = 0;
         run_fit(session, small, small_views_);
         fill_centres(session, small_views_);
+        small_map_.run(session, inputs.triangles, small_views_, {}, false);
+        session.launch(warp_file, "rectilinear_forward", cl::Range::items(cells), plan, warp, small_views_.views,
+                       small_map_.keys(), bounds_, importance_);
     }
-    const WarpPlan warp{settings_.analysis, settings_.importance, static_cast<cl_uint>(centre_floats(plan)), 0};
-    warp_.run(session, plan, warp, inputs, bounds_, small_views_, map_views);
+    session.launch(warp_file, "rectilinear_tables", cl::Range::groups(2 * plan.view_count), warp, importance_,
+                   map_views.views, map_views.tables, cl::LocalBytes{2 * WARP_SEGMENTS * sizeof(float)});
 }
 
 void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t size, MapViews& map_views) {
@@ -223,8 +271,7 @@ void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t s
     const ViewRange scene{0, 1, 0}, camera_depths{1, 1, 1}, views{first_view, plan.view_count, 1};
     const std::size_t entries = first_view + plan.view_count;
     planned_.reserve(session, entries * sizeof(PlannedView));
-    bounds_.reserve(session, entries * sizeof(KeyBounds));
-    session.fill(bounds_, 0xFFFFFFFFu, entries * sizeof(KeyBounds));
+    session.reserve_filled(bounds_, 0xFFFFFFFFu, entries * sizeof(KeyBounds));
     const auto measured = measures(plan);
     session.write(planned_.get(), measured.data(), sizeof(measured));
 
@@ -233,11 +280,11 @@ void ViewFit::run(cl::Session& session, const FitInputs& inputs, std::uint32_t s
     session.launch(file, "map_projection_plan", cl::Range::items(plan.view_count), plan, bounds_, planned_);
     run_bounds(session, plan, views, inputs.points, inputs.visibility);
     if (warps_faces(plan)) {
-        point_light_perspective_.run(session, plan, inputs, planned_, bounds_);
+        warp_faces(session, plan, inputs);
         run_bounds(session, plan, views, inputs.points, inputs.visibility);
     }
     run_fit(session, plan, map_views);
-    if (settings_.analysis != ANALYSIS_NONE && inputs.camera) run_warp(session, plan, inputs, map_views);
+    if (settings_.analysis != ANALYSIS_NONE && inputs.camera) warp_texels(session, plan, inputs, map_views);
     fill_centres(session, map_views);
 }
 

@@ -1,14 +1,31 @@
 // SPDX-License-Identifier: MIT
 // Stage projection: projection x partition, the views of a shadow map fitted to the shading points
-// (kernels/techniques/shadow_map/map_projection.h, kernels/techniques/shadow_map/partition.clh).
+// (kernels/techniques/shadow_map/map_projection.h, partition.clh), with the warps of a point light's faces and of
+// texels (point_light_perspective.h, rectilinear_warp.h).
 #pragma once
 
 #include "api/settings_table.hpp"
 #include "kernels/techniques/shadow_map/map_projection.h"
-#include "techniques/shadow_map/point_light_perspective.hpp"
-#include "techniques/shadow_map/rectilinear_warp.hpp"
+#include "kernels/techniques/shadow_map/texel_footprint.h"
+#include "techniques/shadow_map/depth_pass.hpp"
 
 namespace gnomon {
+
+/// The inputs of a fit. Points with visibility 1 are still open.
+struct FitInputs {
+    TriangleInputs triangles;
+    PointInputs points;
+    cl_mem visibility;
+    Light light;
+    std::optional<PointsCamera> camera;
+    bool keeps_casters = false;  ///< the map's depths reach to the casters nearest to the light, not only to receivers
+};
+
+/// The camera's steps from pixel to pixel.
+PixelSteps pixel_steps(const PointsCamera& from);
+
+/// Fills map_views.tables with the texel centres of the views.
+void fill_centres(cl::Session& session, const MapViews& map_views);
 
 class ViewFit {
 public:
@@ -36,14 +53,17 @@ private:
                     cl_mem visibility);
 
     void run_fit(cl::Session& session, const ViewPlan& plan, MapViews& map_views);
-    void run_warp(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);
+    /// Gives the plain faces in planned_ the warp of least error over the open points. bounds_ contains the faces'
+    /// bounds of the points; afterwards those of the faces are empty again.
+    void warp_faces(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs);
+    /// Gives the views the tables of their rectilinear warp.
+    void warp_texels(cl::Session& session, const ViewPlan& plan, const FitInputs& inputs, MapViews& map_views);
 
     Settings settings_ = settings_table().defaults();
 
-    PointLightPerspective point_light_perspective_;
-    RectilinearWarp warp_;
     MapViews small_views_;  ///< for the warp's analysis from the light
-    cl::Buffer planned_, bounds_;
+    DepthMap small_map_;
+    cl::Buffer planned_, bounds_, samples_, faces_, costs_, importance_;
 };
 
 }  // namespace gnomon

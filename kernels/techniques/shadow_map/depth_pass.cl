@@ -5,10 +5,6 @@
 // work-items have about equal work; a tile that an edge excludes costs three evaluations.
 #include "techniques/shadow_map/caster.clh"
 
-__kernel void depth_pass_clear(MapSet set, uint word, __global uint* keys) {
-    GN_FOR_EACH(i, set.texels) keys[i] = word;
-}
-
 __kernel void depth_pass_small(DepthPass pass, __global const float* vertices, __global const MapView* views,
                                __global const float* tables, __global uint* nearest, __global uint* output,
                                __global uint* chunk_count, __global uint2* chunks) {
@@ -21,9 +17,8 @@ __kernel void depth_pass_small(DepthPass pass, __global const float* vertices, _
             draw_rectangle(&pass, view, tables, &caster, caster.covered, nearest, output);
             continue;
         }
-        uint tiles = tiles_across(caster.covered.low_x, caster.covered.high_x) *
-                     tiles_across(caster.covered.low_y, caster.covered.high_y);
-        uint count = (tiles + CHUNK_TILES - 1) / CHUNK_TILES;
+        uint2 tiles = tiles_of(caster.covered);
+        uint count = (tiles.x * tiles.y + CHUNK_TILES - 1) / CHUNK_TILES;
         uint first = atomic_add(chunk_count, count);
         for (uint c = 0; c < count && first + c < pass.chunk_capacity; ++c) chunks[first + c] = (uint2)((uint)i, c);
     }
@@ -40,14 +35,10 @@ __kernel void depth_pass_large(DepthPass pass, __global const float* vertices, _
         uint2 chunk = chunks[i];
         Caster caster;
         make_caster(view, tables, load_triangle(vertices + pass.first_float, chunk.x), &caster);
-        uint across = tiles_across(caster.covered.low_x, caster.covered.high_x),
-             down = tiles_across(caster.covered.low_y, caster.covered.high_y);
-        uint last = min((chunk.y + 1) * CHUNK_TILES, across * down);
-        for (uint t = chunk.y * CHUNK_TILES + (uint)get_local_id(0); t < last; t += (uint)get_local_size(0)) {
-            uint tile_x = (caster.covered.low_x >> TILE_LOG2) + t % across,
-                 tile_y = (caster.covered.low_y >> TILE_LOG2) + t / across;
-            draw_tile(&pass, view, tables, &caster, tile_x, tile_y, nearest, output);
-        }
+        uint2 tiles = tiles_of(caster.covered);
+        uint last = min((chunk.y + 1) * CHUNK_TILES, tiles.x * tiles.y);
+        for (uint t = chunk.y * CHUNK_TILES + (uint)get_local_id(0); t < last; t += (uint)get_local_size(0))
+            draw_tile(&pass, view, tables, &caster, (uint2)(t % tiles.x, t / tiles.x), nearest, output);
     }
 }
 

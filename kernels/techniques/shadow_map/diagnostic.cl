@@ -72,7 +72,7 @@ __kernel void map_diagnostic(DiagnosticPlan plan, MapSet set, PointsLayout layou
                 pixel_footprint(&plan.steps, view, tables, t, p, &ds, &dt);
                 float2 both = ds + dt, across = ds - dt;
                 error = sqrt(fmax(both.x * both.x + both.y * both.y, across.x * across.x + across.y * across.y));
-                float3 normal = unit3(cross3(t.b - t.a, t.c - t.a)), from_eye = unit3(p - to_float3(plan.steps.eye));
+                float3 normal = unit3(cross3(t.b - t.a, t.c - t.a)), from_eye = unit3(p - plan.steps.eye.xyz);
                 float facing = 0.35f + 0.65f * fabs(dot3(normal, from_eye));
                 float3 at = map_uv(view, p);
                 if (plan.diagnostic == DIAGNOSTIC_ALIASING)

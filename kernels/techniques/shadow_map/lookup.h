@@ -46,12 +46,8 @@ typedef struct MapPoint {
 
 // The change of map_homogeneous along a world direction.
 static float4 homogeneous_direction(__global const MapView* view, float3 d) {
-    float4 q;
-    q.x = view->row_u[0] * d.x + view->row_u[1] * d.y + view->row_u[2] * d.z;
-    q.y = view->row_v[0] * d.x + view->row_v[1] * d.y + view->row_v[2] * d.z;
-    q.z = view->row_w[0] * d.x + view->row_w[1] * d.y + view->row_w[2] * d.z;
-    q.w = view->row_depth[0] * d.x + view->row_depth[1] * d.y + view->row_depth[2] * d.z;
-    return q;
+    return (float4)(dot3(view->row_u.xyz, d), dot3(view->row_v.xyz, d), dot3(view->row_w.xyz, d),
+                    dot3(view->row_depth.xyz, d));
 }
 
 // Writes through a pointer: oclgrind cannot run clang's code for returning a structure this large.
@@ -104,9 +100,9 @@ static float plane_depth(const MapPoint* point, float2 uv) {
 // Number of texels under a world length across the light at the point, along u and v.
 static float2 texels_per_length(const MapPoint* point) {
     __global const MapView* view = point->view;
-    float3 row_w = vload3(0, view->row_w);
-    float u = length(vload3(0, view->row_u) - point->uv.x * row_w);
-    float v = length(vload3(0, view->row_v) - point->uv.y * row_w);
+    float3 row_w = view->row_w.xyz;
+    float u = length(view->row_u.xyz - point->uv.x * row_w);
+    float v = length(view->row_v.xyz - point->uv.y * row_w);
     // For a warped map: the density of its texels at the point.
     float step = 0.5f / (float)max(view->width, view->height);
     float2 low = map_texels(view, point->tables, clamp(point->uv - step, 0.0f, 1.0f));

@@ -72,11 +72,8 @@ static SceneBox scene_box(KeyBounds bounds) {
 }
 
 static ViewPlan relative_to(ViewPlan plan, float3 origin) {
-    float o[3] = {origin.x, origin.y, origin.z};
-    for (int i = 0; i < 3; ++i) {
-        plan.eye[i] -= o[i];
-        if (plan.light[3] != 0.0f) plan.light[i] -= o[i];
-    }
+    plan.eye.xyz -= origin;
+    if (plan.light.w != 0.0f) plan.light.xyz -= origin;
     return plan;
 }
 
@@ -110,7 +107,7 @@ static Homography along_the_view(const ViewPlan* plan, SceneBox scene, PlannedVi
     float y_least = INFINITY, y_greatest = -INFINITY, z_near = slice.y, z_far = slice.x;
     for (int i = 0; i < body.count; ++i) {
         float y = dot3(axes.y, body.vertices[i].xyz);
-        float z = dot3(to_float3(plan->forward), body.vertices[i].xyz - to_float3(plan->eye));
+        float z = dot3(plan->forward.xyz, body.vertices[i].xyz - plan->eye.xyz);
         y_least = fmin(y_least, y), y_greatest = fmax(y_greatest, y);
         z_near = fmin(z_near, z), z_far = fmax(z_far, z);
     }
@@ -124,7 +121,7 @@ static Homography along_the_view(const ViewPlan* plan, SceneBox scene, PlannedVi
 
 static void plan_view(const ViewPlan* plan, SceneBox scene, uint i, PlannedView* view) {
     for (int axis = 0; axis < 2; ++axis) view->limit_low[axis] = -INFINITY, view->limit_high[axis] = INFINITY;
-    view->origin[0] = scene.origin.x, view->origin[1] = scene.origin.y, view->origin[2] = scene.origin.z;
+    view->origin = (float4)(scene.origin, 0.0f);
     view->takes_logarithm = view->is_front_only = view->is_off = 0;
     view->face = NO_FACE;
     Homography h;
@@ -135,14 +132,14 @@ static void plan_view(const ViewPlan* plan, SceneBox scene, uint i, PlannedView*
         for (int axis = 0; axis < 2; ++axis)
             view->limit_low[axis] = -1.0f - SIDE_RIM, view->limit_high[axis] = 1.0f + SIDE_RIM;
         view->is_front_only = 1;
-        vstore4(h.w, 0, view->row_depth);
+        view->row_depth = h.w;
     } else {
         h = along_the_view(plan, scene, view);
-        vstore4((float4)(-to_light(plan), 0.0f), 0, view->row_depth);
+        view->row_depth = (float4)(-to_light(plan), 0.0f);
     }
-    vstore4(h.u, 0, view->row_u);
-    vstore4(h.v, 0, view->row_v);
-    vstore4(h.w, 0, view->row_w);
+    view->row_u = h.u;
+    view->row_v = h.v;
+    view->row_w = h.w;
 }
 
 // Slices of a logarithmic split are copies of the first, scaled about the eye, and so are their maps (Lloyd 2007,
@@ -153,10 +150,10 @@ static float4 scaled_about(float4 row, float3 eye, float scale) {
 
 static void repeat_first_view(const ViewPlan* plan, const PlannedView* first, PlannedView* view) {
     float scale = first->near_depth / view->near_depth;
-    float3 eye = to_float3(plan->eye);
-    vstore4(scaled_about(vload4(0, first->row_u), eye, scale), 0, view->row_u);
-    vstore4(scaled_about(vload4(0, first->row_v), eye, scale), 0, view->row_v);
-    vstore4(scaled_about(vload4(0, first->row_w), eye, scale), 0, view->row_w);
+    float3 eye = plan->eye.xyz;
+    view->row_u = scaled_about(first->row_u, eye, scale);
+    view->row_v = scaled_about(first->row_v, eye, scale);
+    view->row_w = scaled_about(first->row_w, eye, scale);
 }
 
 __kernel void map_projection_plan(ViewPlan world_plan, __global const KeyBounds* bounds,
@@ -186,7 +183,7 @@ typedef struct Rectangle {
 
 static Rectangle bounds_of_vertices(const PlannedView* view, const float4* vertices, int count) {
     Rectangle r = {INFINITY, -INFINITY, INFINITY, -INFINITY};
-    float4 row_u = vload4(0, view->row_u), row_v = vload4(0, view->row_v), row_w = vload4(0, view->row_w);
+    float4 row_u = view->row_u, row_v = view->row_v, row_w = view->row_w;
     for (int i = 0; i < count; ++i) {
         float w = dot4(row_w, vertices[i]);
         float u = dot4(row_u, vertices[i]) / w, v = dot4(row_v, vertices[i]) / w;
@@ -234,12 +231,11 @@ static Rectangle snapped_square(float center_u, float center_v, float half_width
 static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view) {
     float2 slice = widened_slice(plan, view);
     float n = slice.x, f = slice.y;
-    float k2 = plan->right[3] * plan->right[3] + plan->up[3] * plan->up[3];
+    float k2 = plan->right.w * plan->right.w + plan->up.w * plan->up.w;
     float z = fmin(0.5f * (n + f) * (1.0f + k2), f);
     float radius = sqrt((f - z) * (f - z) + k2 * f * f);
-    float4 center = (float4)(to_float3(plan->eye) + to_float3(plan->forward) * z, 1.0f);
-    return snapped_square(dot4(vload4(0, view->row_u), center), dot4(vload4(0, view->row_v), center), radius,
-                          plan->map_size);
+    float4 center = (float4)(plan->eye.xyz + plan->forward.xyz * z, 1.0f);
+    return snapped_square(dot4(view->row_u, center), dot4(view->row_v, center), radius, plan->map_size);
 }
 
 // The slice's bounds, their size rounded up to 64ths of the scene's, and their offset to texels.
@@ -274,7 +270,7 @@ static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view,
 static float2 depths_of_box(const PlannedView* view, SceneBox scene) {
     float2 depths = (float2)(INFINITY, -INFINITY);
     for (int i = 0; i < 8; ++i) {
-        float depth = dot4(vload4(0, view->row_depth), (float4)(box_corner(scene.box_low, scene.box_high, i), 1.0f));
+        float depth = dot4(view->row_depth, (float4)(box_corner(scene.box_low, scene.box_high, i), 1.0f));
         depths = (float2)(fmin(depths.x, depth), fmax(depths.y, depth));
     }
     return depths;
@@ -301,7 +297,7 @@ static float4 unit_row(float4 row, float4 row_w, float low, float high) { return
 // share.
 static void measure_errors(const ViewPlan* plan, const MapView* map, const float4* vertices, int count, float* error_u,
                            float* error_v) {
-    float4 row_u = vload4(0, map->row_u), row_v = vload4(0, map->row_v), row_w = vload4(0, map->row_w);
+    float4 row_u = map->row_u, row_v = map->row_v, row_w = map->row_w;
     *error_u = *error_v = 0.0f;
     for (int i = 0; i < count; ++i) {
         float w = dot4(row_w, vertices[i]);
@@ -311,7 +307,7 @@ static void measure_errors(const ViewPlan* plan, const MapView* map, const float
         if (map->warp == WARP_LOGARITHMIC)
             slope =
                 map->log_strength / ((1.0f + map->log_strength * clamp(v, 0.0f, 1.0f)) * log(1.0f + map->log_strength));
-        float z = dot3(to_float3(plan->forward), vertices[i].xyz - to_float3(plan->eye));
+        float z = dot3(plan->forward.xyz, vertices[i].xyz - plan->eye.xyz);
         *error_u = fmax(*error_u, 1.0f / (sqrt(dot3(along_u, along_u)) * z));
         *error_v = fmax(*error_v, 1.0f / (slope * sqrt(dot3(along_v, along_v)) * z));
     }
@@ -319,12 +315,12 @@ static void measure_errors(const ViewPlan* plan, const MapView* map, const float
 
 static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i, Rectangle r, float2 depths) {
     MapView map;
-    float4 row_w = vload4(0, view->row_w), one = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
-    vstore4(unit_row(vload4(0, view->row_u), row_w, r.low_u, r.high_u), 0, map.row_u);
-    vstore4(unit_row(vload4(0, view->row_v), row_w, r.low_v, r.high_v), 0, map.row_v);
-    vstore4(row_w, 0, map.row_w);
-    vstore4(unit_row(vload4(0, view->row_depth), one, depths.x, depths.y), 0, map.row_depth);
-    for (int axis = 0; axis < 3; ++axis) map.origin[axis] = view->origin[axis];
+    float4 row_w = view->row_w, one = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
+    map.row_u = unit_row(view->row_u, row_w, r.low_u, r.high_u);
+    map.row_v = unit_row(view->row_v, row_w, r.low_v, r.high_v);
+    map.row_w = row_w;
+    map.row_depth = unit_row(view->row_depth, one, depths.x, depths.y);
+    map.origin = view->origin;
     map.front_depth = view->is_front_only ? -depths.x / (depths.y - depths.x) : -INFINITY;
     bool is_sliced = plan->partition == PARTITION_DEPTH;
     map.select_near = is_sliced && i != 0 ? view->near_depth : -INFINITY;
@@ -333,7 +329,7 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     map.warp = map.log_strength > 1.0e-3f ? WARP_LOGARITHMIC : WARP_NONE;
     map.blend_from = map.select_far;
     map.face = view->face;
-    map.warp_size = map.forward_first = 0;
+    map.warp_size = map.forward_first = map.padding[0] = map.padding[1] = 0;
     map.centres_first = i * 2 * MOST_SIDES * plan->map_size;
     map.width = map.height = plan->map_size;
     map.row_stride = plan->map_size;

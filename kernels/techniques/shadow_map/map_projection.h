@@ -65,10 +65,10 @@
 
 // A run's settings and camera: host to device, by value.
 GN_STRUCT_BEGIN(ViewPlan)
-    float light[4];               // homogeneous: w = 0 minus the direction of travel, w = 1 the position
-    float eye[4];                 // w = 1: there is a camera; 0: none, and nothing below to has_camera is read
-    float right[4], up[4];        // unit axes; right[3], up[3]: the tangents of half the field of view along them
-    float forward[4];             // unit axis
+    float4 light;                 // homogeneous: w = 0 minus the direction of travel, w = 1 the position
+    float4 eye;                   // w = 1: there is a camera; 0: none, and right, up and forward are not read
+    float4 right, up;             // unit axes; w: the tangents of half the field of view along them
+    float4 forward;               // unit axis
     float near_plane, far_plane;  // of RANGE_PLANES; 0: from the scene's diagonal
     float lambda;                 // split scheme: 0 uniform, 1 logarithmic
     float alpha;                  // share of resolution that goes to v: 0.5 is even (Lloyd 2007, eq. 6.1)
@@ -82,7 +82,8 @@ GN_STRUCT_BEGIN(ViewPlan)
     uint self_similar;       // 1: depth slices of lambda 1 repeat the first one's fit (Lloyd 2007, eq. 6.2-6.3)
     uint keeps_casters;      // 1: the map also resolves depths before the receivers, as far as the scene's box reaches
     uint blends;             // 1: slices blend into the next one within its overlap
-GN_STRUCT_END(ViewPlan, 148)
+    uint padding[3];
+GN_STRUCT_END(ViewPlan, 160)
 
 // Least values over points, as float_to_key: of u, v, depth and w, then of their negatives. All ones: no point.
 GN_STRUCT_BEGIN(KeyBounds)
@@ -92,17 +93,18 @@ GN_STRUCT_END(KeyBounds, 32)
 // A view before its rectangle is fitted: map_projection_plan writes it; map_projection_bounds and map_projection_fit
 // read it. Rows are as in map_view.h, but without scale and offset.
 GN_STRUCT_BEGIN(PlannedView)
-    float row_u[4], row_v[4], row_w[4], row_depth[4];  // of (p_world - origin, 1)
-    float origin[3];
-    uint takes_logarithm;               // 1: v is spaced by the logarithm of w
-    float limit_low[2], limit_high[2];  // u and v that belong to the view; rays beyond belong to other views
-    float near_depth, far_depth;        // the slice, along the camera's forward axis
-    float cover_near, cover_far;        // camera depths of the points that the view serves: slice and overlap
-    float error_u, error_v;             // largest ratio of a texel of unit resolution to a pixel (Lloyd 2007: R_s, R_t)
-    uint is_front_only;                 // 1: only points with depth > 0 (in front of a point light)
-    uint is_off;                        // 1: no ray of light leaves the view volume through this side
-    uint face;  // serves points that the light sees through this cube face; NO_FACE: the limits decide
-GN_STRUCT_END(PlannedView, 132)
+    float4 row_u, row_v, row_w, row_depth;  // of (p_world - origin, 1)
+    float4 origin;                          // [3] unused
+    uint takes_logarithm;                   // 1: v is spaced by the logarithm of w
+    float limit_low[2], limit_high[2];      // u and v that belong to the view; rays beyond belong to other views
+    float near_depth, far_depth;            // the slice, along the camera's forward axis
+    float cover_near, cover_far;            // camera depths of the points that the view serves: slice and overlap
+    float error_u, error_v;  // largest ratio of a texel of unit resolution to a pixel (Lloyd 2007: R_s, R_t)
+    uint is_front_only;      // 1: only points with depth > 0 (in front of a point light)
+    uint is_off;             // 1: no ray of light leaves the view volume through this side
+    uint face;               // serves points that the light sees through this cube face; NO_FACE: the limits decide
+    uint padding[2];
+GN_STRUCT_END(PlannedView, 144)
 
 // The input of one launch of map_projection_bounds: planned views [first_view, first_view + view_count).
 GN_STRUCT_BEGIN(ViewRange)

@@ -37,8 +37,8 @@
 #define FACE_RIM 5.0e-4f
 
 GN_STRUCT_BEGIN(MapView)
-    float row_u[4], row_v[4], row_w[4], row_depth[4];
-    float origin[3];
+    float4 row_u, row_v, row_w, row_depth;
+    float4 origin;  // [3] unused
     float front_depth;
     float select_near, select_far;  // serves points with camera depth in [select_near, select_far)
     float blend_from;               // from this camera depth on the next view takes over, fully at select_far
@@ -50,32 +50,37 @@ GN_STRUCT_BEGIN(MapView)
     uint width, height;  // texels
     uint first_texel, row_stride;
     uint face;  // NO_FACE: the view serves every point in its map
-GN_STRUCT_END(MapView, 132)
+    uint padding[2];
+GN_STRUCT_END(MapView, 144)
 
 // All views together, as far as the host knows them.
 GN_STRUCT_BEGIN(MapSet)
     uint view_count;
-    uint texels;           // of all views together: the size of the map
-    uint texels_per_view;  // at most, width * height
-    uint has_camera;       // 0: camera depth is 0, and selection is by containment alone
-    float eye[3];
-    float camera_forward[3];
-    float light[3];  // the point light, in world space
-GN_STRUCT_END(MapSet, 52)
+    uint texels;                 // of all views together: the size of the map
+    uint texels_per_view;        // at most, width * height
+    uint has_camera;             // 0: camera depth is 0, and selection is by containment alone
+    float4 eye, camera_forward;  // [3] unused
+    float4 light;                // the point light, in world space
+GN_STRUCT_END(MapSet, 64)
 
 #ifndef __cplusplus
 
 #define NO_VIEW 0xFFFFFFFFu
 
-static float dot_row(__global const float* row, float3 q) {
-    return row[0] * q.x + row[1] * q.y + row[2] * q.z + row[3];
+static float dot3(float3 a, float3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+static float dot4(float4 row, float4 p) { return row.x * p.x + row.y * p.y + row.z * p.z + row.w * p.w; }
+
+static float3 cross3(float3 a, float3 b) {
+    return (float3)(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
+
+static float3 unit3(float3 v) { return v / sqrt(dot3(v, v)); }
 
 // Homogeneous position: (u w, v w, w, depth).
 static float4 map_homogeneous(__global const MapView* view, float3 p) {
-    float3 q = p - vload3(0, view->origin);
-    return (float4)(dot_row(view->row_u, q), dot_row(view->row_v, q), dot_row(view->row_w, q),
-                    dot_row(view->row_depth, q));
+    float4 q = (float4)(p - view->origin.xyz, 1.0f);
+    return (float4)(dot4(view->row_u, q), dot4(view->row_v, q), dot4(view->row_w, q), dot4(view->row_depth, q));
 }
 
 // Position of a world point before the warp: (u, v, depth).
@@ -128,9 +133,7 @@ static float2 map_texels(__global const MapView* view, __global const float* tab
 }
 
 static float camera_depth_of(MapSet set, float3 p) {
-    if (!set.has_camera) return 0.0f;
-    return (p.x - set.eye[0]) * set.camera_forward[0] + (p.y - set.eye[1]) * set.camera_forward[1] +
-           (p.z - set.eye[2]) * set.camera_forward[2];
+    return set.has_camera ? dot3(p - set.eye.xyz, set.camera_forward.xyz) : 0.0f;
 }
 
 // True if the light sees this direction through the face of its cube, widened by `rim` times the face's half width.
@@ -144,9 +147,7 @@ static bool is_on_face(float3 from_light, uint face, float rim) {
 // True if the view serves the point: inside the map, in front of the light, and seen through the view's face, if any.
 static bool is_in_map(MapSet set, __global const MapView* view, float3 p) {
     if (view->width == 0) return false;
-    if (view->face != NO_FACE &&
-        !is_on_face(p - (float3)(set.light[0], set.light[1], set.light[2]), view->face, FACE_RIM))
-        return false;
+    if (view->face != NO_FACE && !is_on_face(p - set.light.xyz, view->face, FACE_RIM)) return false;
     float3 at = map_uv(view, p);
     return at.x >= 0.0f && at.x <= 1.0f && at.y >= 0.0f && at.y <= 1.0f && at.z > view->front_depth;
 }

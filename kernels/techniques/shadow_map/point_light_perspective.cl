@@ -45,7 +45,7 @@ __kernel void point_light_perspective_samples(ViewPlan plan, WarpSampling sampli
             __global const PlannedView* view = planned + FIRST_VIEW + face;
             float4 position;
             if (!position_in_view(&plan, view, p, &position)) continue;
-            float z = fmax(dot3(p - to_float3(plan.eye), to_float3(plan.forward)), view->near_depth);
+            float z = fmax(dot3(p - plan.eye.xyz, plan.forward.xyz), view->near_depth);
             faces[k] = face;
             vstore3((float3)(position.xy, position.z / z), k, samples);
         }
@@ -92,12 +92,12 @@ __kernel void point_light_perspective_warp(ViewPlan plan, __global const float* 
             if (costs[first + i] < costs[first + best]) best = i;
         if (is_empty(&box) || best == WARP_DISTANCES) continue;
         FaceWarp warp = make_warp(&box, best / WARP_CHOICES);
-        float4 x = vload4(0, view->row_u), y = vload4(0, view->row_v), a = vload4(0, view->row_w);
+        float4 x = view->row_u, y = view->row_v, a = view->row_w;
         float4 u = x * warp.across.x + y * warp.across.y - a * warp.x_c;
         float4 w = x * warp.along.x + y * warp.along.y - a * (warp.line - distance_of(&warp, best % WARP_CHOICES));
-        vstore4(u, 0, view->row_u);
-        vstore4(a, 0, view->row_v);
-        vstore4(w, 0, view->row_w);
+        view->row_u = u;
+        view->row_v = a;
+        view->row_w = w;
         for (int axis = 0; axis < 2; ++axis) view->limit_low[axis] = -INFINITY, view->limit_high[axis] = INFINITY;
         view->face = (uint)face;
     }

@@ -6,16 +6,14 @@
 
 #define CELLS (WARP_SEGMENTS * WARP_SEGMENTS)
 
-static float camera_depth(const ViewPlan* plan, float3 p) {
-    return dot3(p - to_float3(plan->eye), to_float3(plan->forward));
-}
+static float camera_depth(const ViewPlan* plan, float3 p) { return dot3(p - plan->eye.xyz, plan->forward.xyz); }
 
 // Importance of a surface by its distance and its direction; normal of any length and sign, 0 if there is none.
 static float surface_importance(const ViewPlan* plan, const WarpPlan* warp, float3 p, float3 normal, float farthest) {
     float importance = 1.0f;
     if (warp->functions & IMPORTANCE_DISTANCE) importance *= 1.0f - clamp(camera_depth(plan, p) / farthest, 0.0f, 1.0f);
     if (warp->functions & IMPORTANCE_NORMAL) {
-        float3 view = p - to_float3(plan->eye);
+        float3 view = p - plan->eye.xyz;
         float size = sqrt(dot3(normal, normal) * dot3(view, view));
         if (size > 0.0f) importance *= 1.0f + NORMAL_GAIN * fabs(dot3(normal, view)) / size;
     }
@@ -54,20 +52,20 @@ __kernel void rectilinear_backward(ViewPlan plan, WarpPlan warp, MapSet set, Poi
 // The point at (u, v, depth), by Cramer's rule: (row_u - u row_w) . q = 0, (row_v - v row_w) . q = 0,
 // row_depth . q = depth.
 static float3 point_at(__global const MapView* view, float u, float v, float depth) {
-    float3 row_w = vload3(0, view->row_w), c = vload3(0, view->row_depth);
-    float3 a = vload3(0, view->row_u) - u * row_w, b = vload3(0, view->row_v) - v * row_w;
+    float3 row_w = view->row_w.xyz, c = view->row_depth.xyz;
+    float3 a = view->row_u.xyz - u * row_w, b = view->row_v.xyz - v * row_w;
     float3 right =
-        (float3)(u * view->row_w[3] - view->row_u[3], v * view->row_w[3] - view->row_v[3], depth - view->row_depth[3]);
+        (float3)(u * view->row_w.w - view->row_u.w, v * view->row_w.w - view->row_v.w, depth - view->row_depth.w);
     float3 bc = cross3(b, c), ca = cross3(c, a), ab = cross3(a, b);
-    return (bc * right.x + ca * right.y + ab * right.z) / dot3(a, bc) + vload3(0, view->origin);
+    return (bc * right.x + ca * right.y + ab * right.z) / dot3(a, bc) + view->origin.xyz;
 }
 
 static bool is_in_view(const ViewPlan* plan, float3 p) {
-    float3 from_eye = p - to_float3(plan->eye);
+    float3 from_eye = p - plan->eye.xyz;
     float z = camera_depth(plan, p);
-    float x = dot3(from_eye, to_float3(plan->right));
-    float y = dot3(from_eye, to_float3(plan->up));
-    return z > 0.0f && fabs(x) <= z * plan->right[3] && fabs(y) <= z * plan->up[3];
+    float x = dot3(from_eye, plan->right.xyz);
+    float y = dot3(from_eye, plan->up.xyz);
+    return z > 0.0f && fabs(x) <= z * plan->right.w && fabs(y) <= z * plan->up.w;
 }
 
 static float depth_of(__global const float* depths, __global const MapView* view, int x, int y) {

@@ -10,8 +10,7 @@
 
 // One pixel's step of the camera's rays; the rays' component along forward is 1.
 GN_STRUCT_BEGIN(PixelSteps)
-    float eye[4], forward[4];
-    float step_x[4], step_y[4];
+    float4 eye, forward, step_x, step_y;
 GN_STRUCT_END(PixelSteps, 64)
 
 #ifndef __cplusplus
@@ -32,11 +31,11 @@ static float2 texel_step(__global const MapView* view, __global const float* tab
 
 static void pixel_footprint(const PixelSteps* steps, __global const MapView* view, __global const float* tables,
                             Triangle t, float3 p, float2* ds, float2* dt) {
-    float3 normal = cross3(t.b - t.a, t.c - t.a), from_eye = p - to_float3(steps->eye);
-    float depth = dot3(from_eye, to_float3(steps->forward));
+    float3 normal = cross3(t.b - t.a, t.c - t.a), from_eye = p - steps->eye.xyz;
+    float depth = dot3(from_eye, steps->forward.xyz);
     float3 ray = from_eye / depth;
-    *ds = texel_step(view, tables, p, pixel_step(ray, depth, normal, to_float3(steps->step_x)));
-    *dt = texel_step(view, tables, p, pixel_step(ray, depth, normal, to_float3(steps->step_y)));
+    *ds = texel_step(view, tables, p, pixel_step(ray, depth, normal, steps->step_x.xyz));
+    *dt = texel_step(view, tables, p, pixel_step(ray, depth, normal, steps->step_y.xyz));
 }
 
 #endif

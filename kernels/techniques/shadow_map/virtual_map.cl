@@ -48,9 +48,8 @@ __kernel void virtual_map_request(VirtualPlan plan, VirtualLight light, MapSet s
         MapPoint point;
         make_map_point(views + index, tables, p, &point);
         uint level = wanted_level(&plan, set, &point, p);
-        uint column = texel_below(point.at_texels.x, point.view->width) >> (PAGE_LOG2 + level);
-        uint row = texel_below(point.at_texels.y, point.view->height) >> (PAGE_LOG2 + level);
-        uint entry = page_entry(&plan, light.first_view + index, level, column, row);
+        uint2 page = texel_below(point.at_texels, point.view) >> (PAGE_LOG2 + level);
+        uint entry = page_entry(&plan, light.first_view + index, level, page.x, page.y);
         point_entries[light.first_point + i] = entry;
         // Many points request one page: most points need not write.
         if (GN_RELAXED_LOAD(&requested[entry]) == 0 && atomic_xchg(&requested[entry], 1u) == 0)
@@ -69,11 +68,9 @@ __kernel void virtual_map_pages(VirtualPlan plan, __global const MapView* level_
     }
 }
 
-static void clip_to_page(Caster* caster, uint column, uint row) {
-    caster->covered.low_x = max(caster->covered.low_x, column << PAGE_LOG2);
-    caster->covered.low_y = max(caster->covered.low_y, row << PAGE_LOG2);
-    caster->covered.high_x = min(caster->covered.high_x, ((column + 1) << PAGE_LOG2) - 1);
-    caster->covered.high_y = min(caster->covered.high_y, ((row + 1) << PAGE_LOG2) - 1);
+static void clip_to_page(Caster* caster, uint2 page) {
+    caster->covered.low = max(caster->covered.low, page << PAGE_LOG2);
+    caster->covered.high = min(caster->covered.high, ((page + 1u) << PAGE_LOG2) - 1u);
 }
 
 // Draws triangle i into the requested pages of one level of one view, or lists it with each.
@@ -82,8 +79,8 @@ static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint
                             __global const MapView* pages, __global const float* tables, __global uint* touched,
                             __global uint* keys, __global VirtualCounters* counters, __global uint2* pairs) {
     bool is_small = texels_of(caster->covered) <= SMALL_TEXELS;
-    for (uint row = caster->covered.low_y >> PAGE_LOG2; row <= caster->covered.high_y >> PAGE_LOG2; ++row)
-        for (uint column = caster->covered.low_x >> PAGE_LOG2; column <= caster->covered.high_x >> PAGE_LOG2;
+    for (uint row = caster->covered.low.y >> PAGE_LOG2; row <= caster->covered.high.y >> PAGE_LOG2; ++row)
+        for (uint column = caster->covered.low.x >> PAGE_LOG2; column <= caster->covered.high.x >> PAGE_LOG2;
              ++column) {
             uint entry = page_entry(plan, level_view / plan->levels, level_view % plan->levels, column, row);
             if (requested[entry] == 0) continue;
@@ -91,7 +88,7 @@ static void draw_into_pages(const VirtualPlan* plan, const DepthPass* pass, uint
             if (GN_RELAXED_LOAD(&touched[page]) == 0) atomic_xchg(&touched[page], 1u);
             if (is_small) {
                 Caster part = *caster;
-                clip_to_page(&part, column, row);
+                clip_to_page(&part, (uint2)(column, row));
                 draw_rectangle(pass, pages + page, tables, &part, part.covered, keys, keys);
                 continue;
             }
@@ -130,12 +127,10 @@ __kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, __global const
         __global const MapView* view = pages + page_of[pair.y];
         Caster caster;
         make_caster(view, tables, load_triangle(vertices + pass.first_float, pair.x), &caster);
-        clip_to_page(&caster, page.column, page.row);
-        uint across = tiles_across(caster.covered.low_x, caster.covered.high_x),
-             down = tiles_across(caster.covered.low_y, caster.covered.high_y);
-        for (uint t = (uint)get_local_id(0); t < across * down; t += (uint)get_local_size(0))
-            draw_tile(&pass, view, tables, &caster, (caster.covered.low_x >> TILE_LOG2) + t % across,
-                      (caster.covered.low_y >> TILE_LOG2) + t / across, keys, keys);
+        clip_to_page(&caster, (uint2)(page.column, page.row));
+        uint2 tiles = tiles_of(caster.covered);
+        for (uint t = (uint)get_local_id(0); t < tiles.x * tiles.y; t += (uint)get_local_size(0))
+            draw_tile(&pass, view, tables, &caster, (uint2)(t % tiles.x, t / tiles.x), keys, keys);
     }
 }
 
@@ -149,9 +144,8 @@ __kernel void virtual_map_lookup(VirtualPlan plan, VirtualLight light, PointsLay
         MapPoint point;
         make_map_point(pages + page_of[entry], tables, load_point(positions, layout, i), &point);
         // Sizes are powers of two, so this texel lies in the requested page.
-        uint x = texel_below(point.at_texels.x, point.view->width),
-             y = texel_below(point.at_texels.y, point.view->height);
-        uint at = point.view->first_texel + y * point.view->row_stride + x;
+        uint2 texel = texel_below(point.at_texels, point.view);
+        uint at = point.view->first_texel + texel.y * point.view->row_stride + texel.x;
         visibility[i] = as_float(keys[at]) >= point.depth - plan.receiver_bias ? 1.0f : 0.0f;
     }
 }
