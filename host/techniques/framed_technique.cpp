@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "api/statistics.hpp"
-#include "occluders/triangle_setup.hpp"
 
 namespace gnomon {
 namespace {
@@ -60,6 +59,21 @@ void FramedTechnique::make_receiver_depths(Run& run, cl_uint frame) {
     cl::StageTimer timer(session, run.statistics, "receiver_depth_pyramid");
     receiver_depth_pyramid_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), frames_.blocks(),
                                 run.visibility);
+}
+
+void FramedTechnique::list_triangles(Run& run, bool for_map) {
+    cl::Session& session = device_.session();
+    const cl::Buffer* pyramid = for_map ? &receiver_depth_pyramid_.pyramid() : nullptr;
+    for (;; ++run.grown) {
+        cl::StageTimer timer(session, run.statistics, "triangle_setup");
+        session.fill(counters_, 0, sizeof(FrameCounters));
+        setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, pyramid, counters_);
+        if (for_map)
+            setup_.run_map_tiles(session, frames_.projection(), run.triangles, *pyramid, counters_);
+        else
+            setup_.run_tiles(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
+        if (setup_.fitted(session, session.read_value<FrameCounters>(counters_))) return;
+    }
 }
 
 Statistics FramedTechnique::run(const Triangles& triangles, const Points& points, const Light& light,

@@ -6,6 +6,7 @@
 #include "api/settings_table.hpp"
 #include "kernels/techniques/framed_technique.h"
 #include "occluders/conservative_map.hpp"
+#include "occluders/triangle_setup.hpp"
 #include "receivers/light_frames.hpp"
 #include "receivers/receiver_depth_pyramid.hpp"
 #include "techniques/registered.hpp"
@@ -47,12 +48,15 @@ protected:
 
     FramedParams params_of(const Run& run, cl_uint frame) const;
     void make_receiver_depths(Run& run, cl_uint frame);
+    /// Makes the frame's triangles and their tiles; for the conservative map, only those that may cover a whole texel.
+    void list_triangles(Run& run, bool for_map);
 
     Device device_;
     FramedSettings settings_;
     cl::Buffer counters_;  ///< FrameCounters
     LightFrames frames_;
     ReceiverDepthPyramid receiver_depth_pyramid_;
+    TriangleSetup setup_;
 
 private:
     TechniqueDescription description_;

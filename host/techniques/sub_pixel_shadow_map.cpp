@@ -2,7 +2,6 @@
 // Technique sub-pixel: a shadow map of triangles instead of depths (kernels/techniques/sub_pixel_shadow_map.h).
 #include "kernels/techniques/sub_pixel_shadow_map.h"
 
-#include "occluders/triangle_setup.hpp"
 #include "techniques/framed_technique.hpp"
 
 namespace gnomon {
@@ -21,16 +20,6 @@ public:
 private:
     FrameGrid grid() const override { return texel_grid(settings_.map_size); }
 
-    /// False if the lists of triangles were too short; the lists are longer now.
-    bool list_triangles(Run& run) {
-        cl::Session& session = device_.session();
-        cl::StageTimer timer(session, run.statistics, "triangle_setup");
-        session.fill(counters_, 0, sizeof(FrameCounters));
-        setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
-        setup_.run_tiles(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
-        return setup_.fitted(session, session.read_value<FrameCounters>(counters_));
-    }
-
     void draw(Run& run, SubPixelParams params) {
         cl::Session& session = device_.session();
         cl::StageTimer timer(session, run.statistics, "sub_pixel_draw");
@@ -45,7 +34,7 @@ private:
 
     FrameCounters run_frame(Run& run, cl_uint frame) override {
         cl::Session& session = device_.session();
-        while (!list_triangles(run)) ++run.grown;
+        list_triangles(run, false);
         const SubPixelParams params{.framed = params_of(run, frame),
                                     .reach = settings_.neighbours,
                                     .tile_capacity = setup_.tiles().capacity(),
@@ -65,7 +54,6 @@ private:
                 {"texels_with_triangle", run.counted.map_texels}};
     }
 
-    TriangleSetup setup_;
     cl::Buffer heights_, ids_;  ///< per texel
 };
 

@@ -88,14 +88,14 @@ struct SceneBox {
     double u, v, depth, w;
 };
 
-inline double apply(const float* row, const Double3& q) {
+inline double row_at(const float* row, const Double3& q) {
     return row[0] * q[0] + row[1] * q[1] + row[2] * q[2] + row[3];
 }
 
 inline SceneBox place(const MapView& view, const Double3& p) {
     const Double3 q{p[0] - view.origin[0], p[1] - view.origin[1], p[2] - view.origin[2]};
-    const double w = apply(view.row_w, q);
-    return {apply(view.row_u, q) / w, apply(view.row_v, q) / w, apply(view.row_depth, q), w};
+    const double w = row_at(view.row_w, q);
+    return {row_at(view.row_u, q) / w, row_at(view.row_v, q) / w, row_at(view.row_depth, q), w};
 }
 
 /// Steepness of u (or v) in world space, per unit.

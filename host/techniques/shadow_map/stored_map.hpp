@@ -54,10 +54,9 @@ public:
         plan.width = static_cast<float>(width);
         plan.summed_scale = std::ldexp(1.0f, 31 - static_cast<int>(std::ceil(2 * std::log2(width))));
         scratch_.reserve(session, numbers * sizeof(cl_uint));
-        session.launch(prefilter_file, "prefilter_sum_rows", cl::Range::items(numbers), plan, set, map_views.views,
-                       planes_, scratch_);
-        session.launch(prefilter_file, "prefilter_sum_columns", cl::Range::items(numbers), plan, set, map_views.views,
-                       scratch_);
+        for (const cl_uint axis : {0u, 1u})
+            session.launch(prefilter_file, "prefilter_sum", cl::Range::items(numbers), plan, set, axis, map_views.views,
+                           planes_, scratch_);
         std::swap(planes_, scratch_);
     }
 

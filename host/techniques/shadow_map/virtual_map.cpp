@@ -99,12 +99,10 @@ public:
                                                         visibilities[i].buffer(), lights[i], points.camera()}});
             run.index = i;
             light_views_[i].set = {};
-            const FrameCounters facing = run_facing(session, run.statistics, run.inputs.triangles, run.inputs.points,
-                                                    lights[i], run.inputs.visibility, counters_);
-            run.absent = facing.absent;
-            run.facing_away = facing.facing_away;
+            run.facing = run_facing(session, run.statistics, run.inputs.triangles, run.inputs.points, lights[i],
+                                    run.inputs.visibility, counters_);
             if (points.count() == 0) continue;
-            if (triangles.count() != 0 && run.absent + run.facing_away < points.count())
+            if (triangles.count() != 0 && run.facing.absent + run.facing.facing_away < points.count())
                 drawn.push_back(&run);
             else
                 run.statistics.stages.push_back({"draw", 0, 0, "no point faces the light, or there are no triangles"});
@@ -119,8 +117,8 @@ public:
             const std::uint64_t view_count = light_views_[run.index].set.view_count;
             Statistics& s = run.statistics;
             s.counts = {{"points", points.count()},
-                        {"points_absent", run.absent},
-                        {"points_facing_away", run.facing_away},
+                        {"points_absent", run.facing.absent},
+                        {"points_facing_away", run.facing.facing_away},
                         {"points_outside", run.outside},
                         {"triangles", triangles.count()},
                         {"map_views", view_count},
@@ -163,7 +161,8 @@ private:
     struct LightRun {
         FitInputs inputs;
         Statistics statistics{};
-        std::uint64_t facing_away = 0, absent = 0, outside = 0, pages = 0;
+        FrameCounters facing{};
+        std::uint64_t outside = 0, pages = 0;
         std::size_t index = 0;
         VirtualLight light{};
     };

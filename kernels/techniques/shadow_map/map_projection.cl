@@ -178,17 +178,14 @@ __kernel void map_projection_plan(ViewPlan world_plan, __global const KeyBounds*
 // ---- Fit ------------------------------------------------------------------------------------------------------------
 
 typedef struct Rectangle {
-    float low_u, high_u, low_v, high_v;
+    float2 low, high;  // u, v
 } Rectangle;
 
 static Rectangle bounds_of_vertices(const PlannedView* view, const float4* vertices, int count) {
-    Rectangle r = {INFINITY, -INFINITY, INFINITY, -INFINITY};
-    float4 row_u = view->row_u, row_v = view->row_v, row_w = view->row_w;
+    Rectangle r = {(float2)(INFINITY), (float2)(-INFINITY)};
     for (int i = 0; i < count; ++i) {
-        float w = dot4(row_w, vertices[i]);
-        float u = dot4(row_u, vertices[i]) / w, v = dot4(row_v, vertices[i]) / w;
-        r.low_u = fmin(r.low_u, u), r.high_u = fmax(r.high_u, u);
-        r.low_v = fmin(r.low_v, v), r.high_v = fmax(r.high_v, v);
+        float2 at = ray_position(view->row_u, view->row_v, view->row_w, vertices[i]).xy;
+        r.low = fmin(r.low, at), r.high = fmax(r.high, at);
     }
     return r;
 }
@@ -201,27 +198,20 @@ static Rectangle bounds_of_box(const PlannedView* view, SceneBox scene) {
 
 // A little room at the rim, so that rounding leaves every point inside: half a texel, and no less than floats resolve
 // easily. v = 1/w must stay positive, so its room is a share of v itself.
-static float rim(float low, float high, uint size) {
-    return fmax(0.5f * (high - low) / (float)size, 1.0e-5f * fmax(fabs(low), fabs(high)) + 1.0e-18f);
-}
-
 static Rectangle with_rim(Rectangle r, const PlannedView* view, uint size) {
-    float rim_u = rim(r.low_u, r.high_u, size), rim_v = rim(r.low_v, r.high_v, size);
-    r.low_u -= rim_u, r.high_u += rim_u;
-    if (view->takes_logarithm)
-        r.low_v *= 0.9999f, r.high_v *= 1.0001f;
-    else
-        r.low_v -= rim_v, r.high_v += rim_v;
-    return r;
+    float2 room = fmax(0.5f * (r.high - r.low) / (float)size, 1.0e-5f * fmax(fabs(r.low), fabs(r.high)) + 1.0e-18f);
+    Rectangle wide = {r.low - room, r.high + room};
+    if (view->takes_logarithm) wide.low.y = r.low.y * 0.9999f, wide.high.y = r.high.y * 1.0001f;
+    return wide;
 }
 
 // A square of half width `half_width` and one texel of room, with its centre on the grid of its own texels. The grid
 // has its anchor at the origin: a moved or turned camera moves the square by whole texels alone.
-static Rectangle snapped_square(float center_u, float center_v, float half_width, uint size) {
+static Rectangle snapped_square(float2 center, float half_width, uint size) {
     float wide = half_width * (float)size / (float)(size - 2);
     float texel = 2.0f * wide / (float)size;
-    float u = floor(center_u / texel) * texel, v = floor(center_v / texel) * texel;
-    Rectangle r = {u - wide, u + wide, v - wide, v + wide};
+    float2 snapped = floor(center / texel) * texel;
+    Rectangle r = {snapped - wide, snapped + wide};
     return r;
 }
 
@@ -235,7 +225,7 @@ static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view)
     float z = fmin(0.5f * (n + f) * (1.0f + k2), f);
     float radius = sqrt((f - z) * (f - z) + k2 * f * f);
     float4 center = (float4)(plan->eye.xyz + plan->forward.xyz * z, 1.0f);
-    return snapped_square(dot4(view->row_u, center), dot4(view->row_v, center), radius, plan->map_size);
+    return snapped_square((float2)(dot4(view->row_u, center), dot4(view->row_v, center)), radius, plan->map_size);
 }
 
 // The slice's bounds, their size rounded up to 64ths of the scene's, and their offset to texels.
@@ -244,20 +234,20 @@ static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view,
     float4 corners[8];
     for (int i = 0; i < 8; ++i) corners[i] = (float4)(slice_corner(plan, depths.x, depths.y, i), 1.0f);
     Rectangle slice = bounds_of_vertices(view, corners, 8), box = bounds_of_box(view, scene);
-    float level = 0.5f * fmax(box.high_u - box.low_u, box.high_v - box.low_v) / 64.0f;
-    float half_width = 0.5f * fmax(slice.high_u - slice.low_u, slice.high_v - slice.low_v);
-    return snapped_square(0.5f * (slice.low_u + slice.high_u), 0.5f * (slice.low_v + slice.high_v),
-                          ceil(half_width / level) * level, plan->map_size);
+    float2 box_size = box.high - box.low, slice_size = slice.high - slice.low;
+    float level = 0.5f * fmax(box_size.x, box_size.y) / 64.0f, half_width = 0.5f * fmax(slice_size.x, slice_size.y);
+    return snapped_square(0.5f * (slice.low + slice.high), ceil(half_width / level) * level, plan->map_size);
 }
 
 static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view, SceneBox scene, const Polyhedron* body,
                                   KeyBounds points) {
     if (plan->fit == FIT_RECEIVERS || !has_camera(plan)) {
-        Rectangle r = {least_of(&points, 0), greatest_of(&points, 0), least_of(&points, 1), greatest_of(&points, 1)};
+        Rectangle r = {(float2)(least_of(&points, 0), least_of(&points, 1)),
+                       (float2)(greatest_of(&points, 0), greatest_of(&points, 1))};
         return with_rim(r, view, plan->map_size);
     }
     if (plan->partition == PARTITION_FACES || plan->partition == PARTITION_CUBE) {
-        Rectangle r = {view->limit_low[0], view->limit_high[0], view->limit_low[1], view->limit_high[1]};
+        Rectangle r = {vload2(0, view->limit_low), vload2(0, view->limit_high)};
         return r;
     }
     if (plan->fit == FIT_SPHERE) return bounds_of_sphere(plan, view);
@@ -316,8 +306,8 @@ static void measure_errors(const ViewPlan* plan, const MapView* map, const float
 static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i, Rectangle r, float2 depths) {
     MapView map;
     float4 row_w = view->row_w, one = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
-    map.row_u = unit_row(view->row_u, row_w, r.low_u, r.high_u);
-    map.row_v = unit_row(view->row_v, row_w, r.low_v, r.high_v);
+    map.row_u = unit_row(view->row_u, row_w, r.low.x, r.high.x);
+    map.row_v = unit_row(view->row_v, row_w, r.low.y, r.high.y);
     map.row_w = row_w;
     map.row_depth = unit_row(view->row_depth, one, depths.x, depths.y);
     map.origin = view->origin;
@@ -325,7 +315,7 @@ static MapView map_view_of(const ViewPlan* plan, const PlannedView* view, uint i
     bool is_sliced = plan->partition == PARTITION_DEPTH;
     map.select_near = is_sliced && i != 0 ? view->near_depth : -INFINITY;
     map.select_far = is_sliced && i + 1 != plan->view_count ? view->far_depth : INFINITY;
-    map.log_strength = view->takes_logarithm ? r.high_v / r.low_v - 1.0f : 0.0f;
+    map.log_strength = view->takes_logarithm ? r.high.y / r.low.y - 1.0f : 0.0f;
     map.warp = map.log_strength > 1.0e-3f ? WARP_LOGARITHMIC : WARP_NONE;
     map.blend_from = map.select_far;
     map.face = view->face;
@@ -373,7 +363,7 @@ __kernel void map_projection_fit(ViewPlan world_plan, __global const KeyBounds* 
         bool is_off = view.is_off || is_empty(&points);
         MapView map;
         if (is_off) {
-            Rectangle unit = {0.0f, 1.0f, 0.0f, 1.0f};
+            Rectangle unit = {(float2)(0.0f), (float2)(1.0f)};
             map = map_view_of(&plan, &view, i, unit, (float2)(0.0f, 1.0f));
             map.width = map.height = 0;
         } else {

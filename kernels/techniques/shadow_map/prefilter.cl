@@ -51,33 +51,22 @@ __kernel void prefilter_gaussian(StorePlan plan, MapSet set, GaussianPass pass, 
         gaussian(0u, set, plan.planes, pass, weights, views, input, output);
 }
 
-// This kernel sums rows and converts numbers to fixed point; the next kernel sums columns in place.
-__kernel void prefilter_sum_rows(StorePlan plan, MapSet set, __global const MapView* views, __global const void* input,
-                                 __global uint* output) {
+// Runs twice: along rows (axis 0) it converts the numbers to fixed point and sums them, along columns it sums in place.
+__kernel void prefilter_sum(StorePlan plan, MapSet set, uint axis, __global const MapView* views,
+                            __global const void* input, __global uint* sums) {
     float low = is_signed(&plan) ? -1.0f : 0.0f, scale_in = is_signed(&plan) ? 0.5f : 1.0f;
     for (uint v = 0; v < set.view_count; ++v) {
         __global const MapView* view = views + v;
-        GN_FOR_EACH(i, (size_t)view->height * plan.planes) {
-            size_t first = i / view->height * set.texels + map_texel(view, 0, (uint)(i % view->height));
+        uint lines = axis == 0u ? view->height : view->width, length = axis == 0u ? view->width : view->height;
+        size_t step = axis == 0u ? 1 : view->row_stride, next_line = axis == 0u ? view->row_stride : 1;
+        GN_FOR_EACH(i, (size_t)lines * plan.planes) {
+            size_t at = i / lines * set.texels + map_texel(view, 0, 0) + i % lines * next_line;
             uint sum = 0;
-            for (uint x = 0; x < view->width; ++x) {
-                float number = load_number(plan.half_bits, input, first + x);
-                sum += (uint)rint(clamp((number - low) * scale_in, 0.0f, 1.0f) * plan.summed_scale);
-                output[first + x] = sum;
-            }
-        }
-    }
-}
-
-__kernel void prefilter_sum_columns(StorePlan plan, MapSet set, __global const MapView* views, __global uint* sums) {
-    for (uint v = 0; v < set.view_count; ++v) {
-        __global const MapView* view = views + v;
-        GN_FOR_EACH(i, (size_t)view->width * plan.planes) {
-            size_t first = i / view->width * set.texels + map_texel(view, (uint)(i % view->width), 0);
-            uint sum = 0;
-            for (uint y = 0; y < view->height; ++y) {
-                sum += sums[first + (size_t)y * view->row_stride];
-                sums[first + (size_t)y * view->row_stride] = sum;
+            for (uint k = 0; k < length; ++k, at += step) {
+                float number = axis == 0u ? load_number(plan.half_bits, input, at) : 0.0f;
+                sum += axis == 0u ? (uint)rint(clamp((number - low) * scale_in, 0.0f, 1.0f) * plan.summed_scale)
+                                  : sums[at];
+                sums[at] = sum;
             }
         }
     }
