@@ -99,22 +99,17 @@ static void fit_perspective(LightFrame frame, FittedBounds bounds, Projection* p
 
 GN_NOINLINE_ON_CPU void fit_frame(LightFrame frame, __global const PointBounds* keys, __global Projection* result) {
     FittedBounds bounds = read_bounds(keys);
-    Projection projection;
-    for (int i = 0; i < 4; ++i) {
-        projection.row_x[i] = projection.row_y[i] = projection.row_z[i] = projection.center[i] = 0.0f;
-        projection.light[i] = frame.light[i];
-    }
+    Projection projection = {{0.0f}};  // every member is 0
+    for (int i = 0; i < 4; ++i) projection.light[i] = frame.light[i];
     projection.width = frame.width;
     projection.height = frame.height;
     projection.bin_log2 = frame.bin_log2;
     projection.bins_x = frame.bins_x;
     projection.bins_y = frame.bins_y;
     projection.perspective = frame.perspective;
-    projection.point_error = projection.block_error = projection.height_error = projection.z_origin = 0.0f;
     projection.handedness = frame.sign_z;
     projection.active_points = bounds.count;
     projection.z_scale = 1.0f;
-    projection.map_disabled = projection.padding = 0;
     if (bounds.count == 0)
         projection.indistinct = 1;
     else if (frame.perspective)

@@ -8,7 +8,7 @@
 
 #include "device.hpp"
 #include "scene_makers.hpp"
-#include "techniques/shadow_map/depth_pass.hpp"
+#include "techniques/shadow_map/map_projection.hpp"
 
 namespace support {
 

@@ -35,10 +35,9 @@ constexpr std::string_view sizes[] = {"128", "256", "512", "1024", "2048", "4096
 // Texels are counted in 32 bits.
 constexpr std::uint32_t most_pages = 0xFFFFFFFFu / PAGE_TEXELS;
 
-struct Settings {
-    std::uint32_t size, level;
-    float detail;
-    float constant_bias, slope_bias, slope_limit;  ///< as shadow-map's
+struct Settings : VirtualPlan {
+    std::uint32_t size;
+    float slope_bias, slope_limit;  ///< as shadow-map's
 };
 
 const SettingsTable<Settings>& settings_table() {
@@ -51,7 +50,7 @@ const SettingsTable<Settings>& settings_table() {
         {{"level", "0", "of points without a camera: level that they request, 0 (finest) to 7"},
          setting::whole(&S::level, 0, std::size(sizes) - 1)},
         {{"constant-bias", "0.0001", "subtracted from the receiver's depth, 0 to 1; 1 is the receivers' depth range"},
-         setting::number(&S::constant_bias, 0, 1)},
+         setting::number(&S::receiver_bias, 0, 1)},
         {{"slope-bias", "1.5", "times the caster's depth per texel, 0 to 100"},
          setting::number(&S::slope_bias, 0, 100)},
         {{"slope-limit", "0.05", "most depth that slope-bias adds, 0 to 1"}, setting::number(&S::slope_limit, 0, 1)},
@@ -168,7 +167,7 @@ private:
     };
 
     VirtualPlan plan_of(const FitInputs& inputs, std::uint32_t view_count) const {
-        VirtualPlan plan{};
+        VirtualPlan plan = settings_;
         plan.pages_across = settings_.size / PAGE_SIZE;
         plan.levels = static_cast<cl_uint>(std::bit_width(plan.pages_across));
         plan.entries_per_view = (4 * plan.pages_across * plan.pages_across - 1) / 3;
@@ -176,9 +175,6 @@ private:
         if (inputs.camera)
             plan.pixel_size = static_cast<float>(2 * std::tan(inputs.camera->camera.fov_y_radians / 2) /
                                                  std::max(inputs.camera->height, 1u));
-        plan.detail = settings_.detail;
-        plan.level = settings_.level;
-        plan.receiver_bias = settings_.constant_bias;
         return plan;
     }
 

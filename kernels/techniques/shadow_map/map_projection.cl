@@ -290,13 +290,12 @@ static void measure_errors(const ViewPlan* plan, const MapView* map, const float
     float4 row_u = map->row_u, row_v = map->row_v, row_w = map->row_w;
     *error_u = *error_v = 0.0f;
     for (int i = 0; i < count; ++i) {
-        float w = dot4(row_w, vertices[i]);
-        float u = dot4(row_u, vertices[i]) / w, v = dot4(row_v, vertices[i]) / w;
-        float3 along_u = (row_u.xyz - row_w.xyz * u) / w, along_v = (row_v.xyz - row_w.xyz * v) / w;
+        float3 at = ray_position(row_u, row_v, row_w, vertices[i]);
+        float3 along_u = (row_u.xyz - row_w.xyz * at.x) / at.z, along_v = (row_v.xyz - row_w.xyz * at.y) / at.z;
         float slope = 1.0f;
         if (map->warp == WARP_LOGARITHMIC)
-            slope =
-                map->log_strength / ((1.0f + map->log_strength * clamp(v, 0.0f, 1.0f)) * log(1.0f + map->log_strength));
+            slope = map->log_strength /
+                    ((1.0f + map->log_strength * clamp(at.y, 0.0f, 1.0f)) * log(1.0f + map->log_strength));
         float z = dot3(plan->forward.xyz, vertices[i].xyz - plan->eye.xyz);
         *error_u = fmax(*error_u, 1.0f / (sqrt(dot3(along_u, along_u)) * z));
         *error_v = fmax(*error_v, 1.0f / (slope * sqrt(dot3(along_v, along_v)) * z));
