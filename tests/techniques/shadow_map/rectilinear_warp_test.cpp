@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "kernels/techniques/shadow_map/rectilinear_warp.h"
 #include "support/map_fits.hpp"
 #include "techniques/shadow_map/depth_pass.hpp"
 
