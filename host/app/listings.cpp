@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The lists of devices and techniques, laid out for a terminal.
-#include "listings.hpp"
+#include "commands.hpp"
 
 #include <algorithm>
 #include <iomanip>

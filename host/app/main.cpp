@@ -7,30 +7,17 @@
 #include <vector>
 
 #include <gnomon.hpp>
-#include "explain.hpp"
-#include "gallery.hpp"
-#include "listings.hpp"
 #include "options.hpp"
 #include "output_files.hpp"
-#include "render.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
 namespace {
 
-struct Runner {
-    void operator()(const PrintText& command) const { print_result(command.text); }
-    void operator()(const ListDevices&) const { print_result(device_list()); }
-    void operator()(const ListTechniques& command) const { print_result(technique_list(command)); }
-    void operator()(const RenderOptions& command) const { render(command); }
-    void operator()(const ExplainOptions& command) const { explain(command); }
-    void operator()(const GalleryOptions& command) const { gallery(command); }
-};
-
 int run(const std::vector<std::string>& arguments) {
     try {
         remove_temporaries_on_interrupt();
-        std::visit(Runner{}, parse_command_line(arguments));
+        parse_command_line(arguments)();
         return 0;
     } catch (const UsageError& error) {
         print_error(error.what());

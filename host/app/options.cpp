@@ -5,6 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
+#include "commands.hpp"
+#include "terminal.hpp"
+
 namespace gnomon::app {
 namespace {
 
@@ -12,73 +15,38 @@ const char* const main_description =
     "gnomon: exact hard shadows as OpenCL kernels.\n"
     "Every pixel's shadow is decided in exact arithmetic: the same bits on every device.";
 
-const char* const main_footer =
-    "First steps:\n"
-    "  gnomon render -o sundial.png                       the built-in sundial\n"
-    "  gnomon render scene.glb -o out.png --mask mask.png your scene, and its shadow mask\n"
-    "  gnomon render --help                               every option\n"
-    "  gnomon explain scene.glb --pixel 310,42            why a pixel is lit or in shadow\n"
-    "  gnomon gallery scene.glb -o gallery.html           every technique beside the exact truth\n"
-    "\n"
-    "Exit code: 0 done, 1 something failed, 2 the command line is wrong.";
-
-const char* const render_footer =
-    "Options take their value as --option value or --option=value, also where it begins with a minus sign; of an\n"
-    "option given twice the last one counts (--set may be repeated). Numbers are read as float32 and used as they\n"
-    "are. Units and axes are glTF's: metres, +Y up, right-handed. Files appear whole or not at all.\n"
-    "\n"
-    "Examples:\n"
-    "  gnomon render -o sundial.png --size 640x360\n"
-    "  gnomon render room.glb -o room.png --camera 0 --light sun --stats room.json\n"
-    "  gnomon render room.glb --aov room.exr --eye 0,2,8 --target 0,1,0 --light-direction -1,-2,-0.5";
-
-const char* const explain_footer =
-    "The pixel is the one of gnomon render with the same scene, --size, camera and light. The signs are those of the\n"
-    "determinants in docs/numerics.md, 1. The stage and the arithmetic are what decided the point in a run of the\n"
-    "exact technique; a point given by --point is a run of its own.\n"
-    "\n"
-    "Examples:\n"
-    "  gnomon explain --size 640x360 --pixel 310,42\n"
-    "  gnomon explain room.glb --camera 0 --light sun --pixel 100,20\n"
-    "  gnomon explain --triangles room.triangles --point 0,1,0.5 --receiver 12 --light-direction -1,-2,-0.5";
-
-const char* const gallery_footer =
-    "Every error on the page is against the exact technique of the same run. Times are medians, from triangles and\n"
-    "points on the device to visibility on the device, after one run to warm up.\n"
-    "\n"
-    "Examples:\n"
-    "  gnomon gallery room.glb -o room.html --size 960x540\n"
-    "  gnomon gallery room.glb --technique frustum-traced --technique shadow-map:size=4096";
+/// What follows the options in a command's help.
+std::string help_text(const std::string& command) {
+    const std::string_view text = text_file("help/" + command + ".txt");
+    return std::string(text.substr(0, text.find_last_not_of('\n') + 1));
+}
 
 /// CLI11 takes the next argument if "--option=" has no value, and keeps the "=" of "-o=file". This function handles
 /// both before CLI11 parses the arguments.
-std::vector<std::string> settle_equals_signs(const std::vector<std::string>& arguments) {
-    std::vector<std::string> settled;
+std::vector<std::string> without_equals_signs(const std::vector<std::string>& arguments) {
+    std::vector<std::string> separated;
     for (const std::string& argument : arguments) {
-        if (argument == "--") {
-            settled.push_back(argument);
-        } else if (argument.starts_with("--") && argument.find('=') == argument.size() - 1) {
+        if (argument.size() > 2 && argument.starts_with("--") && argument.find('=') == argument.size() - 1)
             throw UsageError(argument + " has no value behind its equals sign");
-        } else if (argument.starts_with("-o=")) {
-            settled.emplace_back("-o");
-            settled.push_back(argument.substr(3));
-        } else {
-            settled.push_back(argument);
-        }
+        const bool is_joined = argument.starts_with("-o=");
+        if (is_joined) separated.emplace_back("-o");
+        separated.push_back(is_joined ? argument.substr(3) : argument);
     }
-    return settled;
+    return separated;
 }
 
 using Store = std::function<void(const std::string& option, const std::string& text)>;
 
-/// A group of a command's help. Called, it adds an option with one value; `store` gets the option's long name (for its
-/// sentences) and the text.
+/// A group of a command's help. Called, it adds an option with one value; `store` gets the option's name (for its
+/// sentences: "--mask", "-o (--output)") and the text.
 struct Group {
     CLI::App& app;
     std::string name;
 
     void operator()(const std::string& names, const std::string& type, const std::string& meaning, Store store) const {
-        const std::string option = names.substr(names.find("--"));
+        const std::size_t comma = names.find(',');
+        const std::string option =
+            comma == std::string::npos ? names : names.substr(0, comma) + " (" + names.substr(comma + 1) + ")";
         const auto store_all = [option, store = std::move(store)](const std::vector<std::string>& texts) {
             for (const std::string& text : texts) store(option, text);
         };
@@ -92,16 +60,14 @@ struct Group {
     }
 };
 
-/// Stores what `parse` reads.
-template <typename To, typename Value>
-Store into(To& to, Value (*parse)(const std::string& option, const std::string& text)) {
-    return [&to, parse](const std::string& option, const std::string& text) { to = parse(option, text); };
-}
-/// The same for a file with this extension; "" allows all.
-template <typename To>
-Store into_file(To& to, const char* extension) {
-    return [&to, extension](const std::string& option, const std::string& text) {
-        to = parse_file(option == "--output" ? "-o (--output)" : option, text, extension);
+/// Stores what `parse`, a function of values.hpp, reads under these limits. A list gets one more entry.
+template <typename To, typename Parse, typename... Limits>
+Store into(To& to, Parse parse, Limits... limits) {
+    return [=, &to](const std::string& option, const std::string& text) {
+        if constexpr (requires { to.push_back(parse(option, text, limits...)); })
+            to.push_back(parse(option, text, limits...));
+        else
+            to = parse(option, text, limits...);
     };
 }
 
@@ -141,25 +107,25 @@ void add_light_options(CLI::App& app, ViewOptions& options, const std::string& m
 
 void add_output_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Outputs (at least one)"};
-    add("-o,--output", "FILE.png", "The picture, 8-bit sRGB", into_file(options.picture, ".png"));
+    add("-o,--output", "FILE.png", "The picture, 8-bit sRGB", into(options.picture, parse_file, ".png"));
     add("--mask", "FILE.png",
         "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow, else the mean of --samples",
-        into_file(options.mask, ".png"));
+        into(options.mask, parse_file, ".png"));
     add("--aov", "FILE.exr",
         "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint); "
         "sky: P = N = 0, visibility 1, receiver 4294967295",
-        into_file(options.aov, ".exr"));
+        into(options.aov, parse_file, ".exr"));
     add("--dump-triangles", "FILE",
         "The world triangles, 9 little-endian float32 each;\na receiver is a position in this file",
-        into_file(options.triangle_dump, ""));
+        into(options.triangle_dump, parse_file, ""));
     add("--dump-points", "FILE",
         "The points whose shadow is decided, 16 little-endian bytes each: x, y, z (float32; sky: NaN)\n"
         "and receiver (uint32); pixel by pixel, for each of --samples in turn",
-        into_file(options.point_dump, ""));
+        into(options.point_dump, parse_file, ""));
     add("--stats", "FILE.json",
         "What was done: the time of each step in ms, counts, memory, the exact camera and\n"
         "light; the time of each stage only with --profile",
-        into_file(options.statistics, ""));
+        into(options.statistics, parse_file, ""));
     add.flag("--profile", options.profile,
              "Time each stage on the device, for the table and --stats. The host waits after each\n"
              "stage, so that the run as a whole takes a little longer");
@@ -167,7 +133,7 @@ void add_output_options(CLI::App& app, RenderOptions& options) {
 
 void add_samples(const Group& add, const std::string& meaning, std::uint32_t& samples) {
     add("--samples", "1|4|8|16|32", meaning, [&](const std::string& option, const std::string& text) {
-        samples = parse_count(option, text, 32);
+        samples = parse_count(option, text, 1, 32);
         if (samples != 1 && (samples < 4 || (samples & (samples - 1)) != 0))
             throw UsageError(option + " needs 1, 4, 8, 16 or 32, not \"" + text + "\"");
     });
@@ -186,9 +152,7 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
                 "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
                 options.samples);
     add("--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
-        [&](const std::string& option, const std::string& text) {
-            options.settings.push_back(parse_setting(option, text));
-        });
+        into(options.settings, parse_setting));
     add("--diagnostic", "NAME",
         "Draw how the technique works instead of the picture: decided (frustum-traced), page (virtual-shadow-map),\n"
         "aliasing, grid, views, depth or warp (shadow-map and its presets)",
@@ -237,6 +201,7 @@ void check_explained(const ExplainOptions& options) {
     if (options.sample >= options.samples)
         throw UsageError("--sample " + std::to_string(options.sample) +
                          " needs a larger --samples: samples count from 0");
+    if (options.pixel) check_camera_options(options);
 }
 
 void check_light_options(const ViewOptions& options) {
@@ -266,17 +231,21 @@ void check_nothing_left(const CLI::App& app, const std::string& command, const s
     throw UsageError((first.starts_with("-") ? "unknown option" : kind) + " " + first + ": see " + command + " --help");
 }
 
-void add_scene_argument(CLI::App& app, ViewOptions& options) {
+/// A command with what every command that renders has: an optional scene, and a text below the options.
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& meaning, ViewOptions& options) {
+    CLI::App* command = app.add_subcommand(name, meaning);
     // A scene's name can equal a subcommand's name only if it has no extension; "./devices" is a file.
-    app.add_option_function<std::string>(
-           "SCENE", [&options](const std::string& text) { options.scene = parse_file("SCENE", text, ""); },
-           "A .glb or .gltf file (default: a built-in sundial)")
+    command
+        ->add_option_function<std::string>(
+            "SCENE", [&options](const std::string& text) { options.scene = parse_file("SCENE", text, ""); },
+            "A .glb or .gltf file (default: a built-in sundial)")
         ->type_name("");
+    command->footer(help_text(name));
+    return command;
 }
 
 CLI::App* add_render(CLI::App& app, RenderOptions& options) {
-    CLI::App* render = app.add_subcommand("render", "Renders a scene with exact hard shadows");
-    add_scene_argument(*render, options);
+    CLI::App* render = add_command(app, "render", "Renders a scene with exact hard shadows", options);
     add_output_options(*render, options);
     add_camera_options(*render, options);
     add_light_options(*render, options,
@@ -284,50 +253,42 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
                       "is lit by all, and --mask NAME.png writes NAME_0.png, NAME_1.png, ...");
     add_technique_options(*render, options);
     add_device_options(*render, options);
-    render->footer(render_footer);
     return render;
 }
 
 CLI::App* add_explain(CLI::App& app, ExplainOptions& options) {
-    CLI::App* explain = app.add_subcommand("explain", "Says why a pixel or a point is lit or in shadow");
-    add_scene_argument(*explain, options);
+    CLI::App* explain = add_command(app, "explain", "Says why a pixel or a point is lit or in shadow", options);
     const Group add{*explain, "What to explain (--pixel or --point)"};
     add("--pixel", "X,Y", "A pixel of the picture, counted from 0 at the upper left corner",
         into(options.pixel, parse_pixel));
     add_samples(add, "The pixel's points are these of render's --samples (default 1)", options.samples);
     add("--sample", "I", "Which of the pixel's samples, from 0 (default 0)",
-        [&](const std::string& option, const std::string& text) { options.sample = parse_count(option, text, 31, 0); });
+        into(options.sample, parse_count, 0u, 31u));
     add("--point", "X,Y,Z", "A point of the scene; with --eye it can be backfacing", into(options.point, parse_float3));
     add("--receiver", "ID", "The triangle that the point lies on (default: none)",
-        [&](const std::string& option, const std::string& text) {
-            options.receiver = parse_count(option, text, no_receiver - 1, 0);
-        });
+        into(options.receiver, parse_count, 0u, no_receiver - 1));
     add("--triangles", "FILE", "In place of SCENE: triangles as --dump-triangles writes them",
-        into_file(options.triangles, ""));
+        into(options.triangles, parse_file, ""));
     add_camera_options(*explain, options);
     add_light_options(*explain, options);
     add_device_options(*explain, options, false);
-    explain->footer(explain_footer);
     return explain;
 }
 
 CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
-    CLI::App* gallery = app.add_subcommand("gallery", "Every technique beside the exact truth, as one HTML page");
-    add_scene_argument(*gallery, options);
+    CLI::App* gallery =
+        add_command(app, "gallery", "Every technique beside the exact truth, as one HTML page", options);
     const Group add{*gallery, "Page"};
     add("-o,--output", "FILE.html", "The page, everything in it (default gallery.html)",
-        into_file(options.page, ".html"));
+        into(options.page, parse_file, ".html"));
     add("--technique", "NAME[:KEY=VALUE,...]",
         "Show this technique, with these settings; may be repeated\n(default: every technique as it comes)",
-        [&](const std::string& option, const std::string& text) {
-            options.techniques.push_back(parse_name(option, text));
-        });
+        into(options.techniques, parse_name));
     add("--runs", "N", "Timed runs of each technique, 1 to 1000 (default 3)",
-        [&](const std::string& option, const std::string& text) { options.runs = parse_count(option, text, 1000); });
+        into(options.runs, parse_count, 1u, 1000u));
     add_camera_options(*gallery, options);
     add_light_options(*gallery, options);
     add_device_options(*gallery, options);
-    gallery->footer(gallery_footer);
     return gallery;
 }
 
@@ -338,24 +299,15 @@ CLI::App* add_techniques(CLI::App& app, ListTechniques& options) {
     return techniques;
 }
 
-RenderOptions checked(RenderOptions options) {
-    check_camera_options(options);
-    check_light_options(options);
-    check_outputs(options);
-    return options;
+/// The command, once its options have passed the checks.
+template <typename Options, typename... Checks>
+Command checked(void (*run)(const Options&), const Options& options, Checks... checks) {
+    (checks(options), ...);
+    return [=] { run(options); };
 }
 
-ExplainOptions checked(ExplainOptions options) {
-    check_explained(options);
-    if (options.pixel) check_camera_options(options);
-    check_light_options(options);
-    return options;
-}
-
-GalleryOptions checked(GalleryOptions options) {
-    check_camera_options(options);
-    check_light_options(options);
-    return options;
+Command print(const std::string& text) {
+    return [text] { print_result(text); };
 }
 
 }  // namespace
@@ -368,28 +320,29 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     gallery_options.size = {960, 540};
     render_options.command_line = gallery_options.command_line = arguments;
 
-    CLI::App app(main_description, "gnomon");
-    app.set_version_flag("--version", "gnomon " + std::string(version()), "Print the version");
-    app.set_help_flag("-h,--help", "Print this help");
-    app.footer(main_footer);
-    app.require_subcommand(0, 1);
-    app.allow_extras();
-    app.get_formatter()->column_width(36);
-    CLI::App* const render = add_render(app, render_options);
-    CLI::App* const explain = add_explain(app, explain_options);
-    CLI::App* const gallery = add_gallery(app, gallery_options);
-    CLI::App* const devices = app.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
-    CLI::App* const techniques = add_techniques(app, techniques_options);
+    CLI::App parser(main_description, "gnomon");
+    parser.set_version_flag("--version", "gnomon " + std::string(version()), "Print the version");
+    parser.set_help_flag("-h,--help", "Print this help");
+    parser.footer(help_text("main"));
+    parser.require_subcommand(0, 1);
+    parser.allow_extras();
+    parser.get_formatter()->column_width(36);
+    CLI::App* const render = add_render(parser, render_options);
+    CLI::App* const explain = add_explain(parser, explain_options);
+    CLI::App* const gallery = add_gallery(parser, gallery_options);
+    CLI::App* const devices =
+        parser.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
+    CLI::App* const techniques = add_techniques(parser, techniques_options);
     for (CLI::App* command : {render, explain, gallery, devices, techniques}) command->allow_extras();
 
-    std::vector<std::string> from_the_back = settle_equals_signs({arguments.begin() + 1, arguments.end()});
+    std::vector<std::string> from_the_back = without_equals_signs({arguments.begin() + 1, arguments.end()});
     std::reverse(from_the_back.begin(), from_the_back.end());
     try {
-        app.parse(from_the_back);
+        parser.parse(from_the_back);
     } catch (const CLI::CallForHelp&) {
-        return PrintText{help_of(app)};
+        return print(help_of(parser));
     } catch (const CLI::CallForVersion& call) {
-        return PrintText{std::string(call.what()) + "\n"};
+        return print(std::string(call.what()) + "\n");
     } catch (const CLI::ArgumentMismatch& error) {
         // "--mask: 1 required TEXT missing": every option with a value takes exactly one.
         const std::string text = error.what();
@@ -397,16 +350,16 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     } catch (const CLI::ParseError& error) {
         throw UsageError(error.what());
     }
-    for (const CLI::App* command : app.get_subcommands())
+    for (const CLI::App* command : parser.get_subcommands())
         check_nothing_left(*command, "gnomon " + command->get_name(), "unexpected argument");
-    check_nothing_left(app, "gnomon", "unknown command");
+    check_nothing_left(parser, "gnomon", "unknown command");
 
-    if (*render) return checked(std::move(render_options));
-    if (*explain) return checked(std::move(explain_options));
-    if (*gallery) return checked(std::move(gallery_options));
-    if (*devices) return ListDevices{};
-    if (*techniques) return techniques_options;
-    return PrintText{help_of(app)};
+    if (*render) return checked(app::render, render_options, check_camera_options, check_light_options, check_outputs);
+    if (*explain) return checked(app::explain, explain_options, check_explained, check_light_options);
+    if (*gallery) return checked(app::gallery, gallery_options, check_camera_options, check_light_options);
+    if (*devices) return [] { print_result(device_list()); };
+    if (*techniques) return [=] { print_result(technique_list(techniques_options)); };
+    return print(help_of(parser));
 }
 
 }  // namespace gnomon::app

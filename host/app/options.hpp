@@ -4,23 +4,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "values.hpp"
 
 namespace gnomon::app {
-
-/// `gnomon --help`, `gnomon --version` and similar options: the program prints a text and ends.
-struct PrintText {
-    std::string text;
-};
-
-/// `gnomon devices`
-struct ListDevices {};
 
 /// `gnomon techniques [NAME] [--verbose]`
 struct ListTechniques {
@@ -82,9 +74,10 @@ struct ExplainOptions : ViewOptions {
     std::uint32_t samples = 1, sample = 0;  ///< of the pixel
 };
 
-using Command = std::variant<PrintText, ListDevices, ListTechniques, RenderOptions, ExplainOptions, GalleryOptions>;
+/// Runs what the arguments (the program's name first) name: a command, or the print of a text such as --help's.
+using Command = std::function<void()>;
 
-/// Reads the arguments (the program's name first). Throws UsageError.
+/// Reads the arguments. Throws UsageError.
 Command parse_command_line(const std::vector<std::string>& arguments);
 
 }  // namespace gnomon::app

@@ -10,6 +10,7 @@
 #include <iostream>
 
 #include <gnomon.hpp>
+#include "cl/embedded_files.hpp"
 
 namespace gnomon::app {
 namespace {
@@ -36,6 +37,12 @@ void print_error(std::string_view sentence) { print_message("error", sentence); 
 void print_result(std::string_view text) {
     std::cout << text << std::flush;
     if (!std::cout) throw Error("cannot write to the standard output: is the disk behind it full?");
+}
+
+std::string_view text_file(std::string_view name) {
+    for (const EmbeddedFile& file : embedded_texts())
+        if (file.path.ends_with(name)) return file.text;
+    throw Error("no file " + std::string(name) + " was built into the command");
 }
 
 std::string grouped(std::uint64_t number) {

@@ -19,6 +19,9 @@ void print_error(std::string_view sentence);
 /// Prints to stdout at once, and throws Error if it cannot (a full disk behind a redirection).
 void print_result(std::string_view text);
 
+/// A file of host/app/ that was built into the command: "help/main.txt".
+std::string_view text_file(std::string_view name);
+
 /// 1234567 as "1,234,567".
 std::string grouped(std::uint64_t number);
 /// Milliseconds with two places.

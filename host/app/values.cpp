@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <limits>
 #include <optional>
-#include <vector>
 
 namespace gnomon::app {
 namespace {
@@ -31,24 +30,35 @@ std::optional<float> float_of(const std::string& text) {
     return value;
 }
 
-/// The number that the digits of `text` spell, or nothing (also if it does not fit).
-std::optional<std::uint64_t> whole_number_of(std::string_view text) {
+/// The number that the digits of `text` spell, or nothing for a number beyond these limits.
+std::optional<std::uint64_t> whole_number_of(std::string_view text, std::uint64_t least, std::uint64_t largest) {
     std::uint64_t value = 0;
     const char* const end = text.data() + text.size();
     const auto [stopped, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc{} || stopped != end) return std::nullopt;
+    if (error != std::errc{} || stopped != end || value < least || value > largest) return std::nullopt;
     return value;
 }
 
-std::vector<std::string> split(const std::string& text, char separator) {
-    std::vector<std::string> parts(1);
-    for (const char c : text) {
-        if (c == separator)
-            parts.emplace_back();
-        else
-            parts.back() += c;
+/// What `read` finds in each of the `count` parts of a text; nothing if a part is missing or wrong.
+template <std::size_t count, typename Value, typename Read>
+std::optional<std::array<Value, count>> list_of(const std::string& text, char separator, const Read& read) {
+    std::array<Value, count> values{};
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t end = i + 1 < count ? text.find(separator, first) : text.size();
+        const auto value = end != std::string::npos ? read(text.substr(first, end - first)) : std::nullopt;
+        if (!value) return std::nullopt;
+        values[i] = Value(*value);
+        first = end + 1;
     }
-    return parts;
+    return values;
+}
+
+/// Two whole numbers, each from `least` to `largest`.
+std::optional<std::array<std::uint32_t, 2>> pair_of(const std::string& text, char separator, std::uint32_t least,
+                                                    std::uint32_t largest) {
+    return list_of<2, std::uint32_t>(text, separator,
+                                     [=](const std::string& part) { return whole_number_of(part, least, largest); });
 }
 
 std::string lower_case(std::string text) {
@@ -56,11 +66,10 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-/// The number of bits that a suffix of bytes shifts by, or nothing for another text.
-std::optional<int> suffix_shift(char suffix) {
+/// The number of bits that a suffix of bytes shifts by; 0 for another character.
+int suffix_shift(char suffix) {
     const std::size_t power = std::string_view("kmgt").find(char(std::tolower(static_cast<unsigned char>(suffix))));
-    if (power == std::string_view::npos) return std::nullopt;
-    return 10 * int(power + 1);
+    return power == std::string_view::npos ? 0 : 10 * int(power + 1);
 }
 
 }  // namespace
@@ -72,54 +81,36 @@ float parse_float(const std::string& option, const std::string& text) {
 }
 
 Float3 parse_float3(const std::string& option, const std::string& text) {
-    const char* const needs = "three finite numbers x,y,z";
-    const std::vector<std::string> parts = split(text, ',');
-    if (parts.size() != 3) refuse(option, needs, text);
-    Float3 result{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::optional<float> value = float_of(parts[i]);
-        if (!value) refuse(option, needs, text);
-        result[i] = *value;
-    }
-    return result;
+    const auto value = list_of<3, float>(text, ',', float_of);
+    if (!value) refuse(option, "three finite numbers x,y,z", text);
+    return *value;
 }
 
 ImageSize parse_size(const std::string& option, const std::string& text) {
-    const std::string needs = "WIDTHxHEIGHT in pixels, each from 1 to " + std::to_string(largest_side_px);
-    const std::vector<std::string> parts = split(text, 'x');
-    if (parts.size() != 2) refuse(option, needs, text);
-    const auto width = whole_number_of(parts[0]), height = whole_number_of(parts[1]);
-    const auto is_a_side = [](const std::optional<std::uint64_t>& side) {
-        return side && *side >= 1 && *side <= largest_side_px;
-    };
-    if (!is_a_side(width) || !is_a_side(height)) refuse(option, needs, text);
-    return {std::uint32_t(*width), std::uint32_t(*height)};
+    const auto size = pair_of(text, 'x', 1, largest_side_px);
+    if (!size) refuse(option, "WIDTHxHEIGHT in pixels, each from 1 to " + std::to_string(largest_side_px), text);
+    return {(*size)[0], (*size)[1]};
 }
 
 Pixel parse_pixel(const std::string& option, const std::string& text) {
-    const std::vector<std::string> parts = split(text, ',');
-    const auto x = whole_number_of(parts.front()), y = whole_number_of(parts.back());
-    const auto fits = [](const auto& side) { return side && *side < largest_side_px; };
-    if (parts.size() != 2 || !fits(x) || !fits(y))
-        refuse(option, "a pixel X,Y, counted from 0 at the upper left corner", text);
-    return {std::uint32_t(*x), std::uint32_t(*y)};
+    const auto pixel = pair_of(text, ',', 0, largest_side_px - 1);
+    if (!pixel) refuse(option, "a pixel X,Y, counted from 0 at the upper left corner", text);
+    return {(*pixel)[0], (*pixel)[1]};
 }
 
 std::uint64_t parse_bytes(const std::string& option, const std::string& text) {
-    const char* const needs = "a number of bytes above 0, such as 1500000, 512M or 2G";
     std::string_view digits = text;
-    const std::optional<int> shift = text.empty() ? std::nullopt : suffix_shift(text.back());
-    if (shift) digits.remove_suffix(1);
-    const auto number = whole_number_of(digits);
-    const bool fits = number && *number <= (std::numeric_limits<std::uint64_t>::max() >> shift.value_or(0));
-    if (!fits || *number == 0) refuse(option, needs, text);
-    return *number << shift.value_or(0);
+    const int shift = text.empty() ? 0 : suffix_shift(text.back());
+    if (shift != 0) digits.remove_suffix(1);
+    const auto number = whole_number_of(digits, 1, std::numeric_limits<std::uint64_t>::max() >> shift);
+    if (!number) refuse(option, "a number of bytes above 0, such as 1500000, 512M or 2G", text);
+    return *number << shift;
 }
 
-std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest,
-                          std::uint32_t least) {
-    const auto number = whole_number_of(text);
-    if (!number || *number < least || *number > largest)
+std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t least,
+                          std::uint32_t largest) {
+    const auto number = whole_number_of(text, least, largest);
+    if (!number)
         refuse(option, "a whole number from " + std::to_string(least) + " to " + std::to_string(largest), text);
     return static_cast<std::uint32_t>(*number);
 }

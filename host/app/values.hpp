@@ -43,8 +43,8 @@ Pixel parse_pixel(const std::string& option, const std::string& text);
 /// A number of bytes above 0, with K, M, G or T for powers of 1024.
 std::uint64_t parse_bytes(const std::string& option, const std::string& text);
 /// A whole number from `least` to `largest`.
-std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t largest,
-                          std::uint32_t least = 1);
+std::uint32_t parse_count(const std::string& option, const std::string& text, std::uint32_t least,
+                          std::uint32_t largest);
 /// "key=value", the value may contain further equals signs.
 std::pair<std::string, std::string> parse_setting(const std::string& option, const std::string& text);
 /// A name that is not empty and is not shaped like an option ("--mask --quiet": a forgotten value).

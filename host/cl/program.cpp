@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "embedded_kernels.hpp"
+#include "embedded_files.hpp"
 #include "session.hpp"
 #include "source_locations.hpp"
 
@@ -48,7 +48,7 @@ std::string text_of(const std::string& file) {
         text << stream.rdbuf();
         return text.str();
     }
-    for (const EmbeddedKernel& kernel : embedded_kernels())
+    for (const EmbeddedFile& kernel : embedded_kernels())
         if (kernel.path == path) return std::string(kernel.text);
     throw Error("no kernel file named " + path + " was built in");
 }

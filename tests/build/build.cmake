@@ -3,9 +3,9 @@
 set(here "${CMAKE_CURRENT_LIST_DIR}")
 
 # A file with everything that a text tool could trip over must arrive unchanged; so must an empty one.
-gnomon_test(embed_kernels_test SOURCES build/embed_kernels_test.cpp)
-target_compile_definitions(embed_kernels_test PRIVATE GNOMON_ROOT="${PROJECT_SOURCE_DIR}")
-gnomon_embed_kernels(embed_kernels_test tests/build/nasty.bin tests/build/empty.bin)
+gnomon_test(embed_files_test SOURCES build/embed_files_test.cpp)
+target_compile_definitions(embed_files_test PRIVATE GNOMON_ROOT="${PROJECT_SOURCE_DIR}")
+gnomon_embed_files(embed_files_test embedded_kernels tests/build/nasty.bin tests/build/empty.bin)
 
 # oclgrind's own exit status says nothing, so see that a kernel with a fault does fail a gnomon_oclgrind_test.
 add_executable(faulty_kernel build/faulty_kernel.cpp)

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string>
 
-#include "cl/embedded_kernels.hpp"
+#include "cl/embedded_files.hpp"
 
 namespace {
 
@@ -18,19 +18,19 @@ std::string bytes_of(const std::string& path_in_tree) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(EmbedKernels, KeepsPathsAndOrder) {
+TEST(EmbedFiles, KeepsPathsAndOrder) {
     const auto files = gnomon::embedded_kernels();
     ASSERT_EQ(files.size(), 2u);
     EXPECT_EQ(files[0].path, "tests/build/nasty.bin");
     EXPECT_EQ(files[1].path, "tests/build/empty.bin");
 }
 
-TEST(EmbedKernels, KeepsEveryByte) {
+TEST(EmbedFiles, KeepsEveryByte) {
     for (const auto& file : gnomon::embedded_kernels()) EXPECT_EQ(file.text, bytes_of(std::string(file.path)));
 }
 
 // The comparison above is worth something only while the file still has its sting.
-TEST(EmbedKernels, NastyFileIsStillNasty) {
+TEST(EmbedFiles, NastyFileIsStillNasty) {
     const std::string text = bytes_of("tests/build/nasty.bin");
     for (const std::string& sting : {std::string("\r\n"), std::string("\0", 1), std::string("\xff\xfe"),
                                      std::string(";;["), std::string("]]==]"), std::string("?\?=")})
