@@ -47,7 +47,7 @@ struct FrustumTraced::FrameResult {
 
 /// The counts of a run.
 struct FrustumTraced::RunResult {
-    Statistics statistics{};          ///< of the stages
+    Statistics& statistics;           ///< of the stages
     FrameCounters facing{}, total{};  ///< total: over the frames
     std::uint64_t tests = 0, frames = 0, lists_grown = 0, maps_drawn = 0;
     std::uint64_t fallback_points = 0;  ///< points that a prepared light did not cover
@@ -305,25 +305,23 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
         return run_on(triangles, inputs, light, visibility.buffer());
     }
     cl::Session& session = device_.session();
-    const MeasuredRun measured(session, kept_bytes_);
+    MeasuredRun measured(session, kept_bytes_);
     const RunInputs in{triangle_inputs(triangles), inputs, footprint_lists_->light_frame, visibility.buffer()};
-    Statistics statistics;
     FrameCounters read;
     clear(session, counters_);
-    decide(frame_inputs(in, 0, footprint_lists_->map), statistics, read);
-    statistics.device_memory_bytes = measured.peak_bytes();
-    return statistics;
+    decide(frame_inputs(in, 0, footprint_lists_->map), measured.stages, read);
+    return measured.finish();
 }
 
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
                                  cl_mem visibility) {
     cl::Session& session = device_.session();
-    const MeasuredRun measured(session, kept_bytes_);
+    MeasuredRun measured(session, kept_bytes_);
     const FrameGrid grid = run_grid(session, settings_.map_size, triangles.count(), points.layout.count);
     const RunInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     footprint_lists_.reset();
     counters_.reserve(session, sizeof(FrameCounters));
-    RunResult result;
+    RunResult result{measured.stages};
     if (points.layout.count != 0) {
         const bool is_prepared = !provenance_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
                                  prepared_->is_of(triangles, light);
@@ -335,10 +333,7 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
         footprint_lists_ = FootprintLists{in.light_frame, result.map};
     describe_stages(in, result);
     describe_counts(in, result);
-    Statistics& s = result.statistics;
-    s.device_memory_bytes = measured.peak_bytes();
-    s.total_wall_ms = measured.wall_ms();
-    return s;
+    return measured.finish();
 }
 
 // ---- Statistics -----------------------------------------------------------------------------------------------------
@@ -431,34 +426,30 @@ Explanation explain(const Device& device, const Triangles& triangles, const Poin
 Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light) {
     require_light(light);
     forget();
-    Statistics s;
-    if (triangles.count() == 0) return s;
+    if (triangles.count() == 0) return {};
     cl::Session& session = device_.session();
-    const MeasuredRun measured(session, kept_bytes_);
+    MeasuredRun measured(session, kept_bytes_);
     const FrameGrid grid = prepared_grid(session, settings_.map_size, triangles.count(), !light.is_directional());
     prepared_ = std::make_unique<PreparedLight>(
-        session, s, triangles, light, grid,
+        session, measured.stages, triangles, light, grid,
         ListSettings{settings_.map_mode != MapMode::off, false, settings_.cover_test}, settings_.first_capacity);
-    merge_stages(s);
+    merge_stages(measured.stages);
     const FrameCounters& c = prepared_->counted();
-    s.counts = {{"triangles", triangles.count()},
-                {"triangles_not_finite", c.not_finite},
-                {"triangles_edge_on", c.edge_on},
-                {"triangles_outside", c.outside},
-                {"triangles_kept", c.survivors - c.edge_on},
-                {"triangles_hidden", c.hidden},
-                {"map_candidates", c.map_candidates},
-                {"map_texels_written", c.map_texels},
-                {"references", c.references},
-                {"prepared", prepared_->is_usable()},
-                {"prepared_bytes", prepared_->bytes()}};
-    s.device_memory_bytes = measured.peak_bytes();
-    s.total_wall_ms = measured.wall_ms();
-    return s;
+    return measured.finish({{"triangles", triangles.count()},
+                            {"triangles_not_finite", c.not_finite},
+                            {"triangles_edge_on", c.edge_on},
+                            {"triangles_outside", c.outside},
+                            {"triangles_kept", c.survivors - c.edge_on},
+                            {"triangles_hidden", c.hidden},
+                            {"map_candidates", c.map_candidates},
+                            {"map_texels_written", c.map_texels},
+                            {"references", c.references},
+                            {"prepared", prepared_->is_usable()},
+                            {"prepared_bytes", prepared_->bytes()}});
 }
 
 void FrustumTraced::forget() {
-    const cl::RunMemory memory(device_.session(), kept_bytes_);
+    const MeasuredRun freed(device_.session(), kept_bytes_);
     prepared_.reset();
 }
 

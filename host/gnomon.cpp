@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "api/inputs.hpp"
-#include "cl/description.hpp"
 #include "cl/session.hpp"
 #include "exact/self_check.hpp"
 #include "frustum_traced.hpp"

@@ -6,7 +6,7 @@
 namespace gnomon {
 
 Statistics MeasuredRun::finish(decltype(Statistics::counts) counts) {
-    stages.counts = std::move(counts);
+    if (!counts.empty()) stages.counts = std::move(counts);
     stages.device_memory_bytes = peak_bytes();
     stages.total_wall_ms = wall_ms();
     return std::move(stages);

@@ -6,13 +6,24 @@
 
 namespace gnomon {
 
-/// A technique's run from its start on. Its Statistics come from finish() alone, so that none lacks memory and time.
+/// A run of an object that keeps buffers from run to run. Its Statistics come from finish() alone, so that none lacks
+/// memory and time.
 class MeasuredRun {
 public:
-    /// `kept`: bytes of the buffers that the technique keeps from run to run; brought up to date when the run ends.
-    MeasuredRun(cl::Session& session, std::uint64_t& kept) : memory_(session, kept) {}
-    Statistics finish(decltype(Statistics::counts) counts);
-    std::uint64_t peak_bytes() const { return memory_.peak_bytes(); }
+    /// `kept`: bytes of the buffers kept from earlier runs; brought up to date when this one ends, also by an
+    /// exception.
+    MeasuredRun(cl::Session& session, std::uint64_t& kept)
+        : session_(session), kept_(kept), before_(session.memory_bytes()) {
+        session.begin_run();
+    }
+    ~MeasuredRun() { kept_ += session_.memory_bytes() - before_; }
+    MeasuredRun(const MeasuredRun&) = delete;
+    MeasuredRun& operator=(const MeasuredRun&) = delete;
+
+    /// `stages` with these counts (none: its own).
+    Statistics finish(decltype(Statistics::counts) counts = {});
+    /// The most device memory so far, without the memory of other objects.
+    std::uint64_t peak_bytes() const { return kept_ + session_.run_peak_bytes() - before_; }
     double wall_ms() const {
         return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
     }
@@ -20,8 +31,10 @@ public:
     Statistics stages{};  ///< for StageTimer
 
 private:
+    cl::Session& session_;
+    std::uint64_t& kept_;
+    std::uint64_t before_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-    cl::RunMemory memory_;
 };
 
 /// Adds the times of a run's stages to those of several runs: one entry for each name, in the order of their first

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "description.hpp"
+#include "session.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -3,6 +3,7 @@
 // file and line; compiled when first used, and kept on disk as binaries where the platform has no cache of its own.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -12,7 +13,6 @@
 
 #include "embedded_files.hpp"
 #include "session.hpp"
-#include "source_locations.hpp"
 
 namespace gnomon::cl {
 namespace {
@@ -99,7 +99,38 @@ std::string build_log(cl_program program, cl_device_id device) {
     return log;
 }
 
+// The location of line `number`, counted from 1: FILE:LINE by the last #line "FILE" before it; empty if there is none.
+std::string location_of(std::size_t wanted, const std::string& source) {
+    std::istringstream lines(source);
+    std::string line, file;
+    std::size_t number = 0;  // of this line, in its file
+    for (std::size_t at = 1; at <= wanted && std::getline(lines, line); ++at, ++number) {
+        constexpr std::string_view directive = "#line ";
+        if (!line.starts_with(directive)) continue;
+        const std::size_t quote = line.find('"');
+        number = std::stoul(line.substr(directive.size())) - 1;
+        file = line.substr(quote + 1, line.rfind('"') - quote - 1);
+    }
+    return file.empty() ? "" : file + ":" + std::to_string(number - 1);
+}
+
 }  // namespace
+
+std::string with_source_locations(const std::string& log, const std::string& source) {
+    constexpr std::string_view whole = "<kernel>:";
+    std::string out;
+    std::size_t done = 0;
+    for (std::size_t at = log.find(whole); at != std::string::npos; at = log.find(whole, done)) {
+        std::size_t number = 0;
+        const char* const first = log.data() + at + whole.size();
+        const char* const end = std::from_chars(first, log.data() + log.size(), number).ptr;
+        const std::string location = location_of(number, source);
+        out.append(log, done, at - done);
+        done = std::size_t(end - log.data());
+        out += location.empty() ? log.substr(at, done - at) : location;
+    }
+    return out.append(log, done);
+}
 
 std::string Session::source_of(const std::string& program, const std::string& defines) const {
     std::set<std::string> pasted;

@@ -6,8 +6,6 @@
 #include <cstdlib>
 #include <utility>
 
-#include "description.hpp"
-
 namespace gnomon::cl {
 
 void check(cl_int code, std::string_view call) {
@@ -95,17 +93,15 @@ Session::Session(const DeviceDescription& description, const DeviceOptions& opti
 
 Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions& options) {
     if (context == nullptr || queue == nullptr) throw InvalidArgument("the OpenCL context and queue must not be null");
-    cl_context context_of_queue = nullptr;
-    check(clGetCommandQueueInfo(queue, CL_QUEUE_CONTEXT, sizeof(context_of_queue), &context_of_queue, nullptr),
-          "asking the queue for its context");
-    if (context_of_queue != context)
+    const auto get = [queue](cl_command_queue_info what, auto value, const char* call) {
+        check(clGetCommandQueueInfo(queue, what, sizeof(value), &value, nullptr), call);
+        return value;
+    };
+    if (get(CL_QUEUE_CONTEXT, cl_context(), "asking the queue for its context") != context)
         throw InvalidArgument("the command queue belongs to another OpenCL context than the one given with it");
-    cl_device_id device = nullptr;
-    check(clGetCommandQueueInfo(queue, CL_QUEUE_DEVICE, sizeof(device), &device, nullptr),
-          "asking the queue for its device");
-    cl_command_queue_properties properties = 0;
-    check(clGetCommandQueueInfo(queue, CL_QUEUE_PROPERTIES, sizeof(properties), &properties, nullptr),
-          "asking the queue for its properties");
+    const auto device = get(CL_QUEUE_DEVICE, cl_device_id(), "asking the queue for its device");
+    const auto properties =
+        get(CL_QUEUE_PROPERTIES, cl_command_queue_properties(), "asking the queue for its properties");
     if (properties & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
         throw InvalidArgument("the command queue runs out of order: gnomon needs an in-order queue");
     description_ = describe(device);
@@ -212,7 +208,7 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     });
     if (before != nullptr) first_launches_.push_back({before, event});
     if (before != nullptr && profiles_) clRetainEvent(event);
-    if (profiles_) note_event(event);
+    if (profiles_) events_.push_back(event);
     if (traces_) {
         finish();
         const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -220,15 +216,10 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     }
 }
 
-void Session::note_event(cl_event event) { events_.push_back(event); }
-
 void Session::fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) {
-    cl_event event = nullptr;
-    attempt("filling a buffer", [&] {
-        return clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr,
-                                   profiles_ ? &event : nullptr);
+    attempt_timed("filling a buffer", [&](cl_event* event) {
+        return clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr, event);
     });
-    if (event != nullptr) note_event(event);
 }
 
 void Session::fill_all(std::span<const Fill> fills) {
@@ -247,12 +238,9 @@ void Session::fill_all(std::span<const Fill> fills) {
 void Session::copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first,
                    std::size_t bytes) {
     if (bytes == 0) return;
-    cl_event event = nullptr;
-    attempt("copying a buffer", [&] {
-        return clEnqueueCopyBuffer(queue_, from.get(), to.get(), from_first, to_first, bytes, 0, nullptr,
-                                   profiles_ ? &event : nullptr);
+    attempt_timed("copying a buffer", [&](cl_event* event) {
+        return clEnqueueCopyBuffer(queue_, from.get(), to.get(), from_first, to_first, bytes, 0, nullptr, event);
     });
-    if (event != nullptr) note_event(event);
 }
 
 void Session::write(cl_mem buffer, const void* data, std::size_t bytes) {
@@ -271,18 +259,23 @@ void Session::finish() {
     attempt("waiting for the device", [&] { return clFinish(queue_); });
 }
 
+namespace {
+
+cl_ulong ns_of(cl_event event, cl_profiling_info moment) {
+    cl_ulong ns = 0;
+    clGetEventProfilingInfo(event, moment, sizeof(ns), &ns, nullptr);
+    return ns;
+}
+
+}  // namespace
+
 // A kernel that is new to PoCL is ready to start when the launch before it has ended; it starts when it is built.
 KernelBuilds Session::kernel_builds() {
     if (!first_launches_.empty()) finish();
-    const auto time = [](cl_event event, cl_profiling_info what) {
-        cl_ulong ns = 0;
-        clGetEventProfilingInfo(event, what, sizeof(ns), &ns, nullptr);
-        return ns;
-    };
     for (const auto& [before, launch] : first_launches_) {
         const cl_ulong ready =
-            std::max(time(before, CL_PROFILING_COMMAND_END), time(launch, CL_PROFILING_COMMAND_QUEUED));
-        const cl_ulong started = time(launch, CL_PROFILING_COMMAND_START);
+            std::max(ns_of(before, CL_PROFILING_COMMAND_END), ns_of(launch, CL_PROFILING_COMMAND_QUEUED));
+        const cl_ulong started = ns_of(launch, CL_PROFILING_COMMAND_START);
         if (started > ready) builds_.ms += double(started - ready) * 1e-6;
         clReleaseEvent(before);
         clReleaseEvent(launch);
@@ -296,10 +289,7 @@ double Session::take_device_ms() {
     finish();
     double ms = 0;
     for (cl_event event : events_) {
-        cl_ulong start = 0, end = 0;
-        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_START, sizeof(start), &start, nullptr);
-        clGetEventProfilingInfo(event, CL_PROFILING_COMMAND_END, sizeof(end), &end, nullptr);
-        ms += double(end - start) * 1e-6;
+        ms += double(ns_of(event, CL_PROFILING_COMMAND_END) - ns_of(event, CL_PROFILING_COMMAND_START)) * 1e-6;
         clReleaseEvent(event);
     }
     events_.clear();

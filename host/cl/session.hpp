@@ -16,6 +16,16 @@ namespace gnomon::cl {
 /// Throws OutOfDeviceMemory or OpenClError unless code is CL_SUCCESS.
 void check(cl_int code, std::string_view call);
 
+DeviceDescription describe(cl_device_id device);
+
+/// The device that a selector names (see Device). Throws DeviceNotFound with the list of all devices.
+DeviceDescription select_device(std::string_view selector);
+
+/// NVIDIA's compiler gives locations as "<kernel>:LINE" of the whole text, whatever #line gives. Returns `log` with
+/// each such location replaced by the location that the #line directives of `source` give
+/// ("kernels/trace/trace.cl:12"). Other logs are not changed.
+std::string with_source_locations(const std::string& log, const std::string& source);
+
 class Session;
 
 /// Device memory of gnomon's own. A buffer that grows is made anew: contents are not kept.
@@ -170,6 +180,13 @@ private:
         const cl_int injected = injector_ ? injector_(what) : CL_SUCCESS;
         check(injected != CL_SUCCESS ? injected : call(), what);
     }
+    /// The same for a command, whose event the call gets a place for where the session profiles.
+    template <typename Call>
+    void attempt_timed(std::string_view what, Call&& call) {
+        cl_event event = nullptr;
+        attempt(what, [&] { return call(profiles_ ? &event : nullptr); });
+        if (event != nullptr) events_.push_back(event);
+    }
     cl_mem allocate(std::size_t bytes);
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
     std::string source_of(const std::string& program, const std::string& defines) const;
@@ -183,7 +200,6 @@ private:
     std::string cache_key(const std::string& source) const;
     void enqueue(cl_kernel kernel, const char* name, Range range);
     void fill_all(std::span<const Fill> fills);
-    void note_event(cl_event event);
     void configure(const DeviceOptions& options);
 
     void set_argument(cl_kernel kernel, const char* name, cl_uint index, const Buffer& buffer) {
@@ -221,26 +237,6 @@ private:
         cl_event before, launch;
     };
     std::vector<FirstLaunch> first_launches_;  ///< launches with waits that are not yet in builds_
-};
-
-/// Device memory of one run of an object that keeps buffers from run to run, also when the run ends by an exception.
-class RunMemory {
-public:
-    /// `kept`: the bytes kept from earlier runs; brought up to date when this one ends.
-    RunMemory(Session& session, std::uint64_t& kept) : session_(session), kept_(kept), before_(session.memory_bytes()) {
-        session.begin_run();
-    }
-    ~RunMemory() { kept_ += session_.memory_bytes() - before_; }
-    RunMemory(const RunMemory&) = delete;
-    RunMemory& operator=(const RunMemory&) = delete;
-
-    /// The most so far, without the memory of other objects.
-    std::uint64_t peak_bytes() const { return kept_ + session_.run_peak_bytes() - before_; }
-
-private:
-    Session& session_;
-    std::uint64_t& kept_;
-    std::uint64_t before_;
 };
 
 /// Times one stage after the other into Statistics: wall time, and device time where the session profiles.

@@ -279,7 +279,7 @@ private:
 
     template <typename Run>
     void add_run(Run&& run_technique) {
-        const cl::RunMemory memory(session_, kept_.bytes_of_technique);
+        const MeasuredRun memory(session_, kept_.bytes_of_technique);
         const Statistics run = run_technique();
         add_stages(total_, run);
         technique_memory_bytes_ = std::max(technique_memory_bytes_, run.device_memory_bytes);
@@ -308,7 +308,7 @@ private:
     Camera camera_;
     SamplePattern pattern_;
     SampleBuffers& kept_;
-    const cl::RunMemory memory_;
+    const MeasuredRun memory_;
     PixelBatch batch_{};
     SampleCounters counted_{};
     struct {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "api/settings_table.hpp"
+#include "api/statistics.hpp"
 #include "kernels/techniques/framed_technique.h"
 #include "occluders/conservative_map.hpp"
 #include "occluders/triangle_setup.hpp"

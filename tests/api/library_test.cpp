@@ -16,7 +16,7 @@
 #include <thread>
 
 #include <gnomon.hpp>
-#include "cl/source_locations.hpp"
+#include "cl/session.hpp"
 #include "support/environment.hpp"
 #include "support/scene_makers.hpp"
 
