@@ -7,11 +7,6 @@
 #include "api/vectors.hpp"
 
 namespace gnomon {
-namespace {
-
-bool is_finite(const Float3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
-
-}  // namespace
 
 Light Light::directional(const Float3& direction) {
     if (!is_finite(direction)) throw InvalidArgument("the light's direction must be finite numbers");

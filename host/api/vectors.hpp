@@ -10,6 +10,11 @@ namespace gnomon {
 
 using Double3 = std::array<double, 3>;
 
+template <typename Number>
+bool is_finite(const std::array<Number, 3>& v) {
+    return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
 inline double dot(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 inline Double3 cross(const Double3& a, const Double3& b) {
@@ -26,7 +31,7 @@ inline void store(float* to, const Double3& v) {
 /// as it is) if v is zero or not finite.
 inline bool normalize(Double3& v) {
     const double largest = std::fmax(std::fabs(v[0]), std::fmax(std::fabs(v[1]), std::fabs(v[2])));
-    if (!(largest > 0) || !std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2])) return false;
+    if (!(largest > 0) || !is_finite(v)) return false;
     for (double& c : v) c /= largest;
     const double length = std::sqrt(dot(v, v));
     for (double& c : v) c /= length;

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <sstream>
 
-#include "choice.hpp"
 #include "setup.hpp"
 #include "terminal.hpp"
 

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "choice.hpp"
 #include "measure/visibility_errors.hpp"
 #include "output_files.hpp"
 #include "pictures.hpp"
@@ -27,12 +26,11 @@ struct Chosen {
 };
 
 TechniqueDescription described(const std::string& name) {
-    std::string names;
-    for (TechniqueDescription& technique : techniques()) {
-        if (technique.name == name) return std::move(technique);
-        names += (names.empty() ? "" : ", ") + technique.name;
+    try {
+        return describe_technique(name);
+    } catch (const Error& error) {
+        throw UsageError(std::string("--technique: ") + error.what());
     }
-    throw UsageError("--technique: there is no technique \"" + name + "\": these exist: " + names);
 }
 
 /// "NAME" or "NAME:KEY=VALUE,KEY=VALUE".
@@ -188,8 +186,7 @@ void gallery(const GalleryOptions& options) {
         page["exhibits"].push_back(exhibit(hall, one, options.runs, options.strict));
     }
     const std::string html = html_of(page);
-    file.write(html.data(), html.size());
-    file.check();
+    file.write_all(html.data(), html.size());
     files.commit();
     if (!options.quiet)
         print_result("wrote " + options.page.string() + ": " + std::to_string(page["exhibits"].size()) +

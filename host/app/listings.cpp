@@ -2,10 +2,10 @@
 // The lists of devices and techniques, laid out for a terminal.
 #include "commands.hpp"
 
-#include <algorithm>
 #include <iomanip>
 #include <sstream>
 
+#include "setup.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
@@ -44,12 +44,6 @@ std::string line_of(const TechniqueDescription& technique) {
     return out.str();
 }
 
-std::string names_of(const std::vector<TechniqueDescription>& all) {
-    std::string names;
-    for (const TechniqueDescription& technique : all) names += (names.empty() ? "" : ", ") + technique.name;
-    return names;
-}
-
 }  // namespace
 
 std::string device_list() {
@@ -63,15 +57,9 @@ std::string device_list() {
 }
 
 std::string technique_list(const ListTechniques& options) {
-    const std::vector<TechniqueDescription> all = techniques();
-    const auto is_asked_for = [&](const TechniqueDescription& technique) {
-        return options.name.empty() || technique.name == options.name;
-    };
-    if (std::none_of(all.begin(), all.end(), is_asked_for))
-        throw Error("there is no technique \"" + options.name + "\": these exist: " + names_of(all));
     std::string text;
-    for (const TechniqueDescription& technique : all) {
-        if (!is_asked_for(technique)) continue;
+    for (const TechniqueDescription& technique :
+         options.name.empty() ? techniques() : std::vector{describe_technique(options.name)}) {
         text += line_of(technique);
         if (options.verbose || !options.name.empty()) text += settings_text(technique);
     }

@@ -33,40 +33,6 @@ private:
     ByteSink& file_;
 };
 
-/// One EXR being written: opened with its spec, fed with bands, closed.
-class ExrWriter {
-public:
-    ExrWriter(ByteSink& file, const std::string& name, const OIIO::ImageSpec& spec)
-        : file_(file), name_(name), proxy_(file, name), output_(OIIO::ImageOutput::create("exr")) {
-        if (!output_ || !output_->supports("ioproxy"))
-            throw Error("cannot write " + name + ": this OpenImageIO cannot write exr");
-        // The argument names the format: the file's own name may be anything (a temporary, a device).
-        if (!output_->set_ioproxy(&proxy_) || !output_->open("picture.exr", spec)) fail();
-    }
-
-    /// Rows [first, first + rows), packed, each channel's bits as they are: unknown means native.
-    void write_band(std::uint32_t first, std::uint32_t rows, const void* pixels) {
-        if (!output_->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, pixels)) fail();
-        file_.check();
-    }
-
-    void close() {
-        if (!output_->close()) fail();
-        file_.check();
-    }
-
-private:
-    [[noreturn]] void fail() {
-        file_.check();  // first, as the system's reason, if there is one, is more precise
-        throw Error("cannot write " + name_ + ": " + output_->geterror());
-    }
-
-    ByteSink& file_;
-    std::string name_;
-    FileProxy proxy_;
-    std::unique_ptr<OIIO::ImageOutput> output_;  // last: destroyed before the file that it writes to
-};
-
 /// One pixel of the EXR, as its channels lie in memory. Floats and an unsigned integer, all of 4 bytes: no padding.
 struct AovPixel {
     float position[3];
@@ -114,18 +80,28 @@ std::string data_uri(const std::string& format, std::uint32_t width, std::uint32
 
 void write_aov(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
                std::uint32_t height, const ViewOnHost& view, std::span<const float> visibility) {
+    FileProxy proxy(file, name);
+    const auto output = OIIO::ImageOutput::create("exr");
+    if (!output || !output->supports("ioproxy"))
+        throw Error("cannot write " + name + ": this OpenImageIO cannot write exr");
+    const auto require = [&](bool is_done) {
+        file.check();  // first, as the system's reason, if there is one, is more precise
+        if (!is_done) throw Error("cannot write " + name + ": " + output->geterror());
+    };
     OIIO::ImageSpec spec = aov_spec(width, height);
     spec.attribute("Software", software);
-    ExrWriter picture(file, name, spec);
+    // The argument names the format: the file's own name may be anything (a temporary, a device).
+    require(output->set_ioproxy(&proxy) && output->open("picture.exr", spec));
     std::vector<AovPixel> band;
     for (std::uint32_t first = 0; first < height; first += band_rows) {
         const std::uint32_t rows = std::min(band_rows, height - first);
         const std::size_t first_pixel = std::size_t(first) * width;
         band.resize(std::size_t(rows) * width);
         for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, visibility, first_pixel + i);
-        picture.write_band(first, rows, band.data());
+        // Packed rows, each channel's bits as they are: unknown means native.
+        require(output->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, band.data()));
     }
-    picture.close();
+    require(output->close());
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <string>
 
 #include <gnomon.hpp>
-#include "byte_sink.hpp"
+#include "output_files.hpp"
 
 namespace gnomon::app {
 
@@ -23,10 +23,7 @@ struct OpenImageIo {
                             std::span<const std::uint8_t> pixels, std::ptrdiff_t pixel_bytes);
 };
 
-/// The module, opened at the first call. Throws Error if it is not where it was built or installed.
-const OpenImageIo& open_image_io();
-
 }  // namespace gnomon::app
 
-/// The name of the symbol that open_image_io() loads from the module.
+/// The symbol that the command (pictures.cpp) loads from the module.
 extern "C" const gnomon::app::OpenImageIo gnomon_openimageio;

@@ -10,9 +10,19 @@
 #include <list>
 #include <string>
 
-#include "byte_sink.hpp"
-
 namespace gnomon::app {
+
+/// The destination of a picture's bytes, as an interface for libraries that an exception must not cross.
+class ByteSink {
+public:
+    virtual ~ByteSink() = default;
+    /// Writes at the position and returns how many bytes were written. A failure is kept for check().
+    virtual std::size_t write(const void* bytes, std::size_t count) noexcept = 0;
+    virtual bool seek(std::size_t position) noexcept = 0;
+    virtual std::size_t position() const noexcept = 0;
+    /// Throws Error with the reason if anything failed so far.
+    virtual void check() const = 0;
+};
 
 class OutputFile final : public ByteSink {
 public:
@@ -31,6 +41,12 @@ public:
     bool seek(std::size_t position) noexcept override;
     std::size_t position() const noexcept override { return position_; }
     void check() const override;
+
+    /// write(), then check().
+    void write_all(const void* bytes, std::size_t count) {
+        write(bytes, count);
+        check();
+    }
 
     /// Closes the file and renames it to the target. Throws Error, like check().
     void commit();

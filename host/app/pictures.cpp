@@ -2,10 +2,12 @@
 // PNG writing row by row, so that a picture of 16384 x 16384 needs no second copy in memory.
 #include "pictures.hpp"
 
+#include <dlfcn.h>
 #include <png.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -80,6 +82,31 @@ void write_png(OutputFile& file, const PngRows& rows) {
 
 std::uint8_t mask_value(float visibility) {
     return std::uint8_t(std::lround(255.0f * std::clamp(visibility, 0.0f, 1.0f)));
+}
+
+/// Beside the command (build folder), or in ../lib/gnomon (installed).
+std::filesystem::path module_path() {
+    const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    const char* const name = "gnomon_openimageio.so";
+    const std::filesystem::path beside = folder / name;
+    return std::filesystem::exists(beside) ? beside : folder.parent_path() / "lib" / "gnomon" / name;
+}
+
+const OpenImageIo& opened_module() {
+    // The module is never closed: its objects may live as long as the program.
+    void* const module = ::dlopen(module_path().c_str(), RTLD_NOW | RTLD_LOCAL);
+    const void* const found = module != nullptr ? ::dlsym(module, "gnomon_openimageio") : nullptr;
+    if (found == nullptr)
+        throw Error(std::string("cannot open the module that makes EXR files and galleries, which is built and "
+                                "installed with the command: ") +
+                    ::dlerror());
+    return *static_cast<const OpenImageIo*>(found);
+}
+
+/// The module, opened at the first call. Throws Error if it is not where it was built or installed.
+const OpenImageIo& open_image_io() {
+    static const OpenImageIo& module = opened_module();
+    return module;
 }
 
 }  // namespace

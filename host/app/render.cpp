@@ -6,12 +6,12 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
-#include "choice.hpp"
 #include "output_files.hpp"
 #include "pictures.hpp"
 #include "report.hpp"
@@ -82,31 +82,23 @@ private:
     double known_builds_ms_ = 0, kernels_ms_ = 0;
 };
 
-/// The open files of a run: null where the options name none.
+/// The open files of a run, by their names in stats.json.
 struct Outputs {
-    /// Opens all files but the masks of several lights: the scene gives the number of lights.
     explicit Outputs(const RenderOptions& options) {
         if (options.scene) files.protect(*options.scene);
-        const auto open = [this](const std::optional<std::filesystem::path>& file) {
-            return file ? &files.open(*file) : nullptr;
-        };
-        picture = open(options.picture);
-        if (options.mask && options.light != "all") masks.push_back(open(options.mask));
         if (options.aov) require_openimageio();
-        aov = open(options.aov);
-        triangle_dump = open(options.triangle_dump);
-        point_dump = open(options.point_dump);
-        statistics = open(options.statistics);
+        open(options, options.light == "all" ? 0 : 1);  // the scene gives the number of lights
     }
-    void open_masks(const RenderOptions& options, std::size_t light_count) {
-        for (std::size_t i = masks.size(); options.mask && i < light_count; ++i)
-            masks.push_back(&files.open(mask_of(*options.mask, i, light_count)));
+    /// Opens what is not yet open.
+    void open(const RenderOptions& options, std::size_t light_count) {
+        for (const auto& [name, path] : outputs_of(options, light_count))
+            if (!opened.contains(name)) opened[name] = &files.open(path);
     }
+    /// Null where the options name no such file.
+    OutputFile* operator[](const std::string& name) const { return opened.contains(name) ? opened.at(name) : nullptr; }
 
     OutputFiles files;
-    std::vector<OutputFile*> masks;  ///< one for each light, if the options name a mask
-    OutputFile *picture = nullptr, *aov = nullptr, *triangle_dump = nullptr, *point_dump = nullptr,
-               *statistics = nullptr;
+    std::map<std::string, OutputFile*> opened;
 };
 
 std::uint64_t count_non_finite(std::span<const float> triangles) {
@@ -124,33 +116,19 @@ Shares count_shares(std::span<const float> visibility) {
     return shares;
 }
 
-void write_triangles(OutputFile& file, std::span<const float> triangles) {
-    static_assert(std::endian::native == std::endian::little, "the file's floats are little-endian");
-    file.write(triangles.data(), triangles.size_bytes());
-    file.check();
-}
-
 /// Appends points: x, y, z and receiver, 4 bytes each.
 void write_points(OutputFile& file, const PointsOnHost& points) {
     struct Record {
         float position[3];
         std::uint32_t receiver;
     };
-    static_assert(sizeof(Record) == 16);
+    static_assert(sizeof(Record) == 16 && std::endian::native == std::endian::little, "the files are little-endian");
     std::vector<Record> records(points.receiver.size());
     for (std::size_t i = 0; i < records.size(); ++i) {
         std::copy_n(&points.position[3 * i], 3, records[i].position);
         records[i].receiver = points.receiver[i];
     }
-    file.write(records.data(), records.size() * sizeof(Record));
-    file.check();
-}
-
-void write_statistics(OutputFile& file, const Report& report) {
-    const std::string text =
-        statistics_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    file.write(text.data(), text.size());
-    file.check();
+    file.write_all(records.data(), records.size() * sizeof(Record));
 }
 
 /// What the device computed for one camera and its lights.
@@ -267,29 +245,28 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
                  const Report& report, const Seen& seen) {
     const std::uint32_t width = seen.view.width, height = seen.view.height;
     const std::vector<Light> lights = lights_of(report);
-    if (outputs.picture) {
+    if (OutputFile* const picture = outputs["output"]) {
         const auto rgba = steps.run("shade", "shading the picture", [&] {
             if (!report.options.diagnostic)
                 return shade(device, seen.triangles, seen.view, seen.visibilities, materials_of(scene, seen), lights);
             const auto technique = make_technique(device, report.options.technique, report.options.settings);
             return technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, lights.front());
         });
-        steps.run("write_picture", "writing the picture",
-                  [&] { write_picture(*outputs.picture, width, height, rgba); });
+        steps.run("write_picture", "writing the picture", [&] { write_picture(*picture, width, height, rgba); });
     }
-    if (!outputs.masks.empty())
+    if (report.options.mask)
         steps.run("write_mask", "writing the mask", [&] {
             for (std::size_t i = 0; i < lights.size(); ++i)
-                write_mask(*outputs.masks[i], width, height, seen.visible[i]);
+                write_mask(*outputs[mask_name(i, lights.size())], width, height, seen.visible[i]);
         });
-    if (outputs.aov)
+    if (OutputFile* const aov = outputs["aov"])
         steps.run("write_aov", "writing the EXR", [&] {
             const ViewOnHost view = view_of(device, seen);
-            write_aov(*outputs.aov, width, height, view, seen.visible.front());
+            write_aov(*aov, width, height, view, seen.visible.front());
         });
-    if (outputs.triangle_dump)
+    if (OutputFile* const dump = outputs["dump-triangles"])
         steps.run("write_triangles", "writing the triangles",
-                  [&] { write_triangles(*outputs.triangle_dump, scene.triangles); });
+                  [&] { dump->write_all(scene.triangles.data(), scene.triangles.size() * sizeof(float)); });
 }
 
 /// Fills the parts of the report that are known only at the end.
@@ -322,12 +299,12 @@ void render(const RenderOptions& options) {
     const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] { return load_scene(options); });
     report.camera = choose_camera(options, scene);
     for (ChosenLight& light : choose_lights(options, scene)) report.lights.push_back({std::move(light), {}, {}});
-    outputs.open_masks(options, report.lights.size());
+    outputs.open(options, report.lights.size());
 
     // The camera's view, then the points that each light reaches.
     const Seen seen = [&] {
         try {
-            return see(steps, report, device, *technique, scene.triangles, outputs.point_dump);
+            return see(steps, report, device, *technique, scene.triangles, outputs["dump-points"]);
         } catch (const OutOfDeviceMemory&) {
             if (!can_be_in_parts(options)) throw;
         }
@@ -340,7 +317,11 @@ void render(const RenderOptions& options) {
     write_files(steps, outputs, device, scene, report, seen);
     complete(report, device, scene, seen);
     steps.finish();
-    if (outputs.statistics) write_statistics(*outputs.statistics, report);
+    if (OutputFile* const statistics = outputs["stats"]) {
+        const auto replace = nlohmann::json::error_handler_t::replace;
+        const std::string text = statistics_json(report).dump(2, ' ', false, replace) + "\n";
+        statistics->write_all(text.data(), text.size());
+    }
     outputs.files.commit();
     if (!options.quiet) print_result(summary(report));
 }

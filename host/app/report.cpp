@@ -16,6 +16,13 @@ using nlohmann::ordered_json;
 
 // ---- JSON -----------------------------------------------------------------------------------------------------------
 
+template <typename Pairs>
+ordered_json object_of(const Pairs& pairs) {
+    ordered_json object = ordered_json::object();
+    for (const auto& [key, value] : pairs) object[key] = value;
+    return object;
+}
+
 /// Times only where they were measured to the stage's end.
 ordered_json stages_json(const Statistics& statistics, bool profiled) {
     ordered_json stages = ordered_json::array();
@@ -27,11 +34,9 @@ ordered_json stages_json(const Statistics& statistics, bool profiled) {
 }
 
 ordered_json statistics_part_json(const Statistics& statistics, bool profiled) {
-    ordered_json counts = ordered_json::object();
-    for (const auto& [name, count] : statistics.counts) counts[name] = count;
     return {{"device_memory_bytes", statistics.device_memory_bytes},
             {"stages", stages_json(statistics, profiled)},
-            {"counts", counts}};
+            {"counts", object_of(statistics.counts)}};
 }
 
 ordered_json camera_json(const ChosenCamera& chosen) {
@@ -71,31 +76,12 @@ ordered_json device_json(const DeviceDescription& device) {
             {"note", device.note}};
 }
 
-ordered_json technique_json(const RenderOptions& options) {
-    ordered_json settings = ordered_json::object();
-    for (const auto& [key, value] : options.settings) settings[key] = value;
-    return {{"name", options.technique}, {"settings", settings}};
-}
-
-ordered_json outputs_json(const Report& report) {
-    ordered_json outputs = ordered_json::object();
-    for (const auto& [option, file] : outputs_of(report.options, report.lights.size())) outputs[option] = file.string();
-    return outputs;
-}
-
 /// The report of one light.
 ordered_json light_part_json(const LightReport& light, bool profiled) {
     return {{"light", light_json(light.chosen)},
             {"shadow_stages", statistics_part_json(light.statistics, profiled)},
             {"pixels",
              {{"lit", light.shares.lit}, {"in_shadow", light.shares.in_shadow}, {"partly", light.shares.partly}}}};
-}
-
-ordered_json phases_json(const Report& report) {
-    ordered_json phases = ordered_json::object();
-    for (const auto& [name, ms] : report.phases_ms) phases[name] = ms;
-    phases["total"] = report.total_ms;
-    return phases;
 }
 
 // ---- The table ------------------------------------------------------------------------------------------------------
@@ -182,9 +168,8 @@ std::string file_list(const Report& report) {
 
 }  // namespace
 
-std::filesystem::path mask_of(const std::filesystem::path& mask, std::size_t light, std::size_t light_count) {
-    if (light_count == 1) return mask;
-    return mask.parent_path() / (mask.stem().string() + "_" + std::to_string(light) + mask.extension().string());
+std::string mask_name(std::size_t light, std::size_t light_count) {
+    return light_count == 1 ? "mask" : "mask_" + std::to_string(light);
 }
 
 std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options,
@@ -194,8 +179,11 @@ std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const Rend
         if (file) outputs.emplace_back(option, *file);
     };
     add("output", options.picture);
-    for (std::size_t i = 0; options.mask && i < light_count; ++i)
-        add(light_count == 1 ? "mask" : "mask_" + std::to_string(i), mask_of(*options.mask, i, light_count));
+    for (std::size_t i = 0; options.mask && i < light_count; ++i) {
+        std::filesystem::path file = options.mask->parent_path() / options.mask->stem();
+        if (light_count != 1) file.concat("_").concat(std::to_string(i));
+        add(mask_name(i, light_count), file += options.mask->extension());
+    }
     add("aov", options.aov);
     add("dump-triangles", options.triangle_dump);
     add("dump-points", options.point_dump);
@@ -204,30 +192,31 @@ std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const Rend
 }
 
 nlohmann::ordered_json statistics_json(const Report& report) {
-    ordered_json json{{"command", report.options.command_line},
-                      {"version", std::string(version())},
-                      {"scene", scene_name(report.options)},
-                      {"triangles", report.triangles},
-                      {"non_finite_triangles", report.non_finite_triangles},
-                      {"warnings", report.warnings},
-                      {"image",
-                       {{"width", report.options.size.width},
-                        {"height", report.options.size.height},
-                        {"samples", report.options.samples}}},
-                      {"camera", camera_json(report.camera)},
-                      {"technique", technique_json(report.options)},
-                      {"device", device_json(report.device)},
-                      {"camera_stages", statistics_part_json(report.camera_statistics, report.options.profile)}};
+    const RenderOptions& options = report.options;
+    ordered_json phases = object_of(report.phases_ms);
+    phases["total"] = report.total_ms;
+    ordered_json json{
+        {"command", options.command_line},
+        {"version", std::string(version())},
+        {"scene", scene_name(options)},
+        {"triangles", report.triangles},
+        {"non_finite_triangles", report.non_finite_triangles},
+        {"warnings", report.warnings},
+        {"image", {{"width", options.size.width}, {"height", options.size.height}, {"samples", options.samples}}},
+        {"camera", camera_json(report.camera)},
+        {"technique", {{"name", options.technique}, {"settings", object_of(options.settings)}}},
+        {"device", device_json(report.device)},
+        {"camera_stages", statistics_part_json(report.camera_statistics, options.profile)}};
     if (report.lights.size() == 1)
-        json.update(light_part_json(report.lights.front(), report.options.profile));
+        json.update(light_part_json(report.lights.front(), options.profile));
     else
         for (const LightReport& light : report.lights)
-            json["lights"].push_back(light_part_json(light, report.options.profile));
+            json["lights"].push_back(light_part_json(light, options.profile));
     json.update(
         {{"memory",
           {{"device_bytes", report.device_memory_bytes}, {"device_peak_bytes", report.device_memory_peak_bytes}}},
-         {"phases_ms", phases_json(report)},
-         {"outputs", outputs_json(report)}});
+         {"phases_ms", phases},
+         {"outputs", object_of(outputs_of(options, report.lights.size()))}});
     return json;
 }
 

@@ -8,8 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "choice.hpp"
-#include "options.hpp"
+#include "setup.hpp"
 
 namespace gnomon::app {
 
@@ -43,10 +42,11 @@ struct Report {
     double total_ms = 0;
 };
 
-/// The file of one light's mask: --mask's, or with several lights NAME_0.png, NAME_1.png, ...
-std::filesystem::path mask_of(const std::filesystem::path& mask, std::size_t light, std::size_t light_count);
+/// The name of one light's mask among the outputs: "mask", or with several lights "mask_0", "mask_1", ...
+std::string mask_name(std::size_t light, std::size_t light_count);
 
-/// The option and the file of every output of the options, in the order they are written.
+/// The name in stats.json and the file of every output of the options, in the order they are written. With several
+/// lights, --mask NAME.png stands for NAME_0.png, NAME_1.png, ...
 std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const RenderOptions& options,
                                                                       std::size_t light_count);
 

@@ -1,13 +1,64 @@
 // SPDX-License-Identifier: MIT
+// A device, a scene, a camera, a light, a technique. Names win over positions, so that a light called "1" can be had.
 #include "setup.hpp"
 
+#include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 
 #include "terminal.hpp"
 
 namespace gnomon::app {
+namespace {
+
+constexpr double default_fov_y_degrees = 50;
+
+/// "0 \"main\", 1 \"top\"", or the end of a sentence for an empty list.
+template <typename Named>
+std::string list_of(const std::vector<Named>& all) {
+    std::string text;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        text += (i == 0 ? "" : ", ") + std::to_string(i) + " \"" + all[i].name + "\"";
+    return text;
+}
+
+/// The entry of that name or position. `kind` is "camera" or "light".
+template <typename Named>
+const Named& find_named(const std::vector<Named>& all, const std::string& name, const std::string& kind) {
+    for (const Named& one : all)
+        if (one.name == name) return one;
+    std::size_t index = 0;
+    const auto [stopped, error] = std::from_chars(name.data(), name.data() + name.size(), index);
+    if (error == std::errc{} && stopped == name.data() + name.size() && index < all.size()) return all[index];
+    const std::string there_is =
+        all.empty() ? "the scene has no " + kind + "s" : "the scene has these: " + list_of(all);
+    throw Error("there is no " + kind + " \"" + name + "\": " + there_is);
+}
+
+Camera camera_of_eye(const ViewOptions& options) {
+    const Float3 up = options.up.value_or(Float3{0, 1, 0});
+    try {
+        return Camera::look_at(*options.eye, *options.target, up, default_fov_y_degrees);
+    } catch (const InvalidArgument& error) {
+        throw UsageError("--eye, --target and --up make no camera: " + std::string(error.what()));
+    }
+}
+
+ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::Scene& scene) {
+    if (options.eye) return {camera_of_eye(options), "--eye and --target"};
+    if (options.camera) {
+        const scene::NamedCamera& found = find_named(scene.cameras, *options.camera, "camera");
+        return {found.camera, "the scene's camera \"" + found.name + "\""};
+    }
+    if (!scene.cameras.empty())
+        return {scene.cameras.front().camera, "the scene's first camera, \"" + scene.cameras.front().name + "\""};
+    return {scene::framing_camera(scene), "frames the whole scene"};
+}
+
+}  // namespace
 
 Device open_device(const ViewOptions& options, bool profile) {
     DeviceOptions device_options;
@@ -36,6 +87,55 @@ scene::Scene load_triangles(const std::filesystem::path& file) {
     scene.triangles.resize(bytes.size() / sizeof(float));
     std::memcpy(scene.triangles.data(), bytes.data(), bytes.size());
     return scene;
+}
+
+ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene) {
+    ChosenCamera chosen = camera_with_its_own_view(options, scene);
+    if (options.fov_y_degrees) chosen.camera.fov_y_radians = double(*options.fov_y_degrees) * std::numbers::pi / 180;
+    return chosen;
+}
+
+ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene) {
+    if (options.light_direction) return {Light::directional(*options.light_direction), "--light-direction"};
+    if (options.light_position) return {Light::positional(*options.light_position), "--light-position"};
+    if (options.light) {
+        const scene::NamedLight& found = find_named(scene.lights, *options.light, "light");
+        return {found.light, "the scene's " + found.type + " light \"" + found.name + "\""};
+    }
+    if (!scene.lights.empty()) {
+        const scene::NamedLight& first = scene.lights.front();
+        return {first.light, "the scene's first light, " + first.type + " \"" + first.name + "\""};
+    }
+    return {scene::default_light(), "the default light, as the scene has none"};
+}
+
+std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene) {
+    const bool is_name =
+        std::any_of(scene.lights.begin(), scene.lights.end(), [](const auto& light) { return light.name == "all"; });
+    if (options.light != "all" || is_name) return {choose_light(options, scene)};
+    if (scene.lights.empty()) throw Error("--light all: the scene has no lights");
+    std::vector<ChosenLight> lights;
+    for (const scene::NamedLight& light : scene.lights)
+        lights.push_back({light.light, "the scene's " + light.type + " light \"" + light.name + "\""});
+    return lights;
+}
+
+Float3 direction_of(const Light& light) { return {-light.xyzw[0], -light.xyzw[1], -light.xyzw[2]}; }
+
+Float3 position_of(const Light& light) { return {light.xyzw[0], light.xyzw[1], light.xyzw[2]}; }
+
+std::string light_option(const Light& light) {
+    return light.is_directional() ? "--light-direction=" + float3_text(direction_of(light))
+                                  : "--light-position=" + float3_text(position_of(light));
+}
+
+TechniqueDescription describe_technique(const std::string& name) {
+    std::string names;
+    for (TechniqueDescription& technique : techniques()) {
+        if (technique.name == name) return std::move(technique);
+        names += (names.empty() ? "" : ", ") + technique.name;
+    }
+    throw Error("there is no technique \"" + name + "\": these exist: " + names);
 }
 
 std::unique_ptr<Technique> make_technique(const Device& device, const std::string& name,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The common start of every command that renders: a device, a scene with its warnings, a technique with its settings.
+// The common start of every command that renders: a device, a scene with its warnings, the camera and the light (from
+// the options and the scene, each with its source), a technique with its settings.
 #pragma once
 
 #include <memory>
@@ -21,8 +22,34 @@ scene::Scene load_scene(const ViewOptions& options);
 /// Triangles alone, nine little-endian float32 each, as --dump-triangles writes them. Throws Error.
 scene::Scene load_triangles(const std::filesystem::path& file);
 
+/// The technique of this name. Throws Error with the list of names if there is none.
+TechniqueDescription describe_technique(const std::string& name);
+
 /// Makes a technique and sets its settings, in their order.
 std::unique_ptr<Technique> make_technique(const Device& device, const std::string& name,
                                           const std::vector<std::pair<std::string, std::string>>& settings);
+
+struct ChosenCamera {
+    Camera camera;
+    std::string source;  ///< for people: "the scene's camera \"main\"", "--eye and --target", ...
+};
+
+struct ChosenLight {
+    Light light;
+    std::string source;
+};
+
+/// Throws UsageError if the options make no camera, Error if the scene has none of that name.
+ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene);
+ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene);
+/// All lights of the scene, in its order, for "--light all" if no light has that name; else choose_light()'s.
+std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::Scene& scene);
+
+/// The direction in which a directional light travels, with the bits as given.
+Float3 direction_of(const Light& light);
+/// The position of a point light.
+Float3 position_of(const Light& light);
+/// The option that gives exactly this light again, e.g. "--light-direction=-0.400000006,-1,-0.300000012".
+std::string light_option(const Light& light);
 
 }  // namespace gnomon::app

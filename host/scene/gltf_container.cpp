@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // GLB 2.0: a 12-byte header (magic, version, length), then chunks (length, type, bytes); the first is JSON, the second,
 // if there is one, BIN. All numbers are little-endian uint32. Every length is checked against the file before a read.
-#include "gltf_container.hpp"
+#include "gltf.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,9 @@
 // exist and are never decoded). It reads every buffer through a callback, under a name that gnomon chose: a .glb's
 // chunk is read from the file directly into its buffer, a buffer file may be longer than byteLength (as glTF allows and
 // tinygltf does not), and each failure gets a sentence.
-#include "gltf_document.hpp"
+#include "gltf.hpp"
 
+#include <charconv>
 #include <cstdint>
 #include <limits>
 #include <new>
@@ -13,8 +14,6 @@
 #include <string_view>
 #include <utility>
 
-#include "gltf_container.hpp"
-#include "gltf_json_checks.hpp"
 #include "messages.hpp"
 
 namespace gnomon::scene {
@@ -46,17 +45,14 @@ std::string buffer_text(std::size_t index) { return "buffers[" + std::to_string(
 
 /// %41 becomes A (RFC 3986); all other text stays unchanged.
 std::string percent_decoded(std::string_view uri) {
-    const auto digit = [](char c) {
-        if (c >= '0' && c <= '9') return c - '0';
-        if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-        if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-        return -1;
-    };
     std::string out;
     for (std::size_t i = 0; i < uri.size(); ++i) {
-        const bool escape = uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0;
-        out += escape ? static_cast<char>(digit(uri[i + 1]) * 16 + digit(uri[i + 2])) : uri[i];
-        if (escape) i += 2;
+        unsigned value = 0;
+        const char* const digits = uri.data() + i + 1;
+        const bool is_escape =
+            uri[i] == '%' && i + 2 < uri.size() && std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2;
+        out += is_escape ? static_cast<char>(value) : uri[i];
+        if (is_escape) i += 2;
     }
     return out;
 }

@@ -2,7 +2,7 @@
 // One small vocabulary (index, size, number, one_of ...) and, below it, the part of the glTF 2.0 schema that gnomon
 // needs, in the order of the file. Only the text of a property's path ("accessors[3].sparse.count") needs memory, and
 // it is made only for an error.
-#include "gltf_json_checks.hpp"
+#include "gltf.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "affine.hpp"
-#include "gltf_document.hpp"
+#include "gltf.hpp"
 #include "messages.hpp"
 #include "scene.hpp"
 
@@ -186,8 +186,7 @@ private:
             return;
         }
         // A camera looks along its node's -Z with +Y up; scaling has no meaning for it.
-        Double3 forward = visit.world_from_node.axis(2);
-        for (double& c : forward) c = -c;
+        Double3 forward = scaled(visit.world_from_node.axis(2), -1);
         Double3 up = visit.world_from_node.axis(1);
         Double3 right{};
         const bool is_usable = normalize(forward) && normalize(up) && normalize(right = cross(forward, up));
@@ -209,10 +208,9 @@ private:
         const tinygltf::Light& source = model_.lights[index];
         NamedLight named{name_or(node.name, source.name, "light", scene_.lights.size()), source.type, {}};
         const bool is_directional = source.type == "directional";
-        Double3 exact = is_directional ? visit.world_from_node.axis(2) : visit.world_from_node.translation;
-        if (is_directional)
-            for (double& c : exact) c = -c;  // light travels along the node's -Z
-        const Float3 v = rounded(exact);
+        // Light travels along the node's -Z.
+        const Float3 v =
+            rounded(is_directional ? scaled(visit.world_from_node.axis(2), -1) : visit.world_from_node.translation);
         if (!is_finite(v) || (is_directional && v == Float3{0, 0, 0})) {
             unusable_.push_back("light " + in_quotes(named.name));
             return;
@@ -220,8 +218,6 @@ private:
         named.light = is_directional ? Light::directional(v) : Light::positional(v);
         scene_.lights.push_back(std::move(named));
     }
-
-    static bool is_finite(const Float3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
     // ---- primitives: what will be drawn, from their descriptions alone ----
 

@@ -23,36 +23,21 @@ constexpr double hour_angle = 52.5 * degree;  // half past three
 
 // ---- Building solids ------------------------------------------------------------------------------------------------
 
-enum Material : std::uint32_t {
-    grass,
-    gravel,
-    paving_warm,
-    paving_pale,
-    paving_grey,
-    limestone,
-    marble,
-    bronze,
-    verdigris,
-    sandstone,
-    gold,
-    material_count
+struct Material {
+    std::uint32_t index;  ///< in the scene's materials
+    Float3 color;
 };
-
-std::vector<Float3> palette() {
-    std::vector<Float3> color(material_count);
-    color[grass] = {0.17f, 0.27f, 0.09f};
-    color[gravel] = {0.30f, 0.26f, 0.21f};
-    color[paving_warm] = {0.60f, 0.49f, 0.38f};
-    color[paving_pale] = {0.66f, 0.60f, 0.51f};
-    color[paving_grey] = {0.50f, 0.48f, 0.45f};
-    color[limestone] = {0.74f, 0.69f, 0.58f};
-    color[marble] = {0.86f, 0.84f, 0.79f};
-    color[bronze] = {0.36f, 0.20f, 0.08f};
-    color[verdigris] = {0.16f, 0.42f, 0.36f};
-    color[sandstone] = {0.62f, 0.38f, 0.24f};
-    color[gold] = {0.83f, 0.58f, 0.16f};
-    return color;
-}
+constexpr Material grass{0, {0.17f, 0.27f, 0.09f}};
+constexpr Material gravel{1, {0.30f, 0.26f, 0.21f}};
+constexpr Material paving_warm{2, {0.60f, 0.49f, 0.38f}};
+constexpr Material paving_pale{3, {0.66f, 0.60f, 0.51f}};
+constexpr Material paving_grey{4, {0.50f, 0.48f, 0.45f}};
+constexpr Material limestone{5, {0.74f, 0.69f, 0.58f}};
+constexpr Material marble{6, {0.86f, 0.84f, 0.79f}};
+constexpr Material bronze{7, {0.36f, 0.20f, 0.08f}};
+constexpr Material verdigris{8, {0.16f, 0.42f, 0.36f}};
+constexpr Material sandstone{9, {0.62f, 0.38f, 0.24f}};
+constexpr Material gold{10, {0.83f, 0.58f, 0.16f}};
 
 using Ring = std::vector<Double3>;
 
@@ -120,7 +105,7 @@ private:
                 const Float3 corner = rounded(p);
                 scene_.triangles.insert(scene_.triangles.end(), corner.begin(), corner.end());
             }
-            scene_.materials.triangle_material.push_back(material);
+            scene_.materials.triangle_material.push_back(material.index);
         }
         solid_.clear();
     }
@@ -129,14 +114,16 @@ private:
     std::vector<Corners> solid_;
 };
 
-/// Around the vertical axis through (x, z), `sides` points; `swell` is added to the radius at an angle (flutes).
+/// A vertical axis through (x, z), and the number of points around it.
 struct Axis {
     double x = 0, z = 0;
     int sides = 48;
 };
 
-template <class Swell>
-Ring circle(const Axis& axis, double radius, double y, const Swell& swell) {
+double no_swell(double) { return 0; }
+
+/// `swell` is added to the radius at an angle (flutes).
+Ring circle(const Axis& axis, double radius, double y, double (*swell)(double) = no_swell) {
     Ring ring;
     for (int i = 0; i < axis.sides; ++i) {
         const double angle = 2 * pi * i / axis.sides;
@@ -144,10 +131,6 @@ Ring circle(const Axis& axis, double radius, double y, const Swell& swell) {
         ring.push_back({axis.x + r * std::sin(angle), y, axis.z + r * std::cos(angle)});
     }
     return ring;
-}
-
-Ring circle(const Axis& axis, double radius, double y) {
-    return circle(axis, radius, y, [](double) { return 0.0; });
 }
 
 /// A solid of revolution from a profile of (radius, y), bottom to top.
@@ -379,7 +362,9 @@ Double3 toward_sun() {
 
 Scene sundial() {
     Scene scene;
-    scene.materials.base_color = palette();
+    for (const Material& material :
+         {grass, gravel, paving_warm, paving_pale, paving_grey, limestone, marble, bronze, verdigris, sandstone, gold})
+        scene.materials.base_color.push_back(material.color);
     Mason mason(scene);
     ground(mason);
     paving(mason);

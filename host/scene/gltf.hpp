@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+// The steps of reading a glTF file, in their order: the container, the JSON and its checks, the document.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace gnomon::scene {
+
+// ---- The container --------------------------------------------------------------------------------------------------
+// The JSON text, and the range of the binary chunk in a .glb, which is later read directly into its buffer. A file that
+// begins with "glTF" is a .glb, whatever its name.
+
+struct ByteRange {
+    std::uint64_t offset = 0, size = 0;
+};
+
+struct GltfContainer {
+    std::string json;
+    std::optional<ByteRange> binary_chunk;  ///< of a .glb, if it has one; lies within the file
+    bool is_glb = false;
+};
+
+/// Throws SceneError if the file is missing, no regular file, empty, cut off, or plainly no glTF.
+GltfContainer read_container(const std::filesystem::path& file);
+
+/// Size of a regular file. Throws SceneError (its text names `scene_file`) if `file` is missing or something else.
+std::uint64_t file_size(const std::filesystem::path& file, const std::filesystem::path& scene_file);
+
+/// Reads bytes [offset, offset + size) of `file`, which must have them. Throws SceneError.
+std::vector<unsigned char> read_bytes(const std::filesystem::path& file, const ByteRange& range,
+                                      const std::filesystem::path& scene_file);
+
+// ---- The JSON -------------------------------------------------------------------------------------------------------
+// Checked before tinygltf reads it. tinygltf 2.7 ignores a property of the wrong type or sign (a negative byteOffset
+// becomes 0, a mesh "3" no mesh), truncates integers to 32 bits and leaves most indices unchecked; so types, ranges and
+// indices are checked here, on the exact numbers of the file.
+
+/// Parses the text. Throws SceneError with the byte of the first error, or if the text nests too deep (the recursive
+/// code of tinygltf and nlohmann would run out of stack).
+nlohmann::json parse_json(const std::filesystem::path& file, const std::string& text);
+
+/// Throws SceneError, naming the property, unless every property that gnomon or tinygltf reads has its type and range,
+/// every index is within its array, the version is 2.x and no required extension is unknown.
+void check_json(const std::filesystem::path& file, const nlohmann::json& root);
+
+/// True for extensions that change a surface's colour but not its position: safe to ignore without a warning.
+bool concerns_shading_only(std::string_view extension);
+
+// ---- The document ---------------------------------------------------------------------------------------------------
+
+/// The file in memory, through tinygltf, with checked references: indices, extents, strides, the node hierarchy. The
+/// code that uses it may read its accessors without a further check, except for the values in them (vertex indices,
+/// sparse indices).
+struct GltfDocument {
+    tinygltf::Model model;
+    std::vector<int> root_nodes;          ///< of the scene that is shown
+    std::set<std::string> not_supported;  ///< phrases for the one warning, from the document alone
+};
+
+/// Throws SceneError.
+GltfDocument read_document(const std::filesystem::path& file);
+
+/// Bytes of one element, without padding.
+std::size_t element_bytes(const tinygltf::Accessor& accessor);
+
+}  // namespace gnomon::scene
