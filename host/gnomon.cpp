@@ -15,8 +15,6 @@ namespace gnomon {
 
 std::string_view version() { return GNOMON_VERSION; }
 
-// ---- Device ---------------------------------------------------------------------------------------------------------
-
 Device::Device(std::string_view selector, const DeviceOptions& options)
     : session_(open_checked(options, [found = cl::select_device(selector)](const DeviceOptions& chosen) {
           return std::make_shared<cl::Session>(found, chosen);
@@ -39,8 +37,6 @@ std::uint64_t Statistics::count(std::string_view name) const {
         if (key == name) return value;
     return 0;
 }
-
-// ---- Techniques -----------------------------------------------------------------------------------------------------
 
 namespace {
 

@@ -36,8 +36,6 @@ std::vector<float> gathered(std::span<const float> vertices, std::span<const std
     return part;
 }
 
-// ---- Views ----------------------------------------------------------------------------------------------------------
-
 /// The visible triangles among the tested triangles `ids`.
 Ids seen_of(const Device& device, const View& view, const Ids& ids) {
     Ids receivers(view.points.count());
@@ -50,8 +48,6 @@ Ids seen_of(const Device& device, const View& view, const Ids& ids) {
         if (is_seen[i]) seen.push_back(ids[i]);
     return seen;
 }
-
-// ---- Shadows --------------------------------------------------------------------------------------------------------
 
 /// Points that no part so far has put into shadow.
 struct OpenPoints {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 #include "setup.hpp"
@@ -22,12 +21,10 @@ struct Explained {
     ChosenLight light;
 };
 
-// ---- The point ------------------------------------------------------------------------------------------------------
-
 Points given_point(const ExplainOptions& options, const Device& device, std::size_t triangle_count) {
     if (options.receiver && *options.receiver >= triangle_count)
-        throw Error(std::string("--receiver ") + std::to_string(*options.receiver) + " is no triangle: the scene has " +
-                    std::to_string(triangle_count) + ", counted from 0");
+        throw Error(formatted("--receiver %u is no triangle: the scene has %zu, counted from 0", *options.receiver,
+                              triangle_count));
     const std::array receiver{options.receiver.value_or(no_receiver)};
     Points points = Points::upload(device, *options.point, receiver);
     if (options.eye) points.set_eye(*options.eye);
@@ -65,10 +62,8 @@ Explained explain_in(const ExplainOptions& options, const Device& device, const 
     const ChosenCamera camera = choose_camera(options, scene);
     const View view = look(device, triangles, camera.camera, width, height);
     const std::size_t pixel = std::size_t(y) * width + x;
-    explained.where = "pixel " + std::to_string(x) + "," + std::to_string(y) + " of " + std::to_string(width) + "x" +
-                      std::to_string(height) + " (" + camera.source + ")";
-    if (options.samples > 1)
-        explained.where += ", sample " + std::to_string(options.sample) + " of " + std::to_string(options.samples);
+    explained.where = formatted("pixel %u,%u of %ux%u (%s)", x, y, width, height, camera.source.c_str());
+    if (options.samples > 1) explained.where += formatted(", sample %u of %u", options.sample, options.samples);
     explained.explanation = options.samples > 1 ? explain_sample(options, device, triangles, view, light, pixel)
                                                 : gnomon::explain(device, triangles, view.points, pixel, light);
     return explained;
@@ -78,17 +73,11 @@ bool is_absent(const Explanation& e) {
     return !std::all_of(e.position.begin(), e.position.end(), [](float c) { return std::isfinite(c); });
 }
 
-std::string sign_text(int sign) { return sign > 0 ? "+" : sign < 0 ? "-" : "0"; }
-
-std::string hexadecimal(const Float3& v) {
-    std::array<char, 96> text{};
-    std::snprintf(text.data(), text.size(), "%a,%a,%a", double(v[0]), double(v[1]), double(v[2]));
-    return text.data();
-}
+char sign(int of) { return of > 0 ? '+' : of < 0 ? '-' : '0'; }
 
 std::string vertices_text(const TriangleSigns& t) {
     const auto vertex = [&](std::size_t i) {
-        return std::string("(") + float3_text({t.vertices[i], t.vertices[i + 1], t.vertices[i + 2]}) + ")";
+        return formatted("(%s)", float3_text({t.vertices[i], t.vertices[i + 1], t.vertices[i + 2]}).c_str());
     };
     return vertex(0) + " " + vertex(3) + " " + vertex(6);
 }
@@ -109,10 +98,10 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
     out << '\n' << heading << ": " << grouped(list.size()) << '\n';
     for (std::size_t i = 0; i < std::min(list.size(), most_printed); ++i) {
         const TriangleSigns& t = list[i];
-        out << "  triangle " << t.triangle << "  " << vertices_text(t) << "\n    signs: point's side "
-            << sign_text(t.point_side) << ", light's side " << sign_text(t.light_side) << ", edges ab "
-            << sign_text(t.edges[0]) << " bc " << sign_text(t.edges[1]) << " ca " << sign_text(t.edges[2])
-            << "; certain in " << t.arithmetic;
+        out << "  triangle " << t.triangle << "  " << vertices_text(t)
+            << formatted("\n    signs: point's side %c, light's side %c, edges ab %c bc %c ca %c; certain in ",
+                         sign(t.point_side), sign(t.light_side), sign(t.edges[0]), sign(t.edges[1]), sign(t.edges[2]))
+            << t.arithmetic;
         if (t.blocks) out << "; " << float_text(float(t.distance)) << " from the point";
         out << '\n';
     }
@@ -122,15 +111,16 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
 std::string text_of(const Explained& explained) {
     const Explanation& e = explained.explanation;
     std::ostringstream out;
-    out << explained.where << "\npoint     " << float3_text(e.position) << "\n          " << hexadecimal(e.position)
-        << '\n';
+    const auto& [x, y, z] = e.position;
+    out << explained.where << "\npoint     " << float3_text(e.position)
+        << formatted("\n          %a,%a,%a\n", double(x), double(y), double(z));
     if (e.receiver == no_receiver) {
         out << "receiver  none\n";
     } else {
         out << "receiver  triangle " << e.receiver << "  " << vertices_text(e.on_receiver)
-            << "\n          signs: point's side " << sign_text(e.on_receiver.point_side) << ", light's side "
-            << sign_text(e.on_receiver.light_side);
-        if (e.eye_side != 0) out << ", eye's side " << sign_text(e.eye_side);
+            << "\n          signs: point's side " << sign(e.on_receiver.point_side) << ", light's side "
+            << sign(e.on_receiver.light_side);
+        if (e.eye_side != 0) out << ", eye's side " << sign(e.eye_side);
         out << '\n';
     }
     out << "light     " << light_option(explained.light.light) << " (" << explained.light.source << ")\n"

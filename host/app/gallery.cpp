@@ -110,8 +110,8 @@ ordered_json results(Hall& hall, const Chosen& chosen, std::uint32_t runs) {
             {"mean_absolute", errors.mean_absolute},
             {"worst_tile", errors.worst_tile},
             {"ssim", errors.ssim},
-            {"picture", jpeg_data_uri(width, height, shaded)},
-            {"difference", png_data_uri(width, height, measure::difference_picture(visible, hall.truth))},
+            {"picture", data_uri("jpeg", width, height, shaded)},
+            {"difference", data_uri("png", width, height, measure::difference_picture(visible, hall.truth))},
             {"diagnostics", diagnostics}};
 }
 

@@ -38,10 +38,8 @@ std::string settings_text(const TechniqueDescription& technique) {
 }
 
 std::string line_of(const TechniqueDescription& technique) {
-    std::ostringstream out;
-    out << std::left << std::setw(20) << technique.name << (technique.exact ? "exact     " : "not exact ")
-        << technique.summary << '\n';
-    return out.str();
+    return formatted("%-20s%-10s", technique.name.c_str(), technique.exact ? "exact" : "not exact") +
+           technique.summary + '\n';
 }
 
 }  // namespace

@@ -21,10 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ---- Removal of temporaries on an interrupt -------------------------------------------------------------------------
-
-// A signal handler may use neither the heap nor a lock, so the names are in fixed slots. One slot per output and run is
-// enough (there are five outputs); a file without a slot would only not be removed on interrupt.
+// Temporaries are removed on an interrupt. A signal handler may use neither the heap nor a lock, so the names are in
+// fixed slots. One slot per output and run is enough (there are five outputs); a file without a slot would only not be
+// removed on interrupt.
 std::array<std::atomic<char*>, 16> interrupt_slots;
 static_assert(std::atomic<char*>::is_always_lock_free);
 
@@ -48,8 +47,6 @@ int take_interrupt_slot(const fs::path& path) {
 void release_interrupt_slot(int slot) {
     if (slot >= 0) std::free(interrupt_slots[std::size_t(slot)].exchange(nullptr));
 }
-
-// ---- Opening --------------------------------------------------------------------------------------------------------
 
 [[noreturn]] void fail(const fs::path& target, const std::string& reason) {
     throw Error("cannot write " + target.string() + ": " + reason);

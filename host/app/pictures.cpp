@@ -129,17 +129,13 @@ void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, cons
     open_image_io().write_aov(file, file.target().string(), software(), width, height, view, visibility);
 }
 
-std::string png_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb) {
-    return open_image_io().data_uri("png", width, height, rgb, 3);
-}
-
-std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
-    return open_image_io().data_uri("jpeg", width, height, rgba, 4);
+std::string data_uri(const char* format, std::uint32_t width, std::uint32_t height,
+                     std::span<const std::uint8_t> pixels) {
+    return open_image_io().data_uri(format, width, height, pixels, std::ptrdiff_t(pixels.size() / width / height));
 }
 
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba) {
-    std::string png = open_image_io().data_uri("png", width, height, rgba, 4),
-                jpeg = jpeg_data_uri(width, height, rgba);
+    const std::string png = data_uri("png", width, height, rgba), jpeg = data_uri("jpeg", width, height, rgba);
     return png.size() <= jpeg.size() ? png : jpeg;
 }
 

@@ -22,9 +22,10 @@ void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
                std::span<const float> visibility);
 
-/// A picture inside a page: "data:image/png;base64,..." of RGB bytes (exact), "data:image/jpeg..." of RGBA (for looks).
-std::string png_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgb);
-std::string jpeg_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
+/// A picture inside a page, from RGB or RGBA bytes: "data:image/png;base64,..." is exact, "data:image/jpeg..." for
+/// looks.
+std::string data_uri(const char* format, std::uint32_t width, std::uint32_t height,
+                     std::span<const std::uint8_t> pixels);
 /// RGBA bytes as a PNG, or as a JPEG where that is shorter: pictures of a few colours stay exact.
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 

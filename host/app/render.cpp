@@ -101,15 +101,6 @@ struct Outputs {
     std::map<std::string, OutputFile*> opened;
 };
 
-std::uint64_t count_non_finite(std::span<const float> triangles) {
-    std::uint64_t count = 0;
-    for (std::size_t i = 0; i + 9 <= triangles.size(); i += 9) {
-        const auto vertices = triangles.subspan(i, 9);
-        if (!std::all_of(vertices.begin(), vertices.end(), [](float c) { return std::isfinite(c); })) ++count;
-    }
-    return count;
-}
-
 Shares count_shares(std::span<const float> visibility) {
     Shares shares;
     for (const float v : visibility) ++(v == 1.0f ? shares.lit : v == 0.0f ? shares.in_shadow : shares.partly);
@@ -218,10 +209,8 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<
 /// An exact technique gives the whole's visibility from parts. Samples, dumped points and diagnostics are for scenes
 /// that fit.
 bool can_be_in_parts(const RenderOptions& options) {
-    const std::vector<TechniqueDescription> all = techniques();
     return options.samples == 1 && !options.point_dump && !options.diagnostic &&
-           std::any_of(all.begin(), all.end(),
-                       [&](const auto& technique) { return technique.exact && technique.name == options.technique; });
+           describe_technique(options.technique).exact;
 }
 
 Materials materials_of(const scene::Scene& scene, const Seen& seen) {
@@ -272,7 +261,7 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
 /// Fills the parts of the report that are known only at the end.
 void complete(Report& report, const Device& device, const scene::Scene& scene, const Seen& seen) {
     report.triangles = scene.triangle_count();
-    report.non_finite_triangles = count_non_finite(scene.triangles);
+    for (std::size_t i = 0; i < scene.triangle_count(); ++i) report.non_finite_triangles += !scene.is_finite(i);
     report.warnings = scene.warnings;
     report.device = device.description();
     for (std::size_t i = 0; i < report.lights.size(); ++i) report.lights[i].shares = count_shares(seen.visible[i]);

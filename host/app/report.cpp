@@ -3,9 +3,8 @@
 #include "report.hpp"
 
 #include <algorithm>
-#include <iomanip>
 #include <numbers>
-#include <sstream>
+#include <utility>
 
 #include "terminal.hpp"
 
@@ -13,8 +12,6 @@ namespace gnomon::app {
 namespace {
 
 using nlohmann::ordered_json;
-
-// ---- JSON -----------------------------------------------------------------------------------------------------------
 
 template <typename Pairs>
 ordered_json object_of(const Pairs& pairs) {
@@ -84,29 +81,21 @@ ordered_json light_part_json(const LightReport& light, bool profiled) {
              {{"lit", light.shares.lit}, {"in_shadow", light.shares.in_shadow}, {"partly", light.shares.partly}}}};
 }
 
-// ---- The table ------------------------------------------------------------------------------------------------------
-
 std::string scene_name(const RenderOptions& options) {
     return options.scene ? options.scene->string() : std::string("the built-in sundial");
 }
 
 /// A line "label   text".
-void add_fact(std::ostream& out, const std::string& label, const std::string& text) {
-    out << std::left << std::setw(9) << label << text << '\n';
-}
+std::string fact(const char* label, const std::string& text) { return formatted("%-9s", label) + text + '\n'; }
 
 /// "  name   device ms   wall ms" for each stage of a part, under its heading.
-void add_stages(std::ostream& out, const std::string& part, const Statistics& statistics) {
-    out << std::left << std::setw(30) << part << std::right << std::setw(12) << "device ms" << std::setw(12)
-        << "wall ms" << '\n';
-    for (const StageStatistics& stage : statistics.stages) {
-        out << "  " << std::left << std::setw(28) << stage.name << std::right;
-        if (!stage.skipped.empty()) {
-            out << "  skipped: " << stage.skipped << '\n';
-            continue;
-        }
-        out << std::setw(12) << milliseconds(stage.device_ms) << std::setw(12) << milliseconds(stage.wall_ms) << '\n';
+std::string stages_text(const char* part, const Statistics& statistics) {
+    std::string text = formatted("%-30s%12s%12s\n", part, "device ms", "wall ms");
+    for (const auto& [name, device_ms, wall_ms, skipped] : statistics.stages) {
+        text += formatted("  %-28s", name.c_str());
+        text += skipped.empty() ? formatted("%12.2f%12.2f\n", device_ms, wall_ms) : "  skipped: " + skipped + '\n';
     }
+    return text;
 }
 
 /// The number of programs, and how many came from the cache.
@@ -117,45 +106,39 @@ std::string builds_text(const KernelBuilds& kernels) {
     return programs + ", " + std::to_string(kernels.from_cache) + " of them from the cache, the others compiled";
 }
 
+/// A line of the table of times.
+std::string step_text(std::string name, double ms, const std::string& note) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    return formatted("  %-28s%12.2f", name.c_str(), ms) + note + '\n';
+}
+
 /// The steps, each to its end, and their sum.
-void add_steps(std::ostream& out, const Report& report) {
-    const auto add = [&out](std::string name, double ms, const std::string& note = {}) {
-        std::replace(name.begin(), name.end(), '_', ' ');
-        out << "  " << std::left << std::setw(28) << name << std::right << std::setw(12) << milliseconds(ms)
-            << (note.empty() ? "" : "  " + note) << '\n';
-    };
-    out << std::left << std::setw(30) << "time" << std::right << std::setw(12) << "ms" << '\n';
+std::string steps_text(const Report& report) {
+    std::string text = formatted("%-30s%12s\n", "time", "ms");
     for (const auto& [name, ms] : report.phases_ms)
-        add(name, ms, name == "kernels" ? builds_text(report.kernels) : std::string());
-    add("total", report.total_ms);
+        text += step_text(name, ms, name == "kernels" ? "  " + builds_text(report.kernels) : "");
+    return text + step_text("total", report.total_ms, "");
 }
 
 /// All counts but zeros, as running text in lines that fit a terminal.
-void add_counts(std::ostream& out, const Statistics& statistics) {
+std::string counts_text(const Statistics& statistics) {
     constexpr std::size_t line_length = 100;
-    std::string line;
+    std::string text, line;
     for (const auto& [name, count] : statistics.counts) {
         if (count == 0) continue;
         std::string item = name + " " + grouped(count);
         std::replace(item.begin(), item.end(), '_', ' ');
-        if (!line.empty() && line.size() + item.size() > line_length) {
-            out << "  " << line << '\n';
-            line.clear();
-        }
+        if (!line.empty() && line.size() + item.size() > line_length) text += "  " + std::exchange(line, {}) + '\n';
         line += (line.empty() ? "" : " | ") + item;
     }
-    if (!line.empty()) out << "  " << line << '\n';
+    return line.empty() ? text : text + "  " + line + '\n';
 }
 
 std::string shares_text(const Shares& shares) {
-    const std::uint64_t all = std::max<std::uint64_t>(1, shares.lit + shares.in_shadow + shares.partly);
-    const auto percent = [all](std::uint64_t part) {
-        std::ostringstream text;
-        text << std::fixed << std::setprecision(1) << 100.0 * double(part) / double(all) << " %";
-        return text.str();
-    };
-    std::string text = percent(shares.lit) + " of the pixels lit (or sky), " + percent(shares.in_shadow) + " in shadow";
-    if (shares.partly > 0) text += ", " + percent(shares.partly) + " partly";
+    const double all = double(std::max<std::uint64_t>(1, shares.lit + shares.in_shadow + shares.partly));
+    std::string text = formatted("%.1f %% of the pixels lit (or sky), %.1f %% in shadow",
+                                 100.0 * double(shares.lit) / all, 100.0 * double(shares.in_shadow) / all);
+    if (shares.partly > 0) text += formatted(", %.1f %% partly", 100.0 * double(shares.partly) / all);
     return text;
 }
 
@@ -222,32 +205,22 @@ nlohmann::ordered_json statistics_json(const Report& report) {
 
 std::string summary(const Report& report) {
     const RenderOptions& options = report.options;
-    std::ostringstream out;
-    add_fact(out, "device",
-             report.device.name + " (" + report.device.platform + ", " + report.device.driver_version + ")");
-    if (!report.device.note.empty()) add_fact(out, "", report.device.note);
-    add_fact(
-        out, "scene",
-        scene_name(options) + ", " + grouped(report.triangles) + (report.triangles == 1 ? " triangle" : " triangles"));
-    add_fact(
-        out, "camera",
-        report.camera.source + ", " + std::to_string(options.size.width) + "x" + std::to_string(options.size.height));
-    out << '\n';
-    if (options.profile) add_stages(out, "camera", report.camera_statistics);
-    add_counts(out, report.camera_statistics);
-    for (const LightReport& light : report.lights) {
-        out << '\n';
-        add_fact(out, "light", light_option(light.chosen.light) + " (" + light.chosen.source + ")");
-        if (options.profile) add_stages(out, "shadow", light.statistics);
-        add_counts(out, light.statistics);
-        add_fact(out, "result", shares_text(light.shares));
+    const auto& [width, height] = options.size;
+    const DeviceDescription& device = report.device;
+    const std::string triangles = grouped(report.triangles) + (report.triangles == 1 ? " triangle" : " triangles");
+    std::string text = fact("device", device.name + " (" + device.platform + ", " + device.driver_version + ")");
+    if (!device.note.empty()) text += fact("", device.note);
+    text += fact("scene", scene_name(options) + ", " + triangles);
+    text += fact("camera", report.camera.source + formatted(", %ux%u", width, height)) + '\n';
+    if (options.profile) text += stages_text("camera", report.camera_statistics);
+    text += counts_text(report.camera_statistics);
+    for (const auto& [chosen, statistics, shares] : report.lights) {
+        text += '\n' + fact("light", light_option(chosen.light) + " (" + chosen.source + ")");
+        if (options.profile) text += stages_text("shadow", statistics);
+        text += counts_text(statistics) + fact("result", shares_text(shares));
     }
-    out << '\n';
-    add_fact(out, "memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
-    add_fact(out, "wrote", file_list(report));
-    out << '\n';
-    add_steps(out, report);
-    return out.str();
+    text += '\n' + fact("memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
+    return text + fact("wrote", file_list(report)) + '\n' + steps_text(report);
 }
 
 }  // namespace gnomon::app

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <iostream>
 
 #include <gnomon.hpp>
@@ -16,13 +15,6 @@ namespace gnomon::app {
 namespace {
 
 const char* const clear_line = "\r\033[K";
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 void print_message(std::string_view kind, std::string_view sentence) {
     std::cerr << "gnomon: " << kind << ": " << sentence << '\n' << std::flush;
@@ -50,8 +42,6 @@ std::string grouped(std::uint64_t number) {
     for (std::size_t place = digits.size(); place > 3;) digits.insert(place -= 3, 1, ',');
     return digits;
 }
-
-std::string milliseconds(double ms) { return formatted("%.2f", ms); }
 
 std::string bytes_for_people(std::uint64_t bytes) {
     constexpr std::array<const char*, 5> units{"B", "KiB", "MiB", "GiB", "TiB"};

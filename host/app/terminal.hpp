@@ -5,6 +5,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <cstdio>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -22,10 +23,15 @@ void print_result(std::string_view text);
 /// A file of host/app/ that was built into the command: "help/main.txt".
 std::string_view text_file(std::string_view name);
 
+/// printf's text.
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+    std::string text(std::size_t(std::snprintf(nullptr, 0, format, values...)), '\0');
+    std::snprintf(text.data(), text.size() + 1, format, values...);
+    return text;
+}
 /// 1234567 as "1,234,567".
 std::string grouped(std::uint64_t number);
-/// Milliseconds with two places.
-std::string milliseconds(double ms);
 /// 1536000 as "1.5 MiB".
 std::string bytes_for_people(std::uint64_t bytes);
 

@@ -7,10 +7,11 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <optional>
+
+#include "terminal.hpp"
 
 namespace gnomon::app {
 namespace {
@@ -135,9 +136,7 @@ std::filesystem::path parse_file(const std::string& option, const std::string& t
 }
 
 std::string float_text(float value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.*g", std::numeric_limits<float>::max_digits10, double(value));
-    return text.data();
+    return formatted("%.*g", std::numeric_limits<float>::max_digits10, double(value));
 }
 
 std::string float3_text(const Float3& value) {

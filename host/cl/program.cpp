@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -39,14 +41,17 @@ std::string environment(const char* variable) {
     return value != nullptr ? value : "";
 }
 
+std::optional<std::string> content_of(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) return std::nullopt;
+    return std::string{std::istreambuf_iterator<char>(stream), {}};
+}
+
 std::string text_of(const std::string& file) {
     const std::string path = "kernels/" + file;
     if (const std::string directory = environment("GNOMON_KERNELS_DIR"); !directory.empty()) {
-        std::ifstream stream(std::filesystem::path(directory) / file, std::ios::binary);
-        if (!stream) throw Error("cannot read " + file + " in GNOMON_KERNELS_DIR (" + directory + ")");
-        std::ostringstream text;
-        text << stream.rdbuf();
-        return text.str();
+        if (const auto text = content_of(std::filesystem::path(directory) / file)) return *text;
+        throw Error("cannot read " + file + " in GNOMON_KERNELS_DIR (" + directory + ")");
     }
     for (const EmbeddedFile& kernel : embedded_kernels())
         if (kernel.path == path) return std::string(kernel.text);
@@ -171,14 +176,10 @@ std::string Session::cache_key(const std::string& source) const {
 }
 
 cl_program Session::load_cached(const std::string& key) {
-    const std::filesystem::path file = cache_directory() / key;
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) return nullptr;
-    std::ostringstream content;
-    content << stream.rdbuf();
-    const std::string binary = content.str();
-    const std::size_t size = binary.size();
-    const auto* bytes = reinterpret_cast<const unsigned char*>(binary.data());
+    const std::optional<std::string> binary = content_of(cache_directory() / key);
+    if (!binary) return nullptr;
+    const std::size_t size = binary->size();
+    const auto* bytes = reinterpret_cast<const unsigned char*>(binary->data());
     cl_int status = CL_SUCCESS, code = CL_SUCCESS;
     cl_program program = clCreateProgramWithBinary(context_, 1, &description_.device_id, &size, &bytes, &status, &code);
     if (code != CL_SUCCESS || status != CL_SUCCESS) return nullptr;

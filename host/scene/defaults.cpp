@@ -19,12 +19,12 @@ struct Bounds {
     bool is_empty = true;
 };
 
-Bounds bounds_of_finite_triangles(const std::vector<float>& triangles) {
+Bounds bounds_of_finite_triangles(const Scene& scene) {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Bounds b{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, true};
-    for (std::size_t i = 0; i + 9 <= triangles.size(); i += 9) {
-        const float* t = &triangles[i];
-        if (!std::all_of(t, t + 9, [](float c) { return std::isfinite(c); })) continue;
+    for (std::size_t i = 0; i < scene.triangle_count(); ++i) {
+        if (!scene.is_finite(i)) continue;
+        const float* t = &scene.triangles[9 * i];
         b.is_empty = false;
         for (int k = 0; k < 9; ++k) {
             b.least[k % 3] = std::min(b.least[k % 3], double(t[k]));
@@ -39,7 +39,7 @@ Bounds bounds_of_finite_triangles(const std::vector<float>& triangles) {
 Camera framing_camera(const Scene& scene) {
     const Float3 toward_viewer{0.8f, 0.6f, 1.0f};
     Camera camera = Camera::look_at(toward_viewer, origin, {0, 1, 0}, framing_fov_y_degrees);
-    const Bounds bounds = bounds_of_finite_triangles(scene.triangles);
+    const Bounds bounds = bounds_of_finite_triangles(scene);
     if (bounds.is_empty) return camera;
     Double3 center, half;
     for (int i = 0; i < 3; ++i) {

@@ -6,6 +6,8 @@
 // tinygltf does not), and each failure gets a sentence.
 #include "gltf.hpp"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -39,6 +41,7 @@ struct BufferReader {
 
 private:
     std::vector<unsigned char> decode(std::size_t index) const;
+    void require(std::uint64_t available, std::size_t index, const std::string& what, const char* why = "") const;
 };
 
 std::string buffer_text(std::size_t index) { return "buffers[" + std::to_string(index) + "]"; }
@@ -57,6 +60,12 @@ std::string percent_decoded(std::string_view uri) {
     return out;
 }
 
+void BufferReader::require(std::uint64_t available, std::size_t index, const std::string& what, const char* why) const {
+    if (available < sources[index].byte_length)
+        fail(file, buffer_text(index) + " needs " + counted(sources[index].byte_length, "byte") + ", but " + what +
+                       std::to_string(available) + why);
+}
+
 std::vector<unsigned char> BufferReader::decode(std::size_t index) const {
     const std::string& uri = sources[index].uri;
     constexpr std::string_view marker = ";base64,";
@@ -71,9 +80,7 @@ std::vector<unsigned char> BufferReader::decode(std::size_t index) const {
     // tinygltf accepts a few media types only; the type does not matter here.
     tinygltf::DecodeDataURI(&bytes, mime_type, "data:application/octet-stream;base64," + uri.substr(comma + 1), 0,
                             false);
-    if (bytes.size() < sources[index].byte_length)
-        fail(file, buffer_text(index) + " needs " + counted(sources[index].byte_length, "byte") +
-                       ", but its data URI holds only " + std::to_string(bytes.size()) + " (broken or cut off)");
+    require(bytes.size(), index, "its data URI holds only ", " (broken or cut off)");
     bytes.resize(sources[index].byte_length);
     return bytes;
 }
@@ -81,9 +88,7 @@ std::vector<unsigned char> BufferReader::decode(std::size_t index) const {
 std::vector<unsigned char> BufferReader::read(std::size_t index) const {
     const BufferSource& source = sources[index];
     if (source.uri.empty()) {
-        if (container.binary_chunk->size < source.byte_length)
-            fail(file, buffer_text(index) + " needs " + counted(source.byte_length, "byte") +
-                           ", but the .glb's binary chunk has only " + std::to_string(container.binary_chunk->size));
+        require(container.binary_chunk->size, index, "the .glb's binary chunk has only ");
         return read_bytes(file, {container.binary_chunk->offset, source.byte_length}, file);
     }
     if (source.uri.starts_with("data:")) return decode(index);
@@ -93,10 +98,7 @@ std::vector<unsigned char> BufferReader::read(std::size_t index) const {
     const std::string name = percent_decoded(source.uri);
     if (name.find('\0') != std::string::npos) fail(file, buffer_text(index) + ".uri contains a zero byte");
     const std::filesystem::path path = file.parent_path() / std::filesystem::path(name);
-    const std::uint64_t size = file_size(path, file);
-    if (size < source.byte_length)
-        fail(file, buffer_text(index) + " needs " + counted(source.byte_length, "byte") + ", but its file " +
-                       in_quotes(path.string()) + " has only " + std::to_string(size));
+    require(file_size(path, file), index, "its file " + in_quotes(path.string()) + " has only ");
     return read_bytes(path, {0, source.byte_length}, file);
 }
 
@@ -287,12 +289,9 @@ std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::M
 }
 
 /// Extensions with a phrase of their own are named at the node, mesh or buffer that uses them.
-bool is_named_elsewhere(std::string_view extension) {
-    for (const std::string_view name : {"KHR_lights_punctual", "KHR_draco_mesh_compression", "KHR_mesh_quantization",
-                                        "EXT_mesh_gpu_instancing", "EXT_meshopt_compression"})
-        if (extension == name) return true;
-    return false;
-}
+constexpr std::array<std::string_view, 5> named_elsewhere{"KHR_lights_punctual", "KHR_draco_mesh_compression",
+                                                          "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
+                                                          "EXT_meshopt_compression"};
 
 std::set<std::string> not_supported(const json& root) {
     std::set<std::string> phrases;
@@ -302,7 +301,7 @@ std::set<std::string> not_supported(const json& root) {
         const auto& name = entry.get_ref<const std::string&>();
         if (name == "EXT_meshopt_compression")
             phrases.insert("EXT_meshopt_compression (the uncompressed data is read)");
-        if (!is_named_elsewhere(name) && !concerns_shading_only(name))
+        if (std::ranges::find(named_elsewhere, name) == named_elsewhere.end() && !concerns_shading_only(name))
             phrases.insert("the extension " + in_quotes(name) + " (ignored)");
     }
     return phrases;

@@ -3,6 +3,8 @@
 // part of the core library: only this folder uses tinygltf.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include <gnomon.hpp>
@@ -37,6 +39,11 @@ struct Scene {
     std::vector<std::string> warnings;  ///< each one sentence; --strict turns them into errors
 
     std::size_t triangle_count() const { return triangles.size() / 9; }
+    /// A triangle with a NaN or infinite vertex casts no shadow.
+    bool is_finite(std::size_t triangle) const {
+        const auto first = triangles.begin() + std::ptrdiff_t(9 * triangle);
+        return std::all_of(first, first + 9, [](float c) { return std::isfinite(c); });
+    }
 };
 
 /// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than `memory_bytes` (0: the
