@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One point's explanation as text: the same run as render's with the exact technique, on the same points.
-#include "commands.hpp"
+#include "options.hpp"
 
 #include <algorithm>
 #include <array>

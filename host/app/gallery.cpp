@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The outline of `gnomon gallery`: gallery(), at the end, reads top to bottom.
-#include "commands.hpp"
+#include "options.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The lists of devices and techniques, laid out for a terminal.
-#include "commands.hpp"
+#include "options.hpp"
 
 #include <iomanip>
 #include <sstream>

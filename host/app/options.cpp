@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
-#include "commands.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
@@ -141,10 +140,8 @@ void add_samples(const Group& add, const std::string& meaning, std::uint32_t& sa
 
 void add_technique_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Technique (see: gnomon techniques --verbose)"};
-    const auto set = [&options](std::string key) -> Store {
-        return [&options, key = std::move(key)](const std::string& option, const std::string& text) {
-            options.settings.emplace_back(key, parse_name(option, text));
-        };
+    const auto parse_short_setting = [](const std::string& option, const std::string& text) {
+        return std::pair(option.substr(2), parse_name(option, text));
     };
     add("--technique", "NAME", "How visibility is computed (default frustum-traced)",
         into(options.technique, parse_name));
@@ -157,8 +154,9 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
         "Draw how the technique works instead of the picture: decided (frustum-traced), page (virtual-shadow-map),\n"
         "aliasing, grid, views, depth or warp (shadow-map and its presets)",
         into(options.diagnostic, parse_name));
-    add("--conservative-map", "on|off|auto", "Short for --set conservative-map=...", set("conservative-map"));
-    add("--map-size", "N|auto", "Short for --set map-size=N", set("map-size"));
+    add("--conservative-map", "on|off|auto", "Short for --set conservative-map=...",
+        into(options.settings, parse_short_setting));
+    add("--map-size", "N|auto", "Short for --set map-size=N", into(options.settings, parse_short_setting));
 }
 
 /// `prints_more`: the command prints more texts than its result.

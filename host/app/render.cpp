@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The outline of a run. render(), at the end, reads top to bottom; the functions above are its steps.
-#include "commands.hpp"
+#include "options.hpp"
 
 #include <algorithm>
 #include <bit>

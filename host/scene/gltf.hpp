@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The steps of reading a glTF file, in their order: the container, the JSON and its checks, the document.
+// The steps of reading a glTF file, in their order: the container, the JSON and its checks, the document. Their errors
+// are one sentence that begins with the file and names the wrong part of it.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -10,9 +11,27 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gnomon::scene {
+
+// ---- Messages -------------------------------------------------------------------------------------------------------
+
+/// Throws SceneError "FILE: what".
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what);
+
+/// A text of the file in quotes, fit for one line of a terminal: control characters replaced, cut after 60 bytes.
+std::string in_quotes(std::string_view text);
+
+/// A name of the file inside a path: unchanged if it is a plain word (POSITION), else in quotes.
+std::string word_or_quotes(std::string_view name);
+
+/// "3 triangles", "1 triangle".
+std::string counted(std::size_t count, std::string_view thing);
+
+/// "a, b, c and 4 more": at most `most` entries, so that a scene with a thousand entries still gives one readable line.
+std::string listed(const std::vector<std::string>& entries, std::size_t most = 8);
 
 // ---- The container --------------------------------------------------------------------------------------------------
 // The JSON text, and the range of the binary chunk in a .glb, which is later read directly into its buffer. A file that

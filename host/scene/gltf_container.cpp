@@ -9,8 +9,6 @@
 #include <string_view>
 #include <system_error>
 
-#include "messages.hpp"
-
 namespace gnomon::scene {
 namespace {
 

@@ -16,8 +16,6 @@
 #include <string_view>
 #include <utility>
 
-#include "messages.hpp"
-
 namespace gnomon::scene {
 namespace {
 

@@ -10,8 +10,6 @@
 #include <limits>
 #include <string_view>
 
-#include "messages.hpp"
-
 namespace gnomon::scene {
 namespace {
 

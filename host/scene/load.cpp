@@ -15,7 +15,6 @@
 
 #include "affine.hpp"
 #include "gltf.hpp"
-#include "messages.hpp"
 #include "scene.hpp"
 
 namespace gnomon::scene {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Sentences for people, with names that a stranger's file chose.
-#include "messages.hpp"
+#include "gltf.hpp"
 
 #include "scene.hpp"
 
