@@ -28,6 +28,7 @@ add_custom_target(gnomon_bench_commit
 add_library(gnomon_bench_parts STATIC
   bench/cases.cpp
   bench/charts.cpp
+  bench/contestant.cpp
   bench/experiments.cpp
   bench/machine.cpp
   bench/output.cpp
@@ -38,7 +39,7 @@ add_library(gnomon_bench_parts STATIC
   bench/runner.cpp
   bench/sweep.cpp
   bench/tables.cpp
-  $<IF:$<BOOL:${embree_FOUND}>,bench/embree_peer.cpp,bench/no_peers.cpp>
+  $<IF:$<BOOL:${embree_FOUND}>,bench/embree_peer.cpp;bench/embree_rays.cpp;bench/embree_scene.cpp,bench/no_peers.cpp>
 )
 add_dependencies(gnomon_bench_parts gnomon_bench_commit)
 target_include_directories(gnomon_bench_parts PUBLIC ${CMAKE_CURRENT_LIST_DIR}

@@ -146,7 +146,8 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_LE(row["ms"]["median"].get<double>(), row["ms"]["most"].get<double>());
         rival_rows += row["technique"] == "embree";
         // Rays that start 1e-4 of the scene along their way miss what stands nearer: their points are wrongly lit.
-        if (row["settings"].get<std::string>().ends_with("offset=0.0001")) missed_nearby += e["wrongly_lit"].get<int>();
+        if (row["settings"].get<std::string>().find(" offset=0.0001 ") != std::string::npos)
+            missed_nearby += e["wrongly_lit"].get<int>();
         if (row["technique"] == "shadow-map") {
             ++approximate_rows;
             EXPECT_GT(e["wrong"], 0) << "a shadow map of 2048 texels is not exact";
@@ -166,7 +167,7 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
     EXPECT_EQ(exact_rows, 2);        // animated and static
     EXPECT_EQ(approximate_rows, 2);  // which keeps nothing
     if (embree_version() != "not built in") {
-        EXPECT_EQ(rival_rows, 16);
+        EXPECT_EQ(rival_rows, 17);
         EXPECT_GT(missed_nearby, 0);
     }
 
@@ -186,7 +187,7 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_EQ(text.find(loads), std::string::npos) << loads << ": the page must not load anything";
 }
 
-// Embree is asked about the very points whose mean gnomon gives, and pixel by pixel, or the means would not agree.
+// Embree finds the samples of gnomon's pattern by itself, or the means would not agree.
 TEST_F(BenchTest, EmbreeTracesTheSamplesOfEachPixel) {
     ASSERT_EQ(run("sundial --samples 1 --samples 8 --peers --runs 1 --size 160x91 --json " + path("samples.json")), 0)
         << errors();
@@ -199,14 +200,46 @@ TEST_F(BenchTest, EmbreeTracesTheSamplesOfEachPixel) {
     EXPECT_NE(ours[0]["mask_hash"], ours[1]["mask_hash"]);
     EXPECT_EQ(ours[1]["counts"]["points"], 8 * 160 * 91);
     if (embree_version() == "not built in") return;
-    ASSERT_EQ(rivals.size(), 8u);  // one tree, two kinds of rays
+    ASSERT_EQ(rivals.size(), 3u);  // trees of three qualities
     for (const Json& row : rivals) {
         SCOPED_TRACE(row["settings"].get<std::string>());
         EXPECT_TRUE(row["settings"].get<std::string>().ends_with("samples=8"));
-        // A picture of one sample differs from the mean by about 1e-2.
-        if (row["settings"].get<std::string>().find("offset=0 ") != std::string::npos) {
-            EXPECT_LT(row["errors"]["mean_absolute"].get<double>(), 1e-4);
+        // Embree's samples lie on the triangle that is nearest, gnomon's on the pixel's receiver where their rays meet
+        // it: .0111 at the edges of so small a picture. With the pattern upside down it is .0208.
+        EXPECT_LT(row["errors"]["mean_absolute"].get<double>(), 0.015);
+    }
+}
+
+// Every part of a frame has its time in every mode, and the frame is their sum, run by run.
+TEST_F(BenchTest, FramesAreTheSumOfTheirParts) {
+    ASSERT_EQ(run("sundial --mode animated --mode moving --mode static --peers --runs 2 --size 160x91 --threads 2 "
+                  "--errors --json " +
+                  path("frames.json")),
+              0)
+        << errors();
+    const Json all = json("frames.json");
+    std::map<std::string, int> rows_of_frames;
+    for (const Json& row : all["rows"]) {
+        if (!row.contains("frame_ms")) continue;
+        SCOPED_TRACE(row["technique"].get<std::string>() + " " + row["mode"].get<std::string>());
+        ++rows_of_frames[row["technique"]];
+        const bool is_rebuilt = row["technique"] == "embree" && row["mode"] == "animated";
+        EXPECT_EQ(row["runs"].contains("build"), is_rebuilt);
+        std::vector<double> sums(2);
+        for (const auto& [part, times] : row["runs"].items()) {
+            ASSERT_EQ(times["wall_ms"].size(), 2u) << part;
+            for (std::size_t i = 0; i < 2; ++i) sums[i] += times["wall_ms"][i].get<double>();
         }
+        EXPECT_NEAR(row["frame_ms"]["median"].get<double>(), (sums[0] + sums[1]) / 2, 1e-9);
+        EXPECT_GT(row["shade_ms"]["median"], 0);
+        // Embree's floats see another triangle at some edges, never in many pixels.
+        if (row["technique"] == "embree") {
+            EXPECT_LT(row["counts"]["points_on_other_triangles"].get<int>(), 160 * 91 / 100);
+        }
+    }
+    EXPECT_EQ(rows_of_frames["frustum-traced"], 3);
+    if (embree_version() != "not built in") {
+        EXPECT_EQ(rows_of_frames["embree"], 3);
     }
 }
 

@@ -87,7 +87,8 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
                 for (const std::string& mode : options.modes)
                     for (const std::uint32_t samples : options.samples)
                         block.configurations.push_back({technique, parsed_settings(options.settings), mode, samples});
-        block.take_turns = options.modes.size() > 1 || options.samples.size() > 1;
+        block.take_turns = options.modes.size() > 1 || options.samples.size() > 1 || options.peers;
+        block.frames = !options.sweep;
         if (const auto& p = options.light_position; !p.empty())
             block.light = {"position", gnomon::Light::positional({p[0], p[1], p[2]})};
         block.stages = options.stages;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "output.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -35,6 +36,23 @@ Json errors_json(const measure::VisibilityErrors& errors) {
             {"worst_tile_y", errors.worst_tile_y}};
 }
 
+// Each part of each run. Parts that never ran are left out.
+Json runs_json(const Row& row) {
+    Json json = Json::object();
+    constexpr std::pair<const char*, RunTimes FrameTimes::*> parts[] = {{"build", &FrameTimes::build},
+                                                                        {"camera", &FrameTimes::camera},
+                                                                        {"shadow", &FrameTimes::shadow},
+                                                                        {"shade", &FrameTimes::shade}};
+    for (const auto& [name, part] : parts) {
+        if (std::ranges::all_of(row.runs, [&](const FrameTimes& run) { return (run.*part).wall_ms == 0; })) continue;
+        for (const FrameTimes& run : row.runs) {
+            json[name]["wall_ms"].push_back((run.*part).wall_ms);
+            json[name]["processor_ms"].push_back((run.*part).processor_ms);
+        }
+    }
+    return json;
+}
+
 // Paths into a row's JSON: the columns of the CSV.
 constexpr const char* columns[] = {"experiment",
                                    "scene",
@@ -55,6 +73,8 @@ constexpr const char* columns[] = {"experiment",
                                    "ms/spread",
                                    "ms/runs",
                                    "camera_ms/median",
+                                   "shade_ms/median",
+                                   "frame_ms/median",
                                    "build_ms/median",
                                    "device_memory_bytes",
                                    "errors/points",
@@ -113,10 +133,9 @@ Json to_json(const Row& row) {
     }
     json["mask_hash"] = row.mask_hash;
     json["ms"] = times_json(row.total);
-    for (const RunTimes& run : row.runs) {
-        json["runs"]["wall_ms"].push_back(run.wall_ms);
-        json["runs"]["processor_ms"].push_back(run.processor_ms);
-    }
+    if (row.shade) json["shade_ms"] = times_json(*row.shade);
+    if (row.frame) json["frame_ms"] = times_json(*row.frame);
+    if (!row.runs.empty()) json["runs"] = runs_json(row);
     if (row.build) json["build_ms"] = times_json(*row.build);
     json["device_memory_bytes"] = row.device_memory_bytes;
     if (row.errors) json["errors"] = errors_json(*row.errors);
@@ -154,6 +173,7 @@ void print(const Row& row) {
     }
     std::printf("%9.3f ms (%.3f .. %.3f)", row.total.median_ms, row.total.least_ms, row.total.most_ms);
     if (row.camera) std::printf("  camera %8.3f ms", row.camera->median_ms);
+    if (row.frame) std::printf("  frame %8.3f ms", row.frame->median_ms);
     if (row.build) std::printf("  build %9.3f ms", row.build->median_ms);
     std::printf("  memory %.1f MB", double(row.device_memory_bytes) / 1e6);
     std::printf("  mask %s points %s  %s (%s)", row.mask_hash.c_str(), row.points_hash.c_str(), name.c_str(),

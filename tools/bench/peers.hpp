@@ -1,47 +1,46 @@
 // SPDX-License-Identifier: MIT
-// The rival on a CPU: Embree, when it was there at build time. Same points, same light, same number of threads.
+// The rival on a CPU: Embree, when it was there at build time. Same scene, camera and light, same number of threads.
 //
-// Rays: one per point that exists and faces the light (facing is decided beforehand and costs the rival nothing), in
-// blocks of 4 x 4 pixels, 16 rays at once, coherent. From the shading point as it is, starting `offset` times the
-// scene's diagonal along the ray. Several samples per pixel follow each other, pixel by pixel, so that a packet is one
-// or few pixels' rays; of these, the tree of medium quality alone, and a mask is their mean. Modes: `animated` is build
-// and rays timed together, `static` the rays alone.
+// One sample per pixel:
+//   camera   coherent primary rays of the whole picture; a shading point per ray, pushed off its triangle along the
+//            normal, and whether it faces the light. The number of pixels whose triangle is not gnomon's is counted.
+//   shadow   a ray for each of gnomon's own points that face the light (the search for them costs the rival nothing),
+//            from `offset` times the scene's diagonal along the ray on. So a wrong answer is the ray's alone.
+//   shade    as gnomon shades.
+// Several samples: gnomon's pattern; the camera's rays of 1024 samples, then the shadow rays of those that hit a
+// triangle that faces the light, while they are in the cache. The two share the run's time as they share the threads'.
+// A sample lies on the nearest triangle; gnomon's lies on its pixel's receiver if its ray meets it. So the means differ
+// along silhouettes.
+//
+// How rays are handed over (packets of 8 or 16, streams of 256) is chosen for each tree and part by measuring. The
+// mesh is indexed: its equal vertices are one, which the builder likes. Modes: `animated` builds the tree in each run,
+// `static` has it.
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
-#include <gnomon.hpp>
-#include "row.hpp"
-#include "timing.hpp"
+#include "contestant.hpp"
 
 namespace gnomon::bench {
 
 struct PeerTask {
-    std::span<const float> triangles;
-    const ViewOnHost& host;
-    Float3 eye;
-    Light light;
-    std::uint32_t width = 0, height = 0;
-    std::uint32_t samples = 1;  ///< per pixel: as many pictures in `host`, one behind the other
+    const Place& place;
+    const Seen& seen;
+    std::uint32_t samples = 1;  ///< per pixel
     unsigned threads = 0;       ///< 0: all
-    RunRule rule;
 };
 
-struct PeerResult {
-    std::string name;  ///< "embree"
-    Settings settings;
-    std::string mode;
-    Times total;
-    std::optional<Times> build;
-    std::uint64_t memory_bytes = 0;
-    std::vector<float> mask;
+struct Peer {
+    std::unique_ptr<Contestant> contestant;
+    bool takes_turns = false;  ///< one of the rival's best; the others show what its settings change
 };
 
 /// The version of the Embree that was built in; "not built in" without one.
 std::string embree_version();
 
-/// Calls `take` with each result: build quality x flags x offset. None without Embree.
-void run_peers(const PeerTask& task, const std::function<void(PeerResult&&)>& take);
+/// Build quality x flags x offset. None without Embree.
+std::vector<Peer> make_peers(const PeerTask& task);
 
 }  // namespace gnomon::bench

@@ -28,6 +28,21 @@ std::uint64_t Row::count(std::string_view name) const {
     return 0;
 }
 
+void Row::set_runs(std::vector<FrameTimes> made, bool are_frames) {
+    runs = std::move(made);
+    const auto times = [&](Part part) {
+        std::vector<double> ms;
+        for (const FrameTimes& run : runs) ms.push_back(part_ms(run, part));
+        return times_of(std::move(ms));
+    };
+    total = times(Part::shadow);
+    if (runs.front().build.wall_ms != 0) build = times(Part::build);
+    if (!are_frames) return;
+    camera = times(Part::camera);
+    shade = times(Part::shade);
+    frame = times(Part::frame);
+}
+
 std::string Row::name() const {
     std::string name = technique;
     for (const auto& [key, value] : settings) name.append(" ").append(key).append("=").append(value);

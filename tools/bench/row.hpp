@@ -44,10 +44,13 @@ struct Row {
     bool exact = false;  ///< the technique promises no wrong point
     std::string mode;    ///< animated, moving or static: see the page's notes
     std::string device, driver;
-    Times total;
-    std::vector<RunTimes> runs;   ///< one after the other; the k-th of rows that took turns were made together
-    std::optional<Times> camera;  ///< the camera stage, not part of the total
-    /// Of a ray tracer's tree, part of the total in animated mode alone; of what is kept in the other modes.
+    /// One after the other. The k-th runs of rows that took turns were made together, in one round.
+    std::vector<FrameTimes> runs;
+    Times total;                  ///< of the shadows, with the build where each run builds
+    std::optional<Times> camera;  ///< with the build where each run builds
+    std::optional<Times> shade;
+    std::optional<Times> frame;  ///< camera, shadow and shade: what a user waits for
+    /// Of a ray tracer's tree, part of the other times in animated mode alone; of what is kept in the other modes.
     std::optional<Times> build;
     std::uint64_t device_memory_bytes = 0;
     std::vector<std::pair<std::string, double>> stages;  ///< device time by events, of profiled runs
@@ -62,6 +65,8 @@ struct Row {
     std::string mask_picture, difference_picture;
 
     std::uint64_t count(std::string_view name) const;
+    /// Keeps the runs, and sums them up. Of whole frames: camera, shade and frame too. At least one run.
+    void set_runs(std::vector<FrameTimes> made, bool are_frames);
     /// "frustum-traced map-size=1024"
     std::string name() const;
 };

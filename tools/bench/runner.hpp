@@ -3,17 +3,16 @@
 #pragma once
 
 #include <functional>
+#include <map>
 
 #include "cases.hpp"
+#include "contestant.hpp"
 #include "row.hpp"
 #include "sweep.hpp"
 #include "timing.hpp"
 
 namespace gnomon::bench {
 
-struct Size {
-    std::uint32_t width = 0, height = 0;
-};
 /// "WIDTHxHEIGHT"; throws InvalidArgument.
 Size parse_size(const std::string& text);
 
@@ -40,10 +39,12 @@ struct Block {
     /// Runs of the configurations take turns, so that whatever else the machine does hits all alike. All are in memory
     /// at once.
     bool take_turns = false;
+    bool frames = false;    ///< each run also makes its points and a picture
     bool stages = false;    ///< also profiled runs, for the stage breakdown
     bool errors = false;    ///< against the exact technique's mask
     bool pictures = false;  ///< masks and differences, for the page; with errors
-    bool peers = false;     ///< the rivals too, with as many samples per pixel as a configuration has at most
+    bool peers = false;     ///< the rivals too, with as many samples per pixel as a configuration has at most; with
+                            ///< take_turns, their best take turns with the configurations
     /// At most that many points of the exact technique's mask, evenly spread, are asked of the oracle; with errors.
     std::uint64_t oracle_points = 0;
 };
@@ -63,22 +64,23 @@ public:
     const std::vector<Row>& rows() const { return rows_; }
 
 private:
-    struct Place;
-    struct Seen;
     struct Truth;
-    class Contestant;
+    struct Entry;
 
     Seen look(const Place& place, const Block& block, const Case& c, Size size) const;
     Truth truth_of(const Block& block, const Place& place, const Seen& seen) const;
     static void judge(const Block& block, const Seen& seen, const Truth& truth, std::span<const float> mask, Row& row);
-    std::vector<Row> run_contestants(const Block& block, const Place& place, const Seen& seen,
-                                     const std::optional<Truth>& truth);
+    std::vector<Entry> entries_of(const Block& block, const Place& place, const Seen& seen,
+                                  std::span<const Configuration> configurations, bool has_peers) const;
+    void run_entries(const Block& block, const Seen& seen, const std::optional<Truth>& truth,
+                     std::vector<Entry>& entries);
+    /// `means`: the exact masks of several samples per pixel, which a rival's are measured against.
+    void finish(const Block& block, const Seen& seen, const std::optional<Truth>& truth, Entry& entry,
+                std::map<std::uint32_t, std::vector<float>>& means);
+    /// Reports the rows that waited for their stages.
     void add_stages(const Block& block, const std::string& selector, const NamedScene& scene, const Case& c, Size size,
-                    std::vector<Row>& rows) const;
-    void add_peers(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth);
+                    std::vector<Entry>& entries) const;
     void run_case(const Block& block, const NamedScene& scene, const Case& c, Size size);
-    /// Rows that still wait for their stages are reported here, the others as soon as they are measured.
-    void add(Row row, bool is_reported);
 
     SceneShelf& shelf_;
     RunOptions options_;

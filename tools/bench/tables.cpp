@@ -250,7 +250,7 @@ Table skip_table(const Rows& rows) {
 double ratio_by_turns(const Row& row, const Row& other, double RunTimes::*time) {
     std::vector<double> ratios;
     for (std::size_t i = 0; i < std::min(row.runs.size(), other.runs.size()); ++i)
-        ratios.push_back(row.runs[i].*time / other.runs[i].*time);
+        ratios.push_back(part_ms(row.runs[i], Part::shadow, time) / part_ms(other.runs[i], Part::shadow, time));
     return ratios.empty() ? 0 : times_of(std::move(ratios)).median_ms;
 }
 

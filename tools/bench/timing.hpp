@@ -25,6 +25,34 @@ struct RunTimes {
     double wall_ms = 0, processor_ms = 0;
 };
 
+/// What one run took, part by part: what a user waits for is the sum. Parts that did not run took 0.
+struct FrameTimes {
+    RunTimes build;   ///< a rival's tree, where each run builds it anew
+    RunTimes camera;  ///< from resident triangles to shading points
+    RunTimes shadow;  ///< from resident points to their visibility
+    RunTimes shade;   ///< to a picture on the host
+};
+
+/// What times are compared: each part needs the tree, so it contains the build.
+enum class Part { build, camera, shadow, shade, frame };
+
+/// The frame is the sum of all parts, with one build.
+inline double part_ms(const FrameTimes& times, Part part, double RunTimes::*clock = &RunTimes::wall_ms) {
+    switch (part) {
+        case Part::build:
+            return times.build.*clock;
+        case Part::camera:
+            return times.build.*clock + times.camera.*clock;
+        case Part::shadow:
+            return times.build.*clock + times.shadow.*clock;
+        case Part::shade:
+            return times.shade.*clock;
+        case Part::frame:
+            break;
+    }
+    return times.build.*clock + times.camera.*clock + times.shadow.*clock + times.shade.*clock;
+}
+
 template <typename Work>
 RunTimes time_run(Work&& work) {
     const std::clock_t before = std::clock();

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+#include "contestant.hpp"
+
+#include <cstdio>
+
+namespace gnomon::bench {
+
+namespace {
+
+constexpr int profiled_runs = 5;
+
+bool is_exact(const std::string& technique) {
+    for (const TechniqueDescription& description : techniques())
+        if (description.name == technique) return description.exact;
+    return false;
+}
+
+// Of a device that profiles: the median over the runs.
+std::vector<std::pair<std::string, double>> stage_times(const std::vector<Statistics>& runs) {
+    std::vector<std::pair<std::string, double>> stages;
+    for (std::size_t i = 0; i < runs.back().stages.size(); ++i) {
+        std::vector<double> ms;
+        for (const Statistics& s : runs)
+            if (i < s.stages.size()) ms.push_back(s.stages[i].device_ms);
+        stages.emplace_back(runs.back().stages[i].name, times_of(ms).median_ms);
+    }
+    return stages;
+}
+
+Row row_of(const Configuration& configuration, const Seen& seen) {
+    Row row = seen.row;
+    row.technique = configuration.technique;
+    row.settings = configuration.settings;
+    if (configuration.samples != 1) row.settings.push_back(samples_setting(configuration.samples));
+    row.exact = is_exact(row.technique);
+    row.mode = configuration.mode;
+    return row;
+}
+
+}  // namespace
+
+template <typename Value>
+std::string hash_of(std::span<const Value> values) {
+    std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
+    for (const unsigned char byte :
+         std::span(reinterpret_cast<const unsigned char*>(values.data()), values.size_bytes()))
+        hash = (hash ^ byte) * 1099511628211ull;
+    char text[17];
+    std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+    return text;
+}
+template std::string hash_of(std::span<const float>);
+template std::string hash_of(std::span<const std::uint32_t>);
+
+std::pair<std::string, std::string> samples_setting(std::uint32_t samples) {
+    return {"samples", std::to_string(samples)};
+}
+
+std::unique_ptr<Technique> make(const Configuration& configuration, const Device& device) {
+    auto technique = make_technique(configuration.technique, device);
+    for (const auto& [key, value] : configuration.settings) technique->set(key, value);
+    return technique;
+}
+
+Place::Place(const std::string& selector, const NamedScene& named, bool profile)
+    : device(selector, DeviceOptions{.profile = profile}),
+      scene(named),
+      triangles(Triangles::upload(device, named.scene.triangles)) {}
+
+Times Place::time_camera(const Triangles& seen, const Case& c, Size size) const {
+    std::vector<double> ms;
+    for (int run = 0; run < 3; ++run)
+        ms.push_back(look(device, seen, c.camera, size.width, size.height).statistics.total_wall_ms);
+    return times_of(ms);
+}
+
+// ---- Contestant -----------------------------------------------------------------------------------------------------
+
+void Contestant::warm_up() {
+    guarded([&] {
+        get_ready();
+        // Of a very long run, one must do.
+        if (time_ms([&] { run(); }) > long_run_ms) return;
+        if (time_ms([&] { run(); }) < short_run_ms) run();
+    });
+}
+
+void Contestant::run_timed() {
+    guarded([&] { runs_.push_back(run()); });
+}
+
+Contestant::Result Contestant::finish() {
+    Result result{row_, {}};
+    guarded([&] {
+        result.mask = describe(result.row);
+        result.row.mask_hash = hash_of(std::span<const float>(result.mask));
+        result.row.set_runs(std::move(runs_), has_frames_);
+    });
+    result.row.failed = failed_;
+    free_memory();
+    return result;
+}
+
+// ---- gnomon ---------------------------------------------------------------------------------------------------------
+
+OwnContestant::OwnContestant(Configuration configuration, const Place& place, const Seen& seen, bool has_frames)
+    : Contestant(row_of(configuration, seen), has_frames),
+      configuration_(std::move(configuration)),
+      place_(place),
+      seen_(seen),
+      triangles_(place.triangles) {}
+
+void OwnContestant::get_ready() {
+    technique_ = make(configuration_, place_.device);
+    if (configuration_.mode != "animated") keep();
+}
+
+// A still scene keeps its clusters for the camera, and the prepared light. Thrice, since the first time compiles
+// kernels and makes lists grow; of a very long one once must do.
+void OwnContestant::keep() {
+    const bool is_still = configuration_.mode == "static";
+    for (int i = 0; i < 3 && (i == 0 || keep_ms_.back() < long_run_ms); ++i)
+        keep_ms_.push_back(time_ms([&] {
+            if (!is_still || has_frames()) triangles_.keep_clusters(place_.device);
+            if (is_still) technique_->prepare(triangles_, seen_.c.light);
+            clFinish(place_.device.queue());
+        }));
+}
+
+Statistics OwnContestant::run_shadows(const View& view) {
+    Statistics statistics = configuration_.samples == 1
+                                ? technique_->run(triangles_, view.points, seen_.c.light, seen_.visibility)
+                                : run_samples(*technique_, place_.device, triangles_, view, seen_.c.light,
+                                              configuration_.samples, seen_.visibility);
+    clFinish(place_.device.queue());
+    return statistics;
+}
+
+FrameTimes OwnContestant::run() {
+    FrameTimes times;
+    if (!has_frames()) {
+        times.shadow = time_run([&] { run_shadows(seen_.view); });
+        return times;
+    }
+    times.camera = time_run([&] {
+        view_ = look(place_.device, triangles_, seen_.c.camera, seen_.row.width, seen_.row.height);
+        clFinish(place_.device.queue());
+    });
+    times.shadow = time_run([&] { run_shadows(*view_); });
+    times.shade = time_run([&] {
+        shade(place_.device, triangles_, *view_, seen_.visibility, place_.scene.scene.materials, seen_.c.light);
+    });
+    return times;
+}
+
+void OwnContestant::require_same_points(const View& view) const {
+    const ViewOnHost host = read(place_.device, triangles_, view);
+    if (hash_of(std::span<const float>(host.position)) != seen_.row.points_hash || host.receiver != seen_.host.receiver)
+        throw Error("the camera made other points than before");
+}
+
+std::vector<float> OwnContestant::describe(Row& row) {
+    const Statistics statistics = run_shadows(view_ ? *view_ : seen_.view);
+    if (view_) require_same_points(*view_);
+    if (!keep_ms_.empty()) row.build = times_of(keep_ms_);
+    row.device_memory_bytes = statistics.device_memory_bytes;
+    row.counts = statistics.counts;
+    for (const StageStatistics& stage : statistics.stages)
+        if (!stage.skipped.empty()) row.skipped.emplace_back(stage.name, stage.skipped);
+    if (triangles_.clusters() != nullptr && !has_frames())
+        row.camera = place_.time_camera(triangles_, seen_.c, {row.width, row.height});
+    return seen_.visibility.read();
+}
+
+void OwnContestant::free_memory() {
+    technique_.reset();
+    view_.reset();
+}
+
+std::vector<std::pair<std::string, double>> OwnContestant::profile() {
+    std::vector<Statistics> runs;
+    warm_up();
+    for (int i = 0; i < profiled_runs; ++i) guarded([&] { runs.push_back(run_shadows(seen_.view)); });
+    free_memory();
+    return failed().empty() ? stage_times(runs) : std::vector<std::pair<std::string, double>>{};
+}
+
+}  // namespace gnomon::bench
