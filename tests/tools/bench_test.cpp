@@ -179,7 +179,7 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
     EXPECT_EQ(html.get<std::string>("html.head.title"), "gnomon: benchmark");
     std::map<std::string, int> elements;
     count_elements(html, elements);
-    EXPECT_EQ(elements["svg"], 2);  // errors, stages
+    EXPECT_EQ(elements["svg"], 3);  // errors, frames, stages
     EXPECT_EQ(elements["script"], 0);
     EXPECT_EQ(elements["circle"], int(all["rows"].size()));
     const std::string text = text_in(path("all.html"));
@@ -542,6 +542,47 @@ TEST(BenchParts, MemoryAndSkipsAreSharesOfPointsAndTriangles) {
     EXPECT_EQ(lines.at(1).at(3), "2.50 %");
     EXPECT_EQ(lines[1].at(4), "100 %");
     EXPECT_EQ(lines[1].back(), "trace: no point");
+}
+
+// gnomon is compared with the fastest of the rival's trees, in each round, and a tree built in each run counts.
+TEST(BenchParts, RivalsAreComparedRoundByRound) {
+    const auto row_of = [](const char* technique, const char* build, const char* mode,
+                           const std::vector<std::array<double, 4>>& runs) {
+        Row row;
+        row.experiment = "rivals";
+        row.technique = technique;
+        row.mode = mode;
+        row.exact = row.technique != "embree";
+        if (!row.exact) row.settings = {{"build", build}};
+        std::vector<FrameTimes> times;
+        for (const auto& [built, camera, shadow, shade] : runs)
+            times.push_back({{built, 2 * built}, {camera, camera}, {shadow, shadow}, {shade, shade}});
+        row.set_runs(std::move(times), true);
+        return row;
+    };
+    // The machine is twice as slow in the second round.
+    const std::vector<Row> rows{row_of("frustum-traced", "", "animated", {{0, 6, 3, 1}, {0, 12, 6, 2}, {0, 6, 3, 1}}),
+                                row_of("frustum-traced", "", "static", {{0, 4, 1, 1}, {0, 8, 2, 2}, {0, 4, 1, 1}}),
+                                row_of("embree", "low", "animated", {{2, 6, 4, 2}, {4, 12, 8, 4}, {2, 6, 4, 2}}),
+                                row_of("embree", "medium", "static", {{0, 5, 4, 2}, {0, 10, 8, 4}, {0, 5, 4, 2}}),
+                                row_of("embree", "high", "static", {{0, 8, 2, 2}, {0, 16, 4, 4}, {0, 8, 2, 2}})};
+    EXPECT_EQ(rows[2].build->median_ms, 2);
+    EXPECT_EQ(rows[2].camera->median_ms, 8) << "with the build";
+    EXPECT_EQ(rows[2].total.median_ms, 6) << "with the build";
+    EXPECT_EQ(rows[2].frame->median_ms, 14) << "with one build";
+    EXPECT_FALSE(rows[3].build.has_value());
+
+    const std::vector<Table> tables = tables_of(rows, "rivals");
+    ASSERT_EQ(tables.at(0).lines.size(), 2u);
+    EXPECT_EQ(
+        std::vector(tables[0].lines[0].begin() + 1, tables[0].lines[0].end()),
+        (std::vector<std::string>{"animated", "6.00", "8.00", "0.750 ± 0", "0.600 ± 0", "3.00", "6.00", "0.500 ± 0",
+                                  "0.375 ± 0", "10.0", "14.0", "0.714 ± 0", "0.625 ± 0", "low, low, low"}));
+    EXPECT_EQ(
+        std::vector(tables[0].lines[1].begin() + 1, tables[0].lines[1].end()),
+        (std::vector<std::string>{"static", "4.00", "5.00", "0.800 ± 0", "0.800 ± 0", "1.00", "2.00", "0.500 ± 0",
+                                  "0.500 ± 0", "6.00", "11.0", "0.545 ± 0", "0.545 ± 0", "medium, high, medium"}));
+    EXPECT_EQ(tables.at(1).lines.size(), 3u) << "a line for each of the rival's settings";
 }
 
 TEST(BenchParts, BiasTableTellsAcneFromPeterPanning) {

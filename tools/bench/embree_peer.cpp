@@ -397,7 +397,7 @@ std::vector<Peer> make_peers(const PeerTask& task) {
     add(low, 0, true, true);
     add(medium, 0, false, true);
     add(high, 0, false, true);
-    if (task.samples != 1) return peers;
+    if (task.samples != 1 || !task.has_errors) return peers;
     for (const Build& build : {low, low_robust, medium, medium_robust, high}) {
         if (build == low_robust) add(build, 0, true, false);
         for (const double offset : offsets)

@@ -124,10 +124,12 @@ std::vector<Block> rivals(const SceneShelf& shelf, const Limits& limits) {
     std::ranges::copy(large_views(limits), std::back_inserter(views));
     std::vector<Block> blocks;
     for (const SceneView& view : views) {
-        Configuration still = truth_configuration();
-        still.mode = "static";
-        blocks.push_back(block_of("rivals", view, within(limits, {full_hd, uhd}), {truth_configuration(), still}));
-        blocks.back().stages = blocks.back().errors = blocks.back().peers = true;
+        std::vector<Configuration> modes(3, truth_configuration());
+        modes[1].mode = "moving";
+        modes[2].mode = "static";
+        blocks.push_back(block_of("rivals", view, within(limits, {full_hd, uhd}), std::move(modes)));
+        Block& block = blocks.back();
+        block.stages = block.errors = block.peers = block.take_turns = block.frames = true;
     }
     return blocks;
 }
@@ -296,7 +298,7 @@ std::vector<Block> samples(const SceneShelf& shelf, const Limits& limits) {
             block.configurations.push_back(truth_configuration());
             block.configurations.back().samples = count;
         }
-        block.take_turns = block.peers = true;
+        block.take_turns = block.peers = block.frames = true;
         blocks.push_back(std::move(block));
     }
     return blocks;
@@ -320,11 +322,12 @@ const std::vector<Experiment>& experiments() {
         {"bias", "Bias: acne against peter-panning",
          "The same map of 2048 x 2048 with constant, slope-scaled, adaptive and dual-layer bias of several strengths.",
          bias},
-        {"rivals", "Stages, and rivals on the same points",
-         "gnomon's exact technique: animated rebuilds everything in each run, static has the light prepared (the time "
-         "of "
-         "prepare() stands apart). Embree, on the same points, light and number of threads: animated is its build and "
-         "its rays together, static its rays alone from a finished tree.",
+        {"rivals", "Rivals, frame by frame, and stages",
+         "gnomon's exact technique: animated rebuilds everything in each run, moving keeps the clusters of the mesh, "
+         "static has the light prepared too. Embree, with the same camera, light and number of threads: animated "
+         "builds "
+         "its tree in each run, static has it. All take turns, frame by frame: camera, shadow, shade. Embree's shadow "
+         "rays start at gnomon's points, so its wrong points are its rays' alone.",
          rivals},
         {"growth_in_triangles", "Time against triangles",
          "The same kind of scene made larger and larger, at its own view over the whole, 1920x1080.",
@@ -357,7 +360,8 @@ const std::vector<Experiment>& experiments() {
          clusters},
         {"samples", "Several samples per pixel",
          "Every sample is a point with its own exact answer, and a pixel gets their mean. The time of several holds "
-         "finding them, which is the camera's part of one. Embree traces the same points, found for it beforehand.",
+         "finding them. Embree traces a camera ray and a shadow ray for each sample of the same pattern. All take "
+         "turns.",
          samples},
     };
     return all;

@@ -103,6 +103,32 @@ std::string stage_chart(const std::vector<Comparison>& views) {
     return all.empty() ? std::string() : names.legend() + bars(all);
 }
 
+// The parts of each frame, by their medians.
+std::string frame_chart(const std::vector<Comparison>& views) {
+    constexpr std::pair<const char*, RunTimes FrameTimes::*> parts[] = {{"build", &FrameTimes::build},
+                                                                        {"camera", &FrameTimes::camera},
+                                                                        {"shadow", &FrameTimes::shadow},
+                                                                        {"shade", &FrameTimes::shade}};
+    Names names;
+    std::vector<Bar> all;
+    for (const Comparison& view : views)
+        for (const Row* row : view.rows) {
+            if (!row->frame) continue;
+            Bar bar{view_of(*row), name_of(*row), {}, {}};
+            for (const auto& [name, part] : parts) {
+                const std::size_t series = names(name);
+                std::vector<double> ms;
+                for (const FrameTimes& run : row->runs) ms.push_back((run.*part).wall_ms);
+                const double median_ms = times_of(std::move(ms)).median_ms;
+                if (median_ms == 0) continue;
+                bar.parts.emplace_back(series, median_ms);
+                bar.part_names.push_back(name);
+            }
+            all.push_back(std::move(bar));
+        }
+    return all.empty() ? std::string() : names.legend() + bars(all);
+}
+
 std::string growth_chart(std::span<const Row> rows, const std::string& experiment) {
     const bool in_points = experiment == "growth_in_points";
     Names names;
@@ -125,7 +151,7 @@ std::string charts_of(std::span<const Row> rows, const std::string& experiment) 
     std::string html;
     if (experiment.starts_with("growth")) return growth_chart(rows, experiment);
     for (const Comparison& view : views) html += error_chart(view) + gallery(view);
-    return html + stage_chart(views);
+    return html + frame_chart(views) + stage_chart(views);
 }
 
 std::string section(std::span<const Row> rows, const std::string& name, const std::string& title,
@@ -158,7 +184,8 @@ std::string page(const Json& machine, std::span<const Row> rows) {
         (machine["threads"] == 0 ? std::string("all") : machine["threads"].dump()) + " threads · gnomon " +
         text("gnomon") + " (" + text("commit") + ")</p>\n" +
         "<p>Times are medians of wall-clock runs after warm-up, from resident triangles and points to the resident "
-        "mask. A wrong point is one whose visibility is on the other side of one half. Modes: animated keeps nothing "
+        "mask; of frames, from resident triangles to a picture. A wrong point is one whose visibility is on the other "
+        "side of one half. Modes: animated keeps nothing "
         "but the raw triangles between runs; moving keeps clusters of triangles; static keeps all that depends on "
         "scene and light.</p>\n" +
         machine_table(machine);

@@ -30,6 +30,7 @@ struct PeerTask {
     const Seen& seen;
     std::uint32_t samples = 1;  ///< per pixel
     unsigned threads = 0;       ///< 0: all
+    bool has_errors = false;    ///< also the settings that change errors, not only the best
 };
 
 struct Peer {
@@ -40,7 +41,7 @@ struct Peer {
 /// The version of the Embree that was built in; "not built in" without one.
 std::string embree_version();
 
-/// Build quality x flags x offset. None without Embree.
+/// The best of each build quality; with errors, build quality x flags x offset. None without Embree.
 std::vector<Peer> make_peers(const PeerTask& task);
 
 }  // namespace gnomon::bench

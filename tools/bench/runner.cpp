@@ -158,7 +158,7 @@ std::vector<Runner::Entry> Runner::entries_of(const Block& block, const Place& p
                            {}});
     }
     if (!has_peers) return entries;
-    for (Peer& peer : make_peers({place, seen, samples, options_.threads}))
+    for (Peer& peer : make_peers({place, seen, samples, options_.threads, block.errors}))
         entries.push_back({std::move(peer.contestant), block.take_turns && peer.takes_turns, nullptr, {}});
     return entries;
 }

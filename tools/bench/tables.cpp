@@ -137,40 +137,84 @@ const Row* row_with(const Comparison& view, const std::string& technique, const 
     return nullptr;
 }
 
+// Of one row's time over another's, in each round: median and spread. No runs if the two did not take turns.
+Times ratio_by_turns(const Row& row, const Row& other, Part part, double RunTimes::*clock = &RunTimes::wall_ms) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < std::min(row.runs.size(), other.runs.size()); ++i)
+        ratios.push_back(part_ms(row.runs[i], part, clock) / part_ms(other.runs[i], part, clock));
+    return ratios.empty() ? Times{} : times_of(std::move(ratios));
+}
+
+double median_of(const Row& row, Part part) {
+    std::vector<double> ms;
+    for (const FrameTimes& run : row.runs) ms.push_back(part_ms(run, part));
+    return times_of(std::move(ms)).median_ms;
+}
+
+// The rival's row of that mode with the fastest tree for a part of a frame.
+const Row* best_rival(const Comparison& view, const char* mode, Part part) {
+    const Row* best = nullptr;
+    for (const Row* row : view.rows)
+        if (row->technique == "embree" && row->failed.empty() && row->mode == mode && row->frame &&
+            (best == nullptr || median_of(*row, part) < median_of(*best, part)))
+            best = row;
+    return best;
+}
+
+std::string ratio_text(const Row& row, const Row& rival, Part part, double RunTimes::*clock = &RunTimes::wall_ms) {
+    return times_text(ratio_by_turns(row, rival, part, clock));
+}
+
+// One line for each view and mode. Without rivals it has none.
 Table rival_table(const std::vector<Comparison>& views) {
     Table table{
         "gnomon beside Embree",
-        "Milliseconds, medians. Animated: everything is rebuilt in each run. Static: gnomon's light is prepared, "
-        "Embree's tree built. Ratio: gnomon's time divided by the rival's; below 1 gnomon is ahead.",
-        {"view", "gnomon, animated", "Embree low build + rays", "ratio", "the build alone", "gnomon, static",
-         "prepare()", "Embree rays, low build", "ratio", "Embree rays, medium build", "Embree's wrong points, offset 0",
-         "1e-6", "1e-4", "1e-4, robust"},
+        "Milliseconds, medians. A frame is camera, shadow and shade. Ratios: gnomon's time over Embree's in each "
+        "round, "
+        "median and half the quartile distance; below 1 gnomon is ahead. Animated: Embree's tree of low quality is "
+        "built in each run, and its build counts in each column. Moving and static: the build does not count, and the "
+        "tree is the fastest of its qualities for the part. By processor time: of all threads, which other programs on "
+        "the machine change least.",
+        {"view", "mode", "camera", "Embree", "ratio", "by processor time", "shadow", "Embree", "ratio",
+         "by processor time", "frame", "Embree", "ratio", "by processor time", "Embree's trees"},
         {}};
-    for (const Comparison& view : views) {
-        const Row* ours = nullptr;
-        for (const Row* row : view.rows)
-            if (row->failed.empty() && row->exact && row->mode == "animated") ours = row;
-        if (ours == nullptr) continue;
-        std::vector<std::string> line{view.title, three_digits(ours->total.median_ms)};
-        const Row* both = row_with(view, "embree", "build=low rays=fast", "animated");
-        line.push_back(both ? three_digits(both->total.median_ms) : "");
-        line.push_back(both ? three_digits(ours->total.median_ms / both->total.median_ms) : "");
-        line.push_back(both && both->build ? three_digits(both->build->median_ms) : "");
-        const Row* still = row_with(view, ours->technique, "", "static");
-        const Row* low = row_with(view, "embree", "build=low rays=fast offset=0", "static");
-        const Row* medium = row_with(view, "embree", "build=medium rays=fast offset=0", "static");
-        line.push_back(still ? three_digits(still->total.median_ms) : "");
-        line.push_back(still && still->build ? three_digits(still->build->median_ms) : "");
-        line.push_back(low ? three_digits(low->total.median_ms) : "");
-        line.push_back(still && low ? three_digits(still->total.median_ms / low->total.median_ms) : "");
-        line.push_back(medium ? three_digits(medium->total.median_ms) : "");
-        for (const char* settings : {"build=low rays=fast offset=0", "build=low rays=fast offset=1e-06",
-                                     "build=low rays=fast offset=0.0001", "build=low rays=robust offset=0.0001"}) {
-            const Row* rays = row_with(view, "embree", settings, "static");
-            line.push_back(rays && rays->errors ? with_spaces(double(rays->errors->wrong())) : "");
+    for (const Comparison& view : views)
+        for (const Row* ours : view.rows) {
+            if (!ours->failed.empty() || !ours->exact || !ours->frame || text_of(ours->settings).starts_with("samples"))
+                continue;
+            std::vector<std::string> line{view.title, ours->mode};
+            std::string trees;
+            for (const Part part : {Part::camera, Part::shadow, Part::frame}) {
+                const Row* rival = best_rival(view, ours->mode == "animated" ? "animated" : "static", part);
+                if (rival == nullptr) break;
+                for (const std::string& cell :
+                     {three_digits(median_of(*ours, part)), three_digits(median_of(*rival, part)),
+                      ratio_text(*ours, *rival, part), ratio_text(*ours, *rival, part, &RunTimes::processor_ms)})
+                    line.push_back(cell);
+                trees.append(trees.empty() ? "" : ", ").append(rival->settings.front().second);
+            }
+            line.push_back(trees);
+            if (!trees.empty()) table.lines.push_back(std::move(line));
         }
-        table.lines.push_back(std::move(line));
-    }
+    return table;
+}
+
+// Each tree's times, and how many points each of the rival's settings gets wrong.
+Table rival_settings_table(const std::vector<Comparison>& views) {
+    Table table{"Embree's settings",
+                "Rays of gnomon's own points. Wrong: against the exact mask. Other triangles: pixels whose primary ray "
+                "meets another triangle than gnomon's camera.",
+                {"view", "settings", "mode", "build", "camera", "shadow", "wrong points", "other triangles"},
+                {}};
+    for (const Comparison& view : views)
+        for (const Row* row : view.rows) {
+            if (row->technique != "embree" || !row->failed.empty()) continue;
+            table.lines.push_back(
+                {view.title, text_of(row->settings), row->mode, row->build ? times_text(*row->build) : "",
+                 row->camera ? times_text(*row->camera) : "", times_text(row->total),
+                 row->errors ? with_spaces(double(row->errors->wrong())) : "",
+                 row->counts.empty() ? "" : with_spaces(double(row->count("points_on_other_triangles")))});
+        }
     return table;
 }
 
@@ -246,14 +290,6 @@ Table skip_table(const Rows& rows) {
     return table;
 }
 
-// The median, over the turns, of one row's time over another's.
-double ratio_by_turns(const Row& row, const Row& other, double RunTimes::*time) {
-    std::vector<double> ratios;
-    for (std::size_t i = 0; i < std::min(row.runs.size(), other.runs.size()); ++i)
-        ratios.push_back(part_ms(row.runs[i], Part::shadow, time) / part_ms(other.runs[i], Part::shadow, time));
-    return ratios.empty() ? 0 : times_of(std::move(ratios)).median_ms;
-}
-
 Table map_table(const std::vector<Comparison>& views) {
     Table table{
         "",
@@ -274,9 +310,10 @@ Table map_table(const std::vector<Comparison>& views) {
                                       times_text(automatic->total)};
         std::vector<std::string> over;
         for (const auto time : {&RunTimes::wall_ms, &RunTimes::processor_ms}) {
-            const double on_over_off = ratio_by_turns(*on, *off, time);
+            const double on_over_off = ratio_by_turns(*on, *off, Part::shadow, time).median_ms;
             line.push_back(three_digits(on_over_off));
-            over.push_back(three_digits(ratio_by_turns(*automatic, on_over_off <= 1 ? *on : *off, time)));
+            over.push_back(
+                three_digits(ratio_by_turns(*automatic, on_over_off <= 1 ? *on : *off, Part::shadow, time).median_ms));
         }
         std::ranges::move(over, std::back_inserter(line));
         line.push_back(same ? "the same" : "DIFFER");
@@ -314,35 +351,34 @@ Table cluster_table(const std::vector<Comparison>& views) {
 Table samples_table(const std::vector<Comparison>& views) {
     Table table{
         "",
-        "Milliseconds, medians; the numbers of samples take turns. The camera's time is that of one sample; several "
-        "are "
-        "found within theirs. Embree: the rays alone, of the same 32 points per pixel, from a finished tree of medium "
-        "quality; its error is the mean absolute one against gnomon's.",
-        {"view", "camera", "1 sample", "4", "32", "32 over 1", "32 over 1, both with the camera", "Embree, 32",
-         "gnomon over Embree", "Embree's error, offset 0", "1e-6", "1e-4", "1e-4, robust"},
+        "Milliseconds, medians; all take turns, and ratios are medians of the rounds. Several samples: their time "
+        "holds "
+        "finding their receivers. A frame is camera, samples and shade. Embree: 32 camera rays and as many shadow rays "
+        "per pixel, of its fastest tree; its error is the mean absolute one against gnomon's.",
+        {"view", "camera", "1 sample", "4", "32", "32 over 1", "frame, 1", "frame, 32", "32 over 1",
+         "Embree's 32 camera rays", "shadow rays", "gnomon's 32 over its shadow rays", "frame over its frame",
+         "by processor time", "Embree's error"},
         {}};
     for (const Comparison& view : views) {
         const Row *one = row_with(view, "frustum-traced", "", "animated"),
                   *four = row_with(view, "frustum-traced", "samples=4", "animated"),
                   *many = row_with(view, "frustum-traced", "samples=32", "animated");
-        if (!one || !four || !many || !one->camera) continue;
-        const double camera_ms = one->camera->median_ms, one_ms = one->total.median_ms, many_ms = many->total.median_ms;
-        const Row* rays = row_with(view, "embree", "build=medium rays=fast offset=0 ", "static");
+        if (!one || !four || !many || !one->frame || !many->frame) continue;
         std::vector<std::string> line{view.title,
-                                      three_digits(camera_ms),
+                                      times_text(*one->camera),
                                       times_text(one->total),
                                       times_text(four->total),
                                       times_text(many->total),
-                                      three_digits(many_ms / one_ms),
-                                      three_digits((camera_ms + many_ms) / (camera_ms + one_ms)),
-                                      rays ? three_digits(rays->total.median_ms) : "",
-                                      rays ? three_digits(many_ms / rays->total.median_ms) : ""};
-        for (const char* settings :
-             {"build=medium rays=fast offset=0 ", "build=medium rays=fast offset=1e-06",
-              "build=medium rays=fast offset=0.0001", "build=medium rays=robust offset=0.0001"}) {
-            const Row* other = row_with(view, "embree", settings, "static");
-            line.push_back(other && other->errors ? three_digits(other->errors->mean_absolute) : "");
-        }
+                                      ratio_text(*many, *one, Part::shadow),
+                                      times_text(*one->frame),
+                                      times_text(*many->frame),
+                                      ratio_text(*many, *one, Part::frame)};
+        if (const Row* rays = best_rival(view, "static", Part::frame))
+            for (const std::string& cell :
+                 {times_text(*rays->camera), times_text(rays->total), ratio_text(*many, *rays, Part::shadow),
+                  ratio_text(*many, *rays, Part::frame), ratio_text(*many, *rays, Part::frame, &RunTimes::processor_ms),
+                  rays->errors ? three_digits(rays->errors->mean_absolute) : std::string()})
+                line.push_back(cell);
         table.lines.push_back(std::move(line));
     }
     return table;
@@ -449,12 +485,13 @@ std::vector<Table> tables_of(std::span<const Row> rows, const std::string& exper
     if (ours.empty()) return tables;
     if (experiment == "errors" || experiment == "times") {
         for (const Comparison& view : views) tables.push_back(error_table(view));
+        if (Table table = rival_table(views); !table.lines.empty()) tables.push_back(std::move(table));
     } else if (experiment == "techniques") {
         tables = {technique_table(views)};
     } else if (experiment == "bias") {
         for (const Comparison& view : views) tables.push_back(bias_table(view));
     } else if (experiment == "rivals") {
-        tables = {rival_table(views), stage_table(ours)};
+        tables = {rival_table(views), rival_settings_table(views), stage_table(ours)};
     } else if (experiment.starts_with("growth")) {
         tables = {growth_table(ours, experiment == "growth_in_points")};
     } else if (experiment == "memory") {
