@@ -187,8 +187,17 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_EQ(text.find(loads), std::string::npos) << loads << ": the page must not load anything";
 }
 
-// Embree finds the samples of gnomon's pattern by itself, or the means would not agree.
-TEST_F(BenchTest, EmbreeTracesTheSamplesOfEachPixel) {
+// The oracle decides each sample's point by itself; Embree finds the samples of gnomon's pattern by itself, or the
+// means would not agree.
+TEST_F(BenchTest, SamplesAgreeWithTheOracleAndWithEmbree) {
+    ASSERT_EQ(run("sundial --samples 1 --samples 8 --samples 32 --oracle 2000 --runs 1 --size 80x45 --json " +
+                  path("oracle.json")),
+              0)
+        << errors();
+    for (const Json& row : json("oracle.json")["rows"]) {
+        EXPECT_GT(row["oracle"]["points"].get<int>(), 500) << row["settings"];
+        EXPECT_EQ(row["oracle"]["wrong"], 0) << row["settings"];
+    }
     ASSERT_EQ(run("sundial --samples 1 --samples 8 --peers --runs 1 --size 160x91 --json " + path("samples.json")), 0)
         << errors();
     const Json all = json("samples.json");

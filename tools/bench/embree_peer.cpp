@@ -110,15 +110,17 @@ Shared::Shared(const PeerTask& task)
       hits(samples == 1 ? camera.tiles() * tile_rays : pixels),
       srgb(srgb_table()) {
     if (samples != 1) return;
-    for (std::size_t tile = 0; tile < camera.tiles(); ++tile)
+    for (std::size_t tile = 0; tile < camera.tiles(); ++tile) {
+        const auto pixel_of = camera.pixels_of(tile);
         for (std::size_t ray = 0; ray < tile_rays; ++ray) {
-            const std::size_t pixel = camera.pixel_of(tile, ray);
+            const std::size_t pixel = pixel_of(ray);
             if (pixel == CameraRays::no_pixel) continue;
             const std::uint32_t receiver = seen.host.receiver[pixel];
             if (receiver == no_receiver || !faces_light(seen, place.scene.scene.triangles, receiver)) continue;
             const float* p = &seen.host.position[3 * pixel];
             points.append(p[0], p[1], p[2], pixel);
         }
+    }
     points.fill_up();
 }
 
@@ -232,8 +234,9 @@ void EmbreeContestant::trace_samples_of(std::size_t tile, std::array<std::atomic
     }
     points.fill_up();
     shadow_rays_.trace(shadow_shape_, tree_->get(), points, 0, points.count(), lit.data());
+    const auto pixel_of = shared_->camera.pixels_of(tile);
     for (std::size_t first = 0; first < tile_rays; first += shared_->samples) {
-        const std::size_t pixel = shared_->camera.pixel_of(tile, first);
+        const std::size_t pixel = pixel_of(first);
         if (pixel == CameraRays::no_pixel) continue;
         unsigned sum = 0;
         for (std::size_t ray = first; ray < first + shared_->samples; ++ray) sum += lit[ray];
@@ -277,10 +280,11 @@ EmbreeContestant::Surface EmbreeContestant::surface_of(std::uint32_t triangle) c
 void EmbreeContestant::shade_tile(std::size_t tile) {
     const Hits& hits = shared_->hits;
     const auto& light = shadow_rays_.light;
+    const auto pixel_of = shared_->camera.pixels_of(tile);
     const bool is_one = shared_->samples == 1;
     Surface surface{no_receiver, {}, 0, {}};
     for (std::size_t ray = 0; ray < tile_rays; ray += shared_->samples) {
-        const std::size_t pixel = shared_->camera.pixel_of(tile, ray);
+        const std::size_t pixel = pixel_of(ray);
         if (pixel == CameraRays::no_pixel) continue;
         const std::size_t hit = is_one ? tile * tile_rays + ray : pixel;
         const std::uint32_t triangle = hits.triangle[hit];
@@ -288,12 +292,14 @@ void EmbreeContestant::shade_tile(std::size_t tile) {
         if (triangle != no_receiver) {
             if (triangle != surface.triangle) surface = surface_of(triangle);
             const auto& [_, n, ambient, base] = surface;
-            const float x = light[0] - light[3] * hits.x[hit], y = light[1] - light[3] * hits.y[hit],
-                        z = light[2] - light[3] * hits.z[hit];
-            const float cosine = (n[0] * x + n[1] * y + n[2] * z) / std::sqrt(x * x + y * y + z * z);
-            const float visibility = is_one ? float(lit_[pixel]) : mean_[pixel];
-            for (std::size_t c = 0; c < 3; ++c)
-                color[c] = base[c] * (ambient + 0.75f * visibility * std::max(cosine, 0.0f));
+            float sum = ambient;
+            if (const float visibility = is_one ? float(lit_[pixel]) : mean_[pixel];
+                visibility != 0 && hits.faces_light[hit] != 0) {
+                const float x = light[0] - light[3] * hits.x[hit], y = light[1] - light[3] * hits.y[hit],
+                            z = light[2] - light[3] * hits.z[hit];
+                sum += 0.75f * visibility * (n[0] * x + n[1] * y + n[2] * z) / std::sqrt(x * x + y * y + z * z);
+            }
+            for (std::size_t c = 0; c < 3; ++c) color[c] = base[c] * sum;
         }
         for (std::size_t c = 0; c < 3; ++c)
             picture_[4 * pixel + c] =
@@ -354,10 +360,12 @@ FrameTimes EmbreeContestant::run() {
 // Pixels whose triangle is another one than gnomon's.
 std::uint64_t EmbreeContestant::other_triangles() const {
     std::uint64_t count = 0;
-    for (std::size_t tile = 0; tile < shared_->camera.tiles(); ++tile)
+    for (std::size_t tile = 0; tile < shared_->camera.tiles(); ++tile) {
+        const auto pixel_of = shared_->camera.pixels_of(tile);
         for (std::size_t ray = 0; ray < tile_rays; ++ray)
-            if (const std::size_t pixel = shared_->camera.pixel_of(tile, ray); pixel != CameraRays::no_pixel)
+            if (const std::size_t pixel = pixel_of(ray); pixel != CameraRays::no_pixel)
                 count += shared_->hits.triangle[tile * tile_rays + ray] != shared_->seen.host.receiver[pixel];
+    }
     return count;
 }
 

@@ -195,12 +195,6 @@ CameraRays::CameraRays(const Camera& camera, std::uint32_t width, std::uint32_t 
     }
 }
 
-std::size_t CameraRays::pixel_of(std::size_t tile, std::size_t ray) const {
-    const std::size_t x = tile % tiles_per_row_ * tile_width_ + column_[ray];
-    const std::size_t y = tile / tiles_per_row_ * tile_height_ + row_[ray];
-    return x < width_ && y < height_ ? y * width_ + x : no_pixel;
-}
-
 Float3 CameraRays::corner_of(std::size_t tile) const {
     const auto x = float(tile % tiles_per_row_ * tile_width_), y = float(tile / tiles_per_row_ * tile_height_);
     Float3 corner;

@@ -66,9 +66,15 @@ public:
                const Light& light, float lift);
 
     std::size_t tiles() const { return tiles_per_row_ * tiles_per_column_; }
-    /// Pixel of a tile's ray, or `no_pixel` beyond the picture's edge.
-    std::size_t pixel_of(std::size_t tile, std::size_t ray) const;
     static constexpr std::size_t no_pixel = ~std::size_t{0};
+    /// The function of a tile's ray that returns its pixel, or `no_pixel` beyond the picture's edge.
+    auto pixels_of(std::size_t tile) const {
+        return [this, left = tile % tiles_per_row_ * tile_width_,
+                top = tile / tiles_per_row_ * tile_height_](std::size_t ray) {
+            const std::size_t x = left + column_[ray], y = top + row_[ray];
+            return x < width_ && y < height_ ? y * width_ + x : no_pixel;
+        };
+    }
 
     /// Writes the hits of a tile at [first, first + tile_rays).
     void trace(Shape shape, RTCScene scene, std::size_t tile, Hits& hits, std::size_t first) const;

@@ -21,24 +21,44 @@ std::vector<Configuration> configurations_of(const Block& block, Size size) {
     return configurations;
 }
 
-// The exact technique's answers against the independent oracle: every k-th point, k as small as `most` allows.
-OracleVerdict ask_oracle(const NamedScene& scene, const ViewOnHost& host, const Float3& eye, const Light& light,
-                         std::span<const float> mask, std::uint64_t most) {
-    const std::size_t step = (mask.size() + most - 1) / most;
+// Some pixels' points, asked of the oracle in one go.
+struct AskedPoints {
     std::vector<float> positions;
     std::vector<std::uint32_t> receivers;
-    std::vector<std::size_t> pixels;
-    for (std::size_t i = 0; i < mask.size(); i += step) {
-        if (host.receiver[i] == no_receiver) continue;
-        for (std::size_t c = 0; c < 3; ++c) positions.push_back(host.position[3 * i + c]);
-        receivers.push_back(host.receiver[i]);
-        pixels.push_back(i);
+    std::vector<std::size_t> pixels;  ///< of each point
+
+    // Every k-th pixel's point, k as small as `most` pixels allow; not the sky's.
+    void add(std::span<const float> position, std::span<const std::uint32_t> receiver, std::uint64_t most) {
+        const std::size_t step = (receiver.size() + most - 1) / most;
+        for (std::size_t i = 0; i < receiver.size(); i += step) {
+            if (receiver[i] == no_receiver) continue;
+            positions.insert(positions.end(), &position[3 * i], &position[3 * i] + 3);
+            receivers.push_back(receiver[i]);
+            pixels.push_back(i);
+        }
     }
+};
+
+// The answers of the independent oracle: how many of each pixel's points are in shadow. Pixels without a point have
+// none.
+std::map<std::size_t, std::uint32_t> shadowed_by_oracle(const NamedScene& scene, const Case& c,
+                                                        const AskedPoints& points) {
     const std::vector<std::uint8_t> shadowed =
-        reference::shadowed(scene.scene.triangles, positions, receivers, light.xyzw, eye);
-    OracleVerdict verdict{pixels.size(), 0};
-    for (std::size_t k = 0; k < pixels.size(); ++k)
-        verdict.wrong += mask[pixels[k]] != (shadowed[k] != 0 ? 0.0f : 1.0f);
+        reference::shadowed(scene.scene.triangles, points.positions, points.receivers, c.light.xyzw, c.camera.eye);
+    std::map<std::size_t, std::uint32_t> counts;
+    for (std::size_t k = 0; k < shadowed.size(); ++k) counts[points.pixels[k]] += shadowed[k];
+    return counts;
+}
+
+// The mask of the exact technique against the oracle. A sample without a point is lit, so the points in shadow are all
+// that a pixel's mean lacks; it has no rounding.
+OracleVerdict judged_by_oracle(const NamedScene& scene, const Case& c, const AskedPoints& points,
+                               std::span<const float> mask, std::uint32_t samples) {
+    OracleVerdict verdict;
+    for (const auto& [pixel, shadowed] : shadowed_by_oracle(scene, c, points)) {
+        ++verdict.points;
+        verdict.wrong += mask[pixel] != float(samples - shadowed) / float(samples);
+    }
     return verdict;
 }
 
@@ -94,10 +114,28 @@ Runner::Truth Runner::truth_of(const Block& block, const Place& place, const See
     make(truth_configuration(), place.device)->run(place.triangles, seen.view.points, seen.c.light, seen.visibility);
     Truth truth{seen.visibility.read(), {}, {}};
     truth.hash = hash_of(std::span<const float>(truth.mask));
-    if (block.oracle_points != 0)
-        truth.oracle =
-            ask_oracle(place.scene, seen.host, seen.c.camera.eye, seen.c.light, truth.mask, block.oracle_points);
+    if (block.oracle_points != 0) {
+        AskedPoints points;
+        points.add(seen.host.position, seen.host.receiver, block.oracle_points);
+        truth.oracle = judged_by_oracle(place.scene, seen.c, points, truth.mask, 1);
+    }
     return truth;
+}
+
+// Of several samples per pixel: each sample is a point of its own, as the camera made it.
+OracleVerdict Runner::judge_samples(const Block& block, const Place& place, const Seen& seen, std::uint32_t samples,
+                                    std::span<const float> mean) const {
+    AskedPoints points;
+    const auto technique = make(truth_configuration(), place.device);
+    run_samples(*technique, place.device, place.triangles, seen.view, seen.c.light, samples, seen.visibility,
+                [&](const Points& of_samples) {
+                    const PointsOnHost host = read(place.device, of_samples);
+                    const std::size_t pixels = mean.size();
+                    for (std::size_t first = 0; first < host.receiver.size(); first += pixels)
+                        points.add(std::span(host.position).subspan(3 * first, 3 * pixels),
+                                   std::span(host.receiver).subspan(first, pixels), block.oracle_points);
+                });
+    return judged_by_oracle(place.scene, seen.c, points, mean, samples);
 }
 
 void Runner::judge(const Block& block, const Seen& seen, const Truth& truth, std::span<const float> mask, Row& row) {
@@ -110,14 +148,15 @@ void Runner::judge(const Block& block, const Seen& seen, const Truth& truth, std
     row.difference_picture = difference_picture(mask, truth.mask, row.width, row.height);
 }
 
-void Runner::finish(const Block& block, const Seen& seen, const std::optional<Truth>& truth, Entry& entry,
-                    std::map<std::uint32_t, std::vector<float>>& means) {
+void Runner::finish(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth,
+                    Entry& entry, std::map<std::uint32_t, std::vector<float>>& means) {
     const std::uint32_t samples = entry.contestant->samples();
     auto [row, mask] = entry.contestant->finish();
     const bool is_rival = entry.configuration == nullptr;
     if (samples == 1) {
         if (truth) judge(block, seen, *truth, mask, row);
     } else if (!is_rival && row.exact && row.failed.empty()) {
+        if (block.oracle_points != 0) row.oracle = judge_samples(block, place, seen, samples, mask);
         means.try_emplace(samples, std::move(mask));
     } else if (is_rival && row.failed.empty() && means.contains(samples)) {
         row.errors = measure::visibility_errors(mask, means.at(samples), row.width, row.height);
@@ -126,7 +165,7 @@ void Runner::finish(const Block& block, const Seen& seen, const std::optional<Tr
     entry.row = std::move(row);
 }
 
-void Runner::run_entries(const Block& block, const Seen& seen, const std::optional<Truth>& truth,
+void Runner::run_entries(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth,
                          std::vector<Entry>& entries) {
     std::map<std::uint32_t, std::vector<float>> means;  // exact, by samples per pixel
     // Those that take turns share one clock, and come first; the others run alone.
@@ -139,7 +178,7 @@ void Runner::run_entries(const Block& block, const Seen& seen, const std::option
         for (int run = 0; options_.rule.goes_on(run, clock.elapsed_ms() / double(turn.size())); ++run)
             for (Entry& entry : turn) entry.contestant->run_timed();
         for (Entry& entry : turn) {
-            finish(block, seen, truth, entry, means);
+            finish(block, place, seen, truth, entry, means);
             entry.contestant.reset();
         }
         first += turn.size();
@@ -174,7 +213,7 @@ void Runner::run_case(const Block& block, const NamedScene& scene, const Case& c
             const Seen seen = look(place, block, c, size);
             if (block.errors && is_first) truth = truth_of(block, place, seen);
             entries = entries_of(block, place, seen, configurations, block.peers && is_first);
-            run_entries(block, seen, truth, entries);
+            run_entries(block, place, seen, truth, entries);
         }
         if (block.stages) add_stages(block, selector, scene, c, size, entries);
         // gnomon's rows before the rivals', in the order of the configurations.

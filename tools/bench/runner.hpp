@@ -45,7 +45,8 @@ struct Block {
     bool pictures = false;  ///< masks and differences, for the page; with errors
     bool peers = false;     ///< the rivals too, with as many samples per pixel as a configuration has at most; with
                             ///< take_turns, their best take turns with the configurations
-    /// At most that many points of the exact technique's mask, evenly spread, are asked of the oracle; with errors.
+    /// At most that many pixels of the exact technique's mask, evenly spread, are asked of the oracle, with all samples
+    /// of a pixel; with errors.
     std::uint64_t oracle_points = 0;
 };
 
@@ -69,14 +70,16 @@ private:
 
     Seen look(const Place& place, const Block& block, const Case& c, Size size) const;
     Truth truth_of(const Block& block, const Place& place, const Seen& seen) const;
+    OracleVerdict judge_samples(const Block& block, const Place& place, const Seen& seen, std::uint32_t samples,
+                                std::span<const float> mean) const;
     static void judge(const Block& block, const Seen& seen, const Truth& truth, std::span<const float> mask, Row& row);
     std::vector<Entry> entries_of(const Block& block, const Place& place, const Seen& seen,
                                   std::span<const Configuration> configurations, bool has_peers) const;
-    void run_entries(const Block& block, const Seen& seen, const std::optional<Truth>& truth,
+    void run_entries(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth,
                      std::vector<Entry>& entries);
     /// `means`: the exact masks of several samples per pixel, which a rival's are measured against.
-    void finish(const Block& block, const Seen& seen, const std::optional<Truth>& truth, Entry& entry,
-                std::map<std::uint32_t, std::vector<float>>& means);
+    void finish(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth,
+                Entry& entry, std::map<std::uint32_t, std::vector<float>>& means);
     /// Reports the rows that waited for their stages.
     void add_stages(const Block& block, const std::string& selector, const NamedScene& scene, const Case& c, Size size,
                     std::vector<Entry>& entries) const;
