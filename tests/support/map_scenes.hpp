@@ -133,7 +133,9 @@ struct Triangles {
 };
 inline Triangles uploaded_triangles(gnomon::cl::Session& session, const Floats& vertices) {
     Triangles triangles{uploaded(session, vertices), {}};
-    triangles.inputs = {triangles.vertices.get(), 0, static_cast<cl_uint>(vertices.size() / 9), nullptr};
+    triangles.inputs = {{.first_float = 0, .count = static_cast<cl_uint>(vertices.size() / 9), .padding = 0},
+                        triangles.vertices.get(),
+                        nullptr};
     return triangles;
 }
 
