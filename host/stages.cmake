@@ -51,8 +51,8 @@ gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facin
             facing_cpu facing_gpu
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
-            triangle_bounds triangle_records tile_bins triangle_tiles bins occluder_lists)
-gnomon_wing(camera camera camera_rays nearest shading_point shade)
+            triangle_bounds triangle_records eye_records tile_bins triangle_tiles bins occluder_lists)
+gnomon_wing(camera camera camera_rays nearest nearest_gpu shading_point shading_lanes shade)
 gnomon_wing(trace trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
             explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)

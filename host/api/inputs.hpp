@@ -4,6 +4,7 @@
 
 #include "cl/session.hpp"
 #include "kernels/simd/points.h"
+#include "kernels/simd/projection.h"
 
 namespace gnomon {
 
@@ -54,12 +55,20 @@ struct PointInputs {
 /// `is_lifted`: the points are known to be lifted off the triangles of the run (PointsLayout::is_lifted).
 PointInputs point_inputs(const Points& points, bool is_lifted = false);
 
+/// The rays of a camera, and where in a pixel its samples lie.
+struct CameraSamples {
+    PictureRays picture;
+    cl_uint samples_per_pixel;  ///< as in TriangleSetupParams
+    float first_sample;
+};
+
 /// A projection on the device.
 struct ProjectionInput {
     ProjectionInput(const cl::Buffer& on_device, bool directional = false)
         : buffer(on_device), is_directional(directional) {}
     const cl::Buffer& buffer;
-    bool is_directional;  ///< known to be parallel
+    bool is_directional;                    ///< known to be parallel
+    const CameraSamples* camera = nullptr;  ///< of a camera's projection
 };
 
 }  // namespace gnomon

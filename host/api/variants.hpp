@@ -19,6 +19,7 @@ enum class Task {
     make_receiver_depths,
     make_triangle_bounds,
     make_triangle_tiles,
+    make_camera_tiles,
     trace,
     trace_prepared,
     trace_prepared_cached_facing,

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
+#include "api/statistics.hpp"
 #include "api/vectors.hpp"
 #include "kernels/camera/camera.h"
 
@@ -52,6 +54,19 @@ double pixel_size(const Camera& camera, std::uint32_t height) {
 }
 
 constexpr std::uint32_t largest_side = 16384;
+
+// The rays, and the coarsest grid of positions in a pixel that has all these samples in both coordinates. The spacing
+// divides SAMPLE_UNITS, a power of two, and so is one.
+CameraSamples camera_samples(const Camera& camera, std::uint32_t width, std::uint32_t height,
+                             std::span<const SampleOffset> offsets) {
+    const int first = offsets.front().x + SAMPLE_UNITS / 2;
+    int spacing = SAMPLE_UNITS;
+    for (const SampleOffset& offset : offsets)
+        for (const int position : {offset.x, offset.y})
+            spacing = std::gcd(spacing, position + SAMPLE_UNITS / 2 - first);
+    return {picture_rays(camera, width, height), cl_uint(SAMPLE_UNITS / spacing),
+            float(first % spacing) / SAMPLE_UNITS};
+}
 
 }  // namespace
 
@@ -134,12 +149,13 @@ std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::u
     return rays;
 }
 
-void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height) {
+void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height,
+                      std::span<const SampleOffset> offsets) {
     triangles_ = triangle_inputs(triangles);
     camera_ = camera;
     width_ = width;
     height_ = height;
-    picture_ = picture_rays(camera, width, height);
+    samples_ = camera_samples(camera, width, height, offsets);
     fitted_ = false;
     projection_.reserve(session_, sizeof(Projection));
     counters_.reserve(session_, sizeof(FrameCounters));
@@ -151,10 +167,12 @@ void CameraStage::make_lists(Statistics& statistics) {
     session_.fill(counters_, 0, sizeof(FrameCounters));
     {
         cl::StageTimer timer(session_, statistics, "camera_setup");
-        const cl::Buffer* clusters = clusters_.run(session_, projection_, triangles_, nullptr, counters_);
-        setup_.run_bounds(session_, projection_, triangles_, clusters, nullptr, counters_);
+        ProjectionInput projection(projection_);
+        projection.camera = &samples_;
+        const cl::Buffer* clusters = clusters_.run(session_, projection, triangles_, nullptr, counters_);
+        setup_.run_bounds(session_, projection, triangles_, clusters, nullptr, counters_);
         const PairBuffers pairs = bins_.begin(session_, tiles_x() * tiles_y(), setup_);
-        setup_.run_tiles(session_, projection_, triangles_, nullptr, &pairs, counters_);
+        setup_.run_tiles(session_, projection, triangles_, nullptr, &pairs, counters_);
     }
     {
         cl::StageTimer timer(session_, statistics, "camera_bins");
@@ -187,7 +205,7 @@ void CameraStage::fit_lists(Statistics& statistics) {
 
 CameraParams CameraStage::params_of(SampleOffset offset, bool has_pixel_receivers, const PointSlice& out) const {
     return {.first_float = triangles_.first_float,
-            .picture = picture_,
+            .picture = samples_.picture,
             .eye = {camera_.eye[0], camera_.eye[1], camera_.eye[2]},
             .offset = {float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS},
             .width = width_,
@@ -197,14 +215,23 @@ CameraParams CameraStage::params_of(SampleOffset offset, bool has_pixel_receiver
             .has_pixel_receivers = has_pixel_receivers};
 }
 
-void CameraStage::find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
-                                 Statistics& statistics) {
-    cl::StageTimer timer(session_, statistics, "camera_visibility");
+void CameraStage::find_points(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
+                              Statistics& statistics) {
     const std::size_t pixels = std::size_t(width_) * height_;
-    session_.launch("camera/camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1), params,
-                    projection_, triangles_.vertices, rays_, setup_.records(), setup_.bounds(), bins_.ranges(),
-                    bins_.entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers.get(), out.receivers,
-                    counters_);
+    if (triangles_.count == 0) {
+        const std::vector<cl_uint> sky(pixels, no_receiver);
+        session_.write(out.receivers, sky.data(), pixels * sizeof(cl_uint));
+        session_.fill(counters_, 0, sizeof(FrameCounters));
+    } else {
+        cl::StageTimer timer(session_, statistics, "camera_visibility");
+        session_.launch("camera/camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1),
+                        params, projection_, triangles_.vertices, rays_, setup_.records(), setup_.bounds(),
+                        bins_.ranges(), bins_.entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers,
+                        out.receivers, counters_);
+    }
+    cl::StageTimer timer(session_, statistics, "camera_points");
+    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(pixels), params, triangles_.vertices, rays_,
+                    out.receivers, out.positions, counters_);
 }
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
@@ -212,49 +239,81 @@ void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSl
     const std::vector<float> rays = camera_rays(camera_, width_, height_, offset);
     rays_.reserve(session_, rays.size() * sizeof(float));
     session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
-    if (triangles_.count == 0) {
-        session_.fill(out.receivers, no_receiver, out.count * sizeof(cl_uint));
-    } else if (fitted_) {
-        find_receivers(params, pixel_receivers, out, statistics);
-    }
-    // Lists grow until they fit; the receivers are those of the last pass.
-    while (triangles_.count != 0 && !fitted_) {
+    if (triangles_.count == 0 || fitted_) return find_points(params, pixel_receivers, out, statistics);
+    // Lists grow until they fit. The host reads the counters after it has enqueued all stages, so that the device does
+    // not wait; where a list was too short, the kernels see it and do nothing.
+    while (!fitted_) {
         make_lists(statistics);
-        find_receivers(params, pixel_receivers, out, statistics);
+        find_points(params, pixel_receivers, out, statistics);
         fitted_ = check_lists(statistics);
     }
-    cl::StageTimer timer(session_, statistics, "camera_points");
-    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), params,
-                    triangles_.vertices, rays_, out.receivers, out.positions);
 }
 
-View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
-          std::uint32_t height) {
+// ---- Views ----------------------------------------------------------------------------------------------------------
+
+namespace {
+
+// The buffers of a view. They serve another view when no object but the pass refers to them.
+struct ViewBuffers {
+    std::size_t pixels = 0;
+    std::shared_ptr<void> positions, receivers;
+
+    bool is_free() const { return positions.use_count() <= 1 && receivers.use_count() <= 1; }
+};
+
+}  // namespace
+
+struct CameraPass::State {
+    explicit State(const Device& theirs) : device(theirs), stage(theirs) {}
+
+    ViewBuffers& buffers_for(std::size_t pixels) {
+        for (ViewBuffers& some : kept)
+            if (some.pixels == pixels && some.is_free()) return some;
+        std::erase_if(kept, [&](const ViewBuffers& some) { return some.is_free() || some.pixels != pixels; });
+        cl::Session& session = device.session();
+        cl::Buffer positions(session, pixels * 3 * sizeof(float)), receivers(session, pixels * sizeof(cl_uint));
+        kept.push_back(
+            {pixels, shared_buffer(device, std::move(positions)), shared_buffer(device, std::move(receivers))});
+        return kept.back();
+    }
+
+    Device device;
+    CameraStage stage;
+    std::vector<ViewBuffers> kept;
+    std::uint64_t kept_bytes = 0;
+};
+
+CameraPass::CameraPass(const Device& device) : state_(std::make_unique<State>(device)) {}
+CameraPass::~CameraPass() = default;
+CameraPass::CameraPass(CameraPass&&) noexcept = default;
+CameraPass& CameraPass::operator=(CameraPass&&) noexcept = default;
+
+View CameraPass::look(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height) {
     if (width == 0 || height == 0 || width > largest_side || height > largest_side)
         throw InvalidArgument("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                               " pixels: each side must be from 1 to " + std::to_string(largest_side));
     require_camera(camera);
-    cl::Session& session = device.session();
-    const auto start = std::chrono::steady_clock::now();
-    const std::uint64_t before = session.memory_bytes();
-    session.begin_run();
+    cl::Session& session = state_->device.session();
+    MeasuredRun measured(session, state_->kept_bytes);
     const std::size_t pixels = std::size_t(width) * height;
-    cl::Buffer positions(session, pixels * 3 * sizeof(float)), visible(session, pixels * sizeof(cl_uint));
+    const ViewBuffers& buffers = state_->buffers_for(pixels);
     View view;
     view.width = width;
     view.height = height;
-    CameraStage stage(device);
-    stage.aim(triangles, camera, width, height);
-    stage.run({}, nullptr, {positions, visible, 0, pixels}, view.statistics);
-    view.points = OwnedPoints::make(shared_buffer(device, std::move(positions)), {0, 1, pixels}, pixels,
-                                    shared_buffer(device, std::move(visible)));
+    view.points = OwnedPoints::make(buffers.positions, {0, 1, pixels}, pixels, buffers.receivers);
+    constexpr SampleOffset centre[1] = {};
+    state_->stage.aim(triangles, camera, width, height, centre);
+    state_->stage.run({}, nullptr, {view.points.positions(), view.points.receivers(), 0, pixels}, measured.stages);
     view.points.set_camera(camera, width, height);
     view.points.set_lifted_off(triangles);
     session.finish();
-    view.statistics.device_memory_bytes = session.run_peak_bytes() - before;
-    view.statistics.total_wall_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    view.statistics = measured.finish();
     return view;
+}
+
+View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
+          std::uint32_t height) {
+    return CameraPass(device).look(triangles, camera, width, height);
 }
 
 Points lift(const Device& device, const Triangles& triangles, const Points& points, const Float3& eye) {

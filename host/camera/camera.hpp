@@ -20,8 +20,8 @@ std::vector<float> camera_rays(const Camera& camera, std::uint32_t width, std::u
 
 /// The part of the output buffers for one sample of every pixel: from `first` on in buffers for `count` points.
 struct PointSlice {
-    const cl::Buffer& positions;  ///< x of all points, then y, then z
-    const cl::Buffer& receivers;
+    cl_mem positions;  ///< x of all points, then y, then z
+    cl_mem receivers;
     std::size_t first, count;
 };
 
@@ -29,8 +29,10 @@ struct PointSlice {
 class CameraStage {
 public:
     explicit CameraStage(const Device& device) : session_(device.session()) {}
-    /// Sets the scene and the camera for the next runs; the lists keep their memory.
-    void aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
+    /// Sets the scene and the camera for the next runs, each at one of these offsets. The lists keep their memory; they
+    /// leave out triangles that lie between all samples.
+    void aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height,
+             std::span<const SampleOffset> offsets);
     /// Writes receivers and points of the sample at `offset` in every pixel. A sample takes the receiver of its pixel
     /// if the sample's ray meets it; else, or if pixel_receivers is null, the nearest triangle. Adds to `statistics`.
     void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
@@ -38,7 +40,7 @@ public:
     /// Makes the lists of triangles per tile, once. Adds to `statistics`.
     void fit_lists(Statistics& statistics);
     const cl::Buffer& projection() const { return projection_; }
-    const PictureRays& picture() const { return picture_; }
+    const PictureRays& picture() const { return samples_.picture; }
     const TriangleSetup& setup() const { return setup_; }
     const Bins& bins() const { return bins_; }
     std::uint32_t tiles_x() const { return (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
@@ -47,15 +49,14 @@ public:
 private:
     CameraParams params_of(SampleOffset offset, bool has_pixel_receivers, const PointSlice& out) const;
     bool check_lists(Statistics& statistics);
-    void find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
-                        Statistics& statistics);
+    void find_points(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
     void make_lists(Statistics& statistics);
 
     cl::Session& session_;
     TriangleInputs triangles_{};
     Camera camera_;
     std::uint32_t width_ = 0, height_ = 0;
-    PictureRays picture_{};
+    CameraSamples samples_{};
     cl::Buffer projection_, rays_, counters_;
     ClusterCull clusters_;
     TriangleSetup setup_;

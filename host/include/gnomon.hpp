@@ -379,6 +379,23 @@ public:
 View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
           std::uint32_t height);
 
+/// look() for picture after picture. Keeps the lists and buffers of the last picture: the next one of this size
+/// allocates nothing, and repeats no stage because a list was too short. Same bits.
+class CameraPass {
+public:
+    explicit CameraPass(const Device& device);
+    ~CameraPass();
+    CameraPass(CameraPass&&) noexcept;
+    CameraPass& operator=(CameraPass&&) noexcept;
+    /// As look(). A view's buffers are used for a later picture only when no copy of its points is left.
+    /// Statistics::device_memory_bytes counts all that the pass keeps.
+    View look(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
 /// Lifts a caller's own points off their receivers as the camera stages do: each moves along its receiver's normal
 /// towards `eye` by 4 float32 ulps of the largest coordinate of point and eye, and is rounded up along it
 /// (docs/numerics.md, 9). If a point is an exact position on its receiver rounded to float32, the result is never below

@@ -45,6 +45,10 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
     params.capacity = capacity();
     params.has_clusters = clusters != nullptr;
     params.has_pyramid = pyramid != nullptr;
+    if (projection.camera) {
+        params.samples_per_pixel = projection.camera->samples_per_pixel;
+        params.first_sample = projection.camera->first_sample;
+    }
     session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional),
                    cl::Range::items(triangles.count / session.lanes() + 1), params, projection.buffer, ordered.vertices,
                    clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
@@ -66,10 +70,12 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
     params.has_pyramid = pyramid != nullptr;
     params.for_map = for_map;
     params.lists_pairs = pairs != nullptr;
-    session.launch(variant(session, Task::make_triangle_tiles, projection.is_directional), cl::Range::items(capacity()),
-                   params, projection.buffer, ordered.vertices, selection, pyramid ? *pyramid : bounds(), bounds(),
-                   records(), tiles.buffer(), pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(),
-                   counters, cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
+    if (projection.camera) params.picture = projection.camera->picture;
+    const Task task = projection.camera ? Task::make_camera_tiles : Task::make_triangle_tiles;
+    session.launch(variant(session, task, projection.is_directional), cl::Range::items(capacity()), params,
+                   projection.buffer, ordered.vertices, selection, pyramid ? *pyramid : bounds(), bounds(), records(),
+                   tiles.buffer(), pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
+                   cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
 }
 
 bool TriangleSetup::fitted(cl::Session& session, const FrameCounters& counted) {

@@ -52,7 +52,7 @@ public:
           pattern_(pattern_of(offsets)),
           kept_(buffers_of(technique, device)),
           memory_(session_, kept_.bytes_of_runs) {
-        kept_.camera.aim(triangles, camera_, view.width, view.height);
+        kept_.camera.aim(triangles, camera_, view.width, view.height, offsets);
         kept_.pattern.reserve(session_, sizeof(SamplePattern));
         kept_.counters.reserve(session_, sizeof(SampleCounters));
         session_.write(kept_.pattern.get(), &pattern_, sizeof(pattern_));

@@ -65,7 +65,7 @@ Statistics run_every_sample(Technique* technique, const Device& device, const Tr
     const Camera& camera = view.points.camera()->camera;
     const std::size_t batch = std::clamp<std::size_t>(points_at_once / pixels, 1, pattern.size());
     CameraStage stage(device);
-    stage.aim(triangles, camera, view.width, view.height);
+    stage.aim(triangles, camera, view.width, view.height, pattern);
     const cl::Buffer positions(session, batch * pixels * 3 * sizeof(float)),
         receivers(session, batch * pixels * sizeof(cl_uint));
     const Visibility visibility(device, batch * pixels);
@@ -75,7 +75,7 @@ Statistics run_every_sample(Technique* technique, const Device& device, const Tr
         const std::size_t count = std::min(batch, pattern.size() - first), points_count = count * pixels;
         Statistics part;
         for (std::size_t i = 0; i < count; ++i)
-            stage.run(pattern[first + i], view.points.receivers(), {positions, receivers, i * pixels, points_count},
+            stage.run(pattern[first + i], view.points.receivers(), {positions.get(), receivers.get(), i * pixels, points_count},
                       part);
         add_stages(total, part);
         Points points = Points::wrap(device, positions.get(), {0, 1, points_count}, points_count, receivers.get());

@@ -1,55 +1,151 @@
 // SPDX-License-Identifier: MIT
 // Camera: visibility buffer by tiles, then shading points. Contract and proofs in camera.h.
 //
-// One work-item takes GN_LANES pixels of one row of a tile and walks the tile's triangle list, keeping the nearest in
-// registers: no atomics, and the same result in any order. The records' margins prove which pixels are certain; the
-// rest are decided per pixel, exactly. Double precision is the device's own or made of integers (exact/wide.clh).
+// A CPU's work-item takes blocks of GN_LANES pixels and walks their tile's triangle list; a GPU's work-group takes a
+// tile (nearest_gpu.clh). The nearest stay in registers: no atomics, and the same result in any order. The records'
+// margins prove which pixels are certain; the rest are decided per pixel, exactly. Double precision is the device's own
+// or made of integers (exact/wide.clh).
+#include "camera/nearest_gpu.clh"
+#include "camera/shading_lanes.clh"
 #include "camera/shading_point.clh"
 
 #define BLOCKS_PER_TILE ((1u << 2 * CAMERA_TILE_LOG2) / GN_LANES)
+// A block is a square of pixels: fewer triangles meet it than a row of as many.
+#define BLOCK_SIDE (GN_LANES == 1 ? 1 : 4)
 
-// The nearest triangles of some of the blocks.
-GN_NOINLINE_ON_CPU void find_visible(ItemRange items, CameraParams params, __constant const Projection* projection,
-                                     TileLists lists, __global const uint* pixel_receivers, __global uint* visible) {
-    const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
-    const uint blocks_per_row = tile_pixels / GN_LANES;
-    float3 eye = center_of(projection);
-    uint width = projection->width, height = projection->height;
-    GN_FOR_EACH_OF(block, items) {
-        uint tile = (uint)block / BLOCKS_PER_TILE, within = (uint)block % BLOCKS_PER_TILE;
-        uint first_x = (tile % projection->bins_x) * tile_pixels + (within % blocks_per_row) * GN_LANES;
-        uint pixel_y = (tile / projection->bins_x) * tile_pixels + within / blocks_per_row;
-        if (pixel_y >= height || first_x >= width) continue;
-        RayBlock block_rays;
-        block_rays.column = (int)first_x + LANE_INDEX;
-        block_rays.row = (LaneInt)((int)(width + pixel_y));
-        LaneInt present = LANE_COMPARE(block_rays.column, <, (LaneInt)((int)width));
-        block_rays.x = (LaneFloat)((float)first_x + 0.5f + params.offset[0]);
-        for (int lane = 0; lane < GN_LANES; ++lane) LANE_OF_FLOAT(block_rays.x, lane) += (float)lane;
-        block_rays.y = (LaneFloat)((float)pixel_y + 0.5f + params.offset[1]);
-        LaneInt own = (LaneInt)((int)GN_NO_ID), searching = present;
-        if (params.has_pixel_receivers) {
-            Outline outline;
-            uint outlined = GN_NO_ID;
-            for (int lane = 0; lane < GN_LANES; ++lane) {
-                if (!LANE_OF_INT(present, lane)) continue;
-                uint receiver = pixel_receivers[(size_t)pixel_y * width + first_x + (uint)lane];
-                if (receiver == GN_NO_ID) continue;
-                if (receiver != outlined) outline = outline_of(load_triangle(lists.vertices, receiver), eye);
-                outlined = receiver;
-                if (!covers(&outline, eye, ray_of_lane(lists.rays, &block_rays, lane))) continue;
-                LANE_OF_INT(own, lane) = (int)receiver;
-                LANE_OF_INT(searching, lane) = 0;
-            }
-        }
-        LaneInt nearest = nearest_of_tile(lists, projection, tile, block_rays, searching);
-        nearest = LANES_SELECT(own, nearest, searching);
-        for (int lane = 0; lane < GN_LANES; ++lane)
-            if (LANE_OF_INT(present, lane))
-                visible[params.first_point + (size_t)pixel_y * width + first_x + (uint)lane] =
-                    (uint)LANE_OF_INT(nearest, lane);
+// The inputs and the output of camera_visibility.
+typedef struct VisibilityWork {
+    CameraParams params;
+    __constant const Projection* projection;
+    TileLists lists;
+    __global const uint* pixel_receivers;
+    __global uint* visible;
+    uint likely;  // slot of a record that the previous block saw
+} VisibilityWork;
+
+// A block of pixels in the picture, and the rays through one sample of each.
+typedef struct PixelRays {
+    LaneInt pixels, present;
+    RayBlock rays;
+    QuantisedBlock box;
+} PixelRays;
+
+static PixelRays rays_of_pixels(const VisibilityWork* work, uint first_x, uint first_y) {
+    uint width = work->projection->width, height = work->projection->height;
+    float left = (float)first_x + (0.5f + work->params.offset[0]),
+          top = (float)first_y + (0.5f + work->params.offset[1]);
+    LaneInt column = LANE_INDEX & (BLOCK_SIDE - 1), row = (LaneInt)(LANE_INDEX) / BLOCK_SIDE;
+    LaneInt x = (int)first_x + column, y = (int)first_y + row;
+    PixelRays block;
+    block.present = LANE_COMPARE(x, <, (LaneInt)((int)width)) & LANE_COMPARE(y, <, (LaneInt)((int)height));
+    block.pixels = y * (int)width + x;
+    block.rays.column = x;
+    block.rays.row = y + (int)width;
+    block.rays.x = LANES_TO_FLOAT(column) + left;
+    block.rays.y = LANES_TO_FLOAT(row) + top;
+    block.box.x0 = quantised_texel(left, width);
+    block.box.y0 = quantised_texel(top, height);
+    block.box.x1 = quantised_texel(left + (float)(BLOCK_SIDE - 1), width);
+    block.box.y1 = quantised_texel(top + (float)(BLOCK_SIDE - 1), height);
+    block.box.z = 0;
+    return block;
+}
+
+// The pixels' receivers that the samples' rays meet too, else GN_NO_ID.
+static LaneInt pixel_receivers_met(const VisibilityWork* work, const PixelRays* block) {
+    float3 eye = center_of(work->projection);
+    Outline outline;
+    uint outlined = GN_NO_ID;
+    LaneInt met = (LaneInt)((int)GN_NO_ID);
+    for (int lane = 0; lane < GN_LANES; ++lane) {
+        if (!LANE_OF_INT(block->present, lane)) continue;
+        uint receiver = work->pixel_receivers[LANE_OF_INT(block->pixels, lane)];
+        if (receiver == GN_NO_ID) continue;
+        if (receiver != outlined) outline = outline_of(load_triangle(work->lists.vertices, receiver), eye);
+        outlined = receiver;
+        if (covers(&outline, eye, ray_of_lane(work->lists.rays, &block->rays, lane)))
+            LANE_OF_INT(met, lane) = (int)receiver;
+    }
+    return met;
+}
+
+static void store_visible(const PixelRays* block, LaneInt ids, __global uint* visible) {
+#if GN_LANES > 1
+    if (!LANES_ANY(~block->present)) {
+        vstore4(as_uint4(ids.s0123), 0, visible + block->pixels.s0);
+        vstore4(as_uint4(ids.s4567), 0, visible + block->pixels.s4);
+        vstore4(as_uint4(ids.s89ab), 0, visible + block->pixels.s8);
+        vstore4(as_uint4(ids.scdef), 0, visible + block->pixels.sc);
+        return;
+    }
+#endif
+    for (int lane = 0; lane < GN_LANES; ++lane)
+        if (LANE_OF_INT(block->present, lane)) visible[LANE_OF_INT(block->pixels, lane)] = (uint)LANE_OF_INT(ids, lane);
+}
+
+// The receivers that need no search, and the lanes that do.
+static LaneInt lanes_to_search(const VisibilityWork* work, const PixelRays* block, LaneInt* own) {
+    *own = (LaneInt)((int)GN_NO_ID);
+    if (!work->params.has_pixel_receivers) return block->present;
+    *own = pixel_receivers_met(work, block);
+    return block->present & LANE_COMPARE(*own, ==, (LaneInt)((int)GN_NO_ID));
+}
+
+#if GN_LANES == 1
+// Sets the boxes around the rays of the tile's parts, which hide nothing yet. All items must call this.
+static void start_tile(const VisibilityWork* work, uint left, uint top, __local ListBatch* batch) {
+    uint width = work->projection->width, height = work->projection->height;
+    barrier(CLK_LOCAL_MEM_FENCE);  // the items may still read the last tile's batch
+    for (uint part = (uint)get_local_id(0); part < TILE_PARTS; part += (uint)get_local_size(0)) {
+        uint2 at = pixel_of_tile(part << (PART_COLUMNS_LOG2 + PART_ROWS_LOG2));
+        float x = (float)(left + at.x) + (0.5f + work->params.offset[0]);
+        float y = (float)(top + at.y) + (0.5f + work->params.offset[1]);
+        QuantisedBlock box = {quantised_texel(x, width), quantised_texel(y, height),
+                              quantised_texel(x + (float)((1 << PART_COLUMNS_LOG2) - 1), width),
+                              quantised_texel(y + (float)((1 << PART_ROWS_LOG2) - 1), height), 0};
+        batch->boxes[part] = box;
+        batch->farthest[0][part] = 0u;
     }
 }
+
+static void find_visible(VisibilityWork* work, __local ListBatch* batch) {
+    const uint tile_pixels = 1u << 2 * CAMERA_TILE_LOG2;
+    __constant const Projection* projection = work->projection;
+    float3 eye = center_of(projection);
+    uint items = (uint)get_local_size(0), shares = (tile_pixels + items - 1u) / items;
+    uint count = projection->bins_x * projection->bins_y * shares;
+    for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
+        uint tile = i / shares, pixel = i % shares * items + (uint)get_local_id(0);
+        uint left = tile % projection->bins_x << CAMERA_TILE_LOG2, top = tile / projection->bins_x << CAMERA_TILE_LOG2;
+        start_tile(work, left, top, batch);
+        uint2 at = pixel_of_tile(pixel);
+        PixelRays block = rays_of_pixels(work, left + at.x, top + at.y);
+        if (pixel >= tile_pixels) block.present = 0;
+        LaneInt own, searching = lanes_to_search(work, &block, &own);
+        LaneInt nearest =
+            nearest_of_group(work->lists, eye, tile, part_of_tile(pixel), &block.rays, block.box, searching, batch);
+        store_visible(&block, LANES_SELECT(own, nearest, searching), work->visible + work->params.first_point);
+    }
+}
+#else
+// The nearest triangles of some of the blocks.
+GN_NOINLINE_ON_CPU void find_visible(ItemRange items, VisibilityWork* work) {
+    const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
+    const uint blocks_per_row = tile_pixels / BLOCK_SIDE;
+    __constant const Projection* projection = work->projection;
+    GN_FOR_EACH_OF(i, items) {
+        uint tile = (uint)i / BLOCKS_PER_TILE, within = (uint)i % BLOCKS_PER_TILE;
+        uint first_x = (tile % projection->bins_x) * tile_pixels + (within % blocks_per_row) * BLOCK_SIDE;
+        uint first_y = (tile / projection->bins_x) * tile_pixels + within / blocks_per_row * BLOCK_SIDE;
+        if (first_y >= projection->height || first_x >= projection->width) continue;
+        PixelRays block = rays_of_pixels(work, first_x, first_y);
+        LaneInt own, searching = lanes_to_search(work, &block, &own);
+        LaneInt nearest =
+            nearest_of_tile(work->lists, projection, tile, block.rays, block.box, searching, &work->likely);
+        store_visible(&block, LANES_SELECT(own, nearest, searching), work->visible + work->params.first_point);
+    }
+}
+#endif
 
 // `rays` has one ray per pixel, through one sample. With pixel_receivers, a sample takes the receiver of its pixel if
 // the sample's ray meets that receiver, even if another triangle hides it.
@@ -61,14 +157,20 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
                                 __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
     TileLists lists = {ranges, entries, records, bounds, vertices + params.first_float, rays, params.picture};
-    find_visible(item_range(projection->bins_x * projection->bins_y * BLOCKS_PER_TILE), params, projection, lists,
-                 pixel_receivers, visible);
+    VisibilityWork work = {params, projection, lists, pixel_receivers, visible, GN_NO_ID};
+#if GN_LANES == 1
+    __local ListBatch batch;
+    find_visible(&work, &batch);
+#else
+    find_visible(item_range(projection->bins_x * projection->bins_y * BLOCKS_PER_TILE), &work);
+#endif
 }
 
 // ---- Shading points -------------------------------------------------------------------------------------------------
 
 static float3 eye_of_camera(CameraParams params) { return (float3)(params.eye[0], params.eye[1], params.eye[2]); }
 
+#if GN_LANES == 1 || !defined(GN_FP64)
 GN_NOINLINE_ON_CPU void make_points(ItemRange items, CameraParams params, __global const float* vertices,
                                     __global const float* rays, __global const uint* visible,
                                     __global float* positions) {
@@ -89,10 +191,21 @@ GN_NOINLINE_ON_CPU void make_points(ItemRange items, CameraParams params, __glob
     }
 }
 
+#endif
+
 // Positions as a structure of arrays: x of all points, then y, then z. Sky: NaN.
 __kernel void camera_points(CameraParams params, __global const float* vertices, __global const float* rays,
-                            __global const uint* visible, __global float* positions) {
+                            __global const uint* visible, __global float* positions,
+                            __global const FrameCounters* counters) {
+    if (counters->references == GN_NO_LISTS) return;
+#if GN_LANES > 1 && defined(GN_FP64)
+    PointsWork work = {params, eye_of_camera(params), vertices + params.first_float, rays, visible, positions};
+    const uint side = 1u << CAMERA_TILE_LOG2;
+    uint tiles = ((params.width + side - 1u) >> CAMERA_TILE_LOG2) * ((params.height + side - 1u) >> CAMERA_TILE_LOG2);
+    make_points_of_tiles(item_range(tiles), &work);
+#else
     make_points(item_range(params.width * params.height), params, vertices, rays, visible, positions);
+#endif
 }
 
 static float3 unit_normal(Triangle t, float3 eye) {

@@ -23,6 +23,7 @@
 #pragma once
 
 #include "simd/points.h"
+#include "simd/projection.h"
 
 #define LIFT_ULPS 4.0f
 
@@ -34,14 +35,6 @@
 
 // Floats per entry of the ray table: high xyz, low xyz. Entries: width columns, then height rows.
 #define RAY_FLOATS 6
-
-// The same rays for the float level, as a function of the position in the picture (pixels): corner + x step_x + y
-// step_y.
-GN_STRUCT_BEGIN(PictureRays)
-    float corner[4];  // [3] unused, here and below
-    float step_x[4];
-    float step_y[4];
-GN_STRUCT_END(PictureRays, 48)
 
 // The inputs of the ray table, doubles as bits: column x of a sample at position_x in its pixel is
 //     forward + (x + position_x - half_width) pixel right,      row y   (half_height - (y + position_y)) pixel up,

@@ -71,9 +71,20 @@ static BoundsBlock unbounded(__constant const Projection* projection) {
     return bounds;
 }
 
-// The finite triangles that survive the cull, and their bounds. `pyramid` is ignored unless `has_pyramid`.
-static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant const Projection* projection,
-                               __global const uint* pyramid, bool has_pyramid, BoundsBlock* bounds) {
+// The lanes with an interval that contains a sample. Both sides are rounded, but rounding is monotone and a sample's
+// distance from the first one is exact: no interval with a sample loses it.
+static LaneInt contains_sample(LaneFloat low, LaneFloat high, TriangleSetupParams params) {
+    float per_pixel = (float)params.samples_per_pixel;
+    LaneFloat last = (high - params.first_sample) * per_pixel, first = (low - params.first_sample) * per_pixel;
+    LaneInt inside = LANE_COMPARE(last, >=, (LaneFloat)(0.0f));
+    LaneFloat sample = LANES_TO_FLOAT(LANES_TO_INT(LANES_MAX(last, (LaneFloat)(0.0f))));
+    return inside & LANE_COMPARE(sample, >=, first);
+}
+
+// The finite triangles that survive the cull, and their bounds. `pyramid` is ignored unless params.has_pyramid.
+static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, TriangleSetupParams params,
+                               __constant const Projection* projection, __global const uint* pyramid,
+                               BoundsBlock* bounds) {
     *bounds = unbounded(projection);
     if (projection->indistinct) return lanes;
     Projected v[3];
@@ -81,10 +92,13 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, __constant
     Rectangles rectangle;
     LaneInt out_of_range = lanes & sides.out_of_range, inside = lanes & ~sides.out_of_range & ~sides.behind;
     inside &= covered_rectangles(v, 3, projection, &rectangle);
+    if (params.samples_per_pixel)
+        inside &=
+            contains_sample(rectangle.x0, rectangle.x1, params) & contains_sample(rectangle.y0, rectangle.y1, params);
     if (!LANES_ANY(inside)) return out_of_range;
     LaneFloat z_low, z_high;
     height_intervals(v, 3, sides.straddles, projection, &z_low, &z_high);
-    if (has_pyramid) inside &= ~lanes_hidden(rectangle, z_high, inside, projection, pyramid);
+    if (params.has_pyramid) inside &= ~lanes_hidden(rectangle, z_high, inside, projection, pyramid);
     if (!LANES_ANY(inside)) return out_of_range;
     float x_units = texel_units(projection->width), y_units = texel_units(projection->height);
     bounds->x0 = LANES_SELECT(bounds->x0, quantised(rectangle.x0 * x_units), inside);
@@ -118,7 +132,7 @@ static LaneInt bound_block(uint block, TriangleSetupParams params, __constant co
     LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & finite_triangles(&t);
     counts->visited += count;
     counts->finite += count_lanes(finite);
-    LaneInt survivors = bound_triangles(&t, finite, projection, pyramid, params.has_pyramid != 0u, found);
+    LaneInt survivors = bound_triangles(&t, finite, params, projection, pyramid, found);
     counts->survivors += count_lanes(survivors);
     return survivors;
 }

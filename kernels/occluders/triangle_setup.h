@@ -11,6 +11,7 @@
 
 #include "simd/frame_counters.h"
 #include "simd/points.h"
+#include "simd/projection.h"
 
 GN_STRUCT_BEGIN(TriangleRecord)
     float edge_x[3];
@@ -34,7 +35,12 @@ GN_STRUCT_BEGIN(TriangleSetupParams)
     uint has_pyramid;   // 0: the depth drops no triangle
     uint for_map;       // 1: tiles of the map's candidates; 0: tiles of all triangles, for the lists
     uint lists_pairs;   // 1: a CPU appends the pairs of small triangles at once
-GN_STRUCT_END(TriangleSetupParams, 48)
+    // A camera's samples, in both coordinates of every pixel at first_sample + k / samples_per_pixel (a power of two):
+    // a triangle with bounds that contain no sample is dropped. 0: the points may lie anywhere.
+    uint samples_per_pixel;
+    float first_sample;
+    PictureRays picture;  // a camera's
+GN_STRUCT_END(TriangleSetupParams, 104)
 
 // Triangles that a GPU's work-item bounds before its group reserves slots for the survivors.
 #define BOUNDS_AT_ONCE 4

@@ -8,8 +8,8 @@
 // A CPU's work-item takes its triangles in their order and appends the tiles that survive the cull; with `lists_pairs`
 // the bins of small triangles become pairs at once. A GPU's work-group shares out the tiles of its triangles evenly,
 // since one triangle may have thousands; the stages that walk the list cull its tiles (tile_bins.clh).
+#include "occluders/eye_records.clh"
 #include "occluders/tile_bins.clh"
-#include "occluders/triangle_records.clh"
 
 typedef struct TileWork {
     TriangleSetupParams params;
@@ -113,7 +113,11 @@ static LaneInt make_batch_records(TileWork* work, RecordBatch* batch, RecordBloc
     }
     TriangleBlock t = load_triangle_rows(rows);
     LaneInt lanes = LANE_COMPARE((LaneInt)((int)batch->count), >, LANE_INDEX);
+#ifdef GN_EYE_RECORDS
+    LaneInt kept = make_eye_records(&t, lanes, work->projection, work->params.picture, records, &work->exact);
+#else
     LaneInt kept = make_records(&t, lanes, work->projection, &batch->bins, records, &work->exact);
+#endif
     LaneInt dropped = lanes & ~kept;
     if (!LANES_ANY(dropped)) return kept;
     work->edge_on += count_lanes(dropped);

@@ -200,7 +200,10 @@ __kernel void samples_receivers(SamplesParams params, __constant const Projectio
         block.y = (float)y + LANES_STRIDED(pattern->position_y + first, 1);
         uint own = pixel_receivers[pixel];
         if (own != GN_NO_ID) searching &= ~lanes_met(lists, eye, &block, own, searching);
-        LaneInt nearest = nearest_of_tile(lists, projection, tile_of_pixel(batch, pixel), block, searching);
+        QuantisedBlock box = box_of_rays(projection, &block, searching);
+        uint likely = GN_NO_ID;
+        LaneInt nearest =
+            nearest_of_tile(lists, projection, tile_of_pixel(batch, pixel), block, box, searching, &likely);
         nearest = LANES_SELECT((LaneInt)((int)own), nearest, searching);
         for (int lane = 0; lane < GN_LANES; ++lane)
             if (LANE_OF_INT(present, lane))

@@ -58,6 +58,15 @@ GN_STRUCT_BEGIN(Projection)
     uint padding;
 GN_STRUCT_END(Projection, 144)
 
+// A camera's rays for the float level, as a function of the position in the picture (pixels): corner + x step_x + y
+// step_y. The vectors are rounded to float; the exact rays are those of the table (camera.h), within 2^-47 of the real
+// function.
+GN_STRUCT_BEGIN(PictureRays)
+    float corner[4];  // [3] unused, here and below
+    float step_x[4];
+    float step_y[4];
+GN_STRUCT_END(PictureRays, 48)
+
 #ifndef __cplusplus
 
 // For a Projection or a LightFrame. A GPU has separate programs for directional lights (GN_DIRECTIONAL_ONLY): the

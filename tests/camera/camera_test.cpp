@@ -9,6 +9,7 @@
 #include <cstring>
 #include <iostream>
 #include <limits>
+#include <random>
 
 #include "reference/predicates.hpp"
 #include "reference/view.hpp"
@@ -292,6 +293,58 @@ TEST(camera, survives_degenerates) {
     EXPECT_EQ(std::count(nothing.begin(), nothing.end(), gnomon::no_receiver), 31 * 33);
 }
 
+// One pass looks at scene after scene, sizes and triangles changing, and the earlier views still exist. Not vacuous:
+// the pass starts with lists for the smallest scene, and uses a dropped view's buffers again.
+TEST(camera, pass_gives_the_bits_of_single_looks) {
+    const gnomon::Device device = device_with();
+    gnomon::CameraPass pass(device);
+    std::vector<gnomon::View> views;
+    std::vector<CameraScene> scenes = camera_scenes();
+    std::ranges::sort(scenes, {}, [](const CameraScene& s) { return s.triangles.size(); });
+    for (const CameraScene& scene : scenes) {
+        const gnomon::Triangles triangles = gnomon::Triangles::upload(device, scene.triangles);
+        views.push_back(pass.look(triangles, scene.camera(), scene.width, scene.height));
+        EXPECT_TRUE(same_bits(read(device, triangles, views.back()), look(device, scene))) << scene.name;
+    }
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+        EXPECT_EQ(read(device, views[i].points).receiver, look(device, scenes[i]).receiver) << scenes[i].name;
+    const gnomon::Triangles triangles = gnomon::Triangles::upload(device, scenes.back().triangles);
+    const auto again = [&] { return pass.look(triangles, scenes.back().camera(), 64, 48); };
+    const cl_mem buffer = again().points.positions();
+    const gnomon::View kept = again();
+    EXPECT_EQ(kept.points.positions(), buffer);
+    EXPECT_NE(again().points.positions(), buffer);
+}
+
+// Triangles smaller than the distance between samples, everywhere in the pixels; some hold a sample. Not vacuous: the
+// pixels' centres see some of them, and the 32 samples see others, which the lists of the centres may leave out.
+TEST(camera, specks_between_samples) {
+    const gnomon::Device device = device_with();
+    CameraScene scene{"specks", {}, {0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 40, 64, 64};
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> at(-1.4f, 1.4f), size(-0.02f, 0.02f);
+    for (int i = 0; i < 20000; ++i) {
+        const float x = at(random), y = at(random), z = at(random);
+        for (int k = 0; k < 3; ++k)
+            for (const float c : {x, y, z}) scene.triangles.push_back(c + size(random));
+    }
+    Tally tally;
+    const auto centres = look(device, scene).receiver;
+    check_nearest(scene, centres, tally);
+    EXPECT_GT(tally.sky, 100u);
+    EXPECT_GT(tally.pixels - tally.sky, 500u);
+    const gnomon::Triangles triangles = gnomon::Triangles::upload(device, scene.triangles);
+    gnomon::CameraStage all(device), one(device);
+    const auto pattern = gnomon::sample_pattern(32);
+    gnomon::Statistics of_all, of_one;
+    all.aim(triangles, scene.camera(), scene.width, scene.height, pattern);
+    all.fit_lists(of_all);
+    one.aim(triangles, scene.camera(), scene.width, scene.height, pattern.first(1));
+    one.fit_lists(of_one);
+    EXPECT_LT(of_one.count("references"), of_all.count("references") / 2);
+    EXPECT_LE(of_all.count("references"), 4 * scene.triangles.size() / 9);
+}
+
 // The kernels themselves, with canaries behind what they write. Not vacuous: sizes that leave part of a tile over.
 TEST(camera, writes_only_its_own) {
     const gnomon::Device device = device_with();
@@ -314,8 +367,9 @@ TEST(camera, writes_only_its_own) {
     params.height = scene.height;
     params.point_count = cl_uint(pixels);
     const auto range = gnomon::cl::Range::items(pixels);
+    const gnomon::cl::Buffer counters = uploaded(session, std::vector<gnomon::FrameCounters>{gnomon::FrameCounters{}});
     session.launch("camera/camera.cl", "camera_points", range, params, inputs.vertices, rays, view.points.receivers(),
-                   positions);
+                   positions, counters);
     session.launch("camera/camera.cl", "camera_normals", range, params, inputs.vertices, view.points.receivers(),
                    normals);
     expect_canaries(session, positions, pixels * 3 * sizeof(float), "positions");

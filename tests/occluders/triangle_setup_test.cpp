@@ -180,8 +180,11 @@ TEST(triangle_setup, equals_reference_in_the_oracles_own_scenes) { attack(refere
 // ---- Camera ---------------------------------------------------------------------------------------------------------
 
 gnomon::FrameCounters set_up(gnomon::cl::Session& session, gnomon::TriangleSetup& setup,
-                             const gnomon::Projection& projection, const gnomon::Triangles& triangles) {
-    const gnomon::cl::Buffer projected = uploaded(session, std::vector<gnomon::Projection>{projection});
+                             const gnomon::CameraTables& tables, const gnomon::Triangles& triangles) {
+    const gnomon::cl::Buffer on_device = uploaded(session, std::vector<gnomon::Projection>{tables.projection});
+    const gnomon::CameraSamples samples{tables.picture, 1, 0.5f};
+    gnomon::ProjectionInput projected(on_device);
+    projected.camera = &samples;
     gnomon::cl::Buffer counters(session, sizeof(gnomon::FrameCounters));
     gnomon::FrameCounters counted{};
     do {
@@ -193,12 +196,52 @@ gnomon::FrameCounters set_up(gnomon::cl::Session& session, gnomon::TriangleSetup
     return counted;
 }
 
+using Wide3 = std::array<long double, 3>;
+
+/// The direction of a pixel's ray: an exact sum of four float vectors, rounded to long double.
+Wide3 direction_of(const gnomon::CameraTables& tables, std::uint32_t x, std::uint32_t y) {
+    const float* column = tables.rays.data() + RAY_FLOATS * std::size_t(x);
+    const float* row = tables.rays.data() + RAY_FLOATS * (std::size_t(tables.projection.width) + y);
+    Wide3 sum{};
+    for (int k = 0; k < 3; ++k) sum[k] = (static_cast<long double>(column[k]) + row[k]) + (column[k + 3] + row[k + 3]);
+    return sum;
+}
+
+/// Checks the margins of a camera's record for one exact ray. The record's edges are divided by their margin, which is
+/// computed here from its definition (kernels/occluders/eye_records.clh).
+void measure_eye(const TriangleRecord& r, const Evaluated& evaluated, const gnomon::CameraTables& tables,
+                 const Wide3& ray, const reference::Triangle& t, float orientation, long double height,
+                 const std::string& name, Tally& tally) {
+    constexpr long double bound = 7.5e-7L;  // EYE_EDGE_BOUND
+    const gnomon::Projection& p = tables.projection;
+    for (int i = 0; i < 3; ++i) {
+        if (r.edge_x[i] == 0 && r.edge_y[i] == 0 && r.edge_0[i] == 0) continue;  // undecided
+        long double u[3], v[3], margin = 0, edge = 0;
+        for (int k = 0; k < 3; ++k) {
+            u[k] = static_cast<long double>(t[i][k]) - p.center[k];
+            v[k] = static_cast<long double>(t[(i + 1) % 3][k]) - t[i][k];
+        }
+        for (int k = 0; k < 3; ++k) {
+            const int l = (k + 1) % 3, m = (k + 2) % 3;
+            const long double largest = std::fabs(tables.picture.corner[k]) +
+                                        (p.bins_x << p.bin_log2) * std::fabs(tables.picture.step_x[k]) +
+                                        (p.bins_y << p.bin_log2) * std::fabs(tables.picture.step_y[k]);
+            margin += bound * largest * (std::fabs(u[l] * v[m]) + std::fabs(u[m] * v[l]));
+            edge += ray[k] * (u[l] * v[m] - u[m] * v[l]);
+        }
+        const long double ratio = std::fabs(orientation * edge - evaluated.edge[i] * margin) / margin;
+        if (ratio > tally.edge_ratio) tally.edge_ratio = ratio, tally.edge_where = name;
+    }
+    const long double ratio = ratio_of(height - static_cast<long double>(evaluated.plane), r.margin_plane);
+    if (!(ratio <= tally.plane_ratio)) tally.plane_ratio = ratio, tally.plane_where = name;
+}
+
 /// Every record against every pixel centre of its bins; triangles without a record against every pixel.
 void attack_view(gnomon::cl::Session& session, const gnomon::Device& device, const CameraScene& scene, Tally& tally) {
     const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), scene.width, scene.height);
     gnomon::TriangleSetup setup;
     const gnomon::FrameCounters counted =
-        set_up(session, setup, tables.projection, gnomon::Triangles::upload(device, scene.triangles));
+        set_up(session, setup, tables, gnomon::Triangles::upload(device, scene.triangles));
     const auto records = downloaded<TriangleRecord>(session, setup.records().get(), counted.slots);
     const auto bounds = downloaded<gnomon::TriangleBounds>(session, setup.bounds().get(), counted.slots);
     std::map<std::uint32_t, std::size_t> slots;
@@ -233,11 +276,12 @@ void attack_view(gnomon::cl::Session& session, const gnomon::Device& device, con
                 EXPECT_FALSE(evaluated.inside() < -r.margin_edge && meets) << id << " at " << x << ", " << y;
                 const reference::GridTriangle real(map, triangle);
                 const float orientation =
-                    orientation_in_grid(triangle, {scene.eye[0], scene.eye[1], scene.eye[2], 1}, tables.projection);
-                const float height = float(real.height(pixel_x, pixel_y));
-                measure(r, evaluated, height, real, orientation, {pixel_x, pixel_y, 1, height}, scene.name, tally);
-                if (!meets) continue;
+                    orientation_in_grid(triangle, {scene.eye[0], scene.eye[1], scene.eye[2], 1}, tables.projection) *
+                    tables.projection.handedness;
                 const long double z = real.height(pixel_x, pixel_y);
+                measure_eye(r, evaluated, tables, direction_of(tables, x, y), triangle, orientation, z, scene.name,
+                            tally);
+                if (!meets) continue;
                 EXPECT_TRUE(r.z_low <= z && z <= r.z_high) << id << " at " << x << ", " << y;
             }
         }
@@ -366,11 +410,11 @@ TEST(triangle_setup, writes_only_its_own) {
     const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), scene.width, scene.height);
     gnomon::TriangleSetup setup;
     const gnomon::FrameCounters all =
-        set_up(session, setup, tables.projection, gnomon::Triangles::upload(device, scene.triangles));
+        set_up(session, setup, tables, gnomon::Triangles::upload(device, scene.triangles));
     for (const gnomon::cl::Buffer* buffer : {&setup.records(), &setup.bounds(), &setup.tiles().buffer()})
         put_canaries(session, *buffer);
     const gnomon::FrameCounters few = set_up(
-        session, setup, tables.projection, gnomon::Triangles::upload(device, std::span(scene.triangles).first(9 * 50)));
+        session, setup, tables, gnomon::Triangles::upload(device, std::span(scene.triangles).first(9 * 50)));
     ASSERT_LT(few.survivors, all.survivors);
     ASSERT_GT(few.survivors, 0u);
     ASSERT_LT(few.slots, setup.capacity());
