@@ -95,7 +95,6 @@ static LaneInt lanes_to_search(const VisibilityWork* work, const PixelRays* bloc
 // Sets the boxes around the rays of the tile's parts, which hide nothing yet. All items must call this.
 static void start_tile(const VisibilityWork* work, uint left, uint top, __local ListBatch* batch) {
     uint width = work->projection->width, height = work->projection->height;
-    barrier(CLK_LOCAL_MEM_FENCE);  // the items may still read the last tile's batch
     for (uint part = (uint)get_local_id(0); part < TILE_PARTS; part += (uint)get_local_size(0)) {
         uint2 at = pixel_of_tile(part << (PART_COLUMNS_LOG2 + PART_ROWS_LOG2));
         float x = (float)(left + at.x) + (0.5f + work->params.offset[0]);

@@ -97,7 +97,7 @@ private:
     std::string failed_;
 };
 
-/// gnomon. What a mode keeps between runs is made once, in get_ready(). A whole frame is look(), then run() or
+/// gnomon. What a mode keeps between runs is made once, in get_ready(). A whole frame is a camera pass, then run() or
 /// run_samples() on its points, then shade(); else the shadows of `seen`'s points run alone.
 class OwnContestant : public Contestant {
 public:
@@ -122,6 +122,7 @@ private:
     const Seen& seen_;
     Triangles triangles_;
     std::unique_ptr<Technique> technique_;
+    std::optional<CameraPass> camera_;
     std::optional<View> view_;  ///< of the last frame
     std::vector<double> keep_ms_;
 };
