@@ -112,11 +112,11 @@ bool FrustumTraced::may_draw_map(const PointInputs& points) const {
 // A CPU estimates in each frame whether a map is worth its cost, between two kernels. On a GPU a map's launches take a
 // tenth of a frame, whatever they draw, so the rule uses the counts of the last map.
 bool FrustumTraced::goes_by_last_map(const PointInputs& points) const {
-    return settings_.map_mode == MapMode::automatic && !device_.session().is_cpu() && points.footprints == nullptr;
+    return settings_.map_mode == MapMode::automatic && !session_.is_cpu() && points.footprints == nullptr;
 }
 
 ListSettings FrustumTraced::list_settings(const PointInputs& points, cl_uint frame) const {
-    const bool judges_map = settings_.map_mode == MapMode::automatic && device_.session().is_cpu();
+    const bool judges_map = settings_.map_mode == MapMode::automatic && session_.is_cpu();
     const bool skips_map = goes_by_last_map(points) && runs_without_map_[frame] != 0;
     return {may_draw_map(points) && !skips_map, judges_map, settings_.cover_test};
 }
@@ -157,49 +157,46 @@ TraceInputs FrustumTraced::frame_inputs(const RunInputs& in, cl_uint frame, cons
 }
 
 void FrustumTraced::observe(Moment moment, const TraceInputs& inputs) {
-    if (provenance_) provenance_->record(device_.session(), moment, inputs, trace_);
+    if (provenance_) provenance_->record(session_, moment, inputs, trace_);
 }
 
 std::optional<FrameCounters> FrustumTraced::decide(const TraceInputs& inputs, Statistics& statistics,
                                                    FrameCounters& first_read) {
-    cl::Session& session = device_.session();
     const bool are_footprints = inputs.points.footprints != nullptr;
     if (are_footprints) {
-        cl::timed(session, statistics, "classify_footprints", [&] { run_classify_footprints(session, inputs); });
+        cl::StageTimer timer(session_, statistics, "classify_footprints");
+        run_classify_footprints(session_, inputs);
     } else {
-        cl::timed(session, statistics, "trace", [&] { trace_.run(session, Task::trace, inputs, frames_.blocks()); });
+        cl::StageTimer timer(session_, statistics, "trace");
+        trace_.run(session_, Task::trace, inputs, frames_.blocks());
         observe(Moment::after_trace, inputs);
-        cl::timed(session, statistics, "exact_trace", [&] { trace_.decide_queue(session, inputs); });
+        timer.next("exact_trace");
+        trace_.decide_queue(session_, inputs);
         observe(Moment::after_exact_trace, inputs);
     }
-    first_read = session.read_value<FrameCounters>(counters_);
-    if (!lists_.fitted(session, first_read)) return {};
-    if (are_footprints || trace_.fitted(session, inputs.points, first_read)) return first_read;
+    first_read = session_.read_value<FrameCounters>(counters_);
+    if (!lists_.fitted(session_, first_read)) return {};
+    if (are_footprints || trace_.fitted(session_, inputs.points, first_read)) return first_read;
     observe(Moment::before_queue_overflow, inputs);
     return run_queue_overflow(inputs, statistics);
 }
 
 FrameCounters FrustumTraced::run_queue_overflow(const TraceInputs& inputs, Statistics& statistics) {
-    cl::Session& session = device_.session();
-    cl::StageTimer timer(session, statistics, "trace");
-    trace_.run(session, Task::trace_queue_overflow, inputs, nullptr);
-    return session.read_value<FrameCounters>(counters_);
+    cl::StageTimer timer(session_, statistics, "trace");
+    trace_.run(session_, Task::trace_queue_overflow, inputs, nullptr);
+    return session_.read_value<FrameCounters>(counters_);
 }
 
 FrustumTraced::FrameResult FrustumTraced::run_frame(const RunInputs& in, cl_uint frame, Statistics& statistics,
                                                     bool counters_hold_facing) {
-    cl::Session& session = device_.session();
-    if (!counters_hold_facing) clear(session, counters_);
-    cl::timed(session, statistics, "receiver_depth_pyramid", [&] {
-        receiver_depth_pyramid_.run(session, in.light_frame, frame, 1, in.points, frames_.projection(),
-                                    frames_.blocks(), in.visibility);
-    });
+    if (!counters_hold_facing) clear(session_, counters_);
+    frames_.reduce_depths(session_, statistics, in.light_frame, frame, in.points, in.visibility);
     FrameResult result;
     const ListSettings settings = list_settings(in.points, frame);
     for (;; ++result.lists_grown) {
-        if (result.lists_grown != 0) clear(session, counters_);
-        result.map = lists_.run(session, statistics, in.light_frame, frames_.projection(), in.triangles, settings,
-                                receiver_depth_pyramid_, counters_);
+        if (result.lists_grown != 0) clear(session_, counters_);
+        result.map = lists_.run(session_, statistics, in.light_frame, frames_.projection(), in.triangles, settings,
+                                frames_.receiver_depths(), counters_);
         FrameCounters read{};
         const auto counted = decide(frame_inputs(in, frame, result.map), statistics, read);
         if (result.lists_grown == 0) result.first_attempt = read;
@@ -215,7 +212,6 @@ FrustumTraced::FrameResult FrustumTraced::run_frame(const RunInputs& in, cl_uint
 
 // Runs only the stages that depend on the points; false if there are fallback points.
 bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
-    cl::Session& session = device_.session();
     const LightFrame& light_frame = prepared_->light_frame();
     const TraceInputs inputs{.light_frame = light_frame,
                              .first_frame = 0,
@@ -228,20 +224,21 @@ bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
                              .visibility = in.visibility,
                              .counters = counters_};
     const auto trace = [&](Task task) {
-        clear(session, counters_);
-        cl::timed(session, result.statistics, "trace", [&] {
-            const bool caches = task == Task::trace_prepared_cached_facing;
-            trace_.run(session, task, inputs, caches ? &frames_.empty_facing_cache(session, in.triangles) : nullptr);
-        });
-        cl::timed(session, result.statistics, "exact_trace", [&] { trace_.decide_queue(session, inputs); });
-        return session.read_value<FrameCounters>(counters_);
+        clear(session_, counters_);
+        cl::StageTimer timer(session_, result.statistics, "trace");
+        const bool caches = task == Task::trace_prepared_cached_facing;
+        trace_.run(session_, task, inputs, caches ? &frames_.empty_facing_cache(session_, in.triangles) : nullptr);
+        timer.next("exact_trace");
+        trace_.decide_queue(session_, inputs);
+        timer.next(nullptr);
+        return session_.read_value<FrameCounters>(counters_);
     };
-    const Task task = prepared_trace_task(session, in.points, light_frame.perspective == 0);
+    const Task task = prepared_trace_task(session_, in.points, light_frame.perspective == 0);
     FrameCounters counted = trace(task);
     if (task == Task::trace_prepared_plane_side && counted.fallback_points != 0) counted = trace(Task::trace_prepared);
     result.fallback_points = counted.fallback_points;
     if (counted.fallback_points != 0) return false;
-    if (!trace_.fitted(session, in.points, counted)) counted = run_queue_overflow(inputs, result.statistics);
+    if (!trace_.fitted(session_, in.points, counted)) counted = run_queue_overflow(inputs, result.statistics);
     result.frames = inputs.frame_count;
     result.facing = counted;
     result.add(counted);
@@ -255,9 +252,8 @@ bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
 // as a stage. (On a CPU a wait is free, and where no point is open the other stages need not run.)
 void FrustumTraced::run_one_frame(const RunInputs& in, RunResult& result) {
     Statistics& statistics = result.statistics;
-    cl::Session& session = device_.session();
-    frames_.start_facing(session, statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
-    frames_.fit_one(session, statistics, in.light_frame);
+    frames_.start_facing(session_, statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
+    frames_.fit_one(session_, statistics, in.light_frame);
     observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
     const std::size_t stages = statistics.stages.size();
     const FrameResult frame = run_frame(in, 0, statistics, true);
@@ -269,14 +265,14 @@ void FrustumTraced::run_one_frame(const RunInputs& in, RunResult& result) {
 }
 
 void FrustumTraced::run_unprepared(const RunInputs& in, RunResult& result) {
-    cl::Session& session = device_.session();
-    if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0 && !session.is_cpu())
+    if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0 && !session_.is_cpu())
         return run_one_frame(in, result);
-    frames_.start_facing(session, result.statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
-    result.facing = session.read_value<FrameCounters>(counters_);
+    frames_.start_facing(session_, result.statistics, in.light_frame, in.triangles, in.points, in.visibility,
+                         counters_);
+    result.facing = session_.read_value<FrameCounters>(counters_);
     observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
     if (in.triangles.count == 0 || !result.has_open_points(in.points)) return;
-    frames_.for_each(session, result.statistics, in.light_frame,
+    frames_.for_each(session_, result.statistics, in.light_frame,
                      [&](cl_uint frame) { result.add(run_frame(in, frame, result.statistics, false)); });
 }
 
@@ -304,23 +300,21 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
         inputs.face_light = true;
         return run_on(triangles, inputs, light, visibility.buffer());
     }
-    cl::Session& session = device_.session();
-    MeasuredRun measured(session, kept_bytes_);
+    MeasuredRun measured(session_, kept_bytes_);
     const RunInputs in{triangle_inputs(triangles), inputs, footprint_lists_->light_frame, visibility.buffer()};
     FrameCounters read;
-    clear(session, counters_);
+    clear(session_, counters_);
     decide(frame_inputs(in, 0, footprint_lists_->map), measured.stages, read);
     return measured.finish();
 }
 
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
                                  cl_mem visibility) {
-    cl::Session& session = device_.session();
-    MeasuredRun measured(session, kept_bytes_);
-    const FrameGrid grid = run_grid(session, settings_.map_size, triangles.count(), points.layout.count);
+    MeasuredRun measured(session_, kept_bytes_);
+    const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), points.layout.count);
     const RunInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     footprint_lists_.reset();
-    counters_.reserve(session, sizeof(FrameCounters));
+    counters_.reserve(session_, sizeof(FrameCounters));
     RunResult result{measured.stages};
     if (points.layout.count != 0) {
         const bool is_prepared = !provenance_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
@@ -398,7 +392,7 @@ std::vector<std::uint32_t> FrustumTraced::run_watched(const Triangles& triangles
     } const watch(provenance_);
     run(triangles, points, light, visibility);
     if (points.count() == 0) return {};
-    return provenance_->read(device_.session(), points.count());
+    return provenance_->read(session_, points.count());
 }
 
 std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const Triangles& triangles,
@@ -427,11 +421,10 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
     require_light(light);
     forget();
     if (triangles.count() == 0) return {};
-    cl::Session& session = device_.session();
-    MeasuredRun measured(session, kept_bytes_);
-    const FrameGrid grid = prepared_grid(session, settings_.map_size, triangles.count(), !light.is_directional());
+    MeasuredRun measured(session_, kept_bytes_);
+    const FrameGrid grid = prepared_grid(session_, settings_.map_size, triangles.count(), !light.is_directional());
     prepared_ = std::make_unique<PreparedLight>(
-        session, measured.stages, triangles, light, grid,
+        session_, measured.stages, triangles, light, grid,
         ListSettings{settings_.map_mode != MapMode::off, false, settings_.cover_test}, settings_.first_capacity);
     merge_stages(measured.stages);
     const FrameCounters& c = prepared_->counted();
@@ -449,7 +442,7 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
 }
 
 void FrustumTraced::forget() {
-    const MeasuredRun freed(device_.session(), kept_bytes_);
+    const MeasuredRun freed(session_, kept_bytes_);
     prepared_.reset();
 }
 

@@ -16,7 +16,7 @@ namespace gnomon {
 
 class FrustumTraced final : public Technique, public ClassifiesFootprints {
 public:
-    explicit FrustumTraced(const Device& device) : device_(device) {}
+    explicit FrustumTraced(const Device& device) : device_(device), session_(device.session()) {}
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
     Statistics classify_footprints(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
@@ -75,6 +75,7 @@ private:
     static void describe_counts(const RunInputs& in, RunResult& result);
 
     Device device_;
+    cl::Session& session_;
     Settings settings_ = settings_table().defaults();
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
 
@@ -83,7 +84,6 @@ private:
 
     cl::Buffer counters_;
     LightFrames frames_;
-    ReceiverDepthPyramid receiver_depth_pyramid_;
     OccluderLists lists_;
     Trace trace_;
     /// The frame of the lists, if they were made for footprints and are valid for all of their samples.

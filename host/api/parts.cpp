@@ -11,7 +11,6 @@
 // The size of a part is found by trying: a part that ends with OutOfDeviceMemory is halved. The code assumes nothing
 // about a technique's memory, and every failed try leaves all objects usable.
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 
 #include "api/inputs.hpp"
@@ -137,7 +136,7 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
                         const Light& light, const Visibility& visibility) {
     if (vertices.size() % 9 != 0)
         throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = cl::Clock::now();
     require_run(Triangles(), points, light, visibility);
     Statistics statistics;
     OpenPoints open = all_open(device, points, ids);
@@ -171,8 +170,7 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
                          {"points_in_shadow", std::uint64_t(std::count(answers.begin(), answers.end(), 0.0f))},
                          {"triangles", total},
                          {"parts", parts}};
-    statistics.total_wall_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    statistics.total_wall_ms = cl::ms_since(start);
     return statistics;
 }
 

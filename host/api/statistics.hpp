@@ -24,9 +24,7 @@ public:
     Statistics finish(decltype(Statistics::counts) counts = {});
     /// The most device memory so far, without the memory of other objects.
     std::uint64_t peak_bytes() const { return kept_ + session_.run_peak_bytes() - before_; }
-    double wall_ms() const {
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-    }
+    double wall_ms() const { return cl::ms_since(start_); }
 
     Statistics stages{};  ///< for StageTimer
 
@@ -34,7 +32,7 @@ private:
     cl::Session& session_;
     std::uint64_t& kept_;
     std::uint64_t before_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    cl::Clock::time_point start_ = cl::Clock::now();
 };
 
 /// Adds the times of a run's stages to those of several runs: one entry for each name, in the order of their first

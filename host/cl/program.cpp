@@ -257,11 +257,11 @@ cl_program Session::program_of(const Kernel& kernel) {
     const std::string file = joins ? picture_program : kernel.file;
     const std::string key_here = file + ' ' + kernel.defines;
     if (auto found = programs_.find(key_here); found != programs_.end()) return found->second;
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     cl_program program = load_or_build(file, kernel.defines);
     programs_.emplace(key_here, program);
     ++builds_.programs;
-    builds_.ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    builds_.ms += ms_since(start);
     return program;
 }
 

@@ -198,7 +198,7 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     const std::size_t global = std::max<std::size_t>(groups, 1) * local;
     cl_event event = nullptr, before = nullptr;
     const bool is_first = std::exchange(is_first_launch_, false) && times_first_launches_;
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     attempt(std::string("launching kernel ") + name, [&] {
         if (is_first) clEnqueueMarkerWithWaitList(queue_, 0, nullptr, &before);
         const cl_int code = clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr,
@@ -211,8 +211,8 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     if (profiles_) events_.push_back(event);
     if (traces_) {
         finish();
-        const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-        std::fprintf(stderr, "gnomon: trace: %-28s %9zu x %-4zu %10.3f ms\n", name, global / local, local, ms);
+        std::fprintf(stderr, "gnomon: trace: %-28s %9zu x %-4zu %10.3f ms\n", name, global / local, local,
+                     ms_since(start));
     }
 }
 
@@ -296,23 +296,20 @@ double Session::take_device_ms() {
     return ms;
 }
 
-void StageTimer::begin(std::string name) {
-    name_ = std::move(name);
-    build_ms_ = session_.build_ms();
-    start_ = std::chrono::steady_clock::now();
-}
-
-void StageTimer::end() {
-    StageStatistics stage;
-    stage.name = name_;
-    try {
-        stage.device_ms = session_.take_device_ms();
-        if (session_.profiles()) session_.kernel_builds();
-    } catch (const Error&) {  // the stage's own failure is already on its way up
+void StageTimer::next(const char* name) {
+    if (name_ != nullptr) {
+        double device_ms = 0;
+        try {
+            device_ms = session_.take_device_ms();
+            if (session_.profiles()) session_.kernel_builds();
+        } catch (const Error&) {  // the stage's own failure is already on its way up
+        }
+        const double wall_ms = ms_since(start_) - (session_.build_ms() - build_ms_);
+        statistics_.stages.push_back({name_, device_ms, std::max(0.0, wall_ms), {}});
     }
-    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - start_;
-    stage.wall_ms = std::max(0.0, wall.count() - (session_.build_ms() - build_ms_));
-    statistics_.stages.push_back(stage);
+    name_ = name;
+    build_ms_ = session_.build_ms();
+    start_ = Clock::now();
 }
 
 }  // namespace gnomon::cl

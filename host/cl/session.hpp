@@ -13,6 +13,11 @@
 
 namespace gnomon::cl {
 
+using Clock = std::chrono::steady_clock;
+inline double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
 /// Throws OutOfDeviceMemory or OpenClError unless code is CL_SUCCESS.
 void check(cl_int code, std::string_view call);
 
@@ -239,35 +244,23 @@ private:
     std::vector<FirstLaunch> first_launches_;  ///< launches with waits that are not yet in builds_
 };
 
-/// Times one stage after the other into Statistics: wall time, and device time where the session profiles.
+/// Times one stage after the other into Statistics: wall time, and device time where the session profiles. Without a
+/// name it times nothing.
 class StageTimer {
 public:
-    StageTimer(Session& session, Statistics& statistics, std::string name)
+    StageTimer(Session& session, Statistics& statistics, const char* name = nullptr)
         : session_(session), statistics_(statistics) {
-        begin(std::move(name));
+        next(name);
     }
-    ~StageTimer() { end(); }
-    void next(std::string name) {
-        end();
-        begin(std::move(name));
-    }
+    ~StageTimer() { next(nullptr); }
+    void next(const char* name);
 
 private:
-    void begin(std::string name);
-    void end();
-
     Session& session_;
     Statistics& statistics_;
-    std::string name_;
+    const char* name_ = nullptr;
     double build_ms_;
-    std::chrono::steady_clock::time_point start_;
+    Clock::time_point start_;
 };
-
-/// Times these launches as a stage.
-template <typename Launches>
-void timed(Session& session, Statistics& statistics, const char* stage, const Launches& launches) {
-    StageTimer timer(session, statistics, stage);
-    launches();
-}
 
 }  // namespace gnomon::cl

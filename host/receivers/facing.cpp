@@ -96,14 +96,12 @@ void Facing::run(cl::Session& session, const LightFrame& light_frame, const Tria
 FrameCounters run_facing(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles,
                          const PointInputs& points, const Light& light, cl_mem visibility, cl::Buffer& counters) {
     if (points.layout.count == 0) return {};
-    {
-        cl::StageTimer timer(session, statistics, "facing");
-        counters.reserve(session, sizeof(FrameCounters));
-        session.fill(counters, 0, sizeof(FrameCounters));
-        // No bounds are taken, so `counters` stands for frame_bounds, too.
-        face_points(session, facing_params(make_light_frame(light, {1, 0}), triangles, points, false, false), triangles,
-                    points, {visibility, counters, counters});
-    }
+    cl::StageTimer timer(session, statistics, "facing");
+    session.reserve_filled(counters, 0, sizeof(FrameCounters));
+    // No bounds are taken, so `counters` stands for frame_bounds, too.
+    face_points(session, facing_params(make_light_frame(light, {1, 0}), triangles, points, false, false), triangles,
+                points, {visibility, counters, counters});
+    timer.next(nullptr);
     return session.read_value<FrameCounters>(counters);
 }
 

@@ -15,6 +15,12 @@ void LightFrames::start_fit(cl::Session& session, Statistics& statistics, const 
     light_frame_.run(session, light_frame, facing_.frame_bounds());
 }
 
+void LightFrames::reduce_depths(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
+                                cl_uint frame, const PointInputs& points, cl_mem visibility) {
+    cl::StageTimer timer(session, statistics, "receiver_depth_pyramid");
+    receiver_depths_.run(session, light_frame, frame, 1, points, projection(), facing_.blocks(), visibility);
+}
+
 void LightFrames::fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
     start_fit(session, statistics, light_frame);
     has_one_ = true;

@@ -4,6 +4,7 @@
 
 #include "kernels/simd/frame_counters.h"
 #include "receivers/facing.hpp"
+#include "receivers/receiver_depth_pyramid.hpp"
 
 namespace gnomon {
 
@@ -19,6 +20,10 @@ public:
                   const std::function<void(cl_uint frame)>& use);
     /// For a light with one frame, without waiting for the device: the frame may turn out to have no open points.
     void fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame);
+    /// Makes receiver_depths() of a frame in projection(), over the points of start_facing().
+    void reduce_depths(cl::Session& session, Statistics& statistics, const LightFrame& light_frame, cl_uint frame,
+                       const PointInputs& points, cl_mem visibility);
+    ReceiverDepthPyramid& receiver_depths() { return receiver_depths_; }
     const cl::Buffer& empty_facing_cache(cl::Session& session, const TriangleInputs& triangles) {
         return facing_.empty_cache(session, triangles);
     }
@@ -30,6 +35,7 @@ private:
 
     Facing facing_;
     LightFrameFit light_frame_;
+    ReceiverDepthPyramid receiver_depths_;
     cl::Buffer projection_;
     bool has_one_ = false;
 };

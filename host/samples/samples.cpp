@@ -86,15 +86,13 @@ Statistics run_every_sample(Technique* technique, const Device& device, const Tr
         add_stages(total, shadow);
         add_counts(total, shadow);
         const bool is_last = first + count == pattern.size();
-        {
-            cl::StageTimer timer(session, total, "samples_mean");
-            session.launch("samples/samples.cl", "samples_mean", cl::Range::items(pixels),
-                           MeanParams{.pixels = cl_uint(pixels),
-                                      .samples = cl_uint(count),
-                                      .is_first = first == 0,
-                                      .scale = is_last ? 1.0f / static_cast<float>(pattern.size()) : 1.0f},
-                           visibility.buffer(), mean.buffer());
-        }
+        cl::StageTimer timer(session, total, "samples_mean");
+        session.launch("samples/samples.cl", "samples_mean", cl::Range::items(pixels),
+                       MeanParams{.pixels = cl_uint(pixels),
+                                  .samples = cl_uint(count),
+                                  .is_first = first == 0,
+                                  .scale = is_last ? 1.0f / static_cast<float>(pattern.size()) : 1.0f},
+                       visibility.buffer(), mean.buffer());
         total.device_memory_bytes =
             std::max(total.device_memory_bytes, session.memory_bytes() - before + shadow.device_memory_bytes);
     }
@@ -129,7 +127,7 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
     if (mean.count() < pixels)
         throw InvalidArgument("the visibility buffer holds " + std::to_string(mean.count()) + " of " +
                               std::to_string(pixels) + " pixels");
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = cl::Clock::now();
     Statistics total;
     auto* classifying = dynamic_cast<ClassifiesFootprints*>(&technique);
     if (classifying != nullptr && samples > 1 && triangles.count() != 0) {
@@ -140,7 +138,7 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
     }
     device.session().finish();
     merge_stages(total);
-    total.total_wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    total.total_wall_ms = cl::ms_since(start);
     return total;
 }
 

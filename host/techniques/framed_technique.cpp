@@ -31,7 +31,10 @@ auto named(std::string_view name) {
 }  // namespace
 
 FramedTechnique::FramedTechnique(const Device& device, TechniqueDescription description)
-    : device_(device), settings_(all_settings().defaults()), description_(std::move(description)) {}
+    : device_(device),
+      session_(device.session()),
+      settings_(all_settings().defaults()),
+      description_(std::move(description)) {}
 
 std::vector<SettingDescription> FramedTechnique::settings(std::initializer_list<std::string_view> names) {
     const std::vector<SettingDescription> all = all_settings().descriptions();
@@ -54,42 +57,33 @@ FramedParams FramedTechnique::params_of(const Run& run, cl_uint frame) const {
             .padding = 0};
 }
 
-void FramedTechnique::make_receiver_depths(Run& run, cl_uint frame) {
-    cl::Session& session = device_.session();
-    cl::StageTimer timer(session, run.statistics, "receiver_depth_pyramid");
-    receiver_depth_pyramid_.run(session, run.light_frame, frame, 1, run.points, frames_.projection(), frames_.blocks(),
-                                run.visibility);
-}
-
 void FramedTechnique::list_triangles(Run& run, bool for_map) {
-    cl::Session& session = device_.session();
-    const cl::Buffer* pyramid = for_map ? &receiver_depth_pyramid_.pyramid() : nullptr;
+    const cl::Buffer* pyramid = for_map ? &frames_.receiver_depths().pyramid() : nullptr;
     for (;; ++run.grown) {
-        cl::StageTimer timer(session, run.statistics, "triangle_setup");
-        session.fill(counters_, 0, sizeof(FrameCounters));
-        setup_.run_bounds(session, frames_.projection(), run.triangles, nullptr, pyramid, counters_);
+        cl::StageTimer timer(session_, run.statistics, "triangle_setup");
+        session_.fill(counters_, 0, sizeof(FrameCounters));
+        setup_.run_bounds(session_, frames_.projection(), run.triangles, nullptr, pyramid, counters_);
         if (for_map)
-            setup_.run_map_tiles(session, frames_.projection(), run.triangles, *pyramid, counters_);
+            setup_.run_map_tiles(session_, frames_.projection(), run.triangles, *pyramid, counters_);
         else
-            setup_.run_tiles(session, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
-        if (setup_.fitted(session, session.read_value<FrameCounters>(counters_))) return;
+            setup_.run_tiles(session_, frames_.projection(), run.triangles, nullptr, nullptr, counters_);
+        if (setup_.fitted(session_, session_.read_value<FrameCounters>(counters_))) return;
     }
 }
 
 Statistics FramedTechnique::run(const Triangles& triangles, const Points& points, const Light& light,
                                 const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
-    cl::Session& session = device_.session();
-    MeasuredRun measured(session, kept_bytes_);
+    MeasuredRun measured(session_, kept_bytes_);
     Run run{triangle_inputs(triangles), point_inputs(points), make_light_frame(light, grid()), visibility.buffer()};
-    counters_.reserve(session, sizeof(FrameCounters));
+    counters_.reserve(session_, sizeof(FrameCounters));
     FrameCounters facing{};
     if (points.count() != 0) {
-        frames_.start_facing(session, run.statistics, run.light_frame, run.triangles, run.points, run.visibility,
+        frames_.start_facing(session_, run.statistics, run.light_frame, run.triangles, run.points, run.visibility,
                              counters_);
-        facing = session.read_value<FrameCounters>(counters_);
+        facing = session_.read_value<FrameCounters>(counters_);
         if (triangles.count() != 0)
-            frames_.for_each(session, run.statistics, run.light_frame, [&](cl_uint frame) {
+            frames_.for_each(session_, run.statistics, run.light_frame, [&](cl_uint frame) {
                 const FrameCounters counted = run_frame(run, frame);
                 add_counters(run.counted, counted);
                 run.tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);

@@ -9,7 +9,6 @@
 #include "occluders/conservative_map.hpp"
 #include "occluders/triangle_setup.hpp"
 #include "receivers/light_frames.hpp"
-#include "receivers/receiver_depth_pyramid.hpp"
 #include "techniques/registered.hpp"
 
 namespace gnomon {
@@ -41,22 +40,21 @@ protected:
     /// The descriptions of some settings, by name.
     static std::vector<SettingDescription> settings(std::initializer_list<std::string_view> names);
 
-    virtual FrameGrid grid() const { return map_grid(device_.session(), settings_.map_size); }
+    virtual FrameGrid grid() const { return map_grid(session_, settings_.map_size); }
     /// Decides the open points of a frame by its projection, frames_.projection(); the counters of the frame.
     virtual FrameCounters run_frame(Run& run, cl_uint frame) = 0;
     /// The technique's own counts.
     virtual decltype(Statistics::counts) counts_of(Run& run) const = 0;
 
     FramedParams params_of(const Run& run, cl_uint frame) const;
-    void make_receiver_depths(Run& run, cl_uint frame);
     /// Makes the frame's triangles and their tiles; for the conservative map, only those that may cover a whole texel.
     void list_triangles(Run& run, bool for_map);
 
     Device device_;
+    cl::Session& session_;
     FramedSettings settings_;
     cl::Buffer counters_;  ///< FrameCounters
     LightFrames frames_;
-    ReceiverDepthPyramid receiver_depth_pyramid_;
     TriangleSetup setup_;
 
 private:

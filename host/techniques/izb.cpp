@@ -70,11 +70,10 @@ public:
 private:
     /// Lists triangles and points, and decides the points; the counts of the frame.
     FrameCounters run_once(Run& run, cl_uint frame) {
-        cl::Session& session = device_.session();
-        session.fill(counters_, 0, sizeof(FrameCounters));
+        session_.fill(counters_, 0, sizeof(FrameCounters));
         const cl::Buffer* map =
-            lists_.run(session, run.statistics, run.light_frame, frames_.projection(), run.triangles,
-                       {settings_.draws_map, false, settings_.cover_test}, receiver_depth_pyramid_, counters_);
+            lists_.run(session_, run.statistics, run.light_frame, frames_.projection(), run.triangles,
+                       {settings_.draws_map, false, settings_.cover_test}, frames_.receiver_depths(), counters_);
         const TraceInputs inputs{.light_frame = run.light_frame,
                                  .first_frame = frame,
                                  .frame_count = 1,
@@ -85,20 +84,20 @@ private:
                                  .lists = list_buffers(lists_.bins(), lists_.setup()),
                                  .visibility = run.visibility,
                                  .counters = counters_};
-        cl::StageTimer timer(session, run.statistics, "izb");
-        izb_.run(session, inputs);
+        cl::StageTimer timer(session_, run.statistics, "izb");
+        izb_.run(session_, inputs);
         timer.next("trace");
-        izb_.trace(session, inputs, lists_.bins(), trace_);
+        izb_.trace(session_, inputs, lists_.bins(), trace_);
         timer.next("exact_trace");
-        trace_.decide_queue(session, inputs);
-        return session.read_value<FrameCounters>(counters_);
+        trace_.decide_queue(session_, inputs);
+        return session_.read_value<FrameCounters>(counters_);
     }
 
     FrameCounters run_frame(Run& run, cl_uint frame) override {
-        make_receiver_depths(run, frame);
+        frames_.reduce_depths(session_, run.statistics, run.light_frame, frame, run.points, run.visibility);
         FrameCounters counted = run_once(run, frame);
-        for (; !lists_.fitted(device_.session(), counted); counted = run_once(run, frame)) ++run.grown;
-        trace_.fitted(device_.session(), run.points, counted);  // for later frames: no pair was lost
+        for (; !lists_.fitted(session_, counted); counted = run_once(run, frame)) ++run.grown;
+        trace_.fitted(session_, run.points, counted);  // for later frames: no pair was lost
         return counted;
     }
 

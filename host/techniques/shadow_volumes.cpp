@@ -41,7 +41,7 @@ const SettingsTable<Settings>& settings_table() {
 
 class ShadowVolumes final : public Technique {
 public:
-    explicit ShadowVolumes(const Device& device) : device_(device) {}
+    explicit ShadowVolumes(const Device& device) : device_(device), session_(device.session()) {}
 
     static TechniqueDescription describe() {
         return {"shadow-volumes",
@@ -62,29 +62,27 @@ public:
         const TriangleInputs triangle_data = triangle_inputs(triangles);
         const PointInputs point_data = point_inputs(points);
         VolumeParams params = params_of(triangle_data, points, light);
-        cl::Session& session = device_.session();
-        MeasuredRun measured(session, kept_bytes_);
+        MeasuredRun measured(session_, kept_bytes_);
         const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
-        session.reserve_filled(counters_, 0, sizeof(VolumeCounters));
-        session.reserve_filled(tile_counts_, 0, tiles * sizeof(cl_int));
-        session.reserve_filled(pixel_counts_, 0, points.count() * sizeof(cl_int));
-        tile_depths_.reserve(session, tiles * 2 * sizeof(cl_float));
+        session_.reserve_filled(counters_, 0, sizeof(VolumeCounters));
+        session_.reserve_filled(tile_counts_, 0, tiles * sizeof(cl_int));
+        session_.reserve_filled(pixel_counts_, 0, points.count() * sizeof(cl_int));
+        tile_depths_.reserve(session_, tiles * 2 * sizeof(cl_float));
 
         cl_uint side_count = 0;
-        {
-            cl::StageTimer timer(session, measured.stages, "volume_sides");
-            if (triangles.count() != 0) side_count = make_sides(params, triangle_data.vertices);
-            timer.next("volume_depths");
-            session.launch(file, "shadow_volumes_depths", cl::Range::items(tiles), params, point_data.layout,
-                           point_data.positions, tile_depths_);
-            timer.next("volume_draw");
-            if (side_count != 0) draw(params, point_data, side_count);
-            timer.next("volume_resolve");
-            session.launch(file, "shadow_volumes_resolve", cl::Range::items(points.count()), params, point_data.layout,
-                           point_data.positions, point_data.receivers, triangle_data.vertices, tile_counts_,
-                           pixel_counts_, counters_, visibility.buffer());
-        }
-        const auto counted = session.read_value<VolumeCounters>(counters_);
+        cl::StageTimer timer(session_, measured.stages, "volume_sides");
+        if (triangles.count() != 0) side_count = make_sides(params, triangle_data.vertices);
+        timer.next("volume_depths");
+        session_.launch(file, "shadow_volumes_depths", cl::Range::items(tiles), params, point_data.layout,
+                        point_data.positions, tile_depths_);
+        timer.next("volume_draw");
+        if (side_count != 0) draw(params, point_data, side_count);
+        timer.next("volume_resolve");
+        session_.launch(file, "shadow_volumes_resolve", cl::Range::items(points.count()), params, point_data.layout,
+                        point_data.positions, point_data.receivers, triangle_data.vertices, tile_counts_, pixel_counts_,
+                        counters_, visibility.buffer());
+        timer.next(nullptr);
+        const auto counted = session_.read_value<VolumeCounters>(counters_);
         return measured.finish(
             {{"points", points.count()},
              {"triangles", triangles.count()},
@@ -132,7 +130,6 @@ private:
     }
 
     cl_uint make_sides(VolumeParams params, cl_mem vertices) {
-        cl::Session& session = device_.session();
         const std::uint64_t edges = 3 * std::uint64_t(params.triangle_count);
         if (edges >= (std::uint64_t(1) << 30))
             throw InvalidArgument("shadow-volumes takes at most 357 million triangles, not " +
@@ -140,46 +137,46 @@ private:
         // At most half full, so that the search for an edge is short.
         cl_uint slots = 16;
         while (slots < 2 * edges) slots *= 2;
-        session.reserve_filled(slot_edges_, GN_NO_ID, std::size_t(slots) * sizeof(cl_uint));
-        session.reserve_filled(slot_weights_, 0, std::size_t(slots) * sizeof(cl_int));
+        session_.reserve_filled(slot_edges_, GN_NO_ID, std::size_t(slots) * sizeof(cl_uint));
+        session_.reserve_filled(slot_weights_, 0, std::size_t(slots) * sizeof(cl_int));
         params.slot_count = slots;
-        session.launch(file, "shadow_volumes_edges", cl::Range::items(params.triangle_count), params, vertices,
-                       slot_edges_, slot_weights_, counters_);
-        cursor_.reserve(session, sizeof(cl_uint));
-        sides_.reserve(session, 1u << 16);
+        session_.launch(file, "shadow_volumes_edges", cl::Range::items(params.triangle_count), params, vertices,
+                        slot_edges_, slot_weights_, counters_);
+        cursor_.reserve(session_, sizeof(cl_uint));
+        sides_.reserve(session_, 1u << 16);
         for (;;) {
             params.side_capacity = sides_.capacity();
-            session.fill(cursor_, 0, sizeof(cl_uint));
-            session.launch(file, "shadow_volumes_sides", cl::Range::items(slots), params, vertices, slot_edges_,
-                           slot_weights_, cursor_, sides_.buffer());
+            session_.fill(cursor_, 0, sizeof(cl_uint));
+            session_.launch(file, "shadow_volumes_sides", cl::Range::items(slots), params, vertices, slot_edges_,
+                            slot_weights_, cursor_, sides_.buffer());
             if (settings_.z_fail)
-                session.launch(file, "shadow_volumes_caps", cl::Range::items(params.triangle_count), params, vertices,
-                               cursor_, sides_.buffer());
-            const auto wanted = session.read_value<cl_uint>(cursor_);
+                session_.launch(file, "shadow_volumes_caps", cl::Range::items(params.triangle_count), params, vertices,
+                                cursor_, sides_.buffer());
+            const auto wanted = session_.read_value<cl_uint>(cursor_);
             if (wanted <= sides_.capacity()) return wanted;
-            sides_.reserve(session, wanted);
+            sides_.reserve(session_, wanted);
         }
     }
 
     void draw(VolumeParams params, const PointInputs& points, cl_uint side_count) {
-        cl::Session& session = device_.session();
         const std::size_t tiles = std::size_t(params.tiles_x) * params.tiles_y;
         const std::size_t blocks = std::size_t(params.blocks_x) * params.blocks_y;
         const auto slice = static_cast<cl_uint>(std::clamp<std::size_t>(pair_capacity / tiles, 1, 1u << 20));
-        pairs_.reserve(session, slice * tiles * 2 * sizeof(cl_uint));
+        pairs_.reserve(session_, slice * tiles * 2 * sizeof(cl_uint));
         for (cl_uint first = 0; first < side_count; first += slice) {
             params.first_side = first;
             params.side_count = std::min(slice, side_count - first);
-            session.fill(cursor_, 0, sizeof(cl_uint));
-            session.launch(file, "shadow_volumes_tiles", cl::Range::items(params.side_count * blocks), params,
-                           sides_.buffer(), tile_depths_, tile_counts_, pairs_, cursor_, counters_);
-            session.launch(file, "shadow_volumes_pixels", cl::Range::items(session.many_groups() * 256), params,
-                           points.layout, points.positions, points.receivers, sides_.buffer(), pairs_, cursor_,
-                           pixel_counts_, counters_);
+            session_.fill(cursor_, 0, sizeof(cl_uint));
+            session_.launch(file, "shadow_volumes_tiles", cl::Range::items(params.side_count * blocks), params,
+                            sides_.buffer(), tile_depths_, tile_counts_, pairs_, cursor_, counters_);
+            session_.launch(file, "shadow_volumes_pixels", cl::Range::items(session_.many_groups() * 256), params,
+                            points.layout, points.positions, points.receivers, sides_.buffer(), pairs_, cursor_,
+                            pixel_counts_, counters_);
         }
     }
 
     Device device_;
+    cl::Session& session_;
     Settings settings_ = settings_table().defaults();
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
     GrowingList sides_{sizeof(VolumeSide)};

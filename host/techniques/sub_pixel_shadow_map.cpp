@@ -21,19 +21,17 @@ private:
     FrameGrid grid() const override { return texel_grid(settings_.map_size); }
 
     void draw(Run& run, SubPixelParams params) {
-        cl::Session& session = device_.session();
-        cl::StageTimer timer(session, run.statistics, "sub_pixel_draw");
+        cl::StageTimer timer(session_, run.statistics, "sub_pixel_draw");
         const std::size_t bytes = std::size_t(run.light_frame.width) * run.light_frame.height * sizeof(cl_uint);
-        session.reserve_filled(heights_, 0, bytes);
-        session.reserve_filled(ids_, GN_NO_ID, bytes);
+        session_.reserve_filled(heights_, 0, bytes);
+        session_.reserve_filled(ids_, GN_NO_ID, bytes);
         for (; params.stores_ids < 2; ++params.stores_ids)
-            session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw",
-                           cl::Range::items(params.tile_capacity), params, frames_.projection(), setup_.records(),
-                           setup_.bounds(), setup_.tiles().buffer(), heights_, ids_, counters_);
+            session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw",
+                            cl::Range::items(params.tile_capacity), params, frames_.projection(), setup_.records(),
+                            setup_.bounds(), setup_.tiles().buffer(), heights_, ids_, counters_);
     }
 
     FrameCounters run_frame(Run& run, cl_uint frame) override {
-        cl::Session& session = device_.session();
         list_triangles(run, false);
         const SubPixelParams params{.framed = params_of(run, frame),
                                     .reach = settings_.neighbours,
@@ -41,12 +39,12 @@ private:
                                     .stores_ids = 0,
                                     .padding = 0};
         draw(run, params);
-        cl::StageTimer timer(session, run.statistics, "sub_pixel_lookup");
-        session.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
-                       cl::Range::items(run.points.layout.count / session.lanes() + 1), params, frames_.projection(),
-                       run.points.positions, run.points.receivers, run.triangles.vertices, ids_, run.visibility,
-                       counters_);
-        return session.read_value<FrameCounters>(counters_);
+        cl::StageTimer timer(session_, run.statistics, "sub_pixel_lookup");
+        session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
+                        cl::Range::items(run.points.layout.count / session_.lanes() + 1), params, frames_.projection(),
+                        run.points.positions, run.points.receivers, run.triangles.vertices, ids_, run.visibility,
+                        counters_);
+        return session_.read_value<FrameCounters>(counters_);
     }
 
     decltype(Statistics::counts) counts_of(Run& run) const override {

@@ -104,7 +104,8 @@ const SettingsTable<Settings>& settings_table() {
 class ShadowMap final : public Technique {
 public:
     /// `name`: of the preset, for the texts of errors.
-    explicit ShadowMap(const Device& device, std::string_view name = "shadow-map") : device_(device), name_(name) {}
+    explicit ShadowMap(const Device& device, std::string_view name = "shadow-map")
+        : device_(device), session_(device.session()), name_(name) {}
 
     static TechniqueDescription describe() {
         TechniqueDescription description{
@@ -123,13 +124,12 @@ public:
                    const Visibility& visibility) override {
         require_run(triangles, points, light, visibility);
         require_consistent();
-        cl::Session& session = device_.session();
-        MeasuredRun measured(session, kept_bytes_);
+        MeasuredRun measured(session_, kept_bytes_);
         FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light, points.camera()};
         inputs.keeps_casters = settings_.lookup == LOOKUP_PCSS;  // the lookup measures the distance to casters
         map_views_.set = {};
         const FrameCounters facing =
-            run_facing(session, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
+            run_facing(session_, measured.stages, inputs.triangles, inputs.points, light, inputs.visibility, counters_);
         if (points.count() != 0) {
             if (triangles.count() != 0 && facing.absent + facing.facing_away < points.count())
                 run_stages(inputs, measured.stages);
@@ -137,7 +137,7 @@ public:
                 measured.stages.stages.push_back(
                     {"depth_pass", 0, 0, "no point faces the light, or there are no triangles"});
         }
-        session.finish();
+        session_.finish();
         return measured.finish({{"points", points.count()},
                                 {"points_absent", facing.absent},
                                 {"points_facing_away", facing.facing_away},
@@ -156,7 +156,7 @@ public:
         const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                                points.camera()};
         const auto diagnostic = static_cast<cl_uint>(asked - all.begin());
-        return opaque_bytes(run_map_diagnostic(device_.session(), diagnostic, inputs, map_views_).colors);
+        return opaque_bytes(run_map_diagnostic(session_, diagnostic, inputs, map_views_).colors);
     }
 
 private:
@@ -208,17 +208,15 @@ private:
 
     /// Fills and filters what the map holds instead of depth.
     void store_quantity(const FitInputs& inputs, StorePlan& plan, Statistics& statistics) {
-        cl::Session& session = device_.session();
         // Pixel footprints need a camera and receivers.
         const bool has_footprints = inputs.camera && inputs.points.layout.has_receivers != 0;
         const bool lacks_footprints = settings_.prefilter == Prefilter::mip && !has_footprints;
         const Prefilter prefilter = lacks_footprints ? Prefilter::none : settings_.prefilter;
-        {
-            cl::StageTimer timer(session, statistics, "moments");
-            stored_.fill(session, map_views_, depths_, plan);
-            timer.next("prefilter");
-            stored_.prefilter(session, map_views_, prefilter, settings_.filter_width, plan);
-        }
+        cl::StageTimer timer(session_, statistics, "moments");
+        stored_.fill(session_, map_views_, depths_, plan);
+        timer.next("prefilter");
+        stored_.prefilter(session_, map_views_, prefilter, settings_.filter_width, plan);
+        timer.next(nullptr);
         if (prefilter != Prefilter::none) return;
         statistics.stages.back().skipped =
             lacks_footprints ? "mip needs points of a camera: looked up unfiltered" : "switched off";
@@ -237,38 +235,36 @@ private:
                               .store = store,
                               .steps = inputs.camera ? pixel_steps(*inputs.camera) : PixelSteps{}};
         const cl::Buffer& planes = is_stored ? stored_.planes() : depths_.keys();
-        device_.session().launch({"techniques/shadow_map/lookup.cl", "map_lookup", is_stored ? "LOOKUP_STORED" : ""},
-                                 cl::Range::items(inputs.points.layout.count), plan, map_views_.set,
-                                 inputs.points.layout, inputs.points.positions, inputs.points.receivers,
-                                 inputs.triangles.vertices, map_views_.views, map_views_.tables, depths_.keys(), planes,
-                                 store.mips != 0 ? stored_.mips() : planes, inputs.visibility);
+        session_.launch({"techniques/shadow_map/lookup.cl", "map_lookup", is_stored ? "LOOKUP_STORED" : ""},
+                        cl::Range::items(inputs.points.layout.count), plan, map_views_.set, inputs.points.layout,
+                        inputs.points.positions, inputs.points.receivers, inputs.triangles.vertices, map_views_.views,
+                        map_views_.tables, depths_.keys(), planes, store.mips != 0 ? stored_.mips() : planes,
+                        inputs.visibility);
     }
 
     void run_stages(const FitInputs& inputs, Statistics& statistics) {
-        cl::Session& session = device_.session();
         const Settings& s = settings_;
-        {
-            cl::StageTimer timer(session, statistics, "fit");
-            fit_.run(session, inputs, s.size, map_views_);
-        }
+        cl::StageTimer timer(session_, statistics, "fit");
+        fit_.run(session_, inputs, s.size, map_views_);
+        timer.next(nullptr);
         if (const std::string limits = fit_.limits(inputs); !limits.empty())
             statistics.stages.push_back({"fit_along_view", 0, 0, limits});
-        {
-            cl::StageTimer timer(session, statistics, "depth_pass");
-            DepthBias bias;
-            if (s.bias == Settings::Bias::scaled && s.store == STORE_DEPTH) bias.slope = s.slope_bias;
-            bias.slope_limit = s.slope_limit;
-            if (s.bias == Settings::Bias::dual) bias.dual_limit = s.dual_limit;
-            depths_.run(session, inputs.triangles, map_views_, bias,
-                        s.store == STORE_VARIANCE || s.store == STORE_LAYERED);
-        }
+        timer.next("depth_pass");
+        DepthBias bias;
+        if (s.bias == Settings::Bias::scaled && s.store == STORE_DEPTH) bias.slope = s.slope_bias;
+        bias.slope_limit = s.slope_limit;
+        if (s.bias == Settings::Bias::dual) bias.dual_limit = s.dual_limit;
+        depths_.run(session_, inputs.triangles, map_views_, bias,
+                    s.store == STORE_VARIANCE || s.store == STORE_LAYERED);
+        timer.next(nullptr);
         StorePlan plan = store_plan();
         if (s.store != STORE_DEPTH) store_quantity(inputs, plan, statistics);
-        cl::StageTimer timer(session, statistics, "lookup");
+        timer.next("lookup");
         look_up(inputs, plan);
     }
 
     Device device_;
+    cl::Session& session_;
     std::string name_;
     Settings settings_ = settings_table().defaults();
     ViewFit fit_;

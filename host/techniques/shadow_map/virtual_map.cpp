@@ -60,7 +60,7 @@ const SettingsTable<Settings>& settings_table() {
 
 class VirtualShadowMap final : public Technique {
 public:
-    explicit VirtualShadowMap(const Device& device) : device_(device) {}
+    explicit VirtualShadowMap(const Device& device) : device_(device), session_(device.session()) {}
 
     static TechniqueDescription describe() {
         return {
@@ -85,8 +85,7 @@ public:
     std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
                                        std::span<const Visibility> visibilities) override {
         require_run_lights(triangles, points, lights, visibilities);
-        cl::Session& session = device_.session();
-        const MeasuredRun measured(session, kept_bytes_);
+        const MeasuredRun measured(session_, kept_bytes_);
         light_views_.resize(lights.size());
         counted_ = {};
         static_assert(sizeof(VirtualCounters) <= sizeof(FrameCounters));
@@ -98,7 +97,7 @@ public:
                                                         visibilities[i].buffer(), lights[i], points.camera()}});
             run.index = i;
             light_views_[i].set = {};
-            run.facing = run_facing(session, run.statistics, run.inputs.triangles, run.inputs.points, lights[i],
+            run.facing = run_facing(session_, run.statistics, run.inputs.triangles, run.inputs.points, lights[i],
                                     run.inputs.visibility, counters_);
             if (points.count() == 0) continue;
             if (triangles.count() != 0 && run.facing.absent + run.facing.facing_away < points.count())
@@ -107,7 +106,7 @@ public:
                 run.statistics.stages.push_back({"draw", 0, 0, "no point faces the light, or there are no triangles"});
         }
         if (!drawn.empty()) run_stages(drawn);
-        session.finish();
+        session_.finish();
 
         std::vector<Statistics> all;
         std::uint64_t first_page = 0;
@@ -138,20 +137,19 @@ public:
     std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                        const Light& light) override {
         if (name != "page") return Technique::diagnose(name, triangles, points, light);
-        cl::Session& session = device_.session();
         const std::size_t count = points.count();
         // Where no point faces the light the run requests no page.
-        session.reserve_filled(point_entries_, NO_PAGE, count * sizeof(cl_uint));
+        session_.reserve_filled(point_entries_, NO_PAGE, count * sizeof(cl_uint));
         const Visibility visibility(device_, count);
         run(triangles, points, light, visibility);  // leaves its pages behind
         const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                                points.camera()};
-        const cl::Buffer colors(session, 3 * count * sizeof(float));
-        session.launch(file, "virtual_map_page_colors", cl::Range::items(count),
-                       plan_of(inputs, light_views_.front().set.view_count), inputs.points.layout,
-                       inputs.points.positions, point_entries_, colors);
+        const cl::Buffer colors(session_, 3 * count * sizeof(float));
+        session_.launch(file, "virtual_map_page_colors", cl::Range::items(count),
+                        plan_of(inputs, light_views_.front().set.view_count), inputs.points.layout,
+                        inputs.points.positions, point_entries_, colors);
         std::vector<float> drawn(3 * count);
-        session.read(colors.get(), drawn.data(), drawn.size() * sizeof(float));
+        session_.read(colors.get(), drawn.data(), drawn.size() * sizeof(float));
         return opaque_bytes(drawn);
     }
 
@@ -179,42 +177,43 @@ private:
     }
 
     void request(LightRun& run, const VirtualPlan& plan) {
-        cl::Session& session = device_.session();
+        cl::StageTimer timer(session_, run.statistics, "request");
         const MapViews& views = light_views_[run.index];
         const PointInputs& points = run.inputs.points;
-        session.launch(file, "virtual_map_levels", cl::Range::items(views.set.view_count * plan.levels), plan,
-                       run.light, views.views, level_views_.views);
-        session.launch(file, "virtual_map_request", cl::Range::items(points.layout.count), plan, run.light, views.set,
-                       points.layout, points.positions, run.inputs.visibility, views.views, views.tables, requested_,
-                       point_entries_, counters_);
+        session_.launch(file, "virtual_map_levels", cl::Range::items(views.set.view_count * plan.levels), plan,
+                        run.light, views.views, level_views_.views);
+        session_.launch(file, "virtual_map_request", cl::Range::items(points.layout.count), plan, run.light, views.set,
+                        points.layout, points.positions, run.inputs.visibility, views.views, views.tables, requested_,
+                        point_entries_, counters_);
         const VirtualCounters before = counted_;
-        counted_ = session.read_value<VirtualCounters>(counters_);
+        counted_ = session_.read_value<VirtualCounters>(counters_);
         run.outside = counted_.points_outside - before.points_outside;
         run.pages = counted_.pages_requested - before.pages_requested;
     }
 
     /// Makes a physical page of every requested entry.
-    void allocate(const VirtualPlan& plan) {
-        cl::Session& session = device_.session();
+    void allocate(const VirtualPlan& plan, Statistics& statistics) {
+        cl::StageTimer timer(session_, statistics, "pages");
+        fill_centres(session_, level_views_);
         const cl_uint entries = plan.view_count * plan.entries_per_view;
-        page_of_.reserve(session, (std::size_t(entries) + 1) * sizeof(cl_uint));
-        scan_.run(session, entries, 1, requested_, page_of_);
+        page_of_.reserve(session_, (std::size_t(entries) + 1) * sizeof(cl_uint));
+        scan_.run(session_, entries, 1, requested_, page_of_);
         const cl_uint pages = counted_.pages_requested;
         if (pages > most_pages)
             throw InvalidArgument("the points request " + std::to_string(pages) + " pages of a virtual map of size " +
                                   std::to_string(settings_.size) + ", and there can be " + std::to_string(most_pages) +
                                   ": set a smaller size or detail");
-        pages_.reserve(session, pages * sizeof(MapView));
-        session.reserve_filled(touched_, 0, pages * sizeof(cl_uint));
+        pages_.reserve(session_, pages * sizeof(MapView));
+        session_.reserve_filled(touched_, 0, pages * sizeof(cl_uint));
         // A little more than the texels: kernels read the last ones in blocks of lanes.
-        session.reserve_filled(keys_, EMPTY_KEY,
-                               (std::size_t(pages) * PAGE_TEXELS + session.lanes()) * sizeof(cl_uint));
-        session.launch(file, "virtual_map_pages", cl::Range::items(entries), plan, level_views_.views, requested_,
-                       page_of_, pages_);
+        session_.reserve_filled(keys_, EMPTY_KEY,
+                                (std::size_t(pages) * PAGE_TEXELS + session_.lanes()) * sizeof(cl_uint));
+        session_.launch(file, "virtual_map_pages", cl::Range::items(entries), plan, level_views_.views, requested_,
+                        page_of_, pages_);
     }
 
-    void draw(const TriangleInputs& triangles, const VirtualPlan& plan) {
-        cl::Session& session = device_.session();
+    void draw(const TriangleInputs& triangles, const VirtualPlan& plan, Statistics& statistics) {
+        cl::StageTimer timer(session_, statistics, "draw");
         DepthPass pass{};
         pass.pass = PASS_NEAREST;
         pass.first_float = triangles.first_float;
@@ -222,18 +221,18 @@ private:
         pass.slope_bias = settings_.slope_bias;
         pass.slope_limit = settings_.slope_limit;
         // Drawing triangles twice leaves a minimum unchanged: after growing, the stage draws all triangles again.
-        pairs_.reserve(session, 1u << 12);
+        pairs_.reserve(session_, 1u << 12);
         for (;;) {
             pass.chunk_capacity = pairs_.capacity();
-            session.launch(file, "virtual_map_small", cl::Range::items(triangles.count), plan, pass, triangles.vertices,
-                           level_views_.views, level_views_.tables, requested_, page_of_, pages_, touched_, keys_,
-                           counters_, pairs_.buffer());
-            session.launch(file, "virtual_map_large", session.small_groups(), plan, pass, triangles.vertices,
-                           level_views_.tables, page_of_, pages_, keys_, counters_, pairs_.buffer());
-            counted_ = session.read_value<VirtualCounters>(counters_);
-            if (pairs_.fitted(session, counted_.pairs, "triangles of pages")) return;
+            session_.launch(file, "virtual_map_small", cl::Range::items(triangles.count), plan, pass,
+                            triangles.vertices, level_views_.views, level_views_.tables, requested_, page_of_, pages_,
+                            touched_, keys_, counters_, pairs_.buffer());
+            session_.launch(file, "virtual_map_large", session_.small_groups(), plan, pass, triangles.vertices,
+                            level_views_.tables, page_of_, pages_, keys_, counters_, pairs_.buffer());
+            counted_ = session_.read_value<VirtualCounters>(counters_);
+            if (pairs_.fitted(session_, counted_.pairs, "triangles of pages")) return;
             counted_.pairs = 0;
-            session.write(counters_.get(), &counted_, sizeof(counted_));
+            session_.write(counters_.get(), &counted_, sizeof(counted_));
         }
     }
 
@@ -241,17 +240,16 @@ private:
     std::uint64_t pages_drawn(std::uint64_t first, std::uint64_t count) const {
         if (count == 0) return 0;
         std::vector<cl_uint> touched(first + count);
-        device_.session().read(touched_.get(), touched.data(), touched.size() * sizeof(cl_uint));
+        session_.read(touched_.get(), touched.data(), touched.size() * sizeof(cl_uint));
         return std::uint64_t(std::count(touched.begin() + std::ptrdiff_t(first), touched.end(), 1u));
     }
 
     /// Views, requests, pages, drawing and lookup for the lights that some point faces.
     void run_stages(std::vector<LightRun*>& runs) {
-        cl::Session& session = device_.session();
         cl_uint view_count = 0;
         for (LightRun* run : runs) {
-            cl::StageTimer timer(session, run->statistics, "fit");
-            fit_.run(session, run->inputs, settings_.size, light_views_[run->index]);
+            cl::StageTimer timer(session_, run->statistics, "fit");
+            fit_.run(session_, run->inputs, settings_.size, light_views_[run->index]);
             run->light.first_point = cl_ulong(run->index) * run->inputs.points.layout.count;
             run->light.first_view = view_count;
             run->light.view_count = light_views_[run->index].set.view_count;
@@ -262,34 +260,26 @@ private:
         const std::size_t entries = std::size_t(plan.view_count) * plan.entries_per_view;
         level_views_.set = light_views_[runs.front()->index].set;
         level_views_.set.view_count = plan.view_count * plan.levels;
-        level_views_.views.reserve(session, level_views_.set.view_count * sizeof(MapView));
-        level_views_.tables.reserve(session, std::size_t(plan.view_count) * 4 * settings_.size * sizeof(cl_float));
-        session.reserve_filled(requested_, 0, entries * sizeof(cl_uint));
-        point_entries_.reserve(session, light_views_.size() * any.points.layout.count * sizeof(cl_uint));
-        session.fill(counters_, 0, sizeof(VirtualCounters));
-        for (LightRun* run : runs) {
-            cl::StageTimer timer(session, run->statistics, "request");
-            request(*run, plan);
-        }
-        Statistics& shared = runs.front()->statistics;
-        {
-            cl::StageTimer timer(session, shared, "pages");
-            fill_centres(session, level_views_);
-            allocate(plan);
-            timer.next("draw");
-            draw(any.triangles, plan);
-        }
+        level_views_.views.reserve(session_, level_views_.set.view_count * sizeof(MapView));
+        level_views_.tables.reserve(session_, std::size_t(plan.view_count) * 4 * settings_.size * sizeof(cl_float));
+        session_.reserve_filled(requested_, 0, entries * sizeof(cl_uint));
+        point_entries_.reserve(session_, light_views_.size() * any.points.layout.count * sizeof(cl_uint));
+        session_.fill(counters_, 0, sizeof(VirtualCounters));
+        for (LightRun* run : runs) request(*run, plan);
+        allocate(plan, runs.front()->statistics);
+        draw(any.triangles, plan, runs.front()->statistics);
         for (LightRun* run : runs) {
             if (run != runs.front())
                 run->statistics.stages.push_back({"draw", 0, 0, "in one pass with the first light that is drawn"});
-            cl::StageTimer timer(session, run->statistics, "lookup");
-            session.launch(file, "virtual_map_lookup", cl::Range::items(any.points.layout.count), plan, run->light,
-                           any.points.layout, any.points.positions, level_views_.tables, point_entries_, page_of_,
-                           pages_, keys_, run->inputs.visibility);
+            cl::StageTimer timer(session_, run->statistics, "lookup");
+            session_.launch(file, "virtual_map_lookup", cl::Range::items(any.points.layout.count), plan, run->light,
+                            any.points.layout, any.points.positions, level_views_.tables, point_entries_, page_of_,
+                            pages_, keys_, run->inputs.visibility);
         }
     }
 
     Device device_;
+    cl::Session& session_;
     Settings settings_ = settings_table().defaults();
     std::uint64_t kept_bytes_ = 0;  ///< of the buffers below, kept from run to run
 
