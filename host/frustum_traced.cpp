@@ -24,6 +24,7 @@
 #include <limits>
 
 #include "api/statistics.hpp"
+#include "techniques/registered.hpp"
 #include "trace/explain.hpp"
 
 namespace gnomon {
@@ -463,5 +464,7 @@ TechniqueDescription FrustumTraced::describe() {
               "what decided each point: pale and blue the filter, dark blue the map, green to red the exact "
               "predicate; docs/techniques.md has the legend"}}};
 }
+
+Registered frustum_traced_technique() { return registered<FrustumTraced>(); }
 
 }  // namespace gnomon

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The public functions: devices and the register of techniques. A new technique is one entry in
-// `all_registered`, declared in techniques/registered.hpp.
+// The public functions: devices, and techniques by their names (techniques/registered.hpp lists them).
 #include <gnomon.hpp>
 
 #include <functional>
@@ -8,7 +7,6 @@
 #include "api/inputs.hpp"
 #include "cl/session.hpp"
 #include "exact/self_check.hpp"
-#include "frustum_traced.hpp"
 #include "techniques/registered.hpp"
 
 namespace gnomon {
@@ -41,12 +39,7 @@ std::uint64_t Statistics::count(std::string_view name) const {
 namespace {
 
 std::vector<Registered> all_registered() {
-    std::vector<Registered> all{
-        registered<FrustumTraced>(),  izb_technique(),
-        shadow_map_technique(),       virtual_shadow_map_technique(),
-        shadow_volumes_technique(),   sub_pixel_technique(),
-        conservative_map_technique(),
-    };
+    std::vector<Registered> all{GN_TECHNIQUES};
     for (Registered& preset : shadow_map_presets()) all.push_back(std::move(preset));
     return all;
 }

@@ -52,9 +52,9 @@ Ids seen_of(const Device& device, const View& view, const Ids& ids) {
 struct OpenPoints {
     std::vector<float> positions;  ///< 3 each
     Ids receivers;                 ///< positions in the whole scene, or no_receiver
-    Ids places;                    ///< the points' indices in `visibility`
+    Ids indices;                   ///< the points' indices in `visibility`
 
-    std::size_t count() const { return places.size(); }
+    std::size_t count() const { return indices.size(); }
 };
 
 OpenPoints all_open(const Device& device, const Points& points, std::span<const std::uint32_t> ids) {
@@ -62,7 +62,7 @@ OpenPoints all_open(const Device& device, const Points& points, std::span<const 
     OpenPoints open{std::move(host.position), std::move(host.receiver), Ids(points.count())};
     if (!ids.empty())
         for (std::uint32_t& receiver : open.receivers) receiver = receiver < ids.size() ? ids[receiver] : no_receiver;
-    std::iota(open.places.begin(), open.places.end(), 0u);
+    std::iota(open.indices.begin(), open.indices.end(), 0u);
     return open;
 }
 
@@ -95,15 +95,15 @@ std::vector<float> visible(const Device& device, Technique& technique, const Par
 void close_points(OpenPoints& open, std::span<const float> answers, std::vector<float>& visibility) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < answers.size(); ++i) {
-        visibility[open.places[i]] = std::min(visibility[open.places[i]], answers[i]);
+        visibility[open.indices[i]] = std::min(visibility[open.indices[i]], answers[i]);
         if (answers[i] == 0) continue;
         std::copy_n(&open.positions[3 * i], 3, &open.positions[3 * kept]);
         open.receivers[kept] = open.receivers[i];
-        open.places[kept++] = open.places[i];
+        open.indices[kept++] = open.indices[i];
     }
     open.positions.resize(3 * kept);
     open.receivers.resize(kept);
-    open.places.resize(kept);
+    open.indices.resize(kept);
 }
 
 }  // namespace

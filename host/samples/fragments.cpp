@@ -36,23 +36,18 @@ SampleBuffers& buffers_of(ClassifiesFootprints& technique, const Device& device)
 
 class SamplesByFragments {
 public:
-    SamplesByFragments(ClassifiesFootprints& technique, const Device& device, const Triangles& triangles,
-                       const View& view, const Light& light, std::span<const SampleOffset> offsets,
-                       const Visibility& mean, std::size_t points_at_once)
+    SamplesByFragments(ClassifiesFootprints& technique, const SampledView& in)
         : technique_(technique),
-          device_(device),
-          session_(device.session()),
-          triangles_(triangles),
-          inputs_(triangle_inputs(triangles)),
-          view_(view),
-          light_(light),
-          mean_(mean),
-          points_at_once_(std::max<std::size_t>(points_at_once, pixels_of_bands(1) * offsets.size())),
-          camera_(view.points.camera()->camera),
-          pattern_(pattern_of(offsets)),
-          kept_(buffers_of(technique, device)),
+          in_(in),
+          view_(in.view),
+          session_(in.device.session()),
+          inputs_(triangle_inputs(in.triangles)),
+          points_at_once_(std::max<std::size_t>(in.points_at_once, pixels_of_bands(1) * in.pattern.size())),
+          camera_(view_.points.camera()->camera),
+          pattern_(pattern_of(in.pattern)),
+          kept_(buffers_of(technique, in.device)),
           memory_(session_, kept_.bytes_of_runs) {
-        kept_.camera.aim(triangles, camera_, view.width, view.height, offsets);
+        kept_.camera.aim(in.triangles, camera_, view_.width, view_.height, in.pattern);
         kept_.pattern.reserve(session_, sizeof(SamplePattern));
         kept_.counters.reserve(session_, sizeof(SampleCounters));
         session_.write(kept_.pattern.get(), &pattern_, sizeof(pattern_));
@@ -213,10 +208,13 @@ private:
         // Room for all slots: the number of used slots depends on threads (see find_receivers_in_parts()).
         kept_.classes.reserve(session_, batch_.slots * sizeof(float));
         // The fragments' buffer begins with their receivers.
-        Points centres = Points::wrap(device_, kept_.centres.get(), {0, 1, batch_.slots}, count, kept_.fragments.get());
+        Points centres =
+            Points::wrap(in_.device, kept_.centres.get(), {0, 1, batch_.slots}, count, kept_.fragments.get());
         centres.set_eye(camera_.eye);
-        const Visibility classes(device_, kept_.classes.get(), count);
-        add_run([&] { return technique_.classify_footprints(triangles_, centres, kept_.footprints, light_, classes); });
+        const Visibility classes(in_.device, kept_.classes.get(), count);
+        add_run([&] {
+            return technique_.classify_footprints(in_.triangles, centres, kept_.footprints, in_.light, classes);
+        });
     }
 
     void resolve() {
@@ -246,10 +244,10 @@ private:
         const std::size_t points = make_points(first, count, most);
         if (points == 0) return;
         Points samples =
-            Points::wrap(device_, kept_.positions.get(), {0, 1, most}, points, kept_.point_receivers.get());
+            Points::wrap(in_.device, kept_.positions.get(), {0, 1, most}, points, kept_.point_receivers.get());
         samples.set_eye(camera_.eye);
-        const Visibility visibility(device_, kept_.visibility.get(), points);
-        add_run([&] { return technique_.trace_mixed(triangles_, samples, light_, visibility); });
+        const Visibility visibility(in_.device, kept_.visibility.get(), points);
+        add_run([&] { return technique_.trace_mixed(in_.triangles, samples, in_.light, visibility); });
         run_stage("samples_count_lit", cl::Range::items(points), params_of(0, cl_uint(points)), kept_.point_samples,
                   kept_.visibility, kept_.fragments);
     }
@@ -274,11 +272,10 @@ private:
 
     void write_mean() {
         run_stage("samples_mean_of_sums", cl::Range::items(batch_.count), params_of(0, batch_.count), kept_.fragments,
-                  mean_.buffer());
+                  in_.mean.buffer());
     }
 
-    template <typename Run>
-    void add_run(Run&& run_technique) {
+    void add_run(const auto& run_technique) {
         const MeasuredRun memory(session_, kept_.bytes_of_technique);
         const Statistics run = run_technique();
         add_stages(total_, run);
@@ -297,13 +294,10 @@ private:
     }
 
     ClassifiesFootprints& technique_;
-    const Device& device_;
-    cl::Session& session_;
-    const Triangles& triangles_;
-    TriangleInputs inputs_;
+    const SampledView& in_;
     const View& view_;
-    const Light& light_;
-    const Visibility& mean_;
+    cl::Session& session_;
+    TriangleInputs inputs_;
     std::size_t points_at_once_;
     Camera camera_;
     SamplePattern pattern_;
@@ -343,10 +337,8 @@ SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     return pattern;
 }
 
-Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const Device& device, const Triangles& triangles,
-                                    const View& view, const Light& light, std::span<const SampleOffset> offsets,
-                                    const Visibility& mean, std::size_t points_at_once) {
-    SamplesByFragments samples(technique, device, triangles, view, light, offsets, mean, points_at_once);
+Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const SampledView& in) {
+    SamplesByFragments samples(technique, in);
     Statistics total = samples.run();
     total.device_memory_bytes = samples.device_memory_bytes();
     return total;

@@ -42,6 +42,7 @@ constexpr auto pattern_4 = from_sixteenths(direct3d_4);
 constexpr auto pattern_8 = from_sixteenths(direct3d_8);
 constexpr auto pattern_16 = from_sixteenths(direct3d_16);
 constexpr auto pattern_32 = hammersley_32();
+constexpr std::span<const SampleOffset> patterns[] = {pattern_1, pattern_4, pattern_8, pattern_16, pattern_32};
 
 void add_counts(Statistics& total, const Statistics& batch) {
     for (const auto& [name, count] : batch.counts) {
@@ -56,9 +57,8 @@ void add_counts(Statistics& total, const Statistics& batch) {
 
 // Makes every sample of every pixel a point: for techniques that cannot classify footprints, or for `sink` alone
 // (technique null).
-Statistics run_every_sample(Technique* technique, const Device& device, const Triangles& triangles, const View& view,
-                            const Light& light, std::span<const SampleOffset> pattern, const Visibility& mean,
-                            const SampleSink& sink, std::size_t points_at_once) {
+Statistics run_every_sample(Technique* technique, const SampledView& in, const SampleSink& sink) {
+    const auto& [device, triangles, view, light, pattern, mean, points_at_once] = in;
     cl::Session& session = device.session();
     const std::uint64_t before = session.memory_bytes();
     const std::size_t pixels = view.points.count();
@@ -102,20 +102,9 @@ Statistics run_every_sample(Technique* technique, const Device& device, const Tr
 }  // namespace
 
 std::span<const SampleOffset> sample_pattern(std::uint32_t samples) {
-    switch (samples) {
-        case 1:
-            return pattern_1;
-        case 4:
-            return pattern_4;
-        case 8:
-            return pattern_8;
-        case 16:
-            return pattern_16;
-        case 32:
-            return pattern_32;
-        default:
-            throw InvalidArgument("a pixel has 1, 4, 8, 16 or 32 samples, not " + std::to_string(samples));
-    }
+    for (const std::span<const SampleOffset> pattern : patterns)
+        if (pattern.size() == samples) return pattern;
+    throw InvalidArgument("a pixel has 1, 4, 8, 16 or 32 samples, not " + std::to_string(samples));
 }
 
 Statistics run_samples_in_batches(Technique& technique, const Device& device, const Triangles& triangles,
@@ -129,12 +118,13 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
                               std::to_string(pixels) + " pixels");
     const auto start = cl::Clock::now();
     Statistics total;
+    const SampledView in{device, triangles, view, light, pattern, mean, points_at_once};
     auto* classifying = dynamic_cast<ClassifiesFootprints*>(&technique);
     if (classifying != nullptr && samples > 1 && triangles.count() != 0) {
-        if (sink) run_every_sample(nullptr, device, triangles, view, light, pattern, mean, sink, points_at_once);
-        total = run_samples_by_fragments(*classifying, device, triangles, view, light, pattern, mean, points_at_once);
+        if (sink) run_every_sample(nullptr, in, sink);
+        total = run_samples_by_fragments(*classifying, in);
     } else {
-        total = run_every_sample(&technique, device, triangles, view, light, pattern, mean, sink, points_at_once);
+        total = run_every_sample(&technique, in, sink);
     }
     device.session().finish();
     merge_stages(total);

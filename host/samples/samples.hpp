@@ -14,14 +14,22 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
                                   const View& view, const Light& light, std::uint32_t samples, const Visibility& mean,
                                   const SampleSink& sink, std::size_t points_at_once);
 
+/// The inputs of a run of samples. There are about `points_at_once` points or fragments on the device.
+struct SampledView {
+    const Device& device;
+    const Triangles& triangles;
+    const View& view;
+    const Light& light;
+    std::span<const SampleOffset> pattern;
+    const Visibility& mean;
+    std::size_t points_at_once;
+};
+
 /// The pattern as the kernels take it.
 SamplePattern pattern_of(std::span<const SampleOffset> offsets);
 
 /// Most samples are decided together: the technique classifies the footprints of pixel fragments as in shadow or lit,
-/// and the samples of mixed fragments become points. There are about `points_at_once` points or fragments on the
-/// device, but a row of camera tiles at least.
-Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const Device& device, const Triangles& triangles,
-                                    const View& view, const Light& light, std::span<const SampleOffset> offsets,
-                                    const Visibility& mean, std::size_t points_at_once);
+/// and the samples of mixed fragments become points. A row of camera tiles at least is on the device at once.
+Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const SampledView& in);
 
 }  // namespace gnomon

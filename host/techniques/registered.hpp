@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The techniques of this wing, as the register of gnomon.cpp takes them. A technique's class stands in its own file.
+// The register of techniques. A technique's class stands in its own file, and its name in the list here.
 #pragma once
 
 #include <functional>
@@ -13,17 +13,17 @@ struct Registered {
 };
 
 template <typename T>
-Registered registered(TechniqueDescription description = T::describe()) {
-    return {std::move(description),
-            [](const Device& device) -> std::unique_ptr<Technique> { return std::make_unique<T>(device); }};
+Registered registered() {
+    return {T::describe(), [](const Device& device) { return std::make_unique<T>(device); }};
 }
 
-Registered izb_technique();
-Registered shadow_map_technique();
-Registered virtual_shadow_map_technique();
-Registered shadow_volumes_technique();
-Registered sub_pixel_technique();
-Registered conservative_map_technique();
+/// The techniques in the order of techniques(); each function stands in its technique's file. The same text declares
+/// the functions here and calls them in gnomon.cpp.
+#define GN_TECHNIQUES                                                                                    \
+    frustum_traced_technique(), izb_technique(), shadow_map_technique(), virtual_shadow_map_technique(), \
+        shadow_volumes_technique(), sub_pixel_technique(), conservative_map_technique()
+Registered GN_TECHNIQUES;
+
 /// Named compositions of the shadow-map family, each a technique of its own.
 std::vector<Registered> shadow_map_presets();
 
