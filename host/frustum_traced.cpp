@@ -29,14 +29,6 @@
 
 namespace gnomon {
 
-/// The inputs of a run. They do not change until the run's end.
-struct FrustumTraced::RunInputs {
-    TriangleInputs triangles;
-    PointInputs points;
-    LightFrame light_frame;
-    cl_mem visibility;
-};
-
 /// The counts of one frame.
 struct FrustumTraced::FrameResult {
     FrameCounters counted{};
@@ -144,7 +136,7 @@ void FrustumTraced::note_map_benefit(const FrameResult& result, cl_uint frame) {
 
 // ---- A frame --------------------------------------------------------------------------------------------------------
 
-TraceInputs FrustumTraced::frame_inputs(const RunInputs& in, cl_uint frame, const cl::Buffer* map) const {
+TraceInputs FrustumTraced::frame_inputs(const FramedInputs& in, cl_uint frame, const cl::Buffer* map) const {
     return {.light_frame = in.light_frame,
             .first_frame = frame,
             .frame_count = 1,
@@ -188,10 +180,10 @@ FrameCounters FrustumTraced::run_queue_overflow(const TraceInputs& inputs, Stati
     return session_.read_value<FrameCounters>(counters_);
 }
 
-FrustumTraced::FrameResult FrustumTraced::run_frame(const RunInputs& in, cl_uint frame, Statistics& statistics,
+FrustumTraced::FrameResult FrustumTraced::run_frame(const FramedInputs& in, cl_uint frame, Statistics& statistics,
                                                     bool counters_hold_facing) {
     if (!counters_hold_facing) clear(session_, counters_);
-    frames_.reduce_depths(session_, statistics, in.light_frame, frame, in.points, in.visibility);
+    frames_.reduce_depths(session_, statistics, in, frame);
     FrameResult result;
     const ListSettings settings = list_settings(in.points, frame);
     for (;; ++result.lists_grown) {
@@ -212,7 +204,7 @@ FrustumTraced::FrameResult FrustumTraced::run_frame(const RunInputs& in, cl_uint
 // ---- A run ----------------------------------------------------------------------------------------------------------
 
 // Runs only the stages that depend on the points; false if there are fallback points.
-bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
+bool FrustumTraced::run_prepared(const FramedInputs& in, RunResult& result) {
     const LightFrame& light_frame = prepared_->light_frame();
     const TraceInputs inputs{.light_frame = light_frame,
                              .first_frame = 0,
@@ -251,9 +243,9 @@ bool FrustumTraced::run_prepared(const RunInputs& in, RunResult& result) {
 
 // For a directional light on a GPU: the host reads no counters before the frame's end, since a wait there takes as long
 // as a stage. (On a CPU a wait is free, and where no point is open the other stages need not run.)
-void FrustumTraced::run_one_frame(const RunInputs& in, RunResult& result) {
+void FrustumTraced::run_one_frame(const FramedInputs& in, RunResult& result) {
     Statistics& statistics = result.statistics;
-    frames_.start_facing(session_, statistics, in.light_frame, in.triangles, in.points, in.visibility, counters_);
+    frames_.start_facing(session_, statistics, in, counters_);
     frames_.fit_one(session_, statistics, in.light_frame);
     observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
     const std::size_t stages = statistics.stages.size();
@@ -265,11 +257,10 @@ void FrustumTraced::run_one_frame(const RunInputs& in, RunResult& result) {
     statistics.stages.resize(stages);
 }
 
-void FrustumTraced::run_unprepared(const RunInputs& in, RunResult& result) {
+void FrustumTraced::run_unprepared(const FramedInputs& in, RunResult& result) {
     if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0 && !session_.is_cpu())
         return run_one_frame(in, result);
-    frames_.start_facing(session_, result.statistics, in.light_frame, in.triangles, in.points, in.visibility,
-                         counters_);
+    frames_.start_facing(session_, result.statistics, in, counters_);
     result.facing = session_.read_value<FrameCounters>(counters_);
     observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
     if (in.triangles.count == 0 || !result.has_open_points(in.points)) return;
@@ -302,7 +293,7 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
         return run_on(triangles, inputs, light, visibility.buffer());
     }
     MeasuredRun measured(session_, kept_bytes_);
-    const RunInputs in{triangle_inputs(triangles), inputs, footprint_lists_->light_frame, visibility.buffer()};
+    const FramedInputs in{triangle_inputs(triangles), inputs, footprint_lists_->light_frame, visibility.buffer()};
     FrameCounters read;
     clear(session_, counters_);
     decide(frame_inputs(in, 0, footprint_lists_->map), measured.stages, read);
@@ -313,7 +304,7 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
                                  cl_mem visibility) {
     MeasuredRun measured(session_, kept_bytes_);
     const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), points.layout.count);
-    const RunInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
+    const FramedInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     footprint_lists_.reset();
     counters_.reserve(session_, sizeof(FrameCounters));
     RunResult result{measured.stages};
@@ -333,7 +324,7 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
 
 // ---- Statistics -----------------------------------------------------------------------------------------------------
 
-void FrustumTraced::describe_stages(const RunInputs& in, RunResult& result) const {
+void FrustumTraced::describe_stages(const FramedInputs& in, RunResult& result) const {
     Statistics& s = result.statistics;
     merge_stages(s);
     if (!result.used_prepared && !may_draw_map(in.points)) {
@@ -349,7 +340,7 @@ void FrustumTraced::describe_stages(const RunInputs& in, RunResult& result) cons
     if (result.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
 }
 
-void FrustumTraced::describe_counts(const RunInputs& in, RunResult& result) {
+void FrustumTraced::describe_counts(const FramedInputs& in, RunResult& result) {
     const FrameCounters &t = result.total, &facing = result.facing;
     const std::uint64_t in_shadow = std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace;
     result.statistics.counts = {{"points", in.points.layout.count},

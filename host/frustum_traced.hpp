@@ -47,22 +47,21 @@ private:
         std::uint32_t map_size;        ///< 0: chosen by the device and the scene
         std::uint32_t first_capacity;  ///< 0: the lists' default
     };
-    struct RunInputs;
     struct FrameResult;
     struct RunResult;
 
     static const SettingsTable<Settings>& settings_table();
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
-    bool run_prepared(const RunInputs& in, RunResult& result);
-    void run_unprepared(const RunInputs& in, RunResult& result);
-    void run_one_frame(const RunInputs& in, RunResult& result);
+    bool run_prepared(const FramedInputs& in, RunResult& result);
+    void run_unprepared(const FramedInputs& in, RunResult& result);
+    void run_one_frame(const FramedInputs& in, RunResult& result);
     /// `counters_hold_facing`: the counts of facing are still to be read, with the counts of the frame.
-    FrameResult run_frame(const RunInputs& in, cl_uint frame, Statistics& statistics, bool counters_hold_facing);
+    FrameResult run_frame(const FramedInputs& in, cl_uint frame, Statistics& statistics, bool counters_hold_facing);
     /// The stages after the lists. No stage runs if a list was too short; the list is longer now. `first_read`: the
     /// counters before a queue overflow, in any case.
     std::optional<FrameCounters> decide(const TraceInputs& inputs, Statistics& statistics, FrameCounters& first_read);
     FrameCounters run_queue_overflow(const TraceInputs& inputs, Statistics& statistics);
-    TraceInputs frame_inputs(const RunInputs& in, cl_uint frame, const cl::Buffer* map) const;
+    TraceInputs frame_inputs(const FramedInputs& in, cl_uint frame, const cl::Buffer* map) const;
     /// Records provenance if the run has a Provenance.
     void observe(Moment moment, const TraceInputs& inputs);
 
@@ -71,8 +70,8 @@ private:
     ListSettings list_settings(const PointInputs& points, cl_uint frame) const;
     void note_map_benefit(const FrameResult& result, cl_uint frame);
 
-    void describe_stages(const RunInputs& in, RunResult& result) const;
-    static void describe_counts(const RunInputs& in, RunResult& result);
+    void describe_stages(const FramedInputs& in, RunResult& result) const;
+    static void describe_counts(const FramedInputs& in, RunResult& result);
 
     Device device_;
     cl::Session& session_;

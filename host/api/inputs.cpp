@@ -43,6 +43,11 @@ std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size
     return shared_buffer(device, std::move(buffer));
 }
 
+/// The end of the last point's floats; `count` is not 0.
+std::size_t end_of(const PointLayout& at, std::size_t count) {
+    return at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1;
+}
+
 /// Bytes [first, end) of a buffer that has no parent (a sub-buffer counts as part of its parent).
 struct Extent {
     cl_mem root;
@@ -67,10 +72,9 @@ void require_apart(const Triangles& triangles, const Points& points, const Visib
     if (count == 0) return;
     const Extent written = extent_of(visibility.buffer(), 0, count);
     const PointLayout& at = points.layout();
-    const std::size_t end = at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1;
     const std::size_t first = triangles.first_float();
     const char* what = nullptr;
-    if (overlap(written, extent_of(points.positions(), at.first, end))) what = "positions";
+    if (overlap(written, extent_of(points.positions(), at.first, end_of(at, count)))) what = "positions";
     if (points.receivers() != nullptr && overlap(written, extent_of(points.receivers(), 0, count))) what = "receivers";
     if (triangles.count() != 0 && overlap(written, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
         what = "triangles";
@@ -151,9 +155,7 @@ Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& l
     points.count_ = count;
     points.layout_ = layout;
     points.positions_ = retained(device, positions, "point");
-    if (count != 0)
-        require_floats(positions, layout.first + (count - 1) * layout.point_stride + 2 * layout.coordinate_stride + 1,
-                       "point");
+    if (count != 0) require_floats(positions, end_of(layout, count), "point");
     if (receivers != nullptr) {
         points.receivers_ = retained(device, receivers, "receiver");
         require_floats(receivers, count, "receiver");
@@ -170,12 +172,11 @@ PointsOnHost read(const Device& device, const Points& points) {
     PointsOnHost host{std::vector<float>(3 * count), std::vector<std::uint32_t>(count, no_receiver)};
     if (count == 0) return host;
     const PointLayout& at = points.layout();
-    std::vector<float> floats(at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1);
-    session.read(points.positions(), floats.data(), floats.size() * sizeof(float));
+    const auto floats = session.read_values<float>(points.positions(), end_of(at, count));
     for (std::size_t i = 0; i < count; ++i)
         for (std::size_t c = 0; c < 3; ++c)
             host.position[3 * i + c] = floats[at.first + i * at.point_stride + c * at.coordinate_stride];
-    if (points.receivers() != nullptr) session.read(points.receivers(), host.receiver.data(), count * sizeof(cl_uint));
+    if (points.receivers() != nullptr) host.receiver = session.read_values<cl_uint>(points.receivers(), count);
     return host;
 }
 
@@ -193,11 +194,7 @@ Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
 
 cl_mem Visibility::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
 
-std::vector<float> Visibility::read() const {
-    std::vector<float> values(count_);
-    device_.session().read(buffer(), values.data(), values.size() * sizeof(float));
-    return values;
-}
+std::vector<float> Visibility::read() const { return device_.session().read_values<float>(buffer(), count_); }
 
 // ---- For the stages -------------------------------------------------------------------------------------------------
 

@@ -37,8 +37,7 @@ std::vector<float> gathered(std::span<const float> vertices, std::span<const std
 
 /// The visible triangles among the tested triangles `ids`.
 Ids seen_of(const Device& device, const View& view, const Ids& ids) {
-    Ids receivers(view.points.count());
-    device.session().read(view.points.receivers(), receivers.data(), receivers.size() * sizeof(std::uint32_t));
+    const auto receivers = device.session().read_values<std::uint32_t>(view.points.receivers(), view.points.count());
     std::vector<bool> is_seen(ids.size(), false);
     for (const std::uint32_t receiver : receivers)
         if (receiver != no_receiver) is_seen[receiver] = true;

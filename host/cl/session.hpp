@@ -105,6 +105,8 @@ public:
     bool profiles() const { return profiles_; }
     /// Points or pixels per work-item of the vector kernels.
     std::uint32_t lanes() const { return is_cpu_ ? 16 : 1; }
+    /// Work-items for `count` points or pixels of a vector kernel.
+    Range blocks(std::size_t count) const { return Range::items(count / lanes() + 1); }
     std::size_t compute_units() const { return description_.compute_units; }
     std::size_t work_group_size() const { return work_group_size_; }
     /// Work-groups that fill the device a few times over.
@@ -157,6 +159,12 @@ public:
         Value value;
         read(buffer.get(), &value, sizeof(value));
         return value;
+    }
+    template <typename Value>
+    std::vector<Value> read_values(cl_mem buffer, std::size_t count) {
+        std::vector<Value> values(count);
+        read(buffer, values.data(), count * sizeof(Value));
+        return values;
     }
     void finish();
 

@@ -40,8 +40,7 @@ struct Spread {
 
 Spread spread_of(cl::Session& session, const cl::Buffer& boxes, cl_uint count) {
     const std::size_t lanes = session.lanes(), words = CLUSTER_BOX_BYTES / sizeof(float);
-    std::vector<float> kept(round_up(count, lanes) * words);
-    session.read(boxes.get(), kept.data(), kept.size() * sizeof(float));
+    const auto kept = session.read_values<float>(boxes.get(), round_up(count, lanes) * words);
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Spread spread{{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}}};
     for (std::size_t i = 0; i < count; ++i) {
@@ -130,8 +129,7 @@ const cl::Buffer* ClusterCull::run(cl::Session& session, const ProjectionInput& 
     if (triangles.clusters == nullptr) return nullptr;
     const Clusters& clusters = *triangles.clusters;
     listed_.reserve(session, clusters.count() * sizeof(cl_uint));
-    session.launch(variant(session, Task::cull_clusters, projection.is_directional),
-                   cl::Range::items(clusters.count() / session.lanes() + 1),
+    session.launch(variant(session, Task::cull_clusters, projection.is_directional), session.blocks(clusters.count()),
                    params_of(triangles, clusters.count(), pyramid != nullptr), projection.buffer, clusters.boxes(),
                    pyramid ? *pyramid : listed_, listed_, counters);
     return &listed_;

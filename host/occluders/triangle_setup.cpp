@@ -50,7 +50,7 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
         params.first_sample = projection.camera->first_sample;
     }
     session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional),
-                   cl::Range::items(triangles.count / session.lanes() + 1), params, projection.buffer, ordered.vertices,
+                   session.blocks(triangles.count), params, projection.buffer, ordered.vertices,
                    clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
                    counters, cl::LocalBytes{session.work_group_size() * BOUNDS_AT_ONCE * sizeof(TriangleBounds)});
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "prepared/prepared_light.hpp"
 
-#include <array>
 #include <bit>
 #include <vector>
 
@@ -10,6 +9,8 @@
 
 namespace gnomon {
 namespace {
+
+constexpr const char* file = "prepared/prepared_light.cl";
 
 // Copies the contents to a buffer of `bytes`.
 void lengthen(cl::Session& session, cl::Buffer& buffer, std::size_t kept_bytes, std::size_t bytes) {
@@ -30,10 +31,9 @@ PreparedLight::PreparedLight(cl::Session& session, Statistics& statistics, const
     const TriangleInputs inputs = triangle_inputs(triangles);
     if (!fit(session, statistics, inputs)) return;
     const cl_uint frame_count = frame_count_of(light_frame_);
-    std::array<Projection, POINT_LIGHT_FRAMES> fitted;
-    session.read(projections().get(), fitted.data(), frame_count * sizeof(Projection));
-    for (cl_uint frame = 0; frame < frame_count; ++frame)
-        if (fitted[frame].active_points != 0 && fitted[frame].indistinct != 0) return;
+    const auto fitted = session.read_values<Projection>(projections().get(), frame_count);
+    for (const Projection& frame : fitted)
+        if (frame.active_points != 0 && frame.indistinct != 0) return;
 
     keep_planes(session, statistics, inputs);
     const std::size_t texels = std::size_t(frame_count) * grid.size * grid.size;
@@ -99,18 +99,16 @@ bool PreparedLight::fit(cl::Session& session, Statistics& statistics, const Tria
     const cl::Buffer frame_bounds(session, frame_count * sizeof(PointBounds));
     reserve_tables(session, triangles.count);
     session.fill(frame_bounds, 0, frame_count * sizeof(PointBounds));
-    session.launch("prepared/prepared_light.cl", "prepared_bounds", cl::Range::items(triangles.count),
-                   params(triangles), triangles.vertices, frame_bounds);
-    session.launch("prepared/prepared_light.cl", "prepared_domains", cl::Range::groups(1), params(triangles),
-                   frame_bounds, tables_);
+    session.launch(file, "prepared_bounds", cl::Range::items(triangles.count), params(triangles), triangles.vertices,
+                   frame_bounds);
+    session.launch(file, "prepared_domains", cl::Range::groups(1), params(triangles), frame_bounds, tables_);
     light_frame_fit_.run(session, light_frame_, frame_bounds);
     return triangles.count != 0;
 }
 
 void PreparedLight::keep_planes(cl::Session& session, Statistics& statistics, const TriangleInputs& triangles) {
     cl::StageTimer timer(session, statistics, "planes");
-    session.launch("prepared/prepared_light.cl", "prepared_planes",
-                   cl::Range::items(triangles.count / session.lanes() + 1), params(triangles), triangles.vertices,
+    session.launch(file, "prepared_planes", session.blocks(triangles.count), params(triangles), triangles.vertices,
                    tables_);
 }
 
@@ -127,11 +125,10 @@ void PreparedLight::seek_unshadowed_triangles(cl::Session& session, const Triang
 }
 
 std::vector<cl_uint> PreparedLight::unshadowed_bits(cl::Session& session) const {
-    std::vector<cl_uint> words(triangles_.count() / UNSHADOWED_WORD_BITS + 1);
-    const cl::Buffer copied(session, words.size() * sizeof(cl_uint));
-    session.copy(tables_, std::size_t(offsets_.unshadowed) * 16, copied, 0, words.size() * sizeof(cl_uint));
-    session.read(copied.get(), words.data(), words.size() * sizeof(cl_uint));
-    return words;
+    const std::size_t words = triangles_.count() / UNSHADOWED_WORD_BITS + 1;
+    const cl::Buffer copied(session, words * sizeof(cl_uint));
+    session.copy(tables_, std::size_t(offsets_.unshadowed) * 16, copied, 0, words * sizeof(cl_uint));
+    return session.read_values<cl_uint>(copied.get(), words);
 }
 
 // Unshadowed triangles are not searched for under a point light, since a triangle may be in several of its frames and
@@ -175,8 +172,8 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Occ
     const cl::Buffer kept_slots(session, slots * sizeof(cl_uint)), named_count(session, sizeof(cl_uint));
     session.fill(kept_slots, GN_NO_ID, slots * sizeof(cl_uint));
     session.fill(named_count, 0, sizeof(cl_uint));
-    session.launch("prepared/prepared_light.cl", "prepared_kept_slots", cl::Range::items(counted.entries), kept,
-                   lists.bins().entries(), kept_slots, named_count);
+    session.launch(file, "prepared_kept_slots", cl::Range::items(counted.entries), kept, lists.bins().entries(),
+                   kept_slots, named_count);
     kept.record_count = session.read_value<cl_uint>(named_count);
 
     const std::uint64_t records = std::uint64_t(records_kept_) + kept.record_count,
@@ -188,15 +185,13 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Occ
     lengthen(session, entries_, entries_kept_ * entry_bytes, entries * entry_bytes);
     lengthen(session, records_, records_kept_ * sizeof(TriangleRecord), records * sizeof(TriangleRecord));
     lengthen(session, bounds_, records_kept_ * sizeof(TriangleBounds), records * sizeof(TriangleBounds));
-    session.launch("prepared/prepared_light.cl", "prepared_records", cl::Range::items(slots), kept, kept_slots,
-                   lists.setup().records(), lists.setup().bounds(), records_, bounds_);
-    session.launch("prepared/prepared_light.cl", "prepared_entries", cl::Range::items(counted.entries), kept,
-                   lists.bins().entries(), kept_slots, entries_);
+    session.launch(file, "prepared_records", cl::Range::items(slots), kept, kept_slots, lists.setup().records(),
+                   lists.setup().bounds(), records_, bounds_);
+    session.launch(file, "prepared_entries", cl::Range::items(counted.entries), kept, lists.bins().entries(),
+                   kept_slots, entries_);
     if (!session.is_cpu())
-        session.launch("prepared/prepared_light.cl", "prepared_slots", cl::Range::items(kept.record_count), kept,
-                       bounds_, tables_);
-    session.launch("prepared/prepared_light.cl", "prepared_ranges", cl::Range::items(bin_count), kept,
-                   lists.bins().ranges(), tables_);
+        session.launch(file, "prepared_slots", cl::Range::items(kept.record_count), kept, bounds_, tables_);
+    session.launch(file, "prepared_ranges", cl::Range::items(bin_count), kept, lists.bins().ranges(), tables_);
     records_kept_ = static_cast<cl_uint>(records);
     entries_kept_ = static_cast<cl_uint>(entries);
 }

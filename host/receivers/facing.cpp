@@ -46,8 +46,7 @@ void face_points(cl::Session& session, const FacingParams& params, const Triangl
     // Frame margins depend on how points are grouped per work-item. This changes last bits of margins, never an answer.
     // On a GPU the number of items is the device's, whatever the size of work-groups; on a CPU it depends on the cores
     // and on that size. (Groups of 12 points for each item took 31 us in place of 37 on an H200.)
-    launch(session, task, cl::Range::items(params.layout.count / session.lanes() + 1), params, triangles, points,
-           buffers);
+    launch(session, task, session.blocks(params.layout.count), params, triangles, points, buffers);
     if (task == Task::decide_facing_filtered)
         launch(session, Task::decide_facing_exactly, cl::Range::groups(session.compute_units() * 4), params, triangles,
                points, buffers);

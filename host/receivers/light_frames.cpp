@@ -3,11 +3,10 @@
 
 namespace gnomon {
 
-void LightFrames::start_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                               const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
+void LightFrames::start_facing(cl::Session& session, Statistics& statistics, const FramedInputs& in,
                                const cl::Buffer& counters) {
     cl::StageTimer timer(session, statistics, "facing");
-    facing_.run(session, light_frame, triangles, points, visibility, counters);
+    facing_.run(session, in.light_frame, in.triangles, in.points, in.visibility, counters);
 }
 
 void LightFrames::start_fit(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
@@ -15,10 +14,9 @@ void LightFrames::start_fit(cl::Session& session, Statistics& statistics, const 
     light_frame_.run(session, light_frame, facing_.frame_bounds());
 }
 
-void LightFrames::reduce_depths(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                                cl_uint frame, const PointInputs& points, cl_mem visibility) {
+void LightFrames::reduce_depths(cl::Session& session, Statistics& statistics, const FramedInputs& in, cl_uint frame) {
     cl::StageTimer timer(session, statistics, "receiver_depth_pyramid");
-    receiver_depths_.run(session, light_frame, frame, 1, points, projection(), facing_.blocks(), visibility);
+    receiver_depths_.run(session, in.light_frame, frame, 1, in.points, projection(), facing_.blocks(), in.visibility);
 }
 
 void LightFrames::fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
@@ -30,9 +28,8 @@ void LightFrames::for_each(cl::Session& session, Statistics& statistics, const L
                            const std::function<void(cl_uint frame)>& use) {
     start_fit(session, statistics, light_frame);
     has_one_ = false;
-    std::array<Projection, POINT_LIGHT_FRAMES> projections;
     const cl_uint frame_count = frame_count_of(light_frame);
-    session.read(light_frame_.projections().get(), projections.data(), frame_count * sizeof(Projection));
+    const auto projections = session.read_values<Projection>(light_frame_.projections().get(), frame_count);
     projection_.reserve(session, sizeof(Projection));
     for (cl_uint frame = 0; frame < frame_count; ++frame) {
         if (projections[frame].active_points == 0) continue;

@@ -8,21 +8,26 @@
 
 namespace gnomon {
 
+/// The inputs of a run. They do not change until the run's end.
+struct FramedInputs {
+    TriangleInputs triangles;
+    PointInputs points;
+    LightFrame light_frame;
+    cl_mem visibility;
+};
+
 class LightFrames {
 public:
     /// Decides the backfacing points, and opens the others that have a frame. There must be points. Does not wait for
     /// the device: `counters` receives FrameCounters.
-    void start_facing(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                      const TriangleInputs& triangles, const PointInputs& points, cl_mem visibility,
-                      const cl::Buffer& counters);
+    void start_facing(cl::Session& session, Statistics& statistics, const FramedInputs& in, const cl::Buffer& counters);
     /// Calls use(frame) for each frame that has open points, with its projection in projection().
     void for_each(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                   const std::function<void(cl_uint frame)>& use);
     /// For a light with one frame, without waiting for the device: the frame may turn out to have no open points.
     void fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame);
     /// Makes receiver_depths() of a frame in projection(), over the points of start_facing().
-    void reduce_depths(cl::Session& session, Statistics& statistics, const LightFrame& light_frame, cl_uint frame,
-                       const PointInputs& points, cl_mem visibility);
+    void reduce_depths(cl::Session& session, Statistics& statistics, const FramedInputs& in, cl_uint frame);
     ReceiverDepthPyramid& receiver_depths() { return receiver_depths_; }
     const cl::Buffer& empty_facing_cache(cl::Session& session, const TriangleInputs& triangles) {
         return facing_.empty_cache(session, triangles);

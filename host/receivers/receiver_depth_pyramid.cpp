@@ -60,7 +60,7 @@ void ReceiverDepthPyramid::run(cl::Session& session, const LightFrame& light_fra
                                      .has_footprints = points.footprints != nullptr,
                                      .has_blocks = blocks != nullptr};
     session.launch(variant(session, Task::make_receiver_depths, light_frame.perspective == 0),
-                   cl::Range::items(points.layout.count / session.lanes() + 1), params, projections, points.positions,
+                   session.blocks(points.layout.count), params, projections, points.positions,
                    points.footprints != nullptr ? points.footprints : points.positions,
                    blocks != nullptr ? *blocks : projections, visibility, pyramid_, self_shadow_depths_);
     reduce(session, levels, pyramid_);

@@ -153,11 +153,11 @@ private:
 
     /// False if there are more fragments than slots.
     bool find_fragments() {
-        run_stage("samples_whole", cl::Range::items(batch_.count / session_.lanes() + 1), params_of(0, batch_.count),
-                  kept_.pattern, inputs_.vertices, view_.points.receivers(), kept_.camera.bins().ranges(),
-                  kept_.fragments, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
+        run_stage("samples_whole", session_.blocks(batch_.count), params_of(0, batch_.count), kept_.pattern,
+                  inputs_.vertices, view_.points.receivers(), kept_.camera.bins().ranges(), kept_.fragments,
+                  kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
         read_counters();
-        find_receivers("samples_guess", cl::Range::items(counted_.edges / session_.lanes() + 1), counted_.edges);
+        find_receivers("samples_guess", session_.blocks(counted_.edges), counted_.edges);
         read_counters();
         if (session_.is_cpu())
             find_receivers_in_parts();
@@ -197,8 +197,8 @@ private:
 
     void bound() {
         const std::size_t count = std::size_t(counted_.edges) + counted_.extra;
-        run_stage("samples_bound", cl::Range::items(count / session_.lanes() + 1), params_of(0, counted_.edges),
-                  kept_.pattern, inputs_.vertices, kept_.edges, kept_.fragments, kept_.centres, kept_.footprints);
+        run_stage("samples_bound", session_.blocks(count), params_of(0, counted_.edges), kept_.pattern,
+                  inputs_.vertices, kept_.edges, kept_.fragments, kept_.centres, kept_.footprints);
     }
 
     cl_uint used_slots() const { return batch_.count + counted_.extra; }

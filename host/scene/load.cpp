@@ -104,14 +104,11 @@ public:
 private:
     // ---- names ----
 
-    std::string mesh_text(int mesh) const {
-        const std::string& name = model_.meshes[mesh].name;
-        return name.empty() ? "mesh " + std::to_string(mesh) : "mesh " + in_quotes(name);
+    static std::string text_of(const char* kind, const std::string& name, int index) {
+        return kind + (name.empty() ? std::to_string(index) : in_quotes(name));
     }
-    std::string node_text(int node) const {
-        const std::string& name = model_.nodes[node].name;
-        return name.empty() ? "node " + std::to_string(node) : "node " + in_quotes(name);
-    }
+    std::string mesh_text(int mesh) const { return text_of("mesh ", model_.meshes[mesh].name, mesh); }
+    std::string node_text(int node) const { return text_of("node ", model_.nodes[node].name, node); }
     std::string part_text(int mesh, int primitive) const {
         return "primitive " + std::to_string(primitive) + " of " + mesh_text(mesh);
     }

@@ -18,15 +18,15 @@ public:
 
 private:
     FrameCounters run_frame(Run& run, cl_uint frame) override {
-        frames_.reduce_depths(session_, run.statistics, run.light_frame, frame, run.points, run.visibility);
+        frames_.reduce_depths(session_, run.statistics, run, frame);
         list_triangles(run, true);
         cl::StageTimer timer(session_, run.statistics, "conservative_map");
         map_.run(session_, run.light_frame, frames_.projection(), setup_, frames_.receiver_depths().pyramid(),
                  settings_.cover_test, counters_);
         timer.next("lookup");
         session_.launch("techniques/conservative_map_alone.cl", "conservative_map_lookup",
-                        cl::Range::items(run.points.layout.count / session_.lanes() + 1), params_of(run, frame),
-                        frames_.projection(), run.points.positions, map_.map(), run.visibility, counters_);
+                        session_.blocks(run.points.layout.count), params_of(run, frame), frames_.projection(),
+                        run.points.positions, map_.map(), run.visibility, counters_);
         return session_.read_value<FrameCounters>(counters_);
     }
 

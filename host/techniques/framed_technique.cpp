@@ -75,12 +75,11 @@ Statistics FramedTechnique::run(const Triangles& triangles, const Points& points
                                 const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
     MeasuredRun measured(session_, kept_bytes_);
-    Run run{triangle_inputs(triangles), point_inputs(points), make_light_frame(light, grid()), visibility.buffer()};
+    Run run{{triangle_inputs(triangles), point_inputs(points), make_light_frame(light, grid()), visibility.buffer()}};
     counters_.reserve(session_, sizeof(FrameCounters));
     FrameCounters facing{};
     if (points.count() != 0) {
-        frames_.start_facing(session_, run.statistics, run.light_frame, run.triangles, run.points, run.visibility,
-                             counters_);
+        frames_.start_facing(session_, run.statistics, run, counters_);
         facing = session_.read_value<FrameCounters>(counters_);
         if (triangles.count() != 0)
             frames_.for_each(session_, run.statistics, run.light_frame, [&](cl_uint frame) {

@@ -27,11 +27,7 @@ public:
     void set(std::string_view name, std::string_view value) final;
 
 protected:
-    struct Run {
-        TriangleInputs triangles;
-        PointInputs points;
-        LightFrame light_frame;
-        cl_mem visibility;
+    struct Run : FramedInputs {
         Statistics statistics{};
         std::uint64_t frames = 0, grown = 0, tests = 0;
         FrameCounters counted{};  ///< sums over the frames

@@ -35,7 +35,7 @@ void Izb::run(cl::Session& session, const TraceInputs& inputs) {
     offsets_.reserve(session, bin_bytes + sizeof(cl_uint));
 
     session.fill(cursors_, 0, bin_bytes);
-    const auto blocks = cl::Range::items(points.layout.count / session.lanes() + 1);
+    const auto blocks = session.blocks(points.layout.count);
     session.launch("techniques/izb.cl", "izb_count", blocks, params(inputs, 0), inputs.projections, points.positions,
                    inputs.map != nullptr ? *inputs.map : cursors_, inputs.visibility, cursors_, inputs.counters);
     scan_.run(session, bin_count, session.lanes(), cursors_, offsets_);
@@ -94,7 +94,7 @@ private:
     }
 
     FrameCounters run_frame(Run& run, cl_uint frame) override {
-        frames_.reduce_depths(session_, run.statistics, run.light_frame, frame, run.points, run.visibility);
+        frames_.reduce_depths(session_, run.statistics, run, frame);
         FrameCounters counted = run_once(run, frame);
         for (; !lists_.fitted(session_, counted); counted = run_once(run, frame)) ++run.grown;
         trace_.fitted(session_, run.points, counted);  // for later frames: no pair was lost

@@ -41,9 +41,8 @@ private:
         draw(run, params);
         cl::StageTimer timer(session_, run.statistics, "sub_pixel_lookup");
         session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
-                        cl::Range::items(run.points.layout.count / session_.lanes() + 1), params, frames_.projection(),
-                        run.points.positions, run.points.receivers, run.triangles.vertices, ids_, run.visibility,
-                        counters_);
+                        session_.blocks(run.points.layout.count), params, frames_.projection(), run.points.positions,
+                        run.points.receivers, run.triangles.vertices, ids_, run.visibility, counters_);
         return session_.read_value<FrameCounters>(counters_);
     }
 

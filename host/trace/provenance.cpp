@@ -35,7 +35,7 @@ constexpr Colors legend[PROVENANCE_COUNT] = {
 void Provenance::record(cl::Session& session, Moment moment, const TraceInputs& inputs, const Trace& trace) {
     const PointInputs& points = inputs.points;
     const TraceParams params = trace.params(inputs);
-    const auto blocks = cl::Range::items(points.layout.count / session.lanes() + 1);
+    const auto blocks = session.blocks(points.layout.count);
     switch (moment) {
         case Moment::after_facing:
             provenance_.reserve(session, points.layout.count * sizeof(cl_uint));
@@ -58,9 +58,7 @@ void Provenance::record(cl::Session& session, Moment moment, const TraceInputs& 
 }
 
 std::vector<std::uint32_t> Provenance::read(cl::Session& session, std::size_t count) const {
-    std::vector<std::uint32_t> provenance(count);
-    session.read(provenance_.get(), provenance.data(), count * sizeof(std::uint32_t));
-    return provenance;
+    return session.read_values<std::uint32_t>(provenance_.get(), count);
 }
 
 std::vector<std::uint8_t> provenance_colors(std::span<const std::uint32_t> provenance,

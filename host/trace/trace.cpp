@@ -59,9 +59,8 @@ void Trace::run(cl::Session& session, Task task, const TraceInputs& inputs, cons
 }
 
 void Trace::decide_queue(cl::Session& session, const TraceInputs& inputs) const {
-    session.launch("trace/exact_trace.cl", "exact_trace", cl::Range::items(capacity_ / session.lanes() + 1),
-                   params(inputs), inputs.points.positions, inputs.triangles.vertices, queue_, inputs.visibility,
-                   inputs.counters);
+    session.launch("trace/exact_trace.cl", "exact_trace", session.blocks(capacity_), params(inputs),
+                   inputs.points.positions, inputs.triangles.vertices, queue_, inputs.visibility, inputs.counters);
 }
 
 // Room for the pairs of most pictures (the built-in one has 65,400 of 2 million points): the kernel for a queue

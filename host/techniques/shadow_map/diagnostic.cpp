@@ -34,10 +34,7 @@ MapDiagnostic run_map_diagnostic(cl::Session& session, cl_uint diagnostic, const
                    map_views.set, inputs.points.layout, inputs.triangles.first_float, inputs.points.positions,
                    inputs.points.receivers, inputs.triangles.vertices, map_views.views, map_views.tables, errors,
                    colors);
-    MapDiagnostic drawn{std::vector<float>(count), std::vector<float>(3 * count)};
-    session.read(errors.get(), drawn.texels_per_pixel.data(), count * sizeof(float));
-    session.read(colors.get(), drawn.colors.data(), 3 * count * sizeof(float));
-    return drawn;
+    return {session.read_values<float>(errors.get(), count), session.read_values<float>(colors.get(), 3 * count)};
 }
 
 }  // namespace gnomon

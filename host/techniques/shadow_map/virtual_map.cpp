@@ -148,9 +148,7 @@ public:
         session_.launch(file, "virtual_map_page_colors", cl::Range::items(count),
                         plan_of(inputs, light_views_.front().set.view_count), inputs.points.layout,
                         inputs.points.positions, point_entries_, colors);
-        std::vector<float> drawn(3 * count);
-        session_.read(colors.get(), drawn.data(), drawn.size() * sizeof(float));
-        return opaque_bytes(drawn);
+        return opaque_bytes(session_.read_values<float>(colors.get(), 3 * count));
     }
 
 private:
@@ -239,8 +237,7 @@ private:
     /// How many of the pages [first, first + count) overlap the rectangle of some caster.
     std::uint64_t pages_drawn(std::uint64_t first, std::uint64_t count) const {
         if (count == 0) return 0;
-        std::vector<cl_uint> touched(first + count);
-        session_.read(touched_.get(), touched.data(), touched.size() * sizeof(cl_uint));
+        const auto touched = session_.read_values<cl_uint>(touched_.get(), first + count);
         return std::uint64_t(std::count(touched.begin() + std::ptrdiff_t(first), touched.end(), 1u));
     }
 
