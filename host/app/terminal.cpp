@@ -39,7 +39,7 @@ std::string_view text_file(std::string_view name) {
 
 std::string grouped(std::uint64_t number) {
     std::string digits = std::to_string(number);
-    for (std::size_t place = digits.size(); place > 3;) digits.insert(place -= 3, 1, ',');
+    for (std::size_t left = digits.size(); left > 3;) digits.insert(left -= 3, 1, ',');
     return digits;
 }
 

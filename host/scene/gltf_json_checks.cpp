@@ -18,7 +18,7 @@ using nlohmann::json;
 constexpr int deepest_nesting = 256;
 
 /// The path of a checked object: "nodes[3]", "meshes[1].primitives[0]", each with an optional ".member".
-struct Place {
+struct Path {
     std::string_view array{};
     std::size_t index = 0;
     std::string_view inner_array{};
@@ -33,7 +33,7 @@ struct Place {
         if (!property.empty()) out += (out.empty() ? "" : ".") + std::string(property);
         return out;
     }
-    Place in(std::string_view name) const { return {array, index, inner_array, inner_index, name}; }
+    Path in(std::string_view name) const { return {array, index, inner_array, inner_index, name}; }
 };
 
 enum class Need { optional, required };
@@ -51,53 +51,52 @@ public:
     void run() {
         asset();
         extensions();
-        each("buffers", [this](const json& o, const Place& at) { buffer(o, at); });
-        each("bufferViews", [this](const json& o, const Place& at) { buffer_view(o, at); });
-        each("accessors", [this](const json& o, const Place& at) { accessor(o, at); });
-        each("meshes", [this](const json& o, const Place& at) { mesh(o, at); });
-        each("materials", [this](const json& o, const Place& at) { material(o, at); });
-        each("cameras", [this](const json& o, const Place& at) { camera(o, at); });
+        each("buffers", [this](const json& o, const Path& at) { buffer(o, at); });
+        each("bufferViews", [this](const json& o, const Path& at) { buffer_view(o, at); });
+        each("accessors", [this](const json& o, const Path& at) { accessor(o, at); });
+        each("meshes", [this](const json& o, const Path& at) { mesh(o, at); });
+        each("materials", [this](const json& o, const Path& at) { material(o, at); });
+        each("cameras", [this](const json& o, const Path& at) { camera(o, at); });
         if (const json* lights = light_array())
             for (std::size_t i = 0; i < lights->size(); ++i) light((*lights)[i], {"lights", i});
-        each("nodes", [this](const json& o, const Place& at) { node(o, at); });
-        each("scenes", [this](const json& o, const Place& at) { indices(o, at, "nodes", "nodes"); });
+        each("nodes", [this](const json& o, const Path& at) { node(o, at); });
+        each("scenes", [this](const json& o, const Path& at) { indices(o, at, "nodes", "nodes"); });
         index(root_, {}, "scene", "scenes", Need::optional);
     }
 
 private:
     // ---- vocabulary ----
 
-    [[noreturn]] void reject(const Place& at, std::string_view property, const std::string& what) const {
+    [[noreturn]] void reject(const Path& at, std::string_view property, const std::string& what) const {
         fail(file_, at.text(property) + " " + what);
     }
 
-    /// The property, or null if it is absent and optional.
-    const json* find(const json& object, const Place& at, std::string_view property, Need need) const {
+    using IsType = bool (json::*)() const noexcept;
+
+    /// The property, or null if it is absent and optional. `type` names what `is_type` (null: any) requires.
+    const json* find(const json& object, const Path& at, std::string_view property, Need need, IsType is_type = nullptr,
+                     const char* type = "") const {
         const auto it = object.find(property);
-        if (it != object.end()) return &*it;
-        if (need == Need::required) reject(at, property, "is missing");
-        return nullptr;
+        if (it == object.end() && need == Need::required) reject(at, property, "is missing");
+        if (it == object.end()) return nullptr;
+        if (is_type && !((*it).*is_type)()) reject(at, property, std::string("must be ") + type);
+        return &*it;
     }
 
-    const json* object(const json& parent, const Place& at, std::string_view property, Need need) const {
-        const json* value = find(parent, at, property, need);
-        if (value && !value->is_object()) reject(at, property, "must be an object");
-        return value;
+    const json* object(const json& parent, const Path& at, std::string_view property, Need need) const {
+        return find(parent, at, property, need, &json::is_object, "an object");
     }
 
-    const json* array(const json& parent, const Place& at, std::string_view property, Need need) const {
-        const json* value = find(parent, at, property, need);
-        if (value && !value->is_array()) reject(at, property, "must be an array");
-        return value;
+    const json* array(const json& parent, const Path& at, std::string_view property, Need need) const {
+        return find(parent, at, property, need, &json::is_array, "an array");
     }
 
-    const std::string* string(const json& parent, const Place& at, std::string_view property, Need need) const {
-        const json* value = find(parent, at, property, need);
-        if (value && !value->is_string()) reject(at, property, "must be a string");
+    const std::string* string(const json& parent, const Path& at, std::string_view property, Need need) const {
+        const json* value = find(parent, at, property, need, &json::is_string, "a string");
         return value ? value->get_ptr<const std::string*>() : nullptr;
     }
 
-    const std::string* one_of(const json& parent, const Place& at, std::string_view property, Need need,
+    const std::string* one_of(const json& parent, const Path& at, std::string_view property, Need need,
                               std::initializer_list<std::string_view> choices) const {
         const std::string* value = string(parent, at, property, need);
         if (!value || std::find(choices.begin(), choices.end(), *value) != choices.end()) return value;
@@ -106,7 +105,7 @@ private:
     }
 
     /// A whole number from `least` to `most`.
-    const json* size(const json& parent, const Place& at, std::string_view property, Need need, std::uint64_t least = 0,
+    const json* size(const json& parent, const Path& at, std::string_view property, Need need, std::uint64_t least = 0,
                      std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const {
         const json* value = find(parent, at, property, need);
         if (!value) return nullptr;
@@ -120,7 +119,7 @@ private:
     }
 
     /// An index in the file's array `target`.
-    void check_index(const json& value, const Place& at, std::string_view property, std::string_view target) const {
+    void check_index(const json& value, const Path& at, std::string_view property, std::string_view target) const {
         if (!value.is_number_integer()) reject(at, property, "must be a whole number: an index into " + str(target));
         const std::size_t entries = counts_.at(str(target));
         if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= entries)
@@ -129,23 +128,21 @@ private:
                        (entries == 1 ? "1 entry" : std::to_string(entries) + " entries"));
     }
 
-    void index(const json& parent, const Place& at, std::string_view property, std::string_view target,
+    void index(const json& parent, const Path& at, std::string_view property, std::string_view target,
                Need need) const {
         if (const json* value = find(parent, at, property, need)) check_index(*value, at, property, target);
     }
 
-    void indices(const json& parent, const Place& at, std::string_view property, std::string_view target) const {
+    void indices(const json& parent, const Path& at, std::string_view property, std::string_view target) const {
         if (const json* values = array(parent, at, property, Need::optional))
             for (const json& value : *values) check_index(value, at, property, target);
     }
 
-    const json* number(const json& parent, const Place& at, std::string_view property, Need need) const {
-        const json* value = find(parent, at, property, need);
-        if (value && !value->is_number()) reject(at, property, "must be a number");
-        return value;
+    const json* number(const json& parent, const Path& at, std::string_view property, Need need) const {
+        return find(parent, at, property, need, &json::is_number, "a number");
     }
 
-    const json* numbers(const json& parent, const Place& at, std::string_view property, std::size_t length) const {
+    const json* numbers(const json& parent, const Path& at, std::string_view property, std::size_t length) const {
         const json* value = find(parent, at, property, Need::optional);
         if (!value) return nullptr;
         if (!value->is_array() || value->size() != length ||
@@ -164,7 +161,7 @@ private:
         const auto it = root_.find(name);
         if (it == root_.end()) return;
         for (std::size_t i = 0; i < it->size(); ++i) {
-            const Place at{name, i};
+            const Path at{name, i};
             if (!(*it)[i].is_object()) reject(at, "", "must be an object");
             check((*it)[i], at);
         }
@@ -182,7 +179,7 @@ private:
 
     void asset() const {
         const json* asset = object(root_, {}, "asset", Need::required);
-        const Place at{.member = "asset"};
+        const Path at{.member = "asset"};
         if (const std::string& version = *string(*asset, at, "version", Need::required); !version.starts_with("2."))
             reject(at, "version", "is " + in_quotes(version) + "; only glTF 2.0 can be read");
         if (const std::string* least = string(*asset, at, "minVersion", Need::optional); least && *least != "2.0")
@@ -206,12 +203,12 @@ private:
         }
     }
 
-    void buffer(const json& o, const Place& at) const {
+    void buffer(const json& o, const Path& at) const {
         size(o, at, "byteLength", Need::required, 1);
         string(o, at, "uri", Need::optional);
     }
 
-    void buffer_view(const json& o, const Place& at) const {
+    void buffer_view(const json& o, const Path& at) const {
         index(o, at, "buffer", "buffers", Need::required);
         size(o, at, "byteOffset", Need::optional);
         size(o, at, "byteLength", Need::required, 1);
@@ -222,13 +219,13 @@ private:
             reject(at, "byteStride", "is " + stride->dump() + ", but must be a multiple of 4 between 4 and 252");
     }
 
-    void component_type(const json& o, const Place& at, std::initializer_list<std::uint64_t> choices) const {
+    void component_type(const json& o, const Path& at, std::initializer_list<std::uint64_t> choices) const {
         const json* type = size(o, at, "componentType", Need::required);
         if (std::find(choices.begin(), choices.end(), type->get<std::uint64_t>()) == choices.end())
             reject(at, "componentType", "is " + type->dump() + ", which glTF does not allow there");
     }
 
-    void accessor(const json& o, const Place& at) const {
+    void accessor(const json& o, const Path& at) const {
         constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();  // tinygltf keeps these in an int
         index(o, at, "bufferView", "bufferViews", Need::optional);
         size(o, at, "byteOffset", Need::optional);
@@ -237,23 +234,23 @@ private:
         one_of(o, at, "type", Need::required, {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"});
         const json* sparse = object(o, at, "sparse", Need::optional);
         if (!sparse) return;
-        const Place in_sparse = at.in("sparse");
+        const Path in_sparse = at.in("sparse");
         size(*sparse, in_sparse, "count", Need::required, 1, std::min(count, most));
         const json* sparse_indices = object(*sparse, in_sparse, "indices", Need::required);
-        const Place in_indices = at.in("sparse.indices");
+        const Path in_indices = at.in("sparse.indices");
         index(*sparse_indices, in_indices, "bufferView", "bufferViews", Need::required);
         size(*sparse_indices, in_indices, "byteOffset", Need::optional, 0, most);
         component_type(*sparse_indices, in_indices, {5121, 5123, 5125});
         const json* values = object(*sparse, in_sparse, "values", Need::required);
-        const Place in_values = at.in("sparse.values");
+        const Path in_values = at.in("sparse.values");
         index(*values, in_values, "bufferView", "bufferViews", Need::required);
         size(*values, in_values, "byteOffset", Need::optional, 0, most);
     }
 
-    void mesh(const json& o, const Place& at) const {
+    void mesh(const json& o, const Path& at) const {
         const json* primitives = array(o, at, "primitives", Need::required);
         for (std::size_t i = 0; i < primitives->size(); ++i) {
-            const Place part{at.array, at.index, "primitives", i};
+            const Path part{at.array, at.index, "primitives", i};
             const json& primitive = (*primitives)[i];
             if (!primitive.is_object()) reject(part, "", "must be an object");
             const json* attributes = object(primitive, part, "attributes", Need::required);
@@ -266,13 +263,13 @@ private:
         }
     }
 
-    void material(const json& o, const Place& at) const {
+    void material(const json& o, const Path& at) const {
         one_of(o, at, "alphaMode", Need::optional, {"OPAQUE", "MASK", "BLEND"});
         if (const json* pbr = object(o, at, "pbrMetallicRoughness", Need::optional))
             numbers(*pbr, at.in("pbrMetallicRoughness"), "baseColorFactor", 4);
     }
 
-    void camera(const json& o, const Place& at) const {
+    void camera(const json& o, const Path& at) const {
         const std::string& type = *one_of(o, at, "type", Need::required, {"perspective", "orthographic"});
         const json* body = object(o, at, type, Need::required);
         if (type == "orthographic") {
@@ -286,13 +283,13 @@ private:
             reject(at.in("perspective"), "yfov", "is " + fov_y->dump() + ", but must lie between 0 and pi (radians)");
     }
 
-    void light(const json& o, const Place& at) const {
+    void light(const json& o, const Path& at) const {
         if (!o.is_object()) reject(at, "", "must be an object");
         const std::string& type = *one_of(o, at, "type", Need::required, {"directional", "point", "spot"});
         if (type == "spot") object(o, at, "spot", Need::required);
     }
 
-    void node(const json& o, const Place& at) const {
+    void node(const json& o, const Path& at) const {
         index(o, at, "mesh", "meshes", Need::optional);
         index(o, at, "camera", "cameras", Need::optional);
         index(o, at, "skin", "skins", Need::optional);
@@ -308,7 +305,7 @@ private:
                 reject(at, "matrix", "is not affine: its last row must be 0, 0, 0, 1");
         }
         const json* all = object(o, at, "extensions", Need::optional);
-        const Place in_extension = at.in("extensions.KHR_lights_punctual");
+        const Path in_extension = at.in("extensions.KHR_lights_punctual");
         if (const json* light =
                 all ? object(*all, at.in("extensions"), "KHR_lights_punctual", Need::optional) : nullptr)
             index(*light, in_extension, "light", "lights", Need::required);

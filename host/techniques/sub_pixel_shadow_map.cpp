@@ -20,17 +20,6 @@ public:
 private:
     FrameGrid grid() const override { return texel_grid(settings_.map_size); }
 
-    void draw(Run& run, SubPixelParams params) {
-        cl::StageTimer timer(session_, run.statistics, "sub_pixel_draw");
-        const std::size_t bytes = std::size_t(run.light_frame.width) * run.light_frame.height * sizeof(cl_uint);
-        session_.reserve_filled(heights_, 0, bytes);
-        session_.reserve_filled(ids_, GN_NO_ID, bytes);
-        for (; params.stores_ids < 2; ++params.stores_ids)
-            session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw",
-                            cl::Range::items(params.tile_capacity), params, frames_.projection(), setup_.records(),
-                            setup_.bounds(), setup_.tiles().buffer(), heights_, ids_, counters_);
-    }
-
     FrameCounters run_frame(Run& run, cl_uint frame) override {
         list_triangles(run, false);
         const SubPixelParams params{.framed = params_of(run, frame),
@@ -38,8 +27,15 @@ private:
                                     .tile_capacity = setup_.tiles().capacity(),
                                     .stores_ids = 0,
                                     .padding = 0};
-        draw(run, params);
-        cl::StageTimer timer(session_, run.statistics, "sub_pixel_lookup");
+        cl::StageTimer timer(session_, run.statistics, "sub_pixel_draw");
+        const std::size_t bytes = std::size_t(run.light_frame.width) * run.light_frame.height * sizeof(cl_uint);
+        session_.reserve_filled(heights_, 0, bytes);
+        session_.reserve_filled(ids_, GN_NO_ID, bytes);
+        for (SubPixelParams drawn = params; drawn.stores_ids < 2; ++drawn.stores_ids)
+            session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw",
+                            cl::Range::items(params.tile_capacity), drawn, frames_.projection(), setup_.records(),
+                            setup_.bounds(), setup_.tiles().buffer(), heights_, ids_, counters_);
+        timer.next("sub_pixel_lookup");
         session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
                         session_.blocks(run.points.layout.count), params, frames_.projection(), run.points.positions,
                         run.points.receivers, run.triangles.vertices, ids_, run.visibility, counters_);

@@ -36,24 +36,19 @@ void Provenance::record(cl::Session& session, Moment moment, const TraceInputs& 
     const PointInputs& points = inputs.points;
     const TraceParams params = trace.params(inputs);
     const auto blocks = session.blocks(points.layout.count);
-    switch (moment) {
-        case Moment::after_facing:
-            provenance_.reserve(session, points.layout.count * sizeof(cl_uint));
-            session.launch(file, "provenance_of_facing", cl::Range::items(points.layout.count), points.layout,
-                           points.positions, inputs.visibility, provenance_);
-            break;
-        case Moment::after_trace:
-            session.launch(file, "provenance_of_trace", blocks, params, inputs.projections, points.positions,
-                           inputs.map != nullptr ? *inputs.map : provenance_, inputs.visibility, provenance_);
-            break;
-        case Moment::after_exact_trace:
-            session.launch(file, "provenance_of_pairs", cl::Range::items(trace.capacity()), params, points.positions,
-                           inputs.triangles.vertices, trace.queue(), inputs.visibility, provenance_, inputs.counters);
-            break;
-        case Moment::before_queue_overflow:
-            session.launch(file, "provenance_of_overflow", blocks, params, points.positions, inputs.visibility,
-                           provenance_);
-            break;
+    if (moment == Moment::after_facing) {
+        provenance_.reserve(session, points.layout.count * sizeof(cl_uint));
+        session.launch(file, "provenance_of_facing", cl::Range::items(points.layout.count), points.layout,
+                       points.positions, inputs.visibility, provenance_);
+    } else if (moment == Moment::after_trace) {
+        session.launch(file, "provenance_of_trace", blocks, params, inputs.projections, points.positions,
+                       inputs.map != nullptr ? *inputs.map : provenance_, inputs.visibility, provenance_);
+    } else if (moment == Moment::after_exact_trace) {
+        session.launch(file, "provenance_of_pairs", cl::Range::items(trace.capacity()), params, points.positions,
+                       inputs.triangles.vertices, trace.queue(), inputs.visibility, provenance_, inputs.counters);
+    } else {
+        session.launch(file, "provenance_of_overflow", blocks, params, points.positions, inputs.visibility,
+                       provenance_);
     }
 }
 

@@ -32,8 +32,8 @@ Subject placed_subject(const Floats& triangles, double scale = 1, const std::arr
     return subject;
 }
 
-/// Triangles of whole numbers under lights along the diagonals of their cells, lamps on their vertices and in their
-/// cells: exact ties everywhere. In odd variants all is 331 times as large: exact still, but no longer in float
+/// Triangles of whole numbers under lights along the diagonals of their cells, point lights on their vertices and in
+/// their cells: exact ties everywhere. In odd variants all is 331 times as large: exact still, but no longer in float
 /// products.
 Subject lattice_subject(const Floats& triangles, std::uint64_t variant) {
     const double scale = variant % 2 == 0 ? 1 : 331;
@@ -110,19 +110,19 @@ Subject tilted_floor(double slope) {
             const Float3 d = rounded(turned(std::cos(angle), side * slope, std::sin(angle)));
             subject.lights.push_back({d[0], d[1], d[2], 0});
         }
-    const Float3 lamp = rounded(turned(60, 60 * slope, 10)), eye = rounded(turned(-3, 5, 24));
-    subject.lights.push_back(at(lamp[0], lamp[1], lamp[2]));
+    const Float3 position = rounded(turned(60, 60 * slope, 10)), eye = rounded(turned(-3, 5, 24));
+    subject.lights.push_back(at(position[0], position[1], position[2]));
     subject.views = {{eye, {0, 0, 0}}};
     return subject;
 }
 
-/// Around a lamp, with vertices in the planes W = 0 of the cube's faces and an ulp beside them.
-Floats around(const Light& lamp, std::size_t count, float size, std::uint64_t seed) {
+/// Around a point light, with vertices in the planes W = 0 of the cube's faces and an ulp beside them.
+Floats around(const Light& light, std::size_t count, float size, std::uint64_t seed) {
     Random random(seed);
     Floats triangles;
     for (std::size_t i = 0; i < 3 * count; ++i) {
         Float3 v = support::random_vector(random, -size, size);
-        for (int c = 0; c < 3; ++c) v[c] = random.below(3) == 0 ? lamp[c] : lamp[c] + v[c];
+        for (int c = 0; c < 3; ++c) v[c] = random.below(3) == 0 ? light[c] : light[c] + v[c];
         add(triangles, random.below(2) == 0 ? v : support::nudged(random, v));
     }
     return triangles;
@@ -250,12 +250,13 @@ void add_soups(std::vector<Case>& list, std::uint64_t seed) {
                         return placed_subject(in_triplicate(once));
                     },
                     cube_points});
-    list.push_back({"around a lamp", "triangles on all sides of a lamp, vertices in the planes of its cube's faces",
+    list.push_back({"around a point light",
+                    "triangles on all sides of a point light, vertices in the planes of its cube's faces",
                     [=](auto v) {
-                        const Light lamp = at(0.05f, -0.1f, 0.2f);
+                        const Light light = at(0.05f, -0.1f, 0.2f);
                         constexpr float sizes[] = {1, 1e-4f, 0.01f, 30};
-                        return Subject{shared(around(lamp, 300, sizes[v % 4], seed + v)),
-                                       {lamp, along(0, -1, 0), at(0.05f, 3, 0.2f)}};
+                        return Subject{shared(around(light, 300, sizes[v % 4], seed + v)),
+                                       {light, along(0, -1, 0), at(0.05f, 3, 0.2f)}};
                     },
                     cube_points});
 }
@@ -364,10 +365,10 @@ void add_made_scenes(std::vector<Case>& list, const CaseOptions& options) {
         {"zero areas", "degenerate", "points and lines among good triangles"},
         {"coincident", "coplanar_pair", "coincident and overlapping coplanar triangles, both windings"},
         {"one-sided planes", "one_sided_plane", "open planes wound either way"},
-        {"lit from inside", "closed_box_lit_inside", "closed meshes with lamps inside, outside and within them"},
+        {"lit from inside", "closed_box_lit_inside", "closed meshes with point lights inside, outside and within them"},
         {"concave corners", "concave_corners", "a room's corner, stairs, an acute wedge"},
     };
-    // Scenes differ in what they bring: each gets a sun, a sun along an axis and a lamp.
+    // Scenes differ in what they bring: each gets a sun, a sun along an axis and a point light.
     const auto lit = [seed = options.seed](const char* recipe, std::uint32_t triangles) {
         Subject subject = made_scene(recipe, seed, triangles);
         const Float3 eye = subject.views.at(0).eye;
@@ -470,7 +471,7 @@ void add_shared_scenes(Cases& cases, const CaseOptions& options) {
         return there;
     };
     if (is_there("crytek_sponza.glb"))
-        cases.list.push_back({"Sponza", "views and lights of views.json, and a lamp",
+        cases.list.push_back({"Sponza", "views and lights of views.json, and a point light",
                               [path = file("crytek_sponza.glb")](auto) {
                                   Subject subject = shared_scene(path);
                                   subject.lights.push_back(at(-100, 700, -30));
@@ -479,7 +480,7 @@ void add_shared_scenes(Cases& cases, const CaseOptions& options) {
                               },
                               scene_points, 6, 2, 2'000'000});
     if (!is_there("lost_empire.glb")) return;
-    cases.list.push_back({"lost_empire", "a city on a 16-bit lattice, its views and lights, and a lamp",
+    cases.list.push_back({"lost_empire", "a city on a 16-bit lattice, its views and lights, and a point light",
                           [path = file("lost_empire.glb")](auto) {
                               Subject subject = shared_scene(path);
                               subject.lights.push_back(at(10, 45, 40));
@@ -487,7 +488,7 @@ void add_shared_scenes(Cases& cases, const CaseOptions& options) {
                           },
                           scene_points, 6, 2, 2'000'000});
     cases.list.push_back({"lost_empire, exact ties",
-                          "the same under axes, diagonals and a lamp on the lattice; points on its lattice too",
+                          "the same under axes, diagonals and a point light on the lattice; points on its lattice too",
                           [path = file("lost_empire.glb")](auto) {
                               Subject subject = shared_scene(path);
                               subject.lights = {along(1, -1, 1), along(-1, -1, -1), along(0, -1, 0),

@@ -93,7 +93,7 @@ std::vector<std::string> levels(const std::string& name, const Tally& tally) {
 }
 
 std::string answers_table(const Report& report) {
-    std::vector<std::string> names = {"case", "points", "lamp", "in shadow", "gnomon", "plain float"};
+    std::vector<std::string> names = {"case", "points", "point light", "in shadow", "gnomon", "plain float"};
     if (report.sum().has_embree)
         for (const EmbreeWay& way : EMBREE_WAYS) names.emplace_back(way.name);
     std::string text = table_head(names, 1);
@@ -113,7 +113,8 @@ std::string levels_table(const Report& report) {
 
 std::string who_answered(const Tally& sum) {
     std::string text =
-        "Wrong points, of the same points, in the same run. *Lamp*: the share of points lit from a position. *Plain "
+        "Wrong points, of the same points, in the same run. *Point light*: the share of points lit from a position. "
+        "*Plain "
         "float* is Moeller and Trumbore's test in float32 without a bound. Points that face away are not held against "
         "it, and it passes over a point's receiver, as gnomon does.";
     if (sum.has_embree)
@@ -159,7 +160,7 @@ std::string line_of(const CaseResult& result) {
     char text[400];
     std::snprintf(
         text, sizeof(text),
-        "%-32s %12s points %5s lamp %7s shadow  wrong %llu  plain %-9s open %-9s gnomon %.1f s  oracle %.1f s  "
+        "%-32s %12s points %5s point light %7s shadow  wrong %llu  plain %-9s open %-9s gnomon %.1f s  oracle %.1f s  "
         "plain %.1f s  embree %.1f s",
         result.name.c_str(), grouped(t.points).c_str(), percent(t.positional, t.points).c_str(),
         percent(t.shadowed, t.points).c_str(), static_cast<unsigned long long>(t.wrong), grouped(t.plain_wrong).c_str(),

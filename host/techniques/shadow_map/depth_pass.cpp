@@ -6,15 +6,13 @@ namespace {
 
 constexpr const char* file = "techniques/shadow_map/depth_pass.cl";
 
-// A little more than the texels: kernels read the last ones in blocks of lanes.
-void clear(cl::Session& session, const MapSet& set, cl::Buffer& keys, std::uint32_t word) {
-    session.reserve_filled(keys, word, (std::size_t(set.texels) + session.lanes()) * sizeof(cl_uint));
-}
-
 }  // namespace
 
 void DepthMap::draw(cl::Session& session, const TriangleInputs& triangles, const MapViews& map_views, DepthPass pass,
                     cl::Buffer& output) {
+    // A little more than the texels: kernels read the last ones in blocks of lanes.
+    const std::size_t words = std::size_t(map_views.set.texels) + session.lanes();
+    session.reserve_filled(output, pass.pass == PASS_SLOPE ? 0 : EMPTY_KEY, words * sizeof(cl_uint));
     if (triangles.count == 0) return;
     chunk_count_.reserve(session, sizeof(cl_uint));
     for (pass.view_index = 0; pass.view_index < map_views.set.view_count; ++pass.view_index) {
@@ -39,17 +37,14 @@ void DepthMap::run(cl::Session& session, const TriangleInputs& triangles, const 
     pass.triangle_count = triangles.count;
     pass.slope_bias = bias.slope;
     pass.slope_limit = bias.slope_limit;
-    clear(session, map_views.set, keys_, EMPTY_KEY);
     pass.pass = PASS_NEAREST;
     draw(session, triangles, map_views, pass, keys_);
     slopes_.reserve(session, sizeof(float));
     if (with_slopes) {
-        clear(session, map_views.set, slopes_, 0);
         pass.pass = PASS_SLOPE;
         draw(session, triangles, map_views, pass, slopes_);
     }
     if (bias.dual_limit > 0) {
-        clear(session, map_views.set, second_, EMPTY_KEY);
         pass.pass = PASS_SECOND;
         draw(session, triangles, map_views, pass, second_);
         session.launch(file, "depth_pass_midpoint", cl::Range::items(map_views.set.texels), map_views.set,
