@@ -46,11 +46,10 @@ typedef struct ItemRange {
 } ItemRange;
 static ItemRange item_range(size_t n) {
 #ifdef GN_CPU
-    ItemRange items = {get_global_id(0) * GN_CHUNK(n), min((size_t)(get_global_id(0) + 1) * GN_CHUNK(n), n), 1};
+    return (ItemRange){get_global_id(0) * GN_CHUNK(n), min((size_t)(get_global_id(0) + 1) * GN_CHUNK(n), n), 1};
 #else
-    ItemRange items = {get_global_id(0), n, get_global_size(0)};
+    return (ItemRange){get_global_id(0), n, get_global_size(0)};
 #endif
-    return items;
 }
 #ifdef GN_CPU
 #define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; ++i)

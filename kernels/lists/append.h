@@ -22,11 +22,7 @@ typedef struct Reservation {
     uint next, end;
 } Reservation;
 
-static Reservation no_reservation(void) {
-    Reservation reservation;
-    reservation.next = reservation.end = 0;
-    return reservation;
-}
+static Reservation no_reservation(void) { return (Reservation){0u, 0u}; }
 
 // The first of `count` neighbouring slots. The host sees from the counter whether all fitted, so it must never wrap
 // around: the sum of all additions before the items see an overflow must be less than 2^30.

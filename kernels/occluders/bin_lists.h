@@ -100,9 +100,8 @@ typedef struct QuantisedBlock {
 // The block around some lanes, in quantised units.
 #if GN_LANES == 1
 static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt y1, LaneInt lowest, LaneInt lanes) {
-    QuantisedBlock none = {65535, 65535, 0, 0, 65535};
-    QuantisedBlock block = {(ushort)x0, (ushort)y0, (ushort)x1, (ushort)y1, (ushort)lowest};
-    return lanes ? block : none;
+    return lanes ? (QuantisedBlock){(ushort)x0, (ushort)y0, (ushort)x1, (ushort)y1, (ushort)lowest}
+                 : (QuantisedBlock){65535, 65535, 0, 0, 65535};
 }
 
 typedef uint4 EntryWords;  // one load
@@ -158,8 +157,7 @@ static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt
     ushort8 z = least_eight(lowest, others);
     z = least_in_turn(z, z);
     ushort8 all = least_in_turn(least_in_turn(x, y), least_in_turn(z, z));  // x0 z y0 z, 65535 - x1 and so on
-    QuantisedBlock block = {all.s0, all.s2, (ushort)(65535 - all.s4), (ushort)(65535 - all.s6), all.s1};
-    return block;
+    return (QuantisedBlock){all.s0, all.s2, (ushort)(65535 - all.s4), (ushort)(65535 - all.s6), all.s1};
 }
 
 static uint bits_of_shorts(short16 mask) {

@@ -40,15 +40,13 @@ typedef struct CoordinateRows {
 static CoordinateRows rows_in_order(const TracePoints* of, LightFrame light_frame) {
     __global const float* first = of->positions + of->layout.first;
     size_t stride = of->layout.coordinate_stride;
-    CoordinateRows rows = {first + stride * light_frame.axis_x, first + stride * light_frame.axis_y,
-                           first + stride * light_frame.axis_z};
-    return rows;
+    return (CoordinateRows){first + stride * light_frame.axis_x, first + stride * light_frame.axis_y,
+                            first + stride * light_frame.axis_z};
 }
 
 static PointBlock load_rows(CoordinateRows rows, BlockPlace place) {
-    PointBlock points = {load_strided(rows.x, 1u, place), load_strided(rows.y, 1u, place),
-                         load_strided(rows.z, 1u, place)};
-    return points;
+    return (PointBlock){load_strided(rows.x, 1u, place), load_strided(rows.y, 1u, place),
+                        load_strided(rows.z, 1u, place)};
 }
 
 // The map decides whole blocks first: the points that it hides are in shadow for either facing, so that their receivers

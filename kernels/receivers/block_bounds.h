@@ -59,8 +59,7 @@ static float8 span_of_lanes(PointBlock low, PointBlock high, LaneInt lanes) {
 static BlockBounds bounds_of_block(LightFrame frame, PointBlock values, LaneInt lanes) {
     values.z *= frame.sign_z;
     float8 span = span_of_lanes(values, values, lanes);
-    BlockBounds bounds = {span.s0, span.s1, span.s2, span.s3, span.s4, span.s5, 0u, 0u};
-    return bounds;
+    return (BlockBounds){span.s0, span.s1, span.s2, span.s3, span.s4, span.s5, 0u, 0u};
 }
 
 // World coordinates of grid coordinates from low to high and these z: x = grid x + shear z. The grid coordinates are

@@ -49,22 +49,18 @@ typedef struct FootprintBlock {
 
 static FootprintBlock load_footprints(__global const float* footprints, PointsLayout layout, size_t block) {
     size_t count = layout.coordinate_stride;
-    FootprintBlock f;
-    f.u.x = load_lanes(footprints, layout, block);
-    f.u.y = load_lanes(footprints + count, layout, block);
-    f.u.z = load_lanes(footprints + 2 * count, layout, block);
-    f.v.x = load_lanes(footprints + 3 * count, layout, block);
-    f.v.y = load_lanes(footprints + 4 * count, layout, block);
-    f.v.z = load_lanes(footprints + 5 * count, layout, block);
-    f.spread = load_lanes(footprints + 6 * count, layout, block);
-    return f;
+    return (FootprintBlock){
+        {load_lanes(footprints, layout, block), load_lanes(footprints + count, layout, block),
+         load_lanes(footprints + 2 * count, layout, block)},
+        {load_lanes(footprints + 3 * count, layout, block), load_lanes(footprints + 4 * count, layout, block),
+         load_lanes(footprints + 5 * count, layout, block)},
+        load_lanes(footprints + 6 * count, layout, block)};
 }
 
 // The reach of a footprint from its centre along each coordinate.
 static PointBlock footprint_reach(const FootprintBlock* f) {
-    PointBlock reach = {fabs(f->u.x) + fabs(f->v.x) + f->spread, fabs(f->u.y) + fabs(f->v.y) + f->spread,
+    return (PointBlock){fabs(f->u.x) + fabs(f->v.x) + f->spread, fabs(f->u.y) + fabs(f->v.y) + f->spread,
                         fabs(f->u.z) + fabs(f->v.z) + f->spread};
-    return reach;
 }
 
 // The footprints that lie wholly in one frame: they are bounded and, in perspective, within the pyramid of the centre's
@@ -156,12 +152,10 @@ static LaneInt cells_at(LaneFloat coordinate, uint texels, uint log2) {
 }
 
 static CellSpan footprint_cells(__constant const Projection* projection, const GridFootprint* grid, uint log2) {
-    CellSpan span;
-    span.x0 = cells_at(grid->centre.x - grid->reach.x, projection->width, log2);
-    span.y0 = cells_at(grid->centre.y - grid->reach.y, projection->height, log2);
-    span.x1 = cells_at(grid->centre.x + grid->reach.x, projection->width, log2);
-    span.y1 = cells_at(grid->centre.y + grid->reach.y, projection->height, log2);
-    return span;
+    return (CellSpan){cells_at(grid->centre.x - grid->reach.x, projection->width, log2),
+                      cells_at(grid->centre.y - grid->reach.y, projection->height, log2),
+                      cells_at(grid->centre.x + grid->reach.x, projection->width, log2),
+                      cells_at(grid->centre.y + grid->reach.y, projection->height, log2)};
 }
 
 static LaneInt spans_below(const CellSpan* span, int cells) {

@@ -44,11 +44,7 @@ typedef struct Triangle {
 
 static Triangle load_triangle(__global const float* vertices, size_t id) {
     __global const float* v = vertices + 9 * id;
-    Triangle triangle;
-    triangle.a = (float3)(v[0], v[1], v[2]);
-    triangle.b = (float3)(v[3], v[4], v[5]);
-    triangle.c = (float3)(v[6], v[7], v[8]);
-    return triangle;
+    return (Triangle){(float3)(v[0], v[1], v[2]), (float3)(v[3], v[4], v[5]), (float3)(v[6], v[7], v[8])};
 }
 
 // The triangles of a launch.
@@ -58,8 +54,7 @@ typedef struct Triangles {
 } Triangles;
 
 static Triangles triangles_of(__global const float* vertices, TrianglesLayout layout) {
-    Triangles triangles = {vertices + layout.first_float, layout.count};
-    return triangles;
+    return (Triangles){vertices + layout.first_float, layout.count};
 }
 
 static bool is_finite_triangle(Triangle t) { return is_present(t.a) && is_present(t.b) && is_present(t.c); }

@@ -211,8 +211,7 @@ static Rectangle snapped_square(float2 center, float half_width, uint size) {
     float wide = half_width * (float)size / (float)(size - 2);
     float texel = 2.0f * wide / (float)size;
     float2 snapped = floor(center / texel) * texel;
-    Rectangle r = {snapped - wide, snapped + wide};
-    return r;
+    return (Rectangle){snapped - wide, snapped + wide};
 }
 
 // The slice's bounding sphere: its centre lies on the view's axis, equally far from the near and the far corners; if
