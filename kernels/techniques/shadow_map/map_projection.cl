@@ -80,12 +80,10 @@ static ViewPlan relative_to(ViewPlan plan, float3 origin) {
 // The part of a slice that can have points: the slice inside the scene's box. Slices that repeat each other stay whole.
 static void make_slice_body(const ViewPlan* plan, const PlannedView* view, SceneBox scene, Polyhedron* body) {
     float2 slice = widened_slice(plan, view);
-    if (!plan->self_similar) {
+    if (plan->self_similar)
+        make_slice_volume(plan, slice.x, slice.y, body);
+    else
         make_view_volume(plan, slice.x, slice.y, scene.box_low, scene.box_high, body);
-        return;
-    }
-    for (body->count = 0; body->count < 8; ++body->count)
-        body->vertices[body->count] = (float4)(slice_corner(plan, slice.x, slice.y, body->count), 1.0f);
 }
 
 // The homography along the view for a directional light, or the plain one if the view gives no direction.
@@ -120,7 +118,7 @@ static Homography along_the_view(const ViewPlan* plan, SceneBox scene, PlannedVi
 }
 
 static void plan_view(const ViewPlan* plan, SceneBox scene, uint i, PlannedView* view) {
-    for (int axis = 0; axis < 2; ++axis) view->limit_low[axis] = -INFINITY, view->limit_high[axis] = INFINITY;
+    set_limits(view, INFINITY);
     view->origin = (float4)(scene.origin, 0.0f);
     view->takes_logarithm = view->is_front_only = view->is_off = 0;
     view->face = NO_FACE;
@@ -129,8 +127,7 @@ static void plan_view(const ViewPlan* plan, SceneBox scene, uint i, PlannedView*
         view->is_off = !frustum_side(plan, i, view->near_depth, view->far_depth, view, &h);
     } else if (plan->partition == PARTITION_CUBE) {
         h = cube_face(plan, i);
-        for (int axis = 0; axis < 2; ++axis)
-            view->limit_low[axis] = -1.0f - SIDE_RIM, view->limit_high[axis] = 1.0f + SIDE_RIM;
+        set_limits(view, 1.0f + SIDE_RIM);
         view->is_front_only = 1;
         view->row_depth = h.w;
     } else {
@@ -177,16 +174,10 @@ __kernel void map_projection_plan(ViewPlan world_plan, __global const KeyBounds*
 
 // ---- Fit ------------------------------------------------------------------------------------------------------------
 
-typedef struct Rectangle {
-    float2 low, high;  // u, v
-} Rectangle;
-
+// Rectangles are bounds of u and v.
 static Rectangle bounds_of_vertices(const PlannedView* view, const float4* vertices, int count) {
-    Rectangle r = {(float2)(INFINITY), (float2)(-INFINITY)};
-    for (int i = 0; i < count; ++i) {
-        float2 at = ray_position(view->row_u, view->row_v, view->row_w, vertices[i]).xy;
-        r.low = fmin(r.low, at), r.high = fmax(r.high, at);
-    }
+    Rectangle r = empty_rectangle();
+    for (int i = 0; i < count; ++i) include_in(&r, ray_position(view->row_u, view->row_v, view->row_w, vertices[i]).xy);
     return r;
 }
 
@@ -231,7 +222,7 @@ static Rectangle bounds_of_sphere(const ViewPlan* plan, const PlannedView* view)
 static Rectangle quantised_bounds(const ViewPlan* plan, const PlannedView* view, SceneBox scene) {
     float2 depths = widened_slice(plan, view);
     float4 corners[8];
-    for (int i = 0; i < 8; ++i) corners[i] = (float4)(slice_corner(plan, depths.x, depths.y, i), 1.0f);
+    slice_corners(plan, depths.x, depths.y, corners);
     Rectangle slice = bounds_of_vertices(view, corners, 8), box = bounds_of_box(view, scene);
     float2 box_size = box.high - box.low, slice_size = slice.high - slice.low;
     float level = 0.5f * fmax(box_size.x, box_size.y) / 64.0f, half_width = 0.5f * fmax(slice_size.x, slice_size.y);
@@ -245,10 +236,8 @@ static Rectangle fitted_rectangle(const ViewPlan* plan, const PlannedView* view,
                        (float2)(greatest_of(&points, 0), greatest_of(&points, 1))};
         return with_rim(r, view, plan->map_size);
     }
-    if (plan->partition == PARTITION_FACES || plan->partition == PARTITION_CUBE) {
-        Rectangle r = {vload2(0, view->limit_low), vload2(0, view->limit_high)};
-        return r;
-    }
+    if (plan->partition == PARTITION_FACES || plan->partition == PARTITION_CUBE)
+        return (Rectangle){vload2(0, view->limit_low), vload2(0, view->limit_high)};
     if (plan->fit == FIT_SPHERE) return bounds_of_sphere(plan, view);
     if (plan->fit == FIT_QUANTISED) return quantised_bounds(plan, view, scene);
     if (plan->fit == FIT_CASTERS) return with_rim(bounds_of_box(view, scene), view, plan->map_size);
@@ -361,8 +350,7 @@ __kernel void map_projection_fit(ViewPlan world_plan, __global const KeyBounds* 
         bool is_off = view.is_off || is_empty(&points);
         MapView map;
         if (is_off) {
-            Rectangle unit = {(float2)(0.0f), (float2)(1.0f)};
-            map = map_view_of(&plan, &view, i, unit, (float2)(0.0f, 1.0f));
+            map = map_view_of(&plan, &view, i, (Rectangle){(float2)(0.0f), (float2)(1.0f)}, (float2)(0.0f, 1.0f));
             map.width = map.height = 0;
         } else {
             map = map_view_of(&plan, &view, i, fitted_rectangle(&plan, &view, scene, &body, points),
