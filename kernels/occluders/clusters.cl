@@ -23,23 +23,19 @@ static uint spread_bits(uint x) {
     return (x | x << 2) & 0x09249249u;
 }
 
-// The middle of the interval of three coordinates, as a part of the code. No sum here can overflow.
-static uint code_of_middle(float a, float b, float c, float origin, float scale) {
-    float half_low = fmin(fmin(a, b), c) * 0.5f, half_high = fmax(fmax(a, b), c) * 0.5f;
-    float position = ((half_low + half_high) * 0.5f - origin) * scale;
-    return spread_bits((uint)clamp(position, 0.0f, (float)((1u << CLUSTER_CODE_BITS) - 1u)));
+// The code of the middle of the triangle's box. No sum here can overflow.
+static uint code_of_middle(Triangle t, ClusterGrid grid) {
+    float3 half_low = fmin(fmin(t.a, t.b), t.c) * 0.5f, half_high = fmax(fmax(t.a, t.b), t.c) * 0.5f;
+    float3 position = ((half_low + half_high) * 0.5f - vload3(0, grid.origin)) * grid.scale;
+    uint3 cell = convert_uint3(clamp(position, 0.0f, (float)((1u << CLUSTER_CODE_BITS) - 1u)));
+    return spread_bits(cell.x) | spread_bits(cell.y) << 1 | spread_bits(cell.z) << 2;
 }
 
 __kernel void cluster_codes(ClusterGrid grid, ClusterParams params, __global const float* vertices,
                             __global uint* codes, __global uint* numbers) {
     GN_FOR_EACH(i, params.triangles.count) {
         Triangle t = load_triangle(vertices + params.triangles.first_float, (uint)i);
-        uint code = GN_NO_ID;
-        if (is_finite_triangle(t))
-            code = code_of_middle(t.a.x, t.b.x, t.c.x, grid.origin[0], grid.scale) |
-                   code_of_middle(t.a.y, t.b.y, t.c.y, grid.origin[1], grid.scale) << 1 |
-                   code_of_middle(t.a.z, t.b.z, t.c.z, grid.origin[2], grid.scale) << 2;
-        codes[i] = code;
+        codes[i] = is_finite_triangle(t) ? code_of_middle(t, grid) : GN_NO_ID;
         numbers[i] = (uint)i;
     }
 }

@@ -15,60 +15,42 @@
 
 // ---- Bounds of the triangles ----------------------------------------------------------------------------------------
 
-typedef struct TriangleValues {
-    float lowest[BOUNDED_VALUES], highest[BOUNDED_VALUES];
-    uint count;
-} TriangleValues;
-
-static void include_value(TriangleValues* values, int i, float low, float high) {
-    values->lowest[i] = fmin(values->lowest[i], low);
-    values->highest[i] = fmax(values->highest[i], high);
+static void include_value(FittedBounds* bounds, int i, float low, float high) {
+    bounds->low[i] = fmin(bounds->low[i], low);
+    bounds->high[i] = fmax(bounds->high[i], high);
 }
 
-static float coordinate(float3 v, uint axis) { return axis == 0u ? v.x : axis == 1u ? v.y : v.z; }
-
-static void include_parallel(TriangleValues* values, LightFrame frame, const float3* vertices) {
+static void include_parallel(FittedBounds* bounds, LightFrame frame, const float3* vertices) {
     for (int i = 0; i < 3; ++i) {
         float3 v = vertices[i];
-        float z = coordinate(v, frame.axis_z);
-        float x = coordinate(v, frame.axis_x) - frame.shear_x * z, y = coordinate(v, frame.axis_y) - frame.shear_y * z;
-        include_value(values, 0, x, x);
-        include_value(values, 1, y, y);
-        include_value(values, 2, v.x, v.x);
-        include_value(values, 3, v.y, v.y);
-        include_value(values, 4, v.z, v.z);
+        float x = coordinate_of(v, frame.axis_x), y = coordinate_of(v, frame.axis_y);
+        float z = coordinate_of(v, frame.axis_z);
+        const float values[BOUNDED_VALUES] = {x - frame.shear_x * z, y - frame.shear_y * z, v.x, v.y, v.z};
+        for (int k = 0; k < BOUNDED_VALUES; ++k) include_value(bounds, k, values[k], values[k]);
     }
-    ++values->count;
+    ++bounds->count;
 }
 
 // A triangle that lies outside one of the face's sides by this blocks no point of the face.
 #define FACE_SIDE (1.0f + 64.0f * GN_U)
 
-static void include_perspective(TriangleValues* values, LightFrame frame, const float3* vertices) {
-    float3 light = (float3)(frame.light[0], frame.light[1], frame.light[2]);
+static void include_perspective(FittedBounds* bounds, LightFrame frame, const float3* vertices) {
     bool behind = true, in_front = true;
-    float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, nearest = INFINITY, farthest = -INFINITY;
+    float3 low = (float3)(INFINITY), high = (float3)(-INFINITY);  // of x / W, y / W and W
     for (int i = 0; i < 3; ++i) {
-        float3 d = vertices[i] - light;
-        float w = coordinate(d, frame.axis_z) * frame.sign_z;
-        float x = coordinate(d, frame.axis_x) / w, y = coordinate(d, frame.axis_y) / w;
+        float3 d = vertices[i] - light_of(frame).xyz;
+        float w = coordinate_of(d, frame.axis_z) * frame.sign_z;
+        float3 at = (float3)(coordinate_of(d, frame.axis_x) / w, coordinate_of(d, frame.axis_y) / w, w);
         behind = behind && w < 0.0f;
-        in_front = in_front && w > SMALLEST_W && fabs(x) <= FLT_MAX && fabs(y) <= FLT_MAX;
-        low[0] = fmin(low[0], x);
-        low[1] = fmin(low[1], y);
-        high[0] = fmax(high[0], x);
-        high[1] = fmax(high[1], y);
-        nearest = fmin(nearest, w);
-        farthest = fmax(farthest, w);
+        in_front = in_front && w > SMALLEST_W && GN_FINITE(at.x) && GN_FINITE(at.y);
+        low = fmin(low, at), high = fmax(high, at);
     }
-    if (behind) return;
-    for (int i = 0; i < 2; ++i) {
-        if (in_front && (low[i] > FACE_SIDE || high[i] < -FACE_SIDE)) return;
-    }
-    for (int i = 0; i < 2; ++i)
-        include_value(values, i, in_front ? fmax(low[i], -1.0f) : -1.0f, in_front ? fmin(high[i], 1.0f) : 1.0f);
-    include_value(values, 4, fmax(nearest, SMALLEST_W), fmax(farthest, SMALLEST_W));
-    ++values->count;
+    if (behind || (in_front && (fmax(low.x, low.y) > FACE_SIDE || fmin(high.x, high.y) < -FACE_SIDE))) return;
+    if (!in_front) low.xy = (float2)(-1.0f), high.xy = (float2)(1.0f);
+    include_value(bounds, 0, fmax(low.x, -1.0f), fmin(high.x, 1.0f));
+    include_value(bounds, 1, fmax(low.y, -1.0f), fmin(high.y, 1.0f));
+    include_value(bounds, 4, fmax(low.z, SMALLEST_W), fmax(high.z, SMALLEST_W));
+    ++bounds->count;
 }
 
 static void raise_bound(volatile __global uint* highest, float value) {
@@ -81,28 +63,25 @@ __kernel void prepared_bounds(const PreparedParams params, __global const float*
                               volatile __global uint* frame_bounds) {
     for (uint face = 0; face < frame_count_of(params.light_frame); ++face) {
         LightFrame frame = face_of(params.light_frame, face);
-        TriangleValues values;
-        values.count = 0;
-        for (int i = 0; i < BOUNDED_VALUES; ++i) {
-            values.lowest[i] = INFINITY;
-            values.highest[i] = -INFINITY;
-        }
+        FittedBounds bounds;
+        bounds.count = 0;
+        for (int i = 0; i < BOUNDED_VALUES; ++i) bounds.low[i] = INFINITY, bounds.high[i] = -INFINITY;
         GN_FOR_EACH(i, params.triangles.count) {
             Triangle t = load_triangle(vertices + params.triangles.first_float, i);
             if (!is_finite_triangle(t)) continue;
             float3 corners[3] = {t.a, t.b, t.c};
             if (frame.perspective)
-                include_perspective(&values, frame, corners);
+                include_perspective(&bounds, frame, corners);
             else
-                include_parallel(&values, frame, corners);
+                include_parallel(&bounds, frame, corners);
         }
-        if (values.count == 0) continue;
+        if (bounds.count == 0) continue;
         volatile __global uint* words = frame_bounds + face * BOUNDS_WORDS;
         for (int i = 0; i < BOUNDED_VALUES; ++i) {
-            raise_bound(&words[i], values.highest[i]);
-            raise_bound(&words[BOUNDED_VALUES + i], -values.lowest[i]);
+            raise_bound(&words[i], bounds.high[i]);
+            raise_bound(&words[BOUNDED_VALUES + i], -bounds.low[i]);
         }
-        atomic_add(&words[2 * BOUNDED_VALUES], values.count);
+        atomic_add(&words[2 * BOUNDED_VALUES], bounds.count);
     }
 }
 
@@ -164,23 +143,17 @@ __kernel void prepared_domains(const PreparedParams params, __global PointBounds
     __global PreparedDomain* domains = (__global PreparedDomain*)(tables + params.tables.domains);
     GN_FOR_EACH(face, frame_count_of(light_frame)) {
         __global PointBounds* bounds = &frame_bounds[face];
-        float low[BOUNDED_VALUES], high[BOUNDED_VALUES];
-        for (int i = 0; i < BOUNDED_VALUES; ++i) {
-            low[i] = -key_to_float(bounds->minus_lowest[i]);
-            high[i] = key_to_float(bounds->highest[i]);
-        }
-        PreparedDomain domain;
-        for (int i = 0; i < 2; ++i) domain.lit_low[i] = domain.lit_high[i] = 0.0f;
-        for (int i = 0; i < 3; ++i) domain.world_low[i] = domain.world_high[i] = 0.0f;
+        FittedBounds of = read_bounds(bounds);
+        PreparedDomain domain = {{0.0f}};  // every member is 0
         domain.top = INFINITY;
         domain.has_triangles = bounds->count != 0u;
         if (!domain.has_triangles) {
             domain.world_low[2] = SMALLEST_W;
             domain.world_high[2] = FLT_MAX;
         } else if (light_frame.perspective) {
-            make_perspective(low, high, bounds, &domain);
+            make_perspective(of.low, of.high, bounds, &domain);
         } else {
-            make_parallel(light_frame, low, high, bounds, &domain);
+            make_parallel(light_frame, of.low, of.high, bounds, &domain);
         }
         domains[face] = domain;
     }

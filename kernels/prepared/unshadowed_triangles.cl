@@ -113,11 +113,6 @@ static bool any_may_shadow(const SearchLists* lists, uint bin, const SearchedTri
     return false;
 }
 
-static uint bin_of_quantised(ushort q, uint texels, uint bin_log2) {
-    LaneInt bins = bins_of_quantised((LaneInt)(q), texels, bin_log2);
-    return (uint)LANE_OF_INT(bins, 0);
-}
-
 // A sample of records: one of each `step` in a row; which one varies, since neighbours follow a pattern.
 static uint sampled(uint i, uint step) { return i * step + ((i * 2654435761u) >> 16) % step; }
 
@@ -141,27 +136,23 @@ __kernel void unshadowed_triangles(const PreparedParams params, __constant const
     GN_FOR_EACH(i, (size_t)(params.record_count / params.sample_step) * UNSHADOWED_TEAM) {
         uint slot = sampled((uint)(i / UNSHADOWED_TEAM), params.sample_step), member = (uint)(i % UNSHADOWED_TEAM);
         TriangleBounds own = bounds[slot];
-        uint x0 = bin_of_quantised(own.x0, projection->width, projection->bin_log2);
-        uint y0 = bin_of_quantised(own.y0, projection->height, projection->bin_log2);
-        uint x1 = bin_of_quantised(own.x1, projection->width, projection->bin_log2);
-        uint y1 = bin_of_quantised(own.y1, projection->height, projection->bin_log2);
-        uint width = x1 - x0 + 1u, bin_count = width * (y1 - y0 + 1u);
+        uint4 bins = bins_of_bounds(own, projection);
+        uint bin_count = bins_of_rectangle(bins);
         uint each = (bin_count + UNSHADOWED_TEAM - 1u) / UNSHADOWED_TEAM, end = min((member + 1u) * each, bin_count);
-        SearchedTriangle searched;
-        searched.receiver = load_triangle(lists.vertices, own.id);
-        searched.towards_light = light_of(params.light_frame).xyz;
-        QuantisedBlock around = {own.x0, own.y0, own.x1, own.y1,
-                                 quantised_height(records[slot].z_low, projection->z_origin, projection->z_scale)};
-        searched.around = around;
-        searched.id = own.id;
+        ushort z = quantised_height(records[slot].z_low, projection->z_origin, projection->z_scale);
+        SearchedTriangle searched = {load_triangle(lists.vertices, own.id),
+                                     light_of(params.light_frame).xyz,
+                                     {own.x0, own.y0, own.x1, own.y1, z},
+                                     own.id,
+                                     0};
         searched.side = certain_side(&searched.receiver, searched.towards_light);
         SearchTests tests = {0u, (uint4)(own.id)};
         volatile __global uint* word = &unshadowed[own.id / UNSHADOWED_WORD_BITS];
         bool shadowed = searched.side == 0 || each > SEARCH_MOST_BINS;
         for (uint b = member * each; b < end && !shadowed; ++b) {
             if ((GN_RELAXED_LOAD(word) & unshadowed_bit(own.id)) == 0u) break;  // another member found it shadowed
-            uint bin = (y0 + b / width) * projection->bins_x + x0 + b % width;
-            shadowed = any_may_shadow(&lists, bin, &searched, &tests);
+            uint4 bin = bin_of_rectangle(bins, b);
+            shadowed = any_may_shadow(&lists, bin.y * projection->bins_x + bin.x, &searched, &tests);
         }
         if (shadowed) atomic_and(word, ~unshadowed_bit(own.id));
     }

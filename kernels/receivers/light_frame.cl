@@ -12,22 +12,6 @@
 #define FRAME_PADDING (32.0f * GN_U)
 #define EDGE_TEXELS 0.25f
 
-// PointBounds as floats: [0] and [1] grid x and y, [2] to [4] world x, y, z (in perspective only [4] is defined: W).
-typedef struct FittedBounds {
-    float low[BOUNDED_VALUES], high[BOUNDED_VALUES];
-    uint count;
-} FittedBounds;
-
-static FittedBounds read_bounds(__global const PointBounds* keys) {
-    FittedBounds bounds;
-    for (int i = 0; i < BOUNDED_VALUES; ++i) {
-        bounds.low[i] = -key_to_float(keys->minus_lowest[i]);
-        bounds.high[i] = key_to_float(keys->highest[i]);
-    }
-    bounds.count = keys->count;
-    return bounds;
-}
-
 // Texels per unit and the offset that brings [low, high] inside [EDGE_TEXELS, texels - EDGE_TEXELS].
 static float fitted_scale(float low, float high, float padding, float texels) {
     float extent = fmax((high - low) + 2.0f * padding, 1.0e-18f);

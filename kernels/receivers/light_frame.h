@@ -112,6 +112,22 @@ static float unit_of_farthest(float farthest_w) {
     return farthest >= 1.0f ? ldexp(1.0f, -ilogb(farthest)) : 1.0f;
 }
 
+// PointBounds as floats: [0] and [1] grid x and y, [2] to [4] world x, y, z (in perspective only [4] is defined: W).
+typedef struct FittedBounds {
+    float low[BOUNDED_VALUES], high[BOUNDED_VALUES];
+    uint count;
+} FittedBounds;
+
+static FittedBounds read_bounds(__global const PointBounds* keys) {
+    FittedBounds bounds;
+    for (int i = 0; i < BOUNDED_VALUES; ++i) {
+        bounds.low[i] = -key_to_float(keys->minus_lowest[i]);
+        bounds.high[i] = key_to_float(keys->highest[i]);
+    }
+    bounds.count = keys->count;
+    return bounds;
+}
+
 static float4 light_of(LightFrame light_frame) {
     return (float4)(light_frame.light[0], light_frame.light[1], light_frame.light[2], light_frame.light[3]);
 }

@@ -216,12 +216,9 @@ static void walk_footprints(OccluderLists lists, __constant const Projection* pr
 
 // True if the whole footprint lies in the triangle's bins, where its record is valid.
 static bool in_bins(TriangleBounds bounds, __constant const Projection* projection, const CellSpan* span, int lane) {
-    LaneInt x0 = bins_of_quantised((LaneInt)(bounds.x0), projection->width, projection->bin_log2);
-    LaneInt y0 = bins_of_quantised((LaneInt)(bounds.y0), projection->height, projection->bin_log2);
-    LaneInt x1 = bins_of_quantised((LaneInt)(bounds.x1), projection->width, projection->bin_log2);
-    LaneInt y1 = bins_of_quantised((LaneInt)(bounds.y1), projection->height, projection->bin_log2);
-    return LANE_OF_INT(span->x0, lane) >= LANE_OF_INT(x0, 0) && LANE_OF_INT(span->y0, lane) >= LANE_OF_INT(y0, 0) &&
-           LANE_OF_INT(span->x1, lane) <= LANE_OF_INT(x1, 0) && LANE_OF_INT(span->y1, lane) <= LANE_OF_INT(y1, 0);
+    int4 bins = convert_int4(bins_of_bounds(bounds, projection));
+    return LANE_OF_INT(span->x0, lane) >= bins.x && LANE_OF_INT(span->y0, lane) >= bins.y &&
+           LANE_OF_INT(span->x1, lane) <= bins.z && LANE_OF_INT(span->y1, lane) <= bins.w;
 }
 
 static int orientation_from(float4 light, Triangle t) {

@@ -6,10 +6,6 @@
 #include "receivers/facing.clh"
 #include "trace/explain.h"
 
-static float4 light_of_params(const ExplainParams* params) {
-    return (float4)(params->light[0], params->light[1], params->light[2], params->light[3]);
-}
-
 static ExplainedTriangle signs_of_triangle(Triangles triangles, uint id, float3 p, float4 light) {
     ExplainedTriangle signs;
     Triangle t = load_triangle(triangles.vertices, id);
@@ -21,12 +17,11 @@ static ExplainedTriangle signs_of_triangle(Triangles triangles, uint id, float3 
     signs.level = level;
     signs.point_side = is_finite ? det3_sign(t.b, t.a, t.c, t.a, p, t.a, &any_level) : 0;
     signs.light_side = is_finite ? side_of_light(t, light, &any_level) : 0;
-    signs.edges[0] = is_finite ? det3_sign(t.a, p, t.b, p, light.xyz, start, &any_level) : 0;
-    signs.edges[1] = is_finite ? det3_sign(t.b, p, t.c, p, light.xyz, start, &any_level) : 0;
-    signs.edges[2] = is_finite ? det3_sign(t.c, p, t.a, p, light.xyz, start, &any_level) : 0;
-    vstore3(t.a, 0, signs.vertices);
-    vstore3(t.b, 1, signs.vertices);
-    vstore3(t.c, 2, signs.vertices);
+    const float3 vertices[4] = {t.a, t.b, t.c, t.a};
+    for (int i = 0; i < 3; ++i) {
+        vstore3(vertices[i], i, signs.vertices);
+        signs.edges[i] = is_finite ? det3_sign(vertices[i], p, vertices[i + 1], p, light.xyz, start, &any_level) : 0;
+    }
     return signs;
 }
 
@@ -34,7 +29,7 @@ __kernel void explain_point(const ExplainParams params, __global const float* po
                             __global const float* vertices, __global ExplainedPoint* out) {
     if (get_global_id(0) != 0) return;
     float3 p = load_point(positions, params.points, params.index);
-    float4 light = light_of_params(&params);
+    float4 light = vload4(0, params.light);
     Triangles triangles = triangles_of(vertices, params.triangles);
     ExplainedPoint point;
     int level = DET3_BY_FLOAT;
@@ -62,7 +57,7 @@ __kernel void explain_point(const ExplainParams params, __global const float* po
 __kernel void explain_triangles(const ExplainParams params, __global const float* vertices,
                                 __global ExplainedPoint* point, __global ExplainedTriangle* list) {
     float3 p = vload3(0, point->position);
-    float4 light = light_of_params(&params);
+    float4 light = vload4(0, params.light);
     Triangles triangles = triangles_of(vertices, params.triangles);
     uint receiver = point->receiver;
     if (!is_present(p)) return;
