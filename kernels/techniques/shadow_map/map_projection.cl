@@ -56,19 +56,12 @@ typedef struct SceneBox {
 
 // All positions are relative to the middle of the scene, so that offsets stay small far from the world's origin.
 static SceneBox scene_box(KeyBounds bounds) {
-    SceneBox scene;
-    scene.origin = scene.box_low = scene.box_high = (float3)(0.0f);
-    scene.diagonal = 1.0f;
-    if (is_empty(&bounds)) return scene;
+    if (is_empty(&bounds)) return (SceneBox){(float3)(0.0f), (float3)(0.0f), (float3)(0.0f), 1.0f};
     float3 low = (float3)(least_of(&bounds, 0), least_of(&bounds, 1), least_of(&bounds, 2));
     float3 high = (float3)(greatest_of(&bounds, 0), greatest_of(&bounds, 1), greatest_of(&bounds, 2));
-    scene.origin = 0.5f * low + 0.5f * high;
-    float3 extent = high - low;
-    scene.diagonal = fmax(sqrt(dot3(extent, extent)), 1.0e-18f);
-    float3 margin = (float3)(1.0e-4f * scene.diagonal);
-    scene.box_low = low - scene.origin - margin;
-    scene.box_high = high - scene.origin + margin;
-    return scene;
+    float3 origin = 0.5f * low + 0.5f * high, extent = high - low;
+    float diagonal = fmax(sqrt(dot3(extent, extent)), 1.0e-18f), margin = 1.0e-4f * diagonal;
+    return (SceneBox){origin, low - origin - margin, high - origin + margin, diagonal};
 }
 
 static ViewPlan relative_to(ViewPlan plan, float3 origin) {
