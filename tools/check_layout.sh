@@ -104,7 +104,7 @@ lines_of '^kernels/.*\.(cl|clh)$' | awk '$1 > 450 { print $2 ": " $1 " lines" }'
     complain 'a .cl or .clh has at most 450 lines'
 product=$(lines_of "$kernel_or_host.*$source" | awk '{ sum += $1 } END { print sum + 0 }')
 # A ratchet: lower it whenever the product gets shorter. The aim is 27,105, what it had before explain and the contracts.
-[ "$product" -le 28400 ] || echo "kernels and host: $product lines" | complain 'the product has at most 28400 lines'
+[ "$product" -le 27800 ] || echo "kernels and host: $product lines" | complain 'the product has at most 28400 lines'
 files_matching '^kernels/.*/' | tr '\0' '\n' | awk '
     { sub(/\/[^\/]*$/, ""); ++count[$0] }
     function most(folder) { return folder == "kernels/techniques/shadow_map" ? 25 : 15 }
