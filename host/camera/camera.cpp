@@ -219,8 +219,8 @@ void CameraStage::find_points(const CameraParams& params, cl_mem pixel_receivers
                               Statistics& statistics) {
     const std::size_t pixels = std::size_t(width_) * height_;
     if (triangles_.count == 0) {
-        const std::vector<cl_uint> sky(pixels, no_receiver);
-        session_.write(out.receivers, sky.data(), pixels * sizeof(cl_uint));
+        const std::vector<cl_uint> sky(out.count, no_receiver);
+        session_.write(out.receivers, sky.data(), sky.size() * sizeof(cl_uint));
         session_.fill(counters_, 0, sizeof(FrameCounters));
     } else {
         cl::StageTimer timer(session_, statistics, "camera_visibility");
