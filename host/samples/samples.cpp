@@ -75,8 +75,8 @@ Statistics run_every_sample(Technique* technique, const SampledView& in, const S
         const std::size_t count = std::min(batch, pattern.size() - first), points_count = count * pixels;
         Statistics part;
         for (std::size_t i = 0; i < count; ++i)
-            stage.run(pattern[first + i], view.points.receivers(), {positions.get(), receivers.get(), i * pixels, points_count},
-                      part);
+            stage.run(pattern[first + i], view.points.receivers(),
+                      {positions.get(), receivers.get(), i * pixels, points_count}, part);
         add_stages(total, part);
         Points points = Points::wrap(device, positions.get(), {0, 1, points_count}, points_count, receivers.get());
         points.set_camera(camera, view.width, view.height);

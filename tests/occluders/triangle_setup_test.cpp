@@ -413,8 +413,8 @@ TEST(triangle_setup, writes_only_its_own) {
         set_up(session, setup, tables, gnomon::Triangles::upload(device, scene.triangles));
     for (const gnomon::cl::Buffer* buffer : {&setup.records(), &setup.bounds(), &setup.tiles().buffer()})
         put_canaries(session, *buffer);
-    const gnomon::FrameCounters few = set_up(
-        session, setup, tables, gnomon::Triangles::upload(device, std::span(scene.triangles).first(9 * 50)));
+    const gnomon::FrameCounters few =
+        set_up(session, setup, tables, gnomon::Triangles::upload(device, std::span(scene.triangles).first(9 * 50)));
     ASSERT_LT(few.survivors, all.survivors);
     ASSERT_GT(few.survivors, 0u);
     ASSERT_LT(few.slots, setup.capacity());
