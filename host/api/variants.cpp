@@ -44,7 +44,8 @@ constexpr Variant variants[] = {
     {Task::make_triangle_tiles, any_device, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles"}, specialised},
     // A camera's records are made from its rays, not from a projection: their margins are a tenth, so that few pixels
     // need the triangle itself.
-    {Task::make_camera_tiles, any_device, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles", "GN_EYE_RECORDS"}},
+    {Task::make_camera_tiles, cpu, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles"}},
+    {Task::make_camera_tiles, gpu, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles", "GN_EYE_RECORDS"}},
     // One text for all: a CPU walks lists by blocks of points, a GPU by single points (GN_LANES).
     {Task::trace, any_device, any_light, {"trace/trace.cl", "trace"}},
     // A separate program: few frames need it, and a GPU's compiler takes a second or two for it.

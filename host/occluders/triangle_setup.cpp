@@ -70,7 +70,10 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
     params.has_pyramid = pyramid != nullptr;
     params.for_map = for_map;
     params.lists_pairs = pairs != nullptr;
-    if (projection.camera) params.picture = projection.camera->picture;
+    if (projection.camera) {
+        params.picture = projection.camera->picture;
+        params.samples_per_pixel = projection.camera->samples_per_pixel;
+    }
     const Task task = projection.camera ? Task::make_camera_tiles : Task::make_triangle_tiles;
     session.launch(variant(session, task, projection.is_directional), cl::Range::items(capacity()), params,
                    projection.buffer, ordered.vertices, selection, pyramid ? *pyramid : bounds(), bounds(), records(),

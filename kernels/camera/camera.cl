@@ -30,6 +30,17 @@ typedef struct PixelRays {
     QuantisedBlock box;
 } PixelRays;
 
+// The box around the samples of columns x rows pixels.
+static QuantisedBlock box_of_pixels(const VisibilityWork* work, uint first_x, uint first_y, int columns, int rows) {
+    uint width = work->projection->width, height = work->projection->height;
+    float left = (float)first_x + (0.5f + work->params.offset[0]);
+    float top = (float)first_y + (0.5f + work->params.offset[1]);
+    QuantisedBlock box = {quantised_texel(left, width), quantised_texel(top, height),
+                          quantised_texel(left + (float)(columns - 1), width),
+                          quantised_texel(top + (float)(rows - 1), height), 0};
+    return box;
+}
+
 static PixelRays rays_of_pixels(const VisibilityWork* work, uint first_x, uint first_y) {
     uint width = work->projection->width, height = work->projection->height;
     float left = (float)first_x + (0.5f + work->params.offset[0]),
@@ -43,11 +54,7 @@ static PixelRays rays_of_pixels(const VisibilityWork* work, uint first_x, uint f
     block.rays.row = y + (int)width;
     block.rays.x = LANES_TO_FLOAT(column) + left;
     block.rays.y = LANES_TO_FLOAT(row) + top;
-    block.box.x0 = quantised_texel(left, width);
-    block.box.y0 = quantised_texel(top, height);
-    block.box.x1 = quantised_texel(left + (float)(BLOCK_SIDE - 1), width);
-    block.box.y1 = quantised_texel(top + (float)(BLOCK_SIDE - 1), height);
-    block.box.z = 0;
+    block.box = box_of_pixels(work, first_x, first_y, BLOCK_SIDE, BLOCK_SIDE);
     return block;
 }
 
@@ -94,15 +101,9 @@ static LaneInt lanes_to_search(const VisibilityWork* work, const PixelRays* bloc
 #if GN_LANES == 1
 // Sets the boxes around the rays of the tile's parts, which hide nothing yet. All items must call this.
 static void start_tile(const VisibilityWork* work, uint left, uint top, __local ListBatch* batch) {
-    uint width = work->projection->width, height = work->projection->height;
     for (uint part = (uint)get_local_id(0); part < TILE_PARTS; part += (uint)get_local_size(0)) {
         uint2 at = pixel_of_tile(part << (PART_COLUMNS_LOG2 + PART_ROWS_LOG2));
-        float x = (float)(left + at.x) + (0.5f + work->params.offset[0]);
-        float y = (float)(top + at.y) + (0.5f + work->params.offset[1]);
-        QuantisedBlock box = {quantised_texel(x, width), quantised_texel(y, height),
-                              quantised_texel(x + (float)((1 << PART_COLUMNS_LOG2) - 1), width),
-                              quantised_texel(y + (float)((1 << PART_ROWS_LOG2) - 1), height), 0};
-        batch->boxes[part] = box;
+        batch->boxes[part] = box_of_pixels(work, left + at.x, top + at.y, 1 << PART_COLUMNS_LOG2, 1 << PART_ROWS_LOG2);
         batch->farthest[0][part] = 0u;
     }
 }

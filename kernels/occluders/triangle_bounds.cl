@@ -13,12 +13,19 @@
 
 // ---- Candidates of the map ------------------------------------------------------------------------------------------
 
-// The lanes with an interval that contains a texel's centre.
-static LaneInt contains_centre(LaneFloat low, LaneFloat high, uint texels) {
-    LaneFloat last = LANES_MIN(high - 0.5f, (LaneFloat)((float)texels)), first = low - 0.5f;
+// The lanes with an interval that contains first_sample + n / per_pixel (a power of two) for a whole n >= 0. Both sides
+// are rounded, but rounding is monotone and a sample's distance from the first one is exact: no interval with a sample
+// loses it.
+static LaneInt contains_sample(LaneFloat low, LaneFloat high, float first_sample, float per_pixel) {
+    LaneFloat last = (high - first_sample) * per_pixel, first = (low - first_sample) * per_pixel;
     LaneInt inside = LANE_COMPARE(last, >=, (LaneFloat)(0.0f));
-    LaneFloat centre = LANES_TO_FLOAT(LANES_TO_INT(LANES_MAX(last, (LaneFloat)(0.0f))));
-    return inside & LANE_COMPARE(centre, >=, first);
+    LaneFloat sample = LANES_TO_FLOAT(LANES_TO_INT(LANES_MAX(last, (LaneFloat)(0.0f))));
+    return inside & LANE_COMPARE(sample, >=, first);
+}
+
+// The same for the centres of this many texels.
+static LaneInt contains_centre(LaneFloat low, LaneFloat high, uint texels) {
+    return contains_sample(low, LANES_MIN(high, (LaneFloat)((float)texels + 0.5f)), 0.5f, 1.0f);
 }
 
 // The triangles that may cover a whole texel. This affects speed alone: a result that is off by rounding costs a test
@@ -71,16 +78,6 @@ static BoundsBlock unbounded(__constant const Projection* projection) {
     return bounds;
 }
 
-// The lanes with an interval that contains a sample. Both sides are rounded, but rounding is monotone and a sample's
-// distance from the first one is exact: no interval with a sample loses it.
-static LaneInt contains_sample(LaneFloat low, LaneFloat high, TriangleSetupParams params) {
-    float per_pixel = (float)params.samples_per_pixel;
-    LaneFloat last = (high - params.first_sample) * per_pixel, first = (low - params.first_sample) * per_pixel;
-    LaneInt inside = LANE_COMPARE(last, >=, (LaneFloat)(0.0f));
-    LaneFloat sample = LANES_TO_FLOAT(LANES_TO_INT(LANES_MAX(last, (LaneFloat)(0.0f))));
-    return inside & LANE_COMPARE(sample, >=, first);
-}
-
 // The finite triangles that survive the cull, and their bounds. `pyramid` is ignored unless params.has_pyramid.
 static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, TriangleSetupParams params,
                                __constant const Projection* projection, __global const uint* pyramid,
@@ -92,9 +89,11 @@ static LaneInt bound_triangles(const TriangleBlock* t, LaneInt lanes, TriangleSe
     Rectangles rectangle;
     LaneInt out_of_range = lanes & sides.out_of_range, inside = lanes & ~sides.out_of_range & ~sides.behind;
     inside &= covered_rectangles(v, 3, projection, &rectangle);
-    if (params.samples_per_pixel)
-        inside &=
-            contains_sample(rectangle.x0, rectangle.x1, params) & contains_sample(rectangle.y0, rectangle.y1, params);
+    if (params.samples_per_pixel) {
+        float per_pixel = (float)params.samples_per_pixel;
+        inside &= contains_sample(rectangle.x0, rectangle.x1, params.first_sample, per_pixel) &
+                  contains_sample(rectangle.y0, rectangle.y1, params.first_sample, per_pixel);
+    }
     if (!LANES_ANY(inside)) return out_of_range;
     LaneFloat z_low, z_high;
     height_intervals(v, 3, sides.straddles, projection, &z_low, &z_high);

@@ -11,6 +11,16 @@
 #include "occluders/eye_records.clh"
 #include "occluders/tile_bins.clh"
 
+// A GPU has a separate program for cameras (GN_EYE_RECORDS), so that neither kind of record takes the other's
+// registers. A CPU has one program for both, which starts sooner.
+#if defined(GN_EYE_RECORDS)
+#define IS_CAMERA(params) 1
+#elif defined(GN_CPU)
+#define IS_CAMERA(params) ((params).samples_per_pixel != 0u)
+#else
+#define IS_CAMERA(params) 0
+#endif
+
 typedef struct TileWork {
     TriangleSetupParams params;
     __constant const Projection* projection;
@@ -113,11 +123,9 @@ static LaneInt make_batch_records(TileWork* work, RecordBatch* batch, RecordBloc
     }
     TriangleBlock t = load_triangle_rows(rows);
     LaneInt lanes = LANE_COMPARE((LaneInt)((int)batch->count), >, LANE_INDEX);
-#ifdef GN_EYE_RECORDS
-    LaneInt kept = make_eye_records(&t, lanes, work->projection, work->params.picture, records, &work->exact);
-#else
-    LaneInt kept = make_records(&t, lanes, work->projection, &batch->bins, records, &work->exact);
-#endif
+    LaneInt kept = IS_CAMERA(work->params)
+                       ? make_eye_records(&t, lanes, work->projection, work->params.picture, records, &work->exact)
+                       : make_records(&t, lanes, work->projection, &batch->bins, records, &work->exact);
     LaneInt dropped = lanes & ~kept;
     if (!LANES_ANY(dropped)) return kept;
     work->edge_on += count_lanes(dropped);
