@@ -26,6 +26,7 @@ Device::Device(cl_context context, cl_command_queue queue, const DeviceOptions& 
 const DeviceDescription& Device::description() const { return session_->description(); }
 cl_context Device::context() const { return session_->context(); }
 cl_command_queue Device::queue() const { return session_->queue(); }
+void Device::finish() const { session_->finish(); }
 std::uint64_t Device::memory_bytes() const { return session_->memory_bytes(); }
 std::uint64_t Device::peak_memory_bytes() const { return session_->peak_memory_bytes(); }
 KernelBuilds Device::kernel_builds() const { return session_->kernel_builds(); }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "cl/opencl.hpp"
+
 namespace gnomon {
 namespace {
 

@@ -75,7 +75,7 @@ struct Hall {
 double run_ms(const Hall& hall, Technique& technique, const Visibility& visibility, Statistics& statistics) {
     const auto start = std::chrono::steady_clock::now();
     statistics = technique.run(hall.triangles, hall.view.points, hall.light, visibility);
-    clFinish(hall.device.queue());
+    hall.device.finish();
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 

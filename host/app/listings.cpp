@@ -46,6 +46,7 @@ std::string line_of(const TechniqueDescription& technique) {
 
 std::string device_list() {
     std::string text;
+    load_opencl();
     for (const DeviceDescription& device : devices()) text += text_of(device);
     if (text.empty())
         throw DeviceNotFound(

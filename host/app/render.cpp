@@ -159,7 +159,7 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
     const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device", [&] {
         Triangles uploaded = Triangles::upload(device, vertices);
         if (uploaded.count() >= triangles_worth_clusters) uploaded.keep_clusters(device);
-        clFinish(device.queue());
+        device.finish();
         return uploaded;
     });
     const View view = steps.run("camera", "camera (compiles kernels the first time)",

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "opencl.hpp"
 #include "session.hpp"
 
 #include <algorithm>
@@ -107,6 +108,7 @@ DeviceDescription describe(cl_device_id device) {
 }
 
 DeviceDescription select_device(std::string_view selector) {
+    load_opencl();
     const std::vector<DeviceDescription> all = devices();
     std::string wanted(selector);
     std::string asked_by = "--device";
@@ -134,6 +136,7 @@ DeviceDescription select_device(std::string_view selector) {
 
 std::vector<DeviceDescription> devices() {
     std::vector<DeviceDescription> all;
+    if (!cl::try_to_load_opencl().empty()) return all;
     cl_uint platform_count = 0;
     if (clGetPlatformIDs(0, nullptr, &platform_count) != CL_SUCCESS) return all;
     std::vector<cl_platform_id> platforms(platform_count);

@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "embedded_files.hpp"
+#include "opencl.hpp"
 #include "session.hpp"
 
 namespace gnomon::cl {

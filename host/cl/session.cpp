@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "session.hpp"
 
+#include "opencl.hpp"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -92,6 +94,7 @@ Session::Session(const DeviceDescription& description, const DeviceOptions& opti
 }
 
 Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions& options) {
+    load_opencl();
     if (context == nullptr || queue == nullptr) throw InvalidArgument("the OpenCL context and queue must not be null");
     const auto get = [queue](cl_command_queue_info what, auto value, const char* call) {
         check(clGetCommandQueueInfo(queue, what, sizeof(value), &value, nullptr), call);

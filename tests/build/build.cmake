@@ -9,7 +9,7 @@ gnomon_embed_files(embed_files_test embedded_kernels tests/build/nasty.bin tests
 
 # oclgrind's own exit status says nothing, so see that a kernel with a fault does fail a gnomon_oclgrind_test.
 add_executable(faulty_kernel build/faulty_kernel.cpp)
-target_link_libraries(faulty_kernel PRIVATE gnomon_inside gnomon_build_flags)
+target_link_libraries(faulty_kernel PRIVATE gnomon_inside OpenCL::OpenCL gnomon_build_flags)
 gnomon_oclgrind_test(oclgrind_passes_a_good_kernel COMMAND faulty_kernel none)
 foreach(fault out_of_bounds race)
   gnomon_oclgrind_test(oclgrind_catches_${fault} COMMAND faulty_kernel ${fault})
@@ -17,6 +17,11 @@ endforeach()
 if(TEST oclgrind_passes_a_good_kernel)
   set_tests_properties(oclgrind_catches_out_of_bounds PROPERTIES PASS_REGULAR_EXPRESSION "Invalid write of size 4")
   set_tests_properties(oclgrind_catches_race PROPERTIES PASS_REGULAR_EXPRESSION "data race")
+endif()
+
+# The OpenCL library is loaded when it is needed, and one sentence names what is wrong with it.
+if(GNOMON_COMMAND)
+  add_test(NAME opencl_library_is_loaded_lazily COMMAND "${here}/opencl_library_test.sh" "$<TARGET_FILE:gnomon_command>")
 endif()
 
 add_test(NAME layout COMMAND "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")

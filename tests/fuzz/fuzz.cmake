@@ -29,4 +29,4 @@ gnomon_fuzz_target(scene_fuzz
 gnomon_fuzz_target(library_fuzz
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/library_fuzz.cpp
   CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/library.tar
-  LIBRARIES gnomon_inside gnomon_reference)
+  LIBRARIES gnomon_inside gnomon_reference OpenCL::OpenCL)

@@ -125,7 +125,7 @@ void OwnContestant::keep() {
         keep_ms_.push_back(time_ms([&] {
             if (!is_still || has_frames()) triangles_.keep_clusters(place_.device);
             if (is_still) technique_->prepare(triangles_, seen_.c.light);
-            clFinish(place_.device.queue());
+            place_.device.finish();
         }));
 }
 
@@ -134,7 +134,7 @@ Statistics OwnContestant::run_shadows(const View& view) {
                                 ? technique_->run(triangles_, view.points, seen_.c.light, seen_.visibility)
                                 : run_samples(*technique_, place_.device, triangles_, view, seen_.c.light,
                                               configuration_.samples, seen_.visibility);
-    clFinish(place_.device.queue());
+    place_.device.finish();
     return statistics;
 }
 
@@ -147,7 +147,7 @@ FrameTimes OwnContestant::run() {
     times.camera = time_run([&] {
         view_.reset();  // the pass uses its buffers again
         view_ = camera_->look(triangles_, seen_.c.camera, seen_.row.width, seen_.row.height);
-        clFinish(place_.device.queue());
+        place_.device.finish();
     });
     times.shadow = time_run([&] { run_shadows(*view_); });
     times.shade = time_run([&] {
