@@ -40,7 +40,7 @@ macro(gnomon_wing wing)
 endmacro()
 
 # The ground: OpenCL, and what implements gnomon.hpp.
-gnomon_wing(cl description program session)
+gnomon_wing(cl description opencl program session)
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
 gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks decide_pair predicates self_check)
 gnomon_wing(lists append fill group_scan scan sort)
@@ -48,7 +48,7 @@ gnomon_wing(api errors inputs light_and_camera parts settings_table statistics v
             library faults regressions)
 
 gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_bounds facing_blocks
-            facing_cpu facing_gpu
+            facing_cpu facing_gpu given_sides
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records eye_records tile_bins triangle_tiles bins occluder_lists)

@@ -12,7 +12,7 @@
 // A point is "in shadow" by the visibility contract of docs/numerics.md, which is decided in exact real arithmetic on
 // the float32 inputs: the same bits on every device. Objects are cheap handles (shared ownership). One Device and the
 // objects made from it may be used from one thread at a time. A failure throws one of the exceptions below. The library
-// never prints, never exits and has no globals.
+// never prints, never exits, and has no global state but the OpenCL functions that it has loaded.
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION
@@ -101,6 +101,12 @@ public:
 
 // ---- Devices --------------------------------------------------------------------------------------------------------
 
+/// gnomon links no OpenCL library: it loads one when it first needs it. The file that is loaded is the one that the
+/// environment variable GNOMON_OPENCL_LIBRARY names, else `library`, else the library that the program itself links,
+/// else the system's libOpenCL.so.1. Only programs that must choose the file call this; after the first success it does
+/// nothing. Throws DeviceNotFound with the cause and the remedy.
+void load_opencl(const std::string& library = {});
+
 /// One OpenCL device of this machine, as `gnomon devices` lists it.
 struct DeviceDescription {
     cl_platform_id platform_id = nullptr;
@@ -167,6 +173,8 @@ public:
     const DeviceDescription& description() const;
     cl_context context() const;
     cl_command_queue queue() const;
+    /// Waits until the device has executed all that was enqueued.
+    void finish() const;
     /// Bytes of device memory that gnomon's own buffers occupy now, and the largest number so far.
     std::uint64_t memory_bytes() const;
     std::uint64_t peak_memory_bytes() const;
@@ -470,6 +478,21 @@ public:
     virtual std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
                                                const Light& light);
 };
+
+/// For points whose side the caller knows by a normal (packed xyz, of any length): a point whose normal n and light are
+/// not strictly on one side, n . D <= 0 with D towards the light, is backfacing, and its visibility becomes 0. Decided
+/// exactly. All other values stay, also those of points whose normal has a NaN or infinite coordinate. Call it after a
+/// technique's run with the same points and light. Throws InvalidArgument as run() does, or if there are fewer normals
+/// than points.
+void face_by_normals(const Device& device, const Points& points, std::span<const float> normals, const Light& light,
+                     const Visibility& visibility);
+/// The same for normals on the device, which lie in the buffer as `layout` describes.
+void face_by_normals(const Device& device, const Points& points, cl_mem normals, const PointLayout& layout,
+                     const Light& light, const Visibility& visibility);
+/// The same where the counter-clockwise side of each triangle is its front: a point is backfacing unless the light is
+/// strictly in front of its receiver. Points without a receiver keep their visibility.
+void face_by_winding(const Device& device, const Triangles& triangles, const Points& points, const Light& light,
+                     const Visibility& visibility);
 
 /// The pattern of 1, 4, 8, 16 or 32 samples per pixel. 1: the centre. 4, 8, 16: Direct3D's standard patterns. 32:
 /// Hammersley's points in base 2, x = (i + 1/2) / 32 and y = (i's five bits in reverse + 1/2) / 32 from the pixel's
