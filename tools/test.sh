@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Does what run.sh does, then builds and runs all tests; fails if one fails. With --ci also, and first: the format, and
 # warnings as errors; everything once more under AddressSanitizer and UndefinedBehaviorSanitizer; the fuzzers for a
-# minute.
+# minute; and last the Python package (tools/test_python.sh).
 # Safe to repeat. usage: test.sh [--ci]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -57,3 +57,7 @@ configure build -D CMAKE_BUILD_TYPE=Release -D GNOMON_COMMAND=ON -D GNOMON_TESTS
     -D GNOMON_WERROR=$werror
 tools/run.sh
 build_and_test build
+if $ci; then
+    step "Python package"
+    tools/test_python.sh
+fi

@@ -22,7 +22,7 @@ function found(from, included,    folders, i, n, path) {
 function place(file) {  # in the order of the flow; -1: outside of it; -2: in no wing
     if (file ~ /^host\/include\// || file ~ /^kernels\/[^\/]*$/) return 0
     if (file ~ /^host\/[^\/]*$/) return 1000
-    if (file ~ /^host\/(app|measure|scene)\//) return -1
+    if (file ~ /^host\/(app|measure|python|scene)\//) return -1
     sub(/^[a-z]+\//, "", file)
     sub(/\/[^\/]*$/, "", file)
     return file in order ? order[file] : -2

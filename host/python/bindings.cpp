@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+// gnomon._gnomon: gnomon.hpp for Python, one to one. It checks no shapes: the package's Python files do, and their
+// docstrings are the documentation. Every call that works on the device releases the GIL.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include <gnomon.hpp>
+
+#ifdef GNOMON_PYTHON_GLTF
+#include "scene/scene.hpp"
+#endif
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+using Released = nb::call_guard<nb::gil_scoped_release>;
+using Floats = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
+using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
+
+template <typename Value>
+using Numpy = nb::ndarray<nb::numpy, Value>;
+
+std::span<const float> span_of(const Floats& array) { return {array.data(), array.size()}; }
+
+// A numpy array that owns these values.
+template <typename Value>
+Numpy<Value> numpy_of(std::vector<Value> values, std::vector<std::size_t> shape) {
+    auto* const owned = new std::vector<Value>(std::move(values));
+    const nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<Value>*>(p); });
+    return Numpy<Value>(owned->data(), shape.size(), shape.data(), owner);
+}
+
+// OpenCL's handles travel as the integers that pyopencl's int_ptr gives.
+template <typename Handle>
+Handle handle_of(std::uintptr_t integer) {
+    return reinterpret_cast<Handle>(integer);
+}
+template <typename Handle>
+std::uintptr_t integer_of(Handle handle) {
+    return reinterpret_cast<std::uintptr_t>(handle);
+}
+
+gnomon::Light light_of(const std::array<float, 4>& xyzw) { return gnomon::Light{xyzw}; }
+
+void bind_devices(nb::module_& m) {
+    using gnomon::DeviceDescription;
+    m.def("load_opencl", &gnomon::load_opencl, "library"_a = "");
+    m.def("devices", &gnomon::devices, Released());
+    nb::class_<DeviceDescription>(m, "DeviceDescription")
+        .def_ro("selector", &DeviceDescription::selector)
+        .def_ro("name", &DeviceDescription::name)
+        .def_ro("platform", &DeviceDescription::platform)
+        .def_ro("vendor", &DeviceDescription::vendor)
+        .def_ro("driver_version", &DeviceDescription::driver_version)
+        .def_ro("opencl_version", &DeviceDescription::opencl_version)
+        .def_ro("type", &DeviceDescription::type)
+        .def_ro("compute_units", &DeviceDescription::compute_units)
+        .def_ro("memory_bytes", &DeviceDescription::global_memory_bytes)
+        .def_ro("has_fp64", &DeviceDescription::has_fp64)
+        .def_ro("lacks", &DeviceDescription::lacks)
+        .def_ro("note", &DeviceDescription::note)
+        .def_ro("is_default", &DeviceDescription::is_default);
+    nb::class_<gnomon::Device>(m, "Device")
+        .def(
+            "__init__",
+            [](gnomon::Device* self, const std::string& selector, std::uint64_t memory_limit_bytes) {
+                new (self) gnomon::Device(selector, {.memory_limit_bytes = memory_limit_bytes});
+            },
+            "selector"_a, "memory_limit_bytes"_a, Released())
+        .def_static(
+            "of_queue",
+            [](std::uintptr_t context, std::uintptr_t queue) {
+                return gnomon::Device(handle_of<cl_context>(context), handle_of<cl_command_queue>(queue));
+            },
+            Released())
+        .def_prop_ro("description", &gnomon::Device::description)
+        .def_prop_ro("memory_bytes", &gnomon::Device::memory_bytes)
+        .def("finish", &gnomon::Device::finish, Released());
+}
+
+void bind_inputs(nb::module_& m) {
+    using gnomon::Points;
+    using gnomon::Triangles;
+    nb::class_<Triangles>(m, "Triangles")
+        .def_static(
+            "upload",
+            [](const gnomon::Device& device, const Floats& v) { return Triangles::upload(device, span_of(v)); },
+            Released())
+        .def_static(
+            "wrap",
+            [](const gnomon::Device& device, std::uintptr_t memory, std::size_t count, std::size_t first_float) {
+                return Triangles::wrap(device, handle_of<cl_mem>(memory), count, first_float);
+            },
+            Released())
+        .def("keep_clusters", &Triangles::keep_clusters, Released())
+        .def("__len__", &Triangles::count)
+        .def_prop_ro("buffer", [](const Triangles& t) { return integer_of(t.buffer()); });
+    nb::class_<gnomon::PointLayout>(m, "PointLayout")
+        .def(nb::init<std::size_t, std::size_t, std::size_t>(), "first"_a, "point_stride"_a, "coordinate_stride"_a);
+    nb::class_<Points>(m, "Points")
+        .def_static(
+            "upload",
+            [](const gnomon::Device& device, const Floats& positions, const Ids& receivers) {
+                return Points::upload(device, span_of(positions), {receivers.data(), receivers.size()});
+            },
+            Released())
+        .def_static(
+            "wrap",
+            [](const gnomon::Device& device, std::uintptr_t positions, const gnomon::PointLayout& layout,
+               std::size_t count, std::uintptr_t receivers) {
+                return Points::wrap(device, handle_of<cl_mem>(positions), layout, count, handle_of<cl_mem>(receivers));
+            },
+            Released())
+        .def("set_eye", &Points::set_eye)
+        .def("__len__", &Points::count)
+        .def_prop_ro("positions", [](const Points& p) { return integer_of(p.positions()); });
+    nb::class_<gnomon::Visibility>(m, "Visibility")
+        .def(nb::init<const gnomon::Device&, std::size_t>(), Released())
+        .def_static(
+            "wrap",
+            [](const gnomon::Device& device, std::uintptr_t buffer, std::size_t count) {
+                return gnomon::Visibility(device, handle_of<cl_mem>(buffer), count);
+            },
+            Released())
+        .def_prop_ro("buffer", [](const gnomon::Visibility& v) { return integer_of(v.buffer()); })
+        .def("read", [](const gnomon::Visibility& v) {
+            std::vector<float> values;
+            {
+                const nb::gil_scoped_release released;
+                values = v.read();
+            }
+            const std::size_t count = values.size();
+            return numpy_of(std::move(values), {count});
+        });
+}
+
+nb::dict dictionary_of(const gnomon::Statistics& statistics) {
+    nb::dict counts;
+    for (const auto& [name, value] : statistics.counts) counts[name.c_str()] = value;
+    nb::dict all;
+    all["counts"] = counts;
+    all["total_wall_ms"] = statistics.total_wall_ms;
+    all["device_memory_bytes"] = statistics.device_memory_bytes;
+    return all;
+}
+
+void bind_techniques(nb::module_& m) {
+    using gnomon::Technique;
+    nb::class_<gnomon::SettingDescription>(m, "SettingDescription")
+        .def_ro("name", &gnomon::SettingDescription::name)
+        .def_ro("default", &gnomon::SettingDescription::default_value)
+        .def_ro("meaning", &gnomon::SettingDescription::meaning);
+    nb::class_<gnomon::TechniqueDescription>(m, "TechniqueDescription")
+        .def_ro("name", &gnomon::TechniqueDescription::name)
+        .def_ro("summary", &gnomon::TechniqueDescription::summary)
+        .def_ro("exact", &gnomon::TechniqueDescription::exact)
+        .def_ro("settings", &gnomon::TechniqueDescription::settings);
+    m.def("techniques", &gnomon::techniques);
+    nb::class_<Technique>(m, "Technique")
+        .def("set", &Technique::set)
+        .def("run",
+             [](Technique& technique, const gnomon::Triangles& triangles, const gnomon::Points& points,
+                const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
+                 gnomon::Statistics statistics;
+                 {
+                     const nb::gil_scoped_release released;
+                     statistics = technique.run(triangles, points, light_of(light), visibility);
+                 }
+                 return dictionary_of(statistics);
+             })
+        .def(
+            "prepare",
+            [](Technique& technique, const gnomon::Triangles& triangles, const std::array<float, 4>& light) {
+                technique.prepare(triangles, light_of(light));
+            },
+            Released())
+        .def("forget", &Technique::forget, Released());
+    m.def("make_technique", &gnomon::make_technique, "name"_a, "device"_a, Released());
+    m.def(
+        "face_by_normals",
+        [](const gnomon::Device& device, const gnomon::Points& points, const Floats& normals,
+           const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
+            gnomon::face_by_normals(device, points, span_of(normals), light_of(light), visibility);
+        },
+        Released());
+    m.def(
+        "face_by_normals_on_device",
+        [](const gnomon::Device& device, const gnomon::Points& points, std::uintptr_t normals,
+           const gnomon::PointLayout& layout, const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
+            gnomon::face_by_normals(device, points, handle_of<cl_mem>(normals), layout, light_of(light), visibility);
+        },
+        Released());
+    m.def(
+        "face_by_winding",
+        [](const gnomon::Device& device, const gnomon::Triangles& triangles, const gnomon::Points& points,
+           const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
+            gnomon::face_by_winding(device, triangles, points, light_of(light), visibility);
+        },
+        Released());
+}
+
+void bind_views(nb::module_& m) {
+    using gnomon::Camera;
+    using gnomon::View;
+    nb::class_<Camera>(m, "Camera")
+        .def_static("look_at", &Camera::look_at)
+        .def("__init__",
+             [](Camera* self, const gnomon::Float3& eye, const std::array<double, 3>& right,
+                const std::array<double, 3>& up, const std::array<double, 3>& forward, double fov_y_radians) {
+                 new (self) Camera{eye, right, up, forward, fov_y_radians};
+             })
+        .def_ro("eye", &Camera::eye)
+        .def_ro("right", &Camera::right)
+        .def_ro("up", &Camera::up)
+        .def_ro("forward", &Camera::forward)
+        .def_ro("fov_y_radians", &Camera::fov_y_radians);
+    nb::class_<View>(m, "View").def_ro("points", &View::points);
+    m.def("look", &gnomon::look, Released());
+    m.def("read_view", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view) {
+        gnomon::ViewOnHost host;
+        {
+            const nb::gil_scoped_release released;
+            host = gnomon::read(device, triangles, view);
+        }
+        const std::size_t height = view.height, width = view.width;
+        return nb::make_tuple(numpy_of(std::move(host.position), {height, width, 3}),
+                              numpy_of(std::move(host.normal), {height, width, 3}),
+                              numpy_of(std::move(host.receiver), {height, width}));
+    });
+    m.def("run_samples", [](gnomon::Technique& technique, const gnomon::Device& device,
+                            const gnomon::Triangles& triangles, const View& view, const std::array<float, 4>& light,
+                            std::uint32_t samples, const gnomon::Visibility& mean) {
+        const nb::gil_scoped_release released;
+        gnomon::run_samples(technique, device, triangles, view, light_of(light), samples, mean);
+    });
+    m.def("shade", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view,
+                      const std::vector<gnomon::Visibility>& visibilities, const Ids& triangle_material,
+                      const std::vector<gnomon::Float3>& base_color, const std::vector<std::array<float, 4>>& lights) {
+        const std::size_t height = view.height, width = view.width;
+        std::vector<std::uint8_t> rgba;
+        {
+            const nb::gil_scoped_release released;
+            gnomon::Materials materials{{triangle_material.data(), triangle_material.data() + triangle_material.size()},
+                                        base_color};
+            std::vector<gnomon::Light> all;
+            for (const auto& light : lights) all.push_back(light_of(light));
+            rgba = gnomon::shade(device, triangles, view, visibilities, materials, all);
+        }
+        return numpy_of(std::move(rgba), {height, width, 4});
+    });
+}
+
+#ifdef GNOMON_PYTHON_GLTF
+void bind_scenes(nb::module_& m) {
+    using namespace gnomon::scene;
+    nb::class_<Scene>(m, "SceneFile")
+        // The arrays move out of the scene: call each once.
+        .def("take_triangles",
+             [](Scene& scene) {
+                 const std::size_t count = scene.triangle_count();
+                 return numpy_of(std::move(scene.triangles), {count, 3, 3});
+             })
+        .def("take_triangle_material",
+             [](Scene& scene) {
+                 const std::size_t count = scene.materials.triangle_material.size();
+                 return numpy_of(std::move(scene.materials.triangle_material), {count});
+             })
+        .def_prop_ro("base_color", [](const Scene& scene) { return scene.materials.base_color; })
+        .def_prop_ro("cameras",
+                     [](const Scene& scene) {
+                         std::vector<std::pair<std::string, gnomon::Camera>> all;
+                         for (const NamedCamera& c : scene.cameras) all.emplace_back(c.name, c.camera);
+                         return all;
+                     })
+        .def_prop_ro("lights",
+                     [](const Scene& scene) {
+                         std::vector<std::pair<std::string, std::array<float, 4>>> all;
+                         for (const NamedLight& l : scene.lights) all.emplace_back(l.name, l.light.xyzw);
+                         return all;
+                     })
+        .def_ro("warnings", &Scene::warnings);
+    m.def(
+        "load_scene", [](const std::string& file) { return load(file); }, Released());
+}
+#else
+void bind_scenes(nb::module_&) {}
+#endif
+
+// Each C++ exception becomes the Python exception that its reader expects; the texts are the same.
+void bind_errors(nb::module_& m) {
+    // Translators run newest first, so the base class comes first.
+    nb::exception<gnomon::OpenClError>(m, "OpenCLError", PyExc_RuntimeError);
+    nb::exception<gnomon::DeviceNotFound>(m, "DeviceNotFoundError", PyExc_OSError);
+    nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+        try {
+            std::rethrow_exception(p);
+        } catch (const gnomon::OutOfDeviceMemory& e) {
+            PyErr_SetString(PyExc_MemoryError, e.what());
+        } catch (const gnomon::InvalidArgument& e) {
+            PyErr_SetString(PyExc_ValueError, e.what());
+#ifdef GNOMON_PYTHON_GLTF
+        } catch (const gnomon::scene::SceneError& e) {
+            PyErr_SetString(PyExc_ValueError, e.what());
+#endif
+        }
+    });
+}
+
+}  // namespace
+
+NB_MODULE(_gnomon, m) {
+    m.attr("__version__") = std::string(gnomon::version());
+    bind_errors(m);
+    bind_devices(m);
+    bind_inputs(m);
+    bind_techniques(m);
+    bind_views(m);
+    bind_scenes(m);
+}

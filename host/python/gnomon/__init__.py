@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: MIT
+"""Exact hard shadows and sun visibility on any OpenCL device.
+
+For any set of points gnomon says whether a light reaches them past a mesh of triangles, with the answer that ray
+tracing would give in exact arithmetic: the same bits on every device.
+
+    scene = gnomon.Scene(vertices, faces)
+    lit = scene.lit(points, direction=(0.1, 0, -1))     # bool, one per point
+
+Coordinates are float32, in any unit; nothing is rounded unless you ask for it. See Scene.lit() for the contract.
+"""
+
+from ._devices import Device, devices, use
+from ._gnomon import (
+    DeviceDescription,
+    DeviceNotFoundError,
+    OpenCLError,
+    SettingDescription,
+    TechniqueDescription,
+    __version__,
+    techniques,
+)
+from ._scene import Scene, View
+
+__all__ = [
+    "Device",
+    "DeviceDescription",
+    "DeviceNotFoundError",
+    "OpenCLError",
+    "Scene",
+    "SettingDescription",
+    "TechniqueDescription",
+    "View",
+    "__version__",
+    "devices",
+    "techniques",
+    "use",
+]

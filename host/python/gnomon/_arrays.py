@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+"""Checks of what callers hand in. Each function returns what the library takes, or raises and names the argument."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+NO_RECEIVER = 0xFFFFFFFF
+
+
+def is_on_device(array: Any) -> bool:
+    """True for a pyopencl array."""
+    return hasattr(array, "base_data") and hasattr(array, "queue")
+
+
+def on_host(array: Any, name: str) -> NDArray[Any]:
+    """A numpy array of anything that has the array or the DLPack protocol, or is a sequence."""
+    if is_on_device(array):
+        raise TypeError(f"{name}: a pyopencl array does not fit here; give an array in host memory")
+    if not hasattr(array, "__array__") and hasattr(array, "__dlpack__"):
+        return np.from_dlpack(array)
+    return np.asarray(array)
+
+
+def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
+    """The values as float32, C-contiguous. Nothing is rounded: float64 values must be float32 values."""
+    if array.dtype == np.float32:
+        return np.ascontiguousarray(array)
+    if array.dtype.kind not in "iuf":
+        raise ValueError(f"{name}: must be real numbers, not {array.dtype}")
+    with np.errstate(over="ignore", invalid="ignore"):
+        rounded = np.ascontiguousarray(array, dtype=np.float32)
+        same = (rounded == array) | (np.isnan(rounded) & np.isnan(array))
+    if not same.all():
+        row = int(np.argwhere(~same.reshape(len(array), -1).all(axis=1))[0, 0])
+        raise ValueError(
+            f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding it would "
+            "move it: subtract an origin that makes the values small, or round them yourself with astype(numpy.float32)"
+        )
+    return rounded
+
+
+def triples(array: Any, name: str) -> NDArray[np.float32]:
+    """An array (..., 3) of float32."""
+    values = on_host(array, name)
+    if values.ndim < 2 or values.shape[-1] != 3:
+        raise ValueError(f"{name}: shape {values.shape} is not (..., 3)")
+    return float32_of(values.reshape(-1, 3), name).reshape(values.shape)
+
+
+def first_bad_row(array: NDArray[np.float32]) -> int | None:
+    """The first row of an array (N, 3) with a NaN or infinite value."""
+    bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
+    return int(bad[0]) if bad.size else None
+
+
+def require_finite(array: NDArray[np.float32], name: str) -> None:
+    row = first_bad_row(array)
+    if row is not None:
+        raise ValueError(f"{name}: row {row} {array[row].tolist()} is not finite")
+
+
+def triple(value: Any, name: str) -> tuple[float, float, float]:
+    """Three finite numbers, each rounded once to float32."""
+    values = on_host(value, name)
+    if values.shape != (3,) or values.dtype.kind not in "iuf":
+        raise ValueError(f"{name}: must be three numbers, not {value!r}")
+    with np.errstate(over="ignore"):
+        rounded = values.astype(np.float32)
+    if not np.isfinite(rounded).all():
+        raise ValueError(f"{name}: {values.tolist()} is not finite in float32")
+    return float(rounded[0]), float(rounded[1]), float(rounded[2])
+
+
+def light_of(direction: Any, position: Any) -> tuple[float, float, float, float]:
+    """The homogeneous light: minus the direction of travel with w = 0, or the position with w = 1."""
+    if (direction is None) == (position is None):
+        raise ValueError("give either direction= (that the light travels along) or position= (of a point light)")
+    if position is not None:
+        return (*triple(position, "position"), 1.0)
+    x, y, z = triple(direction, "direction")
+    if x == y == z == 0:
+        raise ValueError("direction: must not be zero")
+    return (-x, -y, -z, 0.0)
+
+
+def triangles_of(vertices: Any, faces: Any) -> NDArray[np.float32]:
+    """Triangles (F, 3, 3) of a mesh's vertices (V, 3) and faces (F, 3), or of triangles (F, 3, 3) or (F, 9)."""
+    values = on_host(vertices, "vertices")
+    if faces is None:
+        if values.ndim not in (2, 3) or values.shape[1:] not in ((3, 3), (9,)):
+            raise ValueError(f"vertices: shape {values.shape} without faces is neither (F, 3, 3) nor (F, 9)")
+        triangles = float32_of(values, "vertices").reshape(-1, 3, 3)
+        require_finite(triangles.reshape(-1, 3), "vertices")
+        return triangles
+    if values.ndim != 2 or values.shape[1] != 3:
+        raise ValueError(f"vertices: shape {values.shape} is not (V, 3)")
+    corners = float32_of(values, "vertices")
+    require_finite(corners, "vertices")
+    indices = on_host(faces, "faces")
+    if indices.ndim != 2 or indices.shape[1] != 3:
+        raise ValueError(f"faces: shape {indices.shape} is not (F, 3)")
+    if indices.size and indices.dtype.kind not in "iu":
+        raise ValueError(f"faces: must be integers, not {indices.dtype}")
+    bad = np.flatnonzero(((indices < 0) | (indices >= len(corners))).any(axis=1))
+    if bad.size:
+        row = int(bad[0])
+        raise ValueError(f"faces: row {row} {indices[row].tolist()} names a vertex that is not in 0..{len(corners) - 1}")
+    return np.ascontiguousarray(corners[indices.astype(np.intp)]).reshape(-1, 3, 3)
+
+
+def receivers_of(receivers: Any, shape: tuple[int, ...], triangle_count: int) -> NDArray[np.uint32]:
+    """Ids of triangles, one per point; negative: none."""
+    ids = on_host(receivers, "receivers")
+    if ids.shape != shape:
+        raise ValueError(f"receivers: shape {ids.shape} is not the points' {shape}")
+    if ids.size and ids.dtype.kind not in "iu":
+        raise ValueError(f"receivers: must be integers, not {ids.dtype}")
+    flat = ids.reshape(-1)
+    bad = np.flatnonzero((flat >= triangle_count) & (flat != NO_RECEIVER))
+    if bad.size:
+        row = int(bad[0])
+        raise ValueError(f"receivers: row {row} names triangle {int(flat[row])} of {triangle_count}")
+    return np.where(flat < 0, NO_RECEIVER, flat).astype(np.uint32)
+
+
+def normals_of(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    values = triples(normals, "normals")
+    if values.shape != shape:
+        raise ValueError(f"normals: shape {values.shape} is not the points' {shape}")
+    flat = values.reshape(-1, 3)
+    require_finite(flat, "normals")
+    zero = np.flatnonzero((flat == 0).all(axis=1))
+    if zero.size:
+        raise ValueError(f"normals: row {int(zero[0])} is zero, which is no side")
+    return flat

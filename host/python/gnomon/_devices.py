@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: MIT
+"""Devices: the OpenCL library that is loaded, the default device, and the thread that works for each device."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import importlib.util
+import os
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+from . import _gnomon
+
+Result = TypeVar("Result")
+
+_lock = threading.RLock()
+_is_loaded = False
+
+
+def _bundled_loader() -> str:
+    """The OpenCL loader that pyopencl's wheel brings: only that one finds the drivers of PyPI's wheels, in the folder
+    .libs beside it. It needs two things that pyopencl's import does, and import takes long: PYOPENCL_HOME (it crashes
+    without), and those drivers loaded, since their names alone are not on any path.
+    """
+    spec = importlib.util.find_spec("pyopencl")
+    for folder in (spec.submodule_search_locations or []) if spec is not None else []:
+        libraries = Path(folder) / ".libs"
+        for loader in sorted(libraries.glob("libOpenCL*")):
+            os.environ.setdefault("PYOPENCL_HOME", folder)
+            for driver in libraries.glob("*.icd"):
+                with contextlib.suppress(OSError):  # a driver that cannot be loaded is not listed
+                    ctypes.CDLL(str(libraries / driver.read_text().strip()))
+            return str(loader)
+    return ""
+
+
+def load_opencl() -> None:
+    """Loads OpenCL if it is not loaded: the file in GNOMON_OPENCL_LIBRARY, else the loader in pyopencl's wheel, else
+    the system's libOpenCL.so.1. Raises DeviceNotFoundError, which says how to get one."""
+    global _is_loaded
+    with _lock:
+        if not _is_loaded:
+            _gnomon.load_opencl("" if os.environ.get("GNOMON_OPENCL_LIBRARY") else _bundled_loader())
+            _is_loaded = True
+
+
+def devices() -> list[_gnomon.DeviceDescription]:
+    """All OpenCL devices of this machine. Raises DeviceNotFoundError if there is no OpenCL library."""
+    load_opencl()
+    return _gnomon.devices()
+
+
+class Device:
+    """One OpenCL device. gnomon.use() and Scene(device=...) open it.
+
+    A thread of its own works for each device, one call after the other. A call may therefore come from any thread, and
+    Ctrl-C is answered at once: the device finishes the interrupted work in the background, and its result is dropped.
+    """
+
+    def __init__(self, native: _gnomon.Device) -> None:
+        self.native = native
+        self._process = os.getpid()
+        self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gnomon")
+
+    @property
+    def description(self) -> _gnomon.DeviceDescription:
+        """Name, platform, memory and abilities."""
+        return self.native.description
+
+    @property
+    def memory_bytes(self) -> int:
+        """Bytes of device memory that gnomon's own buffers occupy now."""
+        return self.native.memory_bytes
+
+    def call(self, function: Callable[..., Result], *arguments: Any) -> Result:
+        """Runs the function in the device's thread and returns its result."""
+        if os.getpid() != self._process:
+            raise RuntimeError(
+                "this device was opened before the process forked, and OpenCL does not survive a fork: open it in the "
+                "child process, or start workers by 'spawn'"
+            )
+        return self._worker.submit(function, *arguments).result()
+
+    def __repr__(self) -> str:
+        d = self.description
+        return f"<gnomon.Device {d.name!r} ({d.type}, {d.platform})>"
+
+
+_default: Device | None = None
+_devices_of_queues: dict[tuple[int, int], Device] = {}
+
+
+def open_device(selector: str = "", memory_limit_bytes: int = 0) -> Device:
+    load_opencl()
+    return Device(_gnomon.Device(selector, memory_limit_bytes))
+
+
+def use(device: str | Device = "", *, memory_limit_bytes: int = 0) -> Device:
+    """Makes a device the default of scenes that are made from now on, and returns it.
+
+    device: "P:D" as devices() lists it, or a part of the device's or platform's name in any case; empty: the
+        environment variable GNOMON_DEVICE, else the first usable GPU, else the first usable CPU.
+    memory_limit_bytes: gnomon refuses to allocate more than this on the device; 0: no limit.
+    Raises DeviceNotFoundError with the list of devices if none fits.
+    """
+    global _default
+    opened = device if isinstance(device, Device) else open_device(device, memory_limit_bytes)
+    with _lock:
+        _default = opened
+    return opened
+
+
+def default_device() -> Device:
+    """The device of the last use(); the first call opens it."""
+    with _lock:
+        return _default if _default is not None else use()
+
+
+def device_of_queue(queue: Any) -> Device:
+    """The device of a pyopencl.CommandQueue, which must be in-order. Works on that queue."""
+    load_opencl()
+    key = (queue.context.int_ptr, queue.int_ptr)
+    with _lock:
+        if key not in _devices_of_queues:  # the device retains the queue, so the integers stay its own
+            _devices_of_queues[key] = Device(_gnomon.Device.of_queue(*key))
+        return _devices_of_queues[key]

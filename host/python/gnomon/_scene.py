@@ -1,0 +1,495 @@
+# SPDX-License-Identifier: MIT
+"""Scenes, and the views of their cameras."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arrays, _gnomon
+from ._devices import Device, default_device, device_of_queue, open_device
+
+Settings = Mapping[str, object]
+
+EXACT = "frustum-traced"
+#: Points of one run: more are computed in several runs, so that the device's memory is bounded.
+POINTS_AT_ONCE = 1 << 24
+GREY = (0.8, 0.8, 0.8)
+
+
+class _OnDevice:
+    """A scene's triangles on one device, and the techniques that were used there. They keep lists between runs."""
+
+    def __init__(self, device: Device, triangles: _gnomon.Triangles) -> None:
+        self.device = device
+        self.triangles = triangles
+        self._techniques: dict[tuple[str, tuple[tuple[str, str], ...]], _gnomon.Technique] = {}
+
+    def technique(self, name: str, settings: Settings | None) -> _gnomon.Technique:
+        """Call it in the device's thread."""
+        chosen = tuple(sorted((key, _setting_text(value)) for key, value in (settings or {}).items()))
+        if (name, chosen) not in self._techniques:
+            technique = _gnomon.make_technique(name, self.device.native)
+            for key, value in chosen:
+                technique.set(key, value)
+            self._techniques[name, chosen] = technique
+        return self._techniques[name, chosen]
+
+
+def _setting_text(value: object) -> str:
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return str(value)
+
+
+def _mesh_of(vertices: Any, faces: Any) -> tuple[Any, Any]:
+    """Vertices and faces of a trimesh.Trimesh or a pyvista mesh; other values as they are."""
+    if faces is not None:
+        return vertices, faces
+    if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
+        return vertices.vertices, vertices.faces
+    if hasattr(vertices, "triangulate") and hasattr(vertices, "points"):
+        surface = vertices if hasattr(vertices, "regular_faces") else vertices.extract_surface()
+        mesh = surface.triangulate()
+        return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
+    return vertices, None
+
+
+class Scene:
+    """A mesh of triangles that cast shadows.
+
+    vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
+        trimesh.Trimesh, or a pyvista mesh. Any unit. A triangle's id is its row. A pyopencl array of float32
+        triangles is used where it lies, without a copy: do not write it while the scene is used.
+    device: a name as in gnomon.use(), or a Device; None: the default device.
+
+    Coordinates are float32: float64 input must hold float32 values, else ValueError names the first row that does not.
+    Raises ValueError for a wrong shape or dtype, a coordinate that is not finite, or a face whose vertex does not exist.
+    """
+
+    def __init__(self, vertices: Any, faces: Any = None, *, device: str | Device | None = None) -> None:
+        vertices, faces = _mesh_of(vertices, faces)
+        self._host: NDArray[np.float32] | None = None
+        self._count = 0
+        self._places: dict[Device, _OnDevice] = {}
+        self._is_closed = False
+        self.cameras: dict[str, _gnomon.Camera] = {}
+        self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
+        self.warnings: list[str] = []
+        self._material: NDArray[np.uint32] | None = None
+        self._base_color: list[tuple[float, float, float]] = [GREY]
+        if _arrays.is_on_device(vertices):
+            self._device = self._wrap(vertices, faces)
+            return
+        self._host = _arrays.triangles_of(vertices, faces)
+        self._count = len(self._host)
+        self._device = (
+            device if isinstance(device, Device) else default_device() if device is None else open_device(device)
+        )
+
+    def _wrap(self, array: Any, faces: Any) -> Device:
+        if faces is not None:
+            raise ValueError("faces: triangles in a pyopencl array are given whole, as (F, 3, 3) or (F, 9)")
+        if array.dtype != np.float32 or array.shape[1:] not in ((3, 3), (9,)) or not array.flags.c_contiguous:
+            raise ValueError("vertices: a pyopencl array must be C-contiguous float32 of shape (F, 3, 3) or (F, 9)")
+        device = device_of_queue(array.queue)
+        self._count = array.shape[0]
+        triangles = device.call(
+            _gnomon.Triangles.wrap, device.native, array.base_data.int_ptr, self._count, array.offset // 4
+        )
+        self._places[device] = _OnDevice(device, triangles)
+        return device
+
+    @classmethod
+    def from_gltf(cls, path: str | os.PathLike[str], *, device: str | Device | None = None) -> Scene:
+        """The scene of a .glb or .gltf file, with its `cameras` and `lights` by name, and `warnings`: what the file
+        has and gnomon leaves out, a sentence each. Raises FileNotFoundError, or ValueError that names the wrong part.
+        """
+        file = Path(path)
+        if not file.exists():
+            raise FileNotFoundError(f"{file}: does not exist")
+        if not hasattr(_gnomon, "load_scene"):
+            raise RuntimeError(
+                "this build of gnomon reads no glTF files (tinygltf was missing when it was built): use "
+                "gnomon.Scene(trimesh.load(path, force='mesh'))"
+            )
+        loaded = _gnomon.load_scene(str(file))
+        scene = cls(loaded.take_triangles(), device=device)
+        scene.cameras = dict(loaded.cameras)
+        for name, (x, y, z, w) in loaded.lights:
+            scene.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
+        scene.warnings = list(loaded.warnings)
+        scene._material = loaded.take_triangle_material()
+        scene._base_color = loaded.base_color
+        return scene
+
+    # ---- Its data ----------------------------------------------------------------------------------------------------
+
+    def __len__(self) -> int:
+        """The number of triangles."""
+        return self._count
+
+    @property
+    def triangles(self) -> NDArray[np.float32]:
+        """The triangles on the host, (F, 3, 3), read-only. ValueError if they lie in a pyopencl array."""
+        if self._host is None:
+            raise ValueError("the triangles of this scene lie in a pyopencl array: read that one")
+        view = self._host.view()
+        view.flags.writeable = False
+        return view
+
+    @property
+    def bounds(self) -> NDArray[np.float32]:
+        """The smallest and the largest coordinates, (2, 3); NaN without triangles."""
+        corners = self.triangles.reshape(-1, 3)
+        if len(corners) == 0:
+            return np.full((2, 3), np.nan, np.float32)
+        return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+    @property
+    def device(self) -> Device:
+        """The device that host arrays are computed on."""
+        return self._device
+
+    def close(self) -> None:
+        """Frees the device's memory. The scene cannot be used any more."""
+        self._is_closed = True
+        self._places.clear()
+        self._host = None
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        state = "closed" if self._is_closed else f"on {self._device.description.name!r}"
+        return f"<gnomon.Scene of {self._count:,} triangles, {state}>"
+
+    def _on(self, device: Device) -> _OnDevice:
+        if self._is_closed:
+            raise ValueError("the scene is closed")
+        if device not in self._places:
+            if self._host is None:
+                raise ValueError("the scene's triangles lie on another OpenCL queue than the points: give both one queue")
+            triangles = device.call(_gnomon.Triangles.upload, device.native, self._host)
+            if self._count >= 1 << 16:
+                device.call(triangles.keep_clusters, device.native)
+            self._places[device] = _OnDevice(device, triangles)
+        return self._places[device]
+
+    # ---- Points ------------------------------------------------------------------------------------------------------
+
+    def lit(
+        self,
+        points: ArrayLike,
+        *,
+        direction: ArrayLike | None = None,
+        position: ArrayLike | None = None,
+        receivers: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+        side: Literal["front"] | None = None,
+        eye: ArrayLike | None = None,
+        nan: Literal["error", "absent"] = "error",
+        out: Any = None,
+    ) -> Any:
+        """Whether the light reaches each point: what ray tracing would answer in exact arithmetic.
+
+        points: (..., 3) coordinates in the scene's unit.
+        direction: (3,) along which a directional light travels (of any length); or
+        position: (3,) of a point light.
+        receivers: (...) ids of the triangles that the points lie on, negative for none. A receiver never shadows its
+            own points; it excludes that triangle and does nothing else. A point exactly on a triangle's plane is not
+            shadowed by this triangle in any case.
+        A side decides facing, exactly. Without one a point on the far side of its own surface may be lit:
+        normals: (..., 3), of any length: a point is dark unless the light is strictly on the normal's side.
+        side: "front": dark unless the light is strictly on the side of the receiver from which its corners run
+            counter-clockwise. Needs receivers.
+        eye: (3,): dark unless eye and light are strictly on the same side of the receiver. Needs receivers.
+        nan: "error": a point that is not finite is a ValueError. "absent": it is False, and masked in the result.
+        out: a pyopencl array (N,) of float32 for the result, with pyopencl points only.
+
+        Returns bool, one per point; numpy.ma.MaskedArray with nan="absent". The blocking triangles are closed sets;
+        a triangle that the light sees edge-on, or without area, blocks nothing (docs/numerics.md has the contract).
+
+        Points in a pyopencl array (N, 3) are read where they lie, on that array's queue, and the result is a pyopencl
+        array (N,) of float32, 1 lit and 0 not; receivers (uint32) and normals (float32) are pyopencl arrays, too.
+        Nothing is checked there: a point that is not finite is 1.
+
+        Raises ValueError with the argument's name and the first bad row, MemoryError, DeviceNotFoundError.
+        """
+        if out is not None and not _arrays.is_on_device(points):
+            raise ValueError("out: only for points in a pyopencl array")
+        sides = {"normals": normals, "side": side, "eye": eye}
+        if _arrays.is_on_device(points):
+            return self._lit_on_device(points, _arrays.light_of(direction, position), receivers, sides, out)
+        values = self.visibility(
+            points, direction=direction, position=position, receivers=receivers, nan=nan, **sides  # type: ignore[arg-type]
+        )
+        if isinstance(values, np.ma.MaskedArray):
+            return np.ma.MaskedArray(values.data != 0, values.mask, fill_value=False)
+        return values != 0
+
+    def visibility(
+        self,
+        points: ArrayLike,
+        *,
+        direction: ArrayLike | None = None,
+        position: ArrayLike | None = None,
+        receivers: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+        side: Literal["front"] | None = None,
+        eye: ArrayLike | None = None,
+        nan: Literal["error", "absent"] = "error",
+        technique: str = EXACT,
+        settings: Settings | None = None,
+    ) -> Any:
+        """lit() as float32 from 0 (in shadow) to 1, by any technique of gnomon.techniques() with its settings; filtered
+        shadow maps answer values between. Points on the host only. Raises ValueError for an unknown name."""
+        light = _arrays.light_of(direction, position)
+        if nan not in ("error", "absent"):
+            raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
+        at = _arrays.triples(points, "points")
+        shape = at.shape[:-1]
+        flat = at.reshape(-1, 3)
+        present = np.isfinite(flat).all(axis=1)
+        if nan == "error":
+            _arrays.require_finite(flat, "points")
+        ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
+        n = None if normals is None else _arrays.normals_of(normals, at.shape)
+        towards = self._eye_of(side, eye, ids is not None)
+        place = self._on(self._device)
+        result = np.ones(len(flat), np.float32)
+        for first in range(0, len(flat), POINTS_AT_ONCE):
+            part = slice(first, first + POINTS_AT_ONCE)
+            result[part] = place.device.call(
+                _visibility_of_part,
+                place, flat[part], None if ids is None else ids[part], None if n is None else n[part],
+                side == "front", towards, light, technique, settings,
+            )  # fmt: skip
+        if nan == "absent":
+            result[~present] = 0
+            return np.ma.MaskedArray(result.reshape(shape), ~present.reshape(shape), fill_value=0)
+        return result.reshape(shape)
+
+    @staticmethod
+    def _eye_of(side: Any, eye: Any, has_receivers: bool) -> tuple[float, float, float] | None:
+        if side not in (None, "front"):
+            raise ValueError(f"side: {side!r} is not 'front'")
+        if (side is not None or eye is not None) and not has_receivers:
+            raise ValueError(f"{'side' if eye is None else 'eye'}: needs receivers=, the triangles that the points lie on")
+        return None if eye is None else _arrays.triple(eye, "eye")
+
+    def _lit_on_device(self, points: Any, light: Any, receivers: Any, sides: dict[str, Any], out: Any) -> Any:
+        import pyopencl.array
+
+        count = points.shape[0]
+        _require_on_device(points, "points", (count, 3), np.float32)
+        if receivers is not None:
+            _require_on_device(receivers, "receivers", (count,), np.uint32)
+            if receivers.offset:
+                raise ValueError("receivers: must begin where its buffer begins")
+        normals = sides["normals"]
+        if normals is not None:
+            _require_on_device(normals, "normals", (count, 3), np.float32)
+        towards = self._eye_of(sides["side"], sides["eye"], receivers is not None)
+        place = self._on(device_of_queue(points.queue))
+        result = pyopencl.array.empty(points.queue, (count,), np.float32) if out is None else out
+        _require_on_device(result, "out", (count,), np.float32)
+        if result.offset:
+            raise ValueError("out: must begin where its buffer begins")
+        if count:
+            place.device.call(
+                _enqueue_on_device, place, points, receivers, normals, sides["side"] == "front", towards, light, result
+            )
+        return result
+
+    def prepare(self, *, direction: ArrayLike | None = None, position: ArrayLike | None = None) -> None:
+        """Stores what depends on this light and these triangles alone: later calls with the same light do less work,
+        with the same bits. Worth it from some calls per light on. Preparing another light frees the memory."""
+        light = _arrays.light_of(direction, position)
+        place = self._on(self._device)
+        place.device.call(lambda: place.technique(EXACT, None).prepare(place.triangles, light))
+
+    # ---- Views -------------------------------------------------------------------------------------------------------
+
+    def view(
+        self,
+        eye: ArrayLike | None = None,
+        target: ArrayLike | None = None,
+        *,
+        camera: str | None = None,
+        up: ArrayLike = (0, 1, 0),
+        fov: float = 50.0,
+        size: tuple[int, int] = (1280, 720),
+    ) -> View:
+        """What a camera sees: per pixel the nearest triangle and the point on it.
+
+        eye, target: (3,) where the camera stands and what it looks at; or camera: a name of `cameras`.
+        up: (3,) the direction that is up in the picture. fov: the vertical field of view in degrees, 0 to 180.
+        size: width and height in pixels, 1 to 16384.
+        """
+        if (camera is None) == (eye is None and target is None):
+            raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
+        width, height = size
+        if camera is not None:
+            if camera not in self.cameras:
+                raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
+            chosen = self.cameras[camera]
+        else:
+            chosen = _gnomon.Camera.look_at(
+                _arrays.triple(eye, "eye"), _arrays.triple(target, "target"), _arrays.triple(up, "up"), float(fov)
+            )
+        place = self._on(self._device)
+        seen = place.device.call(_gnomon.look, place.device.native, place.triangles, chosen, int(width), int(height))
+        return View(self, place, seen, (int(width), int(height)))
+
+
+def _require_on_device(array: Any, name: str, shape: tuple[int, ...], dtype: type) -> None:
+    if not _arrays.is_on_device(array):
+        raise TypeError(f"{name}: must be a pyopencl array, as the points are")
+    if array.dtype != dtype or array.shape != shape or not array.flags.c_contiguous:
+        raise ValueError(f"{name}: must be C-contiguous {np.dtype(dtype)} of shape {shape}")
+
+
+def _visibility_of_part(
+    place: _OnDevice,
+    flat: NDArray[np.float32],
+    ids: NDArray[np.uint32] | None,
+    normals: NDArray[np.float32] | None,
+    is_front: bool,
+    eye: tuple[float, float, float] | None,
+    light: tuple[float, float, float, float],
+    technique: str,
+    settings: Settings | None,
+) -> NDArray[np.float32]:
+    device = place.device.native
+    points = _gnomon.Points.upload(device, flat, ids if ids is not None else np.empty(0, np.uint32))
+    if eye is not None:
+        points.set_eye(eye)
+    visibility = _gnomon.Visibility(device, len(flat))
+    place.technique(technique, settings).run(place.triangles, points, light, visibility)
+    if normals is not None:
+        _gnomon.face_by_normals(device, points, normals, light, visibility)
+    if is_front:
+        _gnomon.face_by_winding(device, place.triangles, points, light, visibility)
+    return visibility.read()
+
+
+def _enqueue_on_device(
+    place: _OnDevice, at: Any, receivers: Any, normals: Any, is_front: bool, eye: Any, light: Any, result: Any
+) -> None:
+    device = place.device.native
+    points = _gnomon.Points.wrap(
+        device,
+        at.base_data.int_ptr,
+        _gnomon.PointLayout(at.offset // 4, 3, 1),
+        at.shape[0],
+        0 if receivers is None else receivers.base_data.int_ptr,
+    )
+    if eye is not None:
+        points.set_eye(eye)
+    visibility = _gnomon.Visibility.wrap(device, result.base_data.int_ptr, at.shape[0])
+    place.technique(EXACT, None).run(place.triangles, points, light, visibility)
+    if normals is not None:
+        layout = _gnomon.PointLayout(normals.offset // 4, 3, 1)
+        _gnomon.face_by_normals_on_device(device, points, normals.base_data.int_ptr, layout, light, visibility)
+    if is_front:
+        _gnomon.face_by_winding(device, place.triangles, points, light, visibility)
+
+
+class View:
+    """The picture of a camera, made by Scene.view(). Arrays are (height, width, ...), row 0 on top."""
+
+    def __init__(self, scene: Scene, place: _OnDevice, seen: _gnomon.View, size: tuple[int, int]) -> None:
+        self._material = scene._material
+        self._base_color = scene._base_color
+        self._count = len(scene)
+        self._place = place
+        self._seen = seen
+        self._host: tuple[Any, Any, Any] | None = None
+        self.width, self.height = size
+
+    def _read(self) -> tuple[Any, Any, Any]:
+        if self._host is None:
+            device = self._place.device
+            points, normals, receivers = device.call(
+                _gnomon.read_view, device.native, self._place.triangles, self._seen
+            )
+            points[receivers == _arrays.NO_RECEIVER] = np.nan
+            self._host = points, normals, receivers.astype(np.int64)
+            self._host[2][receivers == _arrays.NO_RECEIVER] = -1
+        return self._host
+
+    @property
+    def points(self) -> NDArray[np.float32]:
+        """(H, W, 3) the shading points, lifted off their triangle by a proven bound; NaN where the sky is."""
+        return self._read()[0]
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """(H, W, 3) unit normals of the triangles, towards the camera; 0 where the sky is."""
+        return self._read()[1]
+
+    @property
+    def receivers(self) -> NDArray[np.int64]:
+        """(H, W) ids of the triangles; -1 where the sky is."""
+        return self._read()[2]
+
+    def _values(self, light: Any, samples: int, technique: str, settings: Settings | None) -> _gnomon.Visibility:
+        place = self._place
+
+        def run() -> _gnomon.Visibility:
+            result = _gnomon.Visibility(place.device.native, self.width * self.height)
+            chosen = place.technique(technique, settings)
+            if samples == 1:
+                chosen.run(place.triangles, self._seen.points, light, result)
+            else:
+                _gnomon.run_samples(
+                    chosen, place.device.native, place.triangles, self._seen, light, int(samples), result
+                )
+            return result
+
+        return place.device.call(run)
+
+    def visibility(
+        self,
+        *,
+        direction: ArrayLike | None = None,
+        position: ArrayLike | None = None,
+        samples: int = 1,
+        technique: str = EXACT,
+        settings: Settings | None = None,
+    ) -> NDArray[np.float32]:
+        """(H, W) float32: 1 where the light reaches the pixel's point, 0 in shadow or on a side that faces away; the
+        sky is 1. samples: 1, 4, 8, 16 or 32 per pixel; the result is their mean."""
+        values = self._values(_arrays.light_of(direction, position), samples, technique, settings)
+        return self._place.device.call(values.read).reshape(self.height, self.width)
+
+    def image(
+        self,
+        *,
+        direction: ArrayLike | None = None,
+        position: ArrayLike | None = None,
+        samples: int = 1,
+        technique: str = EXACT,
+        settings: Settings | None = None,
+    ) -> NDArray[np.uint8]:
+        """(H, W, 4) RGBA: Lambert's law with the shadows, and ambient light, in sRGB."""
+        light = _arrays.light_of(direction, position)
+        values = self._values(light, samples, technique, settings)
+        material = self._material if self._material is not None else np.zeros(self._count, np.uint32)
+        place = self._place
+        return place.device.call(
+            _gnomon.shade,
+            place.device.native, place.triangles, self._seen, [values], material, self._base_color, [light],
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        return f"<gnomon.View of {self.width} x {self.height} pixels>"

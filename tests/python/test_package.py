@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""The package itself: types, stubs, silence, loading, and Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+from importlib.resources import files
+
+import gnomon
+import pytest
+
+
+def run(code, **environment):
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, **environment}, timeout=120
+    )
+
+
+def test_it_is_typed():
+    package = files("gnomon")
+    assert (package / "py.typed").is_file()
+    stub = (package / "_gnomon.pyi").read_text()
+    assert "class DeviceDescription" in stub and "def techniques" in stub
+
+
+def test_names_and_docstrings():
+    for name in gnomon.__all__:
+        assert getattr(gnomon, name) is not None
+    for documented in (gnomon.Scene, gnomon.Scene.lit, gnomon.Scene.view, gnomon.View.visibility, gnomon.use):
+        assert len(documented.__doc__) > 50
+    assert "frustum-traced" in [t.name for t in gnomon.techniques() if t.exact]
+
+
+def test_importing_loads_no_opencl_and_prints_nothing():
+    code = "import gnomon; print(len(gnomon.techniques()) > 5); print('libOpenCL' in open('/proc/self/maps').read())"
+    done = run(code, GNOMON_OPENCL_LIBRARY="/nonexistent/libOpenCL.so.1")
+    assert (done.stdout, done.stderr) == ("True\nFalse\n", "")
+
+
+def test_a_missing_library_is_one_sentence_with_the_remedy():
+    code = "import gnomon\ntry: gnomon.devices()\nexcept gnomon.DeviceNotFoundError as e: print(e)"
+    done = run(code, GNOMON_OPENCL_LIBRARY="/nonexistent/libOpenCL.so.1")
+    assert done.stdout.count("\n") == 1 and done.stderr == ""
+    assert "/nonexistent/libOpenCL.so.1" in done.stdout and "pip install gnomon[pocl]" in done.stdout
+
+
+def test_a_run_prints_nothing():
+    code = "import gnomon, numpy; gnomon.Scene(numpy.eye(3)[None]).lit(numpy.zeros((5, 3)), direction=(0, 0, 1))"
+    done = run(code)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_ctrl_c_is_answered_while_the_device_works():
+    code = """
+import gnomon, numpy, os, signal, threading, time
+rng = numpy.random.default_rng(1)
+scene = gnomon.Scene(rng.random((20_000, 3, 3), numpy.float32))
+points = rng.random((2_000_000, 3), numpy.float32)
+scene.lit(points[:10], direction=(0, 0, 1))
+threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+start = time.monotonic()
+try:
+    scene.lit(points, direction=(0, 0, 1))
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted", scene.lit(points[:3], direction=(0, 0, 1)).shape)
+"""
+    done = run(code)
+    assert done.stdout == "interrupted (3,)\n", done.stderr
+
+
+def test_a_fork_is_refused():
+    if not hasattr(os, "fork"):
+        pytest.skip("no fork here")
+    code = """
+import gnomon, numpy, os
+scene = gnomon.Scene(numpy.eye(3)[None])
+scene.lit(numpy.zeros((1, 3)), direction=(0, 0, 1))
+if os.fork() == 0:
+    try: scene.lit(numpy.zeros((1, 3)), direction=(0, 0, 1))
+    except RuntimeError as e: print("fork" in str(e), flush=True)
+    os._exit(0)
+os.wait()
+"""
+    assert run(code).stdout == "True\n"
+
+
+def test_signals_are_left_alone():
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

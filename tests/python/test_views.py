@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: MIT
+"""Views: what a camera sees, its shadows and its picture."""
+
+from pathlib import Path
+
+import gnomon
+import numpy as np
+import pytest
+
+FLOOR_AND_ROOF = np.float32(
+    [
+        [[-4, 0, -4], [-4, 0, 4], [4, 0, 4]], [[-4, 0, -4], [4, 0, 4], [4, 0, -4]],
+        [[-1, 1, -1], [-1, 1, 1], [1, 1, 1]], [[-1, 1, -1], [1, 1, 1], [1, 1, -1]],
+    ]
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def view():
+    scene = gnomon.Scene(FLOOR_AND_ROOF)
+    return scene.view(eye=(0, 6, 6), target=(0, 0, 0), size=(160, 90))
+
+
+def test_points_lie_on_their_receivers(view):
+    assert view.points.shape == view.normals.shape == (90, 160, 3)
+    assert view.receivers.shape == (90, 160) and view.receivers.min() == -1 and view.receivers.max() == 3
+    is_sky = view.receivers == -1
+    assert np.isnan(view.points[is_sky]).all() and np.isfinite(view.points[~is_sky]).all()
+    height = np.where(view.receivers >= 2, 1, 0)
+    assert np.abs(view.points[..., 1] - height)[~is_sky].max() < 1e-4
+    assert np.allclose(view.normals[~is_sky], (0, 1, 0))
+
+
+def test_shadows(view):
+    visibility = view.visibility(direction=(0, -1, 0))
+    assert visibility.shape == (90, 160) and visibility.dtype == np.float32
+    with np.errstate(invalid="ignore"):
+        under = (np.abs(view.points[..., 0]) < 1) & (np.abs(view.points[..., 2]) < 1) & (view.receivers < 2)
+    assert (visibility[under] == 0).all() and under.any()
+    assert (visibility[~under] == 1).all()
+    soft = view.visibility(direction=(0, -1, 0), samples=8)
+    assert set(np.unique(soft * 8)) <= set(range(9)) and len(np.unique(soft)) > 2
+    assert (view.visibility(direction=(0, 1, 0))[view.receivers >= 0] == 0).all(), "light from below"
+
+
+def test_image(view):
+    image = view.image(direction=(0, -1, 0))
+    assert image.shape == (90, 160, 4) and image.dtype == np.uint8
+    dark = view.visibility(direction=(0, -1, 0)) == 0
+    assert image[dark][:, :3].max() < image[~dark & (view.receivers >= 0)][:, :3].min()
+
+
+def test_a_gltf_file_has_cameras_and_lights():
+    if not hasattr(gnomon._gnomon, "load_scene"):
+        pytest.skip("this build reads no glTF files: tinygltf was missing")
+    file = Path(__file__).parents[2] / "scenes" / "concave_corners.glb"
+    scene = gnomon.Scene.from_gltf(file)
+    assert len(scene) > 0 and scene.cameras and scene.lights and "triangles" in repr(scene)
+    view = scene.view(camera=next(iter(scene.cameras)), size=(64, 36))
+    visibility = view.visibility(**next(iter(scene.lights.values())))
+    assert 0 < visibility.mean() < 1

@@ -1,0 +1,30 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# Builds the Python package's wheel, installs it into a fresh virtual environment and tests it there: with PyPI's PoCL
+# alone, as if the system had no OpenCL driver, then with the system's. Needs python3 with venv and its headers, and
+# PyPI. usage: test_python.sh [BUILD-FOLDER]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+build=$(realpath -m "${1:-build-python}")
+python=${PYTHON:-python3}
+
+rm -rf "$build/venv" "$build/wheel"
+"$python" -m venv "$build/venv"
+pip=("$build/venv/bin/pip" --disable-pip-version-check --quiet)
+if ! "${pip[@]}" download --no-deps --dest "$build/probe" nanobind; then
+    echo "SKIPPED: PyPI cannot be reached, so the Python package was neither built nor tested" >&2
+    exit 0
+fi
+
+if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
+"${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" --config-settings=build-dir="$build/objects"
+wheel=$(echo "$build"/wheel/gnomon-*.whl)
+"${pip[@]}" install "$wheel[pocl,test]"
+ls -l "$wheel"
+
+tests() { "$build/venv/bin/python" -m pytest -q -p no:cacheprovider tests/python; }
+drivers=("$build"/venv/lib/python3*/site-packages/pyopencl/.libs/libpocl*.so)
+echo "-- PyPI's PoCL, the system's drivers hidden"
+OCL_ICD_VENDORS=${drivers[0]} tests
+echo "-- the system's OpenCL library"
+GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests
