@@ -24,12 +24,14 @@ namespace {
 
 using Released = nb::call_guard<nb::gil_scoped_release>;
 using Floats = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
+using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
 
 template <typename Value>
 using Numpy = nb::ndarray<nb::numpy, Value>;
 
 std::span<const float> span_of(const Floats& array) { return {array.data(), array.size()}; }
+std::span<const double> span_of(const Doubles& array) { return {array.data(), array.size()}; }
 
 // A numpy array that owns these values.
 template <typename Value>
@@ -208,6 +210,33 @@ void bind_techniques(nb::module_& m) {
         Released());
 }
 
+// Positions as an array (N, 3).
+Numpy<float> triples_of(std::vector<float> positions) {
+    const std::size_t count = positions.size() / 3;
+    return numpy_of(std::move(positions), {count, 3});
+}
+
+void bind_lattice(nb::module_& m) {
+    using gnomon::WorldLattice;
+    nb::class_<WorldLattice>(m, "WorldLattice")
+        .def_static("around", [](const Doubles& p, int exponent) { return WorldLattice::around(span_of(p), exponent); })
+        .def_static("fit", [](const Doubles& p) { return WorldLattice::fit(span_of(p)); })
+        .def_ro("exponent", &WorldLattice::exponent)
+        .def_ro("origin", &WorldLattice::origin)
+        .def_prop_ro("step", &WorldLattice::step)
+        .def("snap",
+             [](const WorldLattice& lattice, const Doubles& p) {
+                 WorldLattice::Snapped snapped = lattice.snap(span_of(p));
+                 return nb::make_tuple(triples_of(std::move(snapped.positions)), snapped.largest_move);
+             })
+        .def("lift", [](const WorldLattice& lattice, const Doubles& p,
+                        const Doubles& normals) { return triples_of(lattice.lift(span_of(p), span_of(normals))); })
+        .def("world_of", &WorldLattice::world_of)
+        .def("rebased", [](const WorldLattice& lattice, const Floats& p, const WorldLattice& other) {
+            return triples_of(lattice.rebased(span_of(p), other));
+        });
+}
+
 void bind_views(nb::module_& m) {
     using gnomon::Camera;
     using gnomon::View;
@@ -323,6 +352,7 @@ NB_MODULE(_gnomon, m) {
     bind_devices(m);
     bind_inputs(m);
     bind_techniques(m);
+    bind_lattice(m);
     bind_views(m);
     bind_scenes(m);
 }

@@ -7,7 +7,8 @@ tracing would give in exact arithmetic: the same bits on every device.
     scene = gnomon.Scene(vertices, faces)
     lit = scene.lit(points, direction=(0.1, 0, -1))     # bool, one per point
 
-Coordinates are float32, in any unit; nothing is rounded unless you ask for it. See Scene.lit() for the contract.
+Coordinates may be in any unit. float32 values are taken as they are, float64 values are snapped once to a lattice
+(Scene.lattice). See Scene.lit() for the contract.
 """
 
 from ._devices import Device, devices, use
@@ -20,12 +21,14 @@ from ._gnomon import (
     __version__,
     techniques,
 )
+from ._lattice import Lattice
 from ._scene import Scene, View
 
 __all__ = [
     "Device",
     "DeviceDescription",
     "DeviceNotFoundError",
+    "Lattice",
     "OpenCLError",
     "Scene",
     "SettingDescription",

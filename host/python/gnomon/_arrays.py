@@ -25,39 +25,48 @@ def on_host(array: Any, name: str) -> NDArray[Any]:
     return np.asarray(array)
 
 
-def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
-    """The values as float32, C-contiguous. Nothing is rounded: float64 values must be float32 values."""
-    if array.dtype == np.float32:
-        return np.ascontiguousarray(array)
+def is_float32(array: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which values float32 holds."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return (array.astype(np.float32) == array) | np.isnan(array)
+
+
+def require_real(array: NDArray[Any], name: str) -> None:
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{name}: must be real numbers, not {array.dtype}")
-    with np.errstate(over="ignore", invalid="ignore"):
-        rounded = np.ascontiguousarray(array, dtype=np.float32)
-        same = (rounded == array) | (np.isnan(rounded) & np.isnan(array))
-    if not same.all():
-        row = int(np.argwhere(~same.reshape(len(array), -1).all(axis=1))[0, 0])
-        raise ValueError(
-            f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding it would "
-            "move it: subtract an origin that makes the values small, or round them yourself with astype(numpy.float32)"
-        )
-    return rounded
 
 
-def triples(array: Any, name: str) -> NDArray[np.float32]:
-    """An array (..., 3) of float32."""
+def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
+    """The values as float32, C-contiguous. Nothing is rounded: float64 values must be float32 values."""
+    if array.dtype != np.float32:
+        require_real(array, name)
+        same = is_float32(array)
+        if not same.all():
+            row = int(np.argwhere(~same.reshape(len(array), -1).all(axis=1))[0, 0])
+            raise ValueError(
+                f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding it would "
+                "move it: make the scene with lattice=, to which float64 coordinates are snapped, or round them "
+                "yourself with astype(numpy.float32)"
+            )
+    return np.ascontiguousarray(array, dtype=np.float32)
+
+
+def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
+    """An array (..., 3) of real numbers."""
     values = on_host(array, name)
     if values.ndim < 2 or values.shape[-1] != 3:
         raise ValueError(f"{name}: shape {values.shape} is not (..., 3)")
-    return float32_of(values.reshape(-1, 3), name).reshape(values.shape)
+    require_real(values, name)
+    return values
 
 
-def first_bad_row(array: NDArray[np.float32]) -> int | None:
+def first_bad_row(array: NDArray[Any]) -> int | None:
     """The first row of an array (N, 3) with a NaN or infinite value."""
     bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
     return int(bad[0]) if bad.size else None
 
 
-def require_finite(array: NDArray[np.float32], name: str) -> None:
+def require_finite(array: NDArray[Any], name: str) -> None:
     row = first_bad_row(array)
     if row is not None:
         raise ValueError(f"{name}: row {row} {array[row].tolist()} is not finite")
@@ -87,29 +96,29 @@ def light_of(direction: Any, position: Any) -> tuple[float, float, float, float]
     return (-x, -y, -z, 0.0)
 
 
-def triangles_of(vertices: Any, faces: Any) -> NDArray[np.float32]:
-    """Triangles (F, 3, 3) of a mesh's vertices (V, 3) and faces (F, 3), or of triangles (F, 3, 3) or (F, 9)."""
+def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
+    """Triangles (F, 3, 3) of a mesh's vertices (V, 3) and faces (F, 3), or of triangles (F, 3, 3) or (F, 9), in the
+    vertices' own dtype."""
     values = on_host(vertices, "vertices")
+    require_real(values, "vertices")
     if faces is None:
         if values.ndim not in (2, 3) or values.shape[1:] not in ((3, 3), (9,)):
             raise ValueError(f"vertices: shape {values.shape} without faces is neither (F, 3, 3) nor (F, 9)")
-        triangles = float32_of(values, "vertices").reshape(-1, 3, 3)
-        require_finite(triangles.reshape(-1, 3), "vertices")
-        return triangles
+        require_finite(values.reshape(-1, 3), "vertices")
+        return values.reshape(-1, 3, 3)
     if values.ndim != 2 or values.shape[1] != 3:
         raise ValueError(f"vertices: shape {values.shape} is not (V, 3)")
-    corners = float32_of(values, "vertices")
-    require_finite(corners, "vertices")
+    require_finite(values, "vertices")
     indices = on_host(faces, "faces")
     if indices.ndim != 2 or indices.shape[1] != 3:
         raise ValueError(f"faces: shape {indices.shape} is not (F, 3)")
     if indices.size and indices.dtype.kind not in "iu":
         raise ValueError(f"faces: must be integers, not {indices.dtype}")
-    bad = np.flatnonzero(((indices < 0) | (indices >= len(corners))).any(axis=1))
+    bad = np.flatnonzero(((indices < 0) | (indices >= len(values))).any(axis=1))
     if bad.size:
         row = int(bad[0])
-        raise ValueError(f"faces: row {row} {indices[row].tolist()} names a vertex that is not in 0..{len(corners) - 1}")
-    return np.ascontiguousarray(corners[indices.astype(np.intp)]).reshape(-1, 3, 3)
+        raise ValueError(f"faces: row {row} {indices[row].tolist()} names a vertex that is not in 0..{len(values) - 1}")
+    return values[indices.astype(np.intp)].reshape(-1, 3, 3)
 
 
 def receivers_of(receivers: Any, shape: tuple[int, ...], triangle_count: int) -> NDArray[np.uint32]:
@@ -127,13 +136,20 @@ def receivers_of(receivers: Any, shape: tuple[int, ...], triangle_count: int) ->
     return np.where(flat < 0, NO_RECEIVER, flat).astype(np.uint32)
 
 
-def normals_of(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    values = triples(normals, "normals")
+def normals_of(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """One normal per point, finite and not zero, each scaled so that its largest coordinate is below 2."""
+    values = rows_of_triples(normals, "normals")
     if values.shape != shape:
         raise ValueError(f"normals: shape {values.shape} is not the points' {shape}")
-    flat = values.reshape(-1, 3)
+    flat = values.reshape(-1, 3).astype(np.float64)
     require_finite(flat, "normals")
     zero = np.flatnonzero((flat == 0).all(axis=1))
     if zero.size:
         raise ValueError(f"normals: row {int(zero[0])} is zero, which is no side")
-    return flat
+    return scaled(flat)
+
+
+def scaled(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Each row times a power of two, which is exact, so that float32's range suffices; rows of zeros stay."""
+    _, exponents = np.frexp(np.abs(normals).max(axis=1, initial=0))
+    return np.ldexp(normals, -exponents[:, None])

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _gnomon
+from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 
 Settings = Mapping[str, object]
@@ -66,17 +67,26 @@ class Scene:
     vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
         trimesh.Trimesh, or a pyvista mesh. Any unit. A triangle's id is its row. A pyopencl array of float32
         triangles is used where it lies, without a copy: do not write it while the scene is used.
+    lattice: a step, a power of two such as 2**-10, in the unit of the coordinates. float64 coordinates, of the mesh,
+        of points and lamps, are then snapped once to whole steps, floor(x / step + 1/2), and stay exact from there on,
+        wherever the origin lies: a scene cut into tiles gives the same bits as a whole, if all tiles have the same
+        step. All coordinates must lie within 2^24 steps of the scene's centre. Without it, vertices that are float32
+        values are taken as they are, and others get the finest step that leaves room for points twice as far out as
+        the scene. Scene.lattice says which step it is, and what changed.
     device: a name as in gnomon.use(), or a Device; None: the default device.
 
-    Coordinates are float32: float64 input must hold float32 values, else ValueError names the first row that does not.
     Raises ValueError for a wrong shape or dtype, a coordinate that is not finite, or a face whose vertex does not exist.
     """
 
-    def __init__(self, vertices: Any, faces: Any = None, *, device: str | Device | None = None) -> None:
+    def __init__(
+        self, vertices: Any, faces: Any = None, *, lattice: float | None = None, device: str | Device | None = None
+    ) -> None:
         vertices, faces = _mesh_of(vertices, faces)
         self._host: NDArray[np.float32] | None = None
+        self.lattice: _world.Lattice | None = None
         self._count = 0
         self._places: dict[Device, _OnDevice] = {}
+        self._moved: dict[tuple[int, ...], _OnDevice] = {}  # for the views of the last eye, on a lattice
         self._is_closed = False
         self.cameras: dict[str, _gnomon.Camera] = {}
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
@@ -84,9 +94,16 @@ class Scene:
         self._material: NDArray[np.uint32] | None = None
         self._base_color: list[tuple[float, float, float]] = [GREY]
         if _arrays.is_on_device(vertices):
+            if lattice is not None:
+                raise ValueError("lattice: not for a pyopencl array, which holds float32 coordinates already")
             self._device = self._wrap(vertices, faces)
             return
-        self._host = _arrays.triangles_of(vertices, faces)
+        triangles = _arrays.triangles_of(vertices, faces)
+        if lattice is None and bool(_arrays.is_float32(triangles).all()):
+            self._host = np.ascontiguousarray(triangles, dtype=np.float32)
+        else:
+            self.lattice = _world.lattice_of(np.ascontiguousarray(triangles, dtype=np.float64), lattice)
+            self._host = self.lattice.triangles
         self._count = len(self._host)
         self._device = (
             device if isinstance(device, Device) else default_device() if device is None else open_device(device)
@@ -136,7 +153,8 @@ class Scene:
 
     @property
     def triangles(self) -> NDArray[np.float32]:
-        """The triangles on the host, (F, 3, 3), read-only. ValueError if they lie in a pyopencl array."""
+        """The triangles on the host, (F, 3, 3), read-only; relative to the lattice's origin if there is a lattice.
+        ValueError if they lie in a pyopencl array."""
         if self._host is None:
             raise ValueError("the triangles of this scene lie in a pyopencl array: read that one")
         view = self._host.view()
@@ -145,7 +163,7 @@ class Scene:
 
     @property
     def bounds(self) -> NDArray[np.float32]:
-        """The smallest and the largest coordinates, (2, 3); NaN without triangles."""
+        """The smallest and the largest of `triangles`, (2, 3); NaN without triangles."""
         corners = self.triangles.reshape(-1, 3)
         if len(corners) == 0:
             return np.full((2, 3), np.nan, np.float32)
@@ -160,6 +178,7 @@ class Scene:
         """Frees the device's memory. The scene cannot be used any more."""
         self._is_closed = True
         self._places.clear()
+        self._moved.clear()
         self._host = None
 
     def __enter__(self) -> Scene:
@@ -170,7 +189,8 @@ class Scene:
 
     def __repr__(self) -> str:
         state = "closed" if self._is_closed else f"on {self._device.description.name!r}"
-        return f"<gnomon.Scene of {self._count:,} triangles, {state}>"
+        lattice = "" if self.lattice is None else f", {self.lattice!r}"
+        return f"<gnomon.Scene of {self._count:,} triangles, {state}{lattice}>"
 
     def _on(self, device: Device) -> _OnDevice:
         if self._is_closed:
@@ -196,6 +216,7 @@ class Scene:
         normals: ArrayLike | None = None,
         side: Literal["front"] | None = None,
         eye: ArrayLike | None = None,
+        lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         out: Any = None,
     ) -> Any:
@@ -212,13 +233,17 @@ class Scene:
         side: "front": dark unless the light is strictly on the side of the receiver from which its corners run
             counter-clockwise. Needs receivers.
         eye: (3,): dark unless eye and light are strictly on the same side of the receiver. Needs receivers.
+        lift: the points lie on surfaces, within 3/4 of a step: each is lifted along its normal, of `normals` or of the
+            receiver with side="front", by a little over 2.6 steps, so that a flat surface does not shadow it after
+            snapping. Facing is decided by that normal, of the triangle before snapping. Needs a lattice.
         nan: "error": a point that is not finite is a ValueError. "absent": it is False, and masked in the result.
         out: a pyopencl array (N,) of float32 for the result, with pyopencl points only.
 
         Returns bool, one per point; numpy.ma.MaskedArray with nan="absent". The blocking triangles are closed sets;
         a triangle that the light sees edge-on, or without area, blocks nothing (docs/numerics.md has the contract).
 
-        Points in a pyopencl array (N, 3) are read where they lie, on that array's queue, and the result is a pyopencl
+        Points in a pyopencl array (N, 3) of float32, relative to the lattice's origin if there is a lattice, are read
+        where they lie, on that array's queue, and the result is a pyopencl
         array (N,) of float32, 1 lit and 0 not; receivers (uint32) and normals (float32) are pyopencl arrays, too.
         Nothing is checked there: a point that is not finite is 1.
 
@@ -226,12 +251,15 @@ class Scene:
         """
         if out is not None and not _arrays.is_on_device(points):
             raise ValueError("out: only for points in a pyopencl array")
+        if lift and _arrays.is_on_device(points):
+            raise ValueError("lift: only for points on the host, in float64")
         sides = {"normals": normals, "side": side, "eye": eye}
         if _arrays.is_on_device(points):
-            return self._lit_on_device(points, _arrays.light_of(direction, position), receivers, sides, out)
+            return self._lit_on_device(points, self._light_of(direction, position), receivers, sides, out)
         values = self.visibility(
-            points, direction=direction, position=position, receivers=receivers, nan=nan, **sides  # type: ignore[arg-type]
-        )
+            points, direction=direction, position=position, receivers=receivers, lift=lift, nan=nan,
+            **sides,  # type: ignore[arg-type]
+        )  # fmt: skip
         if isinstance(values, np.ma.MaskedArray):
             return np.ma.MaskedArray(values.data != 0, values.mask, fill_value=False)
         return values != 0
@@ -246,16 +274,17 @@ class Scene:
         normals: ArrayLike | None = None,
         side: Literal["front"] | None = None,
         eye: ArrayLike | None = None,
+        lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         technique: str = EXACT,
         settings: Settings | None = None,
     ) -> Any:
         """lit() as float32 from 0 (in shadow) to 1, by any technique of gnomon.techniques() with its settings; filtered
         shadow maps answer values between. Points on the host only. Raises ValueError for an unknown name."""
-        light = _arrays.light_of(direction, position)
         if nan not in ("error", "absent"):
             raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
-        at = _arrays.triples(points, "points")
+        light = self._light_of(direction, position)
+        at = _arrays.rows_of_triples(points, "points")
         shape = at.shape[:-1]
         flat = at.reshape(-1, 3)
         present = np.isfinite(flat).all(axis=1)
@@ -264,27 +293,66 @@ class Scene:
         ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
         n = None if normals is None else _arrays.normals_of(normals, at.shape)
         towards = self._eye_of(side, eye, ids is not None)
+        is_front = side == "front"
+        if lift:
+            n = self._normals_to_lift_along(n, ids, is_front)
+            is_front = False  # the normals are those of the triangles before snapping
+        here = self._snapped(flat, n if lift else None)
+        n32 = None if n is None else n.astype(np.float32)
         place = self._on(self._device)
         result = np.ones(len(flat), np.float32)
         for first in range(0, len(flat), POINTS_AT_ONCE):
             part = slice(first, first + POINTS_AT_ONCE)
             result[part] = place.device.call(
                 _visibility_of_part,
-                place, flat[part], None if ids is None else ids[part], None if n is None else n[part],
-                side == "front", towards, light, technique, settings,
+                place, here[part], None if ids is None else ids[part], None if n32 is None else n32[part],
+                is_front, towards, light, technique, settings,
             )  # fmt: skip
         if nan == "absent":
             result[~present] = 0
             return np.ma.MaskedArray(result.reshape(shape), ~present.reshape(shape), fill_value=0)
         return result.reshape(shape)
 
-    @staticmethod
-    def _eye_of(side: Any, eye: Any, has_receivers: bool) -> tuple[float, float, float] | None:
+    def _light_of(self, direction: Any, position: Any) -> tuple[float, float, float, float]:
+        light = _arrays.light_of(direction, position)
+        if position is None or self.lattice is None:
+            return light
+        return (*self.lattice.snapped_triple(position, "position"), 1.0)
+
+    def _normals_to_lift_along(
+        self, normals: NDArray[np.float64] | None, ids: NDArray[np.uint32] | None, is_front: bool
+    ) -> NDArray[np.float64]:
+        if self.lattice is None:
+            raise ValueError("lift: needs a lattice: make the scene with lattice=, a step such as 2**-10")
+        if normals is not None:
+            return normals
+        if not is_front or ids is None:
+            raise ValueError("lift: needs normals=, or receivers= and side='front': a side to lift to")
+        if (ids == _arrays.NO_RECEIVER).any():
+            raise ValueError(f"receivers: row {int(np.argmax(ids == _arrays.NO_RECEIVER))} names no triangle to lift off")
+        found = _arrays.scaled(_world.normals_of_triangles(self.lattice.world[ids]))
+        zero = np.flatnonzero((found == 0).all(axis=1))
+        if zero.size:
+            raise ValueError(f"receivers: row {int(zero[0])} names triangle {int(ids[zero[0]])}, which has no area")
+        return found
+
+    def _snapped(self, flat: NDArray[Any], normals: NDArray[np.float64] | None) -> NDArray[np.float32]:
+        """The points as float32, relative to the lattice's origin; lifted along the normals, if any."""
+        if self.lattice is None:
+            return _arrays.float32_of(flat, "points")
+        world = np.ascontiguousarray(flat, dtype=np.float64)
+        if normals is None:
+            return self.lattice.snap(world, "points")
+        return self.lattice.native.lift(world, np.ascontiguousarray(normals))
+
+    def _eye_of(self, side: Any, eye: Any, has_receivers: bool) -> tuple[float, float, float] | None:
         if side not in (None, "front"):
             raise ValueError(f"side: {side!r} is not 'front'")
         if (side is not None or eye is not None) and not has_receivers:
             raise ValueError(f"{'side' if eye is None else 'eye'}: needs receivers=, the triangles that the points lie on")
-        return None if eye is None else _arrays.triple(eye, "eye")
+        if eye is None:
+            return None
+        return _arrays.triple(eye, "eye") if self.lattice is None else self.lattice.snapped_triple(eye, "eye")
 
     def _lit_on_device(self, points: Any, light: Any, receivers: Any, sides: dict[str, Any], out: Any) -> Any:
         import pyopencl.array
@@ -313,7 +381,7 @@ class Scene:
     def prepare(self, *, direction: ArrayLike | None = None, position: ArrayLike | None = None) -> None:
         """Stores what depends on this light and these triangles alone: later calls with the same light do less work,
         with the same bits. Worth it from some calls per light on. Preparing another light frees the memory."""
-        light = _arrays.light_of(direction, position)
+        light = self._light_of(direction, position)
         place = self._on(self._device)
         place.device.call(lambda: place.technique(EXACT, None).prepare(place.triangles, light))
 
@@ -337,18 +405,35 @@ class Scene:
         """
         if (camera is None) == (eye is None and target is None):
             raise ValueError("give either eye= and target=, or camera=, a name of `cameras`")
-        width, height = size
+        width, height = int(size[0]), int(size[1])
         if camera is not None:
             if camera not in self.cameras:
                 raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
-            chosen = self.cameras[camera]
+            chosen, origin, place = self.cameras[camera], None, self._on(self._device)
         else:
-            chosen = _gnomon.Camera.look_at(
-                _arrays.triple(eye, "eye"), _arrays.triple(target, "target"), _arrays.triple(up, "up"), float(fov)
-            )
-        place = self._on(self._device)
-        seen = place.device.call(_gnomon.look, place.device.native, place.triangles, chosen, int(width), int(height))
-        return View(self, place, seen, (int(width), int(height)))
+            at, to, origin, place = self._camera_place(eye, target)
+            chosen = _gnomon.Camera.look_at(at, to, _arrays.triple(up, "up"), float(fov))
+        seen = place.device.call(_gnomon.look, place.device.native, place.triangles, chosen, width, height)
+        return View(self, place, seen, (width, height), origin)
+
+    def _camera_place(self, eye: Any, target: Any) -> tuple[Any, Any, _gnomon.WorldLattice | None, _OnDevice]:
+        """Eye and target near an origin, and the triangles moved there. On a lattice this origin is the lattice's point
+        nearest the eye, since what a camera sees must not depend on the origin of the scene."""
+        if self.lattice is None:
+            return _arrays.triple(eye, "eye"), _arrays.triple(target, "target"), None, self._on(self._device)
+        world = [_world.float64_of(value, name) for value, name in ((eye, "eye"), (target, "target"))]
+        for values, name in zip(world, ("eye", "target"), strict=True):
+            if values.shape != (3,) or not np.isfinite(values).all():
+                raise ValueError(f"{name}: must be three finite numbers")
+        here = _gnomon.WorldLattice.around(world[0].reshape(1, 3), self.lattice.native.exponent)
+        self._on(self._device)  # refuses a closed scene
+        key = tuple(here.origin)
+        if key not in self._moved:
+            moved = self.lattice.native.rebased(np.ascontiguousarray(self.triangles.reshape(-1, 3)), here)
+            device = self._device
+            self._moved = {key: _OnDevice(device, device.call(_gnomon.Triangles.upload, device.native, moved))}
+        to = _arrays.triple(world[1] - here.world_of((0.0, 0.0, 0.0)), "target")
+        return (0.0, 0.0, 0.0), to, here, self._moved[key]
 
 
 def _require_on_device(array: Any, name: str, shape: tuple[int, ...], dtype: type) -> None:
@@ -407,12 +492,20 @@ def _enqueue_on_device(
 class View:
     """The picture of a camera, made by Scene.view(). Arrays are (height, width, ...), row 0 on top."""
 
-    def __init__(self, scene: Scene, place: _OnDevice, seen: _gnomon.View, size: tuple[int, int]) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        place: _OnDevice,
+        seen: _gnomon.View,
+        size: tuple[int, int],
+        origin: _gnomon.WorldLattice | None,
+    ) -> None:
         self._material = scene._material
         self._base_color = scene._base_color
         self._count = len(scene)
         self._place = place
         self._seen = seen
+        self._origin = origin
         self._host: tuple[Any, Any, Any] | None = None
         self.width, self.height = size
 
@@ -428,9 +521,12 @@ class View:
         return self._host
 
     @property
-    def points(self) -> NDArray[np.float32]:
-        """(H, W, 3) the shading points, lifted off their triangle by a proven bound; NaN where the sky is."""
-        return self._read()[0]
+    def points(self) -> NDArray[Any]:
+        """(H, W, 3) the shading points, lifted off their triangle by a proven bound; NaN where the sky is. float32, or
+        on a lattice float64 in world coordinates."""
+        if self._origin is None:
+            return self._read()[0]
+        return self._read()[0] + np.array(self._origin.world_of((0.0, 0.0, 0.0)))
 
     @property
     def normals(self) -> NDArray[np.float32]:
@@ -441,6 +537,13 @@ class View:
     def receivers(self) -> NDArray[np.int64]:
         """(H, W) ids of the triangles; -1 where the sky is."""
         return self._read()[2]
+
+    def _light_of(self, direction: Any, position: Any) -> tuple[float, float, float, float]:
+        light = _arrays.light_of(direction, position)
+        if position is None or self._origin is None:
+            return light
+        x, y, z = self._origin.snap(_world.float64_of(position, "position").reshape(1, 3))[0][0]
+        return float(x), float(y), float(z), 1.0
 
     def _values(self, light: Any, samples: int, technique: str, settings: Settings | None) -> _gnomon.Visibility:
         place = self._place
@@ -469,7 +572,7 @@ class View:
     ) -> NDArray[np.float32]:
         """(H, W) float32: 1 where the light reaches the pixel's point, 0 in shadow or on a side that faces away; the
         sky is 1. samples: 1, 4, 8, 16 or 32 per pixel; the result is their mean."""
-        values = self._values(_arrays.light_of(direction, position), samples, technique, settings)
+        values = self._values(self._light_of(direction, position), samples, technique, settings)
         return self._place.device.call(values.read).reshape(self.height, self.width)
 
     def image(
@@ -482,7 +585,7 @@ class View:
         settings: Settings | None = None,
     ) -> NDArray[np.uint8]:
         """(H, W, 4) RGBA: Lambert's law with the shadows, and ambient light, in sRGB."""
-        light = _arrays.light_of(direction, position)
+        light = self._light_of(direction, position)
         values = self._values(light, samples, technique, settings)
         material = self._material if self._material is not None else np.zeros(self._count, np.uint32)
         place = self._place
