@@ -60,15 +60,16 @@ def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
     return values
 
 
-def first_bad_row(array: NDArray[Any]) -> int | None:
-    """The first row of an array (N, 3) with a NaN or infinite value."""
-    bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
-    return int(bad[0]) if bad.size else None
+def all_finite(array: NDArray[Any]) -> bool:
+    """Whether no value is NaN or infinite: the sum, which one of them makes NaN or infinite, takes a tenth of the time
+    of looking at each. A sum that overflows without them is looked at."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool(np.isfinite(array.sum(dtype=np.float64))) or bool(np.isfinite(array).all())
 
 
 def require_finite(array: NDArray[Any], name: str) -> None:
-    row = first_bad_row(array)
-    if row is not None:
+    if not all_finite(array):
+        row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
         raise ValueError(f"{name}: row {row} {array[row].tolist()} is not finite")
 
 

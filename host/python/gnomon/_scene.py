@@ -287,7 +287,6 @@ class Scene:
         at = _arrays.rows_of_triples(points, "points")
         shape = at.shape[:-1]
         flat = at.reshape(-1, 3)
-        present = np.isfinite(flat).all(axis=1)
         if nan == "error":
             _arrays.require_finite(flat, "points")
         ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
@@ -309,8 +308,9 @@ class Scene:
                 is_front, towards, light, technique, settings,
             )  # fmt: skip
         if nan == "absent":
-            result[~present] = 0
-            return np.ma.MaskedArray(result.reshape(shape), ~present.reshape(shape), fill_value=0)
+            absent = ~np.isfinite(flat).all(axis=1)
+            result[absent] = 0
+            return np.ma.MaskedArray(result.reshape(shape), absent.reshape(shape), fill_value=0)
         return result.reshape(shape)
 
     def _light_of(self, direction: Any, position: Any) -> tuple[float, float, float, float]:
