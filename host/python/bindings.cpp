@@ -70,7 +70,11 @@ void bind_devices(nb::module_& m) {
         .def_ro("has_fp64", &DeviceDescription::has_fp64)
         .def_ro("lacks", &DeviceDescription::lacks)
         .def_ro("note", &DeviceDescription::note)
-        .def_ro("is_default", &DeviceDescription::is_default);
+        .def_ro("is_default", &DeviceDescription::is_default)
+        .def("__repr__", [](const DeviceDescription& d) {
+            return "<gnomon.DeviceDescription " + d.selector + " '" + d.name + "' (" + d.type + ", " + d.platform +
+                   (d.lacks.empty() ? "" : ", lacks " + d.lacks) + (d.is_default ? ", the default)>" : ")>");
+        });
     nb::class_<gnomon::Device>(m, "Device")
         .def(
             "__init__",
@@ -160,12 +164,18 @@ void bind_techniques(nb::module_& m) {
     nb::class_<gnomon::SettingDescription>(m, "SettingDescription")
         .def_ro("name", &gnomon::SettingDescription::name)
         .def_ro("default", &gnomon::SettingDescription::default_value)
-        .def_ro("meaning", &gnomon::SettingDescription::meaning);
+        .def_ro("meaning", &gnomon::SettingDescription::meaning)
+        .def("__repr__", [](const gnomon::SettingDescription& s) {
+            return "<gnomon.SettingDescription " + s.name + "=" + s.default_value + ": " + s.meaning + ">";
+        });
     nb::class_<gnomon::TechniqueDescription>(m, "TechniqueDescription")
         .def_ro("name", &gnomon::TechniqueDescription::name)
         .def_ro("summary", &gnomon::TechniqueDescription::summary)
         .def_ro("exact", &gnomon::TechniqueDescription::exact)
-        .def_ro("settings", &gnomon::TechniqueDescription::settings);
+        .def_ro("settings", &gnomon::TechniqueDescription::settings)
+        .def("__repr__", [](const gnomon::TechniqueDescription& t) {
+            return "<gnomon.TechniqueDescription '" + t.name + "': " + t.summary + ">";
+        });
     m.def("techniques", &gnomon::techniques);
     nb::class_<Technique>(m, "Technique")
         .def("set", &Technique::set)

@@ -32,6 +32,11 @@ def test_names_and_docstrings():
     assert "frustum-traced" in [t.name for t in gnomon.techniques() if t.exact]
 
 
+def test_reprs_help():
+    assert "the default" in repr(gnomon.devices()) and "frustum-traced" in repr(gnomon.techniques())
+    assert any("conservative-map=auto" in repr(s) for t in gnomon.techniques() for s in t.settings)
+
+
 def test_importing_loads_no_opencl_and_prints_nothing():
     code = "import gnomon; print(len(gnomon.techniques()) > 5); print('libOpenCL' in open('/proc/self/maps').read())"
     done = run(code, GNOMON_OPENCL_LIBRARY="/nonexistent/libOpenCL.so.1")
