@@ -35,8 +35,8 @@ def city(count: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     houses = corner * sizes[:, None] + np.concatenate([places, np.zeros((len(places), 1))], 1)[:, None]
     plots = (corner[::2] * [20, 20, 0])[None] + np.concatenate([places, np.zeros((len(places), 1))], 1)[:, None]
     first = np.arange(len(places))[:, None, None]
-    faces = np.concatenate([(box + 8 * first).reshape(-1, 3),
-                            (np.array([[0, 2, 3], [0, 3, 1]]) + 4 * first + 8 * len(places)).reshape(-1, 3)])  # fmt: skip
+    plot = np.array([[0, 2, 3], [0, 3, 1]])
+    faces = np.concatenate([(box + 8 * first).reshape(-1, 3), (plot + 4 * first + 8 * len(places)).reshape(-1, 3)])
     return np.concatenate([houses.reshape(-1, 3), plots.reshape(-1, 3)]).astype(np.float32), faces.astype(np.int32)
 
 

@@ -13,11 +13,11 @@ def _vector(values):
 
 
 def _minus(a, b):
-    return [x - y for x, y in zip(a, b)]
+    return [x - y for x, y in zip(a, b, strict=True)]
 
 
 def _dot(a, b):
-    return sum(x * y for x, y in zip(a, b))
+    return sum(x * y for x, y in zip(a, b, strict=True))
 
 
 def _cross(a, b):
@@ -37,7 +37,7 @@ def blocks(triangle, point, towards, is_position) -> bool:
     t = _dot(n, _minus(a, p)) / along
     if t <= 0 or (is_position and t >= 1):
         return False
-    hit = _minus([x + t * y for x, y in zip(p, d)], a)
+    hit = _minus([x + t * y for x, y in zip(p, d, strict=True)], a)
     size = _dot(n, n)
     u = _dot(_cross(hit, e2), n) / size
     v = _dot(_cross(e1, hit), n) / size
@@ -60,8 +60,6 @@ def lit(triangles, points, *, direction=None, position=None, receivers=None, nor
             side = side and _dot(_cross(_minus(b, a), _minus(c, a)), of) > 0
         result.append(
             side
-            and not any(
-                k != own and blocks(t, point, towards, position is not None) for k, t in enumerate(triangles)
-            )
+            and not any(k != own and blocks(t, point, towards, position is not None) for k, t in enumerate(triangles))
         )
     return np.array(result, bool)

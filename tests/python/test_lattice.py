@@ -3,9 +3,8 @@
 
 import gnomon
 import numpy as np
-import pytest
-
 import oracle
+import pytest
 
 STEP = 2.0**-10
 FAR = np.array([4_500_000.0, 6_000_000.0, 0.0])

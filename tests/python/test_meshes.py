@@ -3,9 +3,8 @@
 
 import gnomon
 import numpy as np
-import pytest
-
 import oracle
+import pytest
 
 DOWN = (0, 0, -1)
 

@@ -11,6 +11,7 @@ Coordinates may be in any unit. float32 values are taken as they are, float64 va
 (Scene.lattice). See Scene.lit() for the contract.
 """
 
+from . import _gnomon
 from ._devices import Device, devices, use
 from ._gnomon import (
     DeviceDescription,
@@ -18,11 +19,12 @@ from ._gnomon import (
     OpenCLError,
     SettingDescription,
     TechniqueDescription,
-    __version__,
     techniques,
 )
 from ._lattice import Lattice
 from ._scene import Scene, View
+
+__version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out
 
 __all__ = [
     "Device",

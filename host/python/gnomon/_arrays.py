@@ -44,7 +44,7 @@ def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
         if not same.all():
             row = int(np.argwhere(~same.reshape(len(array), -1).all(axis=1))[0, 0])
             raise ValueError(
-                f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding it would "
+                f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding would "
                 "move it: make the scene with lattice=, to which float64 coordinates are snapped, or round them "
                 "yourself with astype(numpy.float32)"
             )

@@ -57,7 +57,8 @@ class Lattice:
     def __repr__(self) -> str:
         changed = len(self.zero_area) + len(self.turned_over) + len(self.tilted)
         note = f", {changed:,} triangles changed" if changed else ""
-        return f"<gnomon.Lattice of step 2^{self.native.exponent} = {self.step:g}, moved by at most {self.largest_move:g}{note}>"
+        step = f"2^{self.native.exponent} = {self.step:g}"
+        return f"<gnomon.Lattice of step {step}, moved by at most {self.largest_move:g}{note}>"
 
 
 def float64_of(array: Any, name: str) -> NDArray[np.float64]:

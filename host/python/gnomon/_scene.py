@@ -75,7 +75,7 @@ class Scene:
         the scene. Scene.lattice says which step it is, and what changed.
     device: a name as in gnomon.use(), or a Device; None: the default device.
 
-    Raises ValueError for a wrong shape or dtype, a coordinate that is not finite, or a face whose vertex does not exist.
+    Raises ValueError for a wrong shape or dtype, a coordinate that is not finite, or a face that names no vertex.
     """
 
     def __init__(
@@ -142,7 +142,7 @@ class Scene:
             scene.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
         scene.warnings = list(loaded.warnings)
         scene._material = loaded.take_triangle_material()
-        scene._base_color = loaded.base_color
+        scene._base_color = [(r, g, b) for r, g, b in loaded.base_color]
         return scene
 
     # ---- Its data ----------------------------------------------------------------------------------------------------
@@ -197,7 +197,9 @@ class Scene:
             raise ValueError("the scene is closed")
         if device not in self._places:
             if self._host is None:
-                raise ValueError("the scene's triangles lie on another OpenCL queue than the points: give both one queue")
+                raise ValueError(
+                    "the scene's triangles lie on another OpenCL queue than the points: give both one queue"
+                )
             triangles = device.call(_gnomon.Triangles.upload, device.native, self._host)
             if self._count >= 1 << 16:
                 device.call(triangles.keep_clusters, device.native)
@@ -219,7 +221,7 @@ class Scene:
         lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         out: Any = None,
-    ) -> Any:
+    ) -> NDArray[np.bool_]:
         """Whether the light reaches each point: what ray tracing would answer in exact arithmetic.
 
         points: (..., 3) coordinates in the scene's unit.
@@ -255,7 +257,8 @@ class Scene:
             raise ValueError("lift: only for points on the host, in float64")
         sides = {"normals": normals, "side": side, "eye": eye}
         if _arrays.is_on_device(points):
-            return self._lit_on_device(points, self._light_of(direction, position), receivers, sides, out)
+            on_device: Any = self._lit_on_device(points, self._light_of(direction, position), receivers, sides, out)
+            return on_device  # type: ignore[no-any-return]
         values = self.visibility(
             points, direction=direction, position=position, receivers=receivers, lift=lift, nan=nan,
             **sides,  # type: ignore[arg-type]
@@ -278,7 +281,7 @@ class Scene:
         nan: Literal["error", "absent"] = "error",
         technique: str = EXACT,
         settings: Settings | None = None,
-    ) -> Any:
+    ) -> NDArray[np.float32]:
         """lit() as float32 from 0 (in shadow) to 1, by any technique of gnomon.techniques() with its settings; filtered
         shadow maps answer values between. Points on the host only. Raises ValueError for an unknown name."""
         if nan not in ("error", "absent"):
@@ -329,7 +332,9 @@ class Scene:
         if not is_front or ids is None:
             raise ValueError("lift: needs normals=, or receivers= and side='front': a side to lift to")
         if (ids == _arrays.NO_RECEIVER).any():
-            raise ValueError(f"receivers: row {int(np.argmax(ids == _arrays.NO_RECEIVER))} names no triangle to lift off")
+            raise ValueError(
+                f"receivers: row {int(np.argmax(ids == _arrays.NO_RECEIVER))} names no triangle to lift off"
+            )
         found = _arrays.scaled(_world.normals_of_triangles(self.lattice.world[ids]))
         zero = np.flatnonzero((found == 0).all(axis=1))
         if zero.size:
@@ -349,7 +354,9 @@ class Scene:
         if side not in (None, "front"):
             raise ValueError(f"side: {side!r} is not 'front'")
         if (side is not None or eye is not None) and not has_receivers:
-            raise ValueError(f"{'side' if eye is None else 'eye'}: needs receivers=, the triangles that the points lie on")
+            raise ValueError(
+                f"{'side' if eye is None else 'eye'}: needs receivers=, the triangles that the points lie on"
+            )
         if eye is None:
             return None
         return _arrays.triple(eye, "eye") if self.lattice is None else self.lattice.snapped_triple(eye, "eye")
