@@ -16,7 +16,7 @@ namespace gnomon {
 
 class FrustumTraced final : public Technique, public ClassifiesFootprints {
 public:
-    explicit FrustumTraced(const Device& device) : device_(device), session_(device.session()) {}
+    explicit FrustumTraced(const Device& device) : device_(device), session_(session_of(device)) {}
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
     Statistics classify_footprints(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,

@@ -40,8 +40,8 @@ void require_floats(cl_mem memory, std::size_t floats, const char* what, std::si
 }
 
 std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size_t bytes) {
-    cl::Buffer buffer(device.session(), bytes);
-    device.session().write(buffer.get(), data, bytes);
+    cl::Buffer buffer(session_of(device), bytes);
+    session_of(device).write(buffer.get(), data, bytes);
     return shared_buffer(device, std::move(buffer));
 }
 
@@ -169,7 +169,7 @@ cl_mem Points::positions() const { return static_cast<cl_mem>(positions_.get());
 cl_mem Points::receivers() const { return static_cast<cl_mem>(receivers_.get()); }
 
 PointsOnHost read(const Device& device, const Points& points) {
-    cl::Session& session = device.session();
+    cl::Session& session = session_of(device);
     const std::size_t count = points.count();
     PointsOnHost host{std::vector<float>(3 * count), std::vector<std::uint32_t>(count, no_receiver)};
     if (count == 0) return host;
@@ -186,7 +186,7 @@ PointsOnHost read(const Device& device, const Points& points) {
 
 Visibility::Visibility(const Device& device, std::size_t count)
     : device_(device),
-      buffer_(shared_buffer(device, cl::Buffer(device.session(), count * sizeof(float)))),
+      buffer_(shared_buffer(device, cl::Buffer(session_of(device), count * sizeof(float)))),
       count_(count) {}
 
 Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
@@ -196,7 +196,7 @@ Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
 
 cl_mem Visibility::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
 
-std::vector<float> Visibility::read() const { return device_.session().read_values<float>(buffer(), count_); }
+std::vector<float> Visibility::read() const { return session_of(device_).read_values<float>(buffer(), count_); }
 
 // ---- For the stages -------------------------------------------------------------------------------------------------
 
@@ -246,7 +246,7 @@ void require_run_lights(const Triangles& triangles, const Points& points, std::s
 TriangleInputs triangle_inputs(const Triangles& triangles) {
     return {{.first_float = triangles.first_float(), .count = static_cast<cl_uint>(triangles.count()), .padding = 0},
             triangles.buffer(),
-            triangles.clusters()};
+            Internals::clusters(triangles)};
 }
 
 PointInputs point_inputs(const Points& points, bool is_lifted) {

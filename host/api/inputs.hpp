@@ -10,6 +10,24 @@ namespace gnomon {
 
 inline float4 float4_of(const std::array<float, 4>& v) { return {{v[0], v[1], v[2], v[3]}}; }
 
+/// Opens to the library what the public types keep private.
+struct Internals {
+    static cl::Session& session(const Device& device) { return *device.session_; }
+    static const Clusters* clusters(const Triangles& triangles) { return triangles.clusters_.get(); }
+    static const std::shared_ptr<void>& receivers(const Points& points) { return points.receivers_; }
+    /// Makes points; their buffers live as long as these points, or copies of them, do.
+    static Points make_points(std::shared_ptr<void> positions, const PointLayout& layout, std::size_t count,
+                              std::shared_ptr<void> receivers) {
+        Points points;
+        points.positions_ = std::move(positions);
+        points.receivers_ = std::move(receivers);
+        points.layout_ = layout;
+        points.count_ = count;
+        return points;
+    }
+};
+inline cl::Session& session_of(const Device& device) { return Internals::session(device); }
+
 /// A buffer that gnomon owns. It and its device live as long as any copy of the pointer; points to the cl_mem.
 std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer);
 
@@ -23,20 +41,6 @@ void require_run(const Triangles& triangles, const Points& points, const Light& 
 /// The same for Technique::run_lights(), which also needs a visibility of its own for each light.
 void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
                         std::span<const Visibility> visibilities);
-
-/// Makes points; their buffers live as long as these points, or copies of them, do.
-struct OwnedPoints {
-    static Points make(std::shared_ptr<void> positions, const PointLayout& layout, std::size_t count,
-                       std::shared_ptr<void> receivers) {
-        Points points;
-        points.positions_ = std::move(positions);
-        points.receivers_ = std::move(receivers);
-        points.layout_ = layout;
-        points.count_ = count;
-        return points;
-    }
-    static const std::shared_ptr<void>& receivers(const Points& points) { return points.receivers_; }
-};
 
 /// A launch takes the layout in its parameters, and `vertices`. Whatever a triangle has is found by these two.
 struct TriangleInputs : TrianglesLayout {

@@ -37,7 +37,7 @@ std::vector<float> gathered(std::span<const float> vertices, std::span<const std
 
 /// The visible triangles among the tested triangles `ids`.
 Ids seen_of(const Device& device, const View& view, const Ids& ids) {
-    const auto receivers = device.session().read_values<std::uint32_t>(view.points.receivers(), view.points.count());
+    const auto receivers = session_of(device).read_values<std::uint32_t>(view.points.receivers(), view.points.count());
     std::vector<bool> is_seen(ids.size(), false);
     for (const std::uint32_t receiver : receivers)
         if (receiver != no_receiver) is_seen[receiver] = true;
@@ -164,7 +164,7 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
             technique = make();
         }
     }
-    device.session().write(visibility.buffer(), answers.data(), answers.size() * sizeof(float));
+    session_of(device).write(visibility.buffer(), answers.data(), answers.size() * sizeof(float));
     statistics.counts = {{"points", points.count()},
                          {"points_in_shadow", std::uint64_t(std::count(answers.begin(), answers.end(), 0.0f))},
                          {"triangles", total},

@@ -270,7 +270,7 @@ struct CameraPass::State {
         for (ViewBuffers& some : kept)
             if (some.pixels == pixels && some.is_free()) return some;
         std::erase_if(kept, [&](const ViewBuffers& some) { return some.is_free() || some.pixels != pixels; });
-        cl::Session& session = device.session();
+        cl::Session& session = session_of(device);
         cl::Buffer positions(session, pixels * 3 * sizeof(float)), receivers(session, pixels * sizeof(cl_uint));
         kept.push_back(
             {pixels, shared_buffer(device, std::move(positions)), shared_buffer(device, std::move(receivers))});
@@ -293,14 +293,14 @@ View CameraPass::look(const Triangles& triangles, const Camera& camera, std::uin
         throw InvalidArgument("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                               " pixels: each side must be from 1 to " + std::to_string(largest_side));
     require_camera(camera);
-    cl::Session& session = state_->device.session();
+    cl::Session& session = session_of(state_->device);
     MeasuredRun measured(session, state_->kept_bytes);
     const std::size_t pixels = std::size_t(width) * height;
     const ViewBuffers& buffers = state_->buffers_for(pixels);
     View view;
     view.width = width;
     view.height = height;
-    view.points = OwnedPoints::make(buffers.positions, {0, 1, pixels}, pixels, buffers.receivers);
+    view.points = Internals::make_points(buffers.positions, {0, 1, pixels}, pixels, buffers.receivers);
     constexpr SampleOffset centre[1] = {};
     state_->stage.aim(triangles, camera, width, height, centre);
     state_->stage.run({}, nullptr, {view.points.positions(), view.points.receivers(), 0, pixels}, measured.stages);
@@ -320,7 +320,7 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
     for (const float c : eye)
         if (!std::isfinite(c)) throw InvalidArgument("the eye to lift points towards must be finite numbers");
     if (points.receivers() == nullptr) throw InvalidArgument("points without receivers have no plane to be lifted off");
-    cl::Session& session = device.session();
+    cl::Session& session = session_of(device);
     const TriangleInputs inputs = triangle_inputs(triangles);
     const PointInputs at = point_inputs(points);
     cl::Buffer positions(session, points.count() * 3 * sizeof(float));
@@ -331,14 +331,14 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
                                   .eye = {eye[0], eye[1], eye[2]},
                                   .triangle_count = inputs.count},
                        inputs.vertices, at.positions, at.receivers, positions);
-    Points lifted = OwnedPoints::make(shared_buffer(device, std::move(positions)), {}, points.count(),
-                                      OwnedPoints::receivers(points));
+    Points lifted = Internals::make_points(shared_buffer(device, std::move(positions)), {}, points.count(),
+                                           Internals::receivers(points));
     lifted.set_eye(eye);
     return lifted;
 }
 
 cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view) {
-    cl::Session& session = device.session();
+    cl::Session& session = session_of(device);
     const TriangleInputs inputs = triangle_inputs(triangles);
     cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
     CameraParams params{};
@@ -356,7 +356,7 @@ ViewOnHost read(const Device& device, const Triangles& triangles, const View& vi
     ViewOnHost host{std::move(points.position), {}, std::move(points.receiver)};
     const cl::Buffer normals = camera_normals(device, triangles, view);
     host.normal.resize(host.position.size());
-    device.session().read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
+    session_of(device).read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
     for (std::size_t i = 0; i < host.receiver.size(); ++i)
         if (host.receiver[i] == no_receiver) std::fill_n(&host.position[3 * i], 3, 0.0f);
     return host;

@@ -28,7 +28,7 @@ struct PointSlice {
 /// A camera over a scene: its lists of triangles per tile are made once and serve every sample.
 class CameraStage {
 public:
-    explicit CameraStage(const Device& device) : session_(device.session()) {}
+    explicit CameraStage(const Device& device) : session_(session_of(device)) {}
     /// Sets the scene and the camera for the next runs, each at one of these offsets. The lists keep their memory; they
     /// leave out triangles that lie between all samples.
     void aim(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height,

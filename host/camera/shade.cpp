@@ -23,7 +23,7 @@ std::vector<std::uint8_t> srgb_table() {
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 std::span<const Visibility> visibilities, const Materials& materials,
                                 std::span<const Light> lights) {
-    cl::Session& session = device.session();
+    cl::Session& session = session_of(device);
     const std::size_t pixels = view.points.count();
     if (lights.size() != visibilities.size())
         throw InvalidArgument("there are " + std::to_string(visibilities.size()) + " visibilities for " +

@@ -39,7 +39,7 @@ namespace cl {
 class Session;
 }
 class Clusters;
-struct OwnedPoints;
+struct Internals;
 }  // namespace gnomon
 
 // The library is compiled with hidden visibility (host/CMakeLists.txt): a shared library exports only the declarations
@@ -181,10 +181,10 @@ public:
     /// The builds since the device was opened. Waits for the queue if kernels were launched for the first time since
     /// the last call.
     KernelBuilds kernel_builds() const;
-    /// For the library's own stages only.
-    cl::Session& session() const { return *session_; }
 
 private:
+    friend struct Internals;
+
     std::shared_ptr<cl::Session> session_;
 };
 
@@ -235,10 +235,9 @@ public:
     cl_mem buffer() const;
     std::size_t first_float() const { return first_float_; }
     bool is_same_as(const Triangles& other) const;  ///< of the same part of the same buffer
-    /// For the library's own stages only; null if there are no clusters.
-    const Clusters* clusters() const { return clusters_.get(); }
 
 private:
+    friend struct Internals;
     friend class Points;  // set_lifted_off() refers to the buffer
 
     std::shared_ptr<void> buffer_;
@@ -294,7 +293,7 @@ public:
     const PointLayout& layout() const { return layout_; }
 
 private:
-    friend struct OwnedPoints;  // the camera stages make points of their own buffers
+    friend struct Internals;
 
     std::shared_ptr<void> positions_;
     std::shared_ptr<void> receivers_;

@@ -88,7 +88,7 @@ void make_boxes(cl::Session& session, const TriangleInputs& triangles, cl_uint c
 
 Clusters::Clusters(const Device& device, const TriangleInputs& triangles)
     : device_(device), count_(round_up(triangles.count, CLUSTER_TRIANGLES) / CLUSTER_TRIANGLES) {
-    cl::Session& session = device_.session();
+    cl::Session& session = session_of(device_);
     boxes_.reserve(session, round_up(count_, session.lanes()) * CLUSTER_BOX_BYTES);
     if (count_ == 0) return;
     make_boxes(session, triangles, count_, boxes_);
@@ -102,7 +102,7 @@ Clusters::Clusters(const Device& device, const TriangleInputs& triangles)
 }
 
 void Clusters::reorder(const TriangleInputs& triangles, const ClusterGrid& grid, double area) {
-    cl::Session& session = device_.session();
+    cl::Session& session = session_of(device_);
     const std::size_t word_bytes = triangles.count * sizeof(cl_uint);
     cl::Buffer codes(session, word_bytes), numbers(session, word_bytes);
     session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(triangles.count), grid,

@@ -28,8 +28,8 @@ void face_by_normals(const Device& device, const Points& points, cl_mem normals,
     const PointInputs at = point_inputs(points);
     GivenSidesParams params = params_of(at, light);
     params.normals = point_inputs(vectors).layout;
-    device.session().launch("receivers/given_sides.cl", "given_normals", cl::Range::items(points.count()), params,
-                            at.positions, normals, visibility.buffer());
+    session_of(device).launch("receivers/given_sides.cl", "given_normals", cl::Range::items(points.count()), params,
+                              at.positions, normals, visibility.buffer());
 }
 
 void face_by_normals(const Device& device, const Points& points, std::span<const float> normals, const Light& light,
@@ -49,8 +49,8 @@ void face_by_winding(const Device& device, const Triangles& triangles, const Poi
     const PointInputs at = point_inputs(points);
     GivenSidesParams params = params_of(at, light);
     params.triangles = inputs;
-    device.session().launch("receivers/given_sides.cl", "given_winding", cl::Range::items(points.count()), params,
-                            inputs.vertices, at.positions, at.receivers, visibility.buffer());
+    session_of(device).launch("receivers/given_sides.cl", "given_winding", cl::Range::items(points.count()), params,
+                              inputs.vertices, at.positions, at.receivers, visibility.buffer());
 }
 
 }  // namespace gnomon

@@ -40,7 +40,7 @@ public:
         : technique_(technique),
           in_(in),
           view_(in.view),
-          session_(in.device.session()),
+          session_(session_of(in.device)),
           inputs_(triangle_inputs(in.triangles)),
           points_at_once_(std::max<std::size_t>(in.points_at_once, pixels_of_bands(1) * in.pattern.size())),
           camera_(view_.points.camera()->camera),

@@ -59,7 +59,7 @@ void add_counts(Statistics& total, const Statistics& batch) {
 // (technique null).
 Statistics run_every_sample(Technique* technique, const SampledView& in, const SampleSink& sink) {
     const auto& [device, triangles, view, light, pattern, mean, points_at_once] = in;
-    cl::Session& session = device.session();
+    cl::Session& session = session_of(device);
     const std::uint64_t before = session.memory_bytes();
     const std::size_t pixels = view.points.count();
     const Camera& camera = view.points.camera()->camera;
@@ -126,7 +126,7 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
     } else {
         total = run_every_sample(&technique, in, sink);
     }
-    device.session().finish();
+    session_of(device).finish();
     merge_stages(total);
     total.total_wall_ms = cl::ms_since(start);
     return total;

@@ -32,7 +32,7 @@ auto named(std::string_view name) {
 
 FramedTechnique::FramedTechnique(const Device& device, TechniqueDescription description)
     : device_(device),
-      session_(device.session()),
+      session_(session_of(device)),
       settings_(all_settings().defaults()),
       description_(std::move(description)) {}
 

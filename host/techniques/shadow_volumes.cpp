@@ -41,7 +41,7 @@ const SettingsTable<Settings>& settings_table() {
 
 class ShadowVolumes final : public Technique {
 public:
-    explicit ShadowVolumes(const Device& device) : device_(device), session_(device.session()) {}
+    explicit ShadowVolumes(const Device& device) : device_(device), session_(session_of(device)) {}
 
     static TechniqueDescription describe() {
         return {"shadow-volumes",

@@ -63,7 +63,7 @@ TriangleSigns signs_of(const ExplainedTriangle& t, const Float3& point, const Li
 
 Explanation explain_signs(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
                           const Light& light) {
-    cl::Session& session = device.session();
+    cl::Session& session = session_of(device);
     const TriangleInputs scene = triangle_inputs(triangles);
     const PointInputs inputs = point_inputs(points);
     ExplainParams params{};

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cl/session.hpp"
+#include "api/inputs.hpp"
 #include "support/environment.hpp"
 #include "support/scene_makers.hpp"
 
@@ -133,7 +133,7 @@ TEST_P(EveryCall, FailsOnceWithAClearErrorAndNothingIsLost) {
     const Light light = has_lamp ? Light::positional({0.1f, 1.5f, 0.2f}) : Light::directional({0.2f, -1, 0.1f});
     const bool is_for_anything = description.name == "frustum-traced";
     const Device device;
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     auto technique = made(description, device, Lists::roomy);
     const Bits wanted = frame(device, *technique, light, is_for_anything);
     const std::uint64_t kept = device.memory_bytes();
@@ -185,7 +185,7 @@ TEST(FirstRun, EachKindOfCallFailsTheFirstTime) {
         auto technique = made(description, device, Lists::tight);
         std::set<std::string> met;
         std::string failed;
-        device.session().inject_faults([&](std::string_view what) {
+        session_of(device).inject_faults([&](std::string_view what) {
             if (!met.insert(std::string(what)).second) return CL_SUCCESS;
             failed = what;
             return CL_DEVICE_NOT_AVAILABLE;
@@ -201,7 +201,7 @@ TEST(FirstRun, EachKindOfCallFailsTheFirstTime) {
             }
         }
         EXPECT_EQ(bits, wanted) << description.name;
-        device.session().inject_faults(nullptr);
+        session_of(device).inject_faults(nullptr);
         // A run without growing lists uses the technique's buffers, and reports their bytes.
         const std::uint64_t run_bytes = frame(device, *technique, light, false).run_bytes;
         EXPECT_EQ(run_bytes, device.memory_bytes()) << description.name;

@@ -146,7 +146,7 @@ TEST(camera, shape_free) {
 // compared.
 TEST(camera, same_bits_without_double_precision) {
     const gnomon::Device with = device_with(), without({}, {.hide_fp64 = true});
-    EXPECT_FALSE(without.session().has_fp64());
+    EXPECT_FALSE(session_of(without).has_fp64());
     for (const CameraScene& scene : camera_scenes())
         EXPECT_TRUE(same_bits(look(without, scene), look(with, scene))) << scene.name;
 }
@@ -220,7 +220,7 @@ TEST(camera, lifted_points_leave_their_planes) {
             const auto points = gnomon::Points::upload(device, places.points, places.receivers);
             const gnomon::Points lifted = gnomon::lift(device, triangles, points, scene.eye);
             EXPECT_EQ(lifted.eye(), scene.eye);
-            const Floats moved = downloaded<float>(device.session(), lifted.positions(), 3 * count);
+            const Floats moved = downloaded<float>(session_of(device), lifted.positions(), 3 * count);
             EXPECT_EQ(count_under(scene.triangles, moved, places.receivers, scene.eye), 0u);
             for (std::size_t i = 0; i < count; ++i) {
                 float size = 0;
@@ -255,7 +255,7 @@ TEST(camera, lift_leaves_alone_what_has_no_plane) {
     const auto points =
         gnomon::Points::upload(device, places, std::vector<std::uint32_t>{0, gnomon::no_receiver, 1, 2, 0});
     const gnomon::Points lifted = gnomon::lift(device, triangles, points, {0, 0, -1});
-    const Floats moved = downloaded<float>(device.session(), lifted.positions(), places.size());
+    const Floats moved = downloaded<float>(session_of(device), lifted.positions(), places.size());
     EXPECT_LT(moved[2], 0) << "the first has one, and the eye is below";
     EXPECT_EQ(moved[0], places[0]);
     EXPECT_EQ(std::memcmp(&moved[3], &places[3], 9 * sizeof(float)), 0);
@@ -348,7 +348,7 @@ TEST(camera, specks_between_samples) {
 // The kernels themselves, with canaries behind what they write. Not vacuous: sizes that leave part of a tile over.
 TEST(camera, writes_only_its_own) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const CameraScene scene = camera_scenes().front();
     const gnomon::Triangles triangles = gnomon::Triangles::upload(device, scene.triangles);
     const gnomon::TriangleInputs inputs = gnomon::triangle_inputs(triangles);

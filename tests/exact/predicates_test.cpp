@@ -20,7 +20,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "cl/session.hpp"
+#include "api/inputs.hpp"
 #include "exact/predicates/cases.hpp"
 #include "exact/predicates/truth.hpp"
 #include "reference/parallel.hpp"
@@ -52,7 +52,7 @@ public:
         session().add_source(KERNELS, text.str());
     }
 
-    gnomon::cl::Session& session() { return device_.session(); }
+    gnomon::cl::Session& session() { return session_of(device_); }
 
     template <typename Value>
     gnomon::cl::Buffer upload(const std::vector<Value>& values) {

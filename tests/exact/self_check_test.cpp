@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "api/inputs.hpp"
 #include "exact/self_check.hpp"
 #include "support/environment.hpp"
 
@@ -26,11 +27,11 @@ std::string name_of(const testing::TestParamInfo<Fault>& info) { return info.par
 TEST(SelfCheck, FindsNothingWrongWithASoundDevice) {
     for (const std::uint32_t work_group_size : {0u, 1u, 3u, 64u}) {
         Device device({}, {.work_group_size = work_group_size});
-        const gnomon::ArithmeticFaults faults = gnomon::check_arithmetic(device.session());
+        const gnomon::ArithmeticFaults faults = gnomon::check_arithmetic(session_of(device));
         EXPECT_EQ(faults.everywhere, std::vector<std::string>{});
         EXPECT_EQ(faults.in_double, std::vector<std::string>{});
         EXPECT_EQ(device.description().note, "");
-        EXPECT_EQ(device.session().has_fp64(), device.description().has_fp64);
+        EXPECT_EQ(session_of(device).has_fp64(), device.description().has_fp64);
     }
 }
 
@@ -87,10 +88,10 @@ INSTANTIATE_TEST_SUITE_P(
     name_of);
 
 TEST_P(WithoutDouble, TheDeviceIsUsedAndSaysSo) {
-    if (!Device().session().has_fp64()) GTEST_SKIP() << "the device has no double precision";
+    if (!session_of(Device()).has_fp64()) GTEST_SKIP() << "the device has no double precision";
     const support::Environment options("GNOMON_BUILD_OPTIONS", GetParam().option);
     Device device;
-    EXPECT_FALSE(device.session().has_fp64());
+    EXPECT_FALSE(session_of(device).has_fp64());
     EXPECT_NE(device.description().note.find("double precision is not used"), std::string::npos);
     EXPECT_NE(device.description().note.find(GetParam().clause), std::string::npos) << device.description().note;
     // The caller's own context and queue: the same.

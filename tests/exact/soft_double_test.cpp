@@ -10,7 +10,7 @@
 #include <limits>
 #include <sstream>
 
-#include "cl/session.hpp"
+#include "api/inputs.hpp"
 #include "exact/predicates/cases.hpp"
 
 namespace {
@@ -113,7 +113,7 @@ Pair random_pair(Random& random) {
 void expect_same_bits(const std::vector<Pair>& pairs) {
     static_assert(std::numeric_limits<double>::is_iec559);
     const gnomon::Device device;
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     std::ifstream stream(GNOMON_TESTS "/exact/predicates/soft_double.cl");
     std::ostringstream text;
     text << stream.rdbuf();

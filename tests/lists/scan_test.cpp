@@ -29,7 +29,7 @@ Words reference_scan(const Words& counts, std::uint32_t alignment) {
 
 /// Scans on the device, with canaries behind the offsets.
 Words scan(const gnomon::Device& device, const Words& counts, std::uint32_t alignment) {
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const gnomon::cl::Buffer input = uploaded(session, counts);
     gnomon::cl::Buffer offsets(session, (counts.size() + 9) * sizeof(std::uint32_t));
     put_canaries(session, offsets);

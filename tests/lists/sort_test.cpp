@@ -30,7 +30,7 @@ Sorted reference_sort(const Words& keys) {
 }
 
 Sorted sort(const gnomon::Device& device, gnomon::Sort& stage, const Words& keys) {
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     Words indices(keys.size());
     std::iota(indices.begin(), indices.end(), 0u);
     gnomon::cl::Buffer sorted_keys = uploaded(session, keys), values = uploaded(session, indices);

@@ -141,7 +141,7 @@ TEST(bins, survives_degenerates) {
 // Not vacuous: the second run has a fraction of the first one's references and bins, in the same buffers.
 TEST(bins, writes_only_its_own) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     LightScene scene = comparison_scene();
     LightStages stages;
     FrameOutput out{};
@@ -168,7 +168,7 @@ TEST(bins, highest_first_on_a_gpu) {
     gnomon::DeviceOptions options;
     options.gpu_kernels = true;
     const gnomon::Device device({}, options);
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     ASSERT_EQ(session.lanes(), 1u);
     LightScene scene = comparison_scene();
     append(scene.triangles, soup(300, 0.9f, 107));
@@ -211,7 +211,7 @@ TEST(bins, grows) {
     FrameOutput out{};
     out.frame = light_frames(inputs.light, settings.grid)[0];
     int passes = 1;
-    while (!run_stages_once(device.session(), stages, inputs, settings, out)) ++passes;
+    while (!run_stages_once(session_of(device), stages, inputs, settings, out)) ++passes;
     EXPECT_GE(passes, 2);
     EXPECT_GT(stages.bins.pair_capacity(), 1u);
     settings.first_capacity = 1;

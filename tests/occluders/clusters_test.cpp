@@ -89,14 +89,14 @@ TEST(clusters, boxes_are_those_of_the_finite_vertices_to_the_bit) {
             SCOPED_TRACE(std::to_string(count) + " triangles from float " + std::to_string(first_float) + " on");
             Floats floats(first_float, 1e30f);
             append(floats, wild_triangles(count, count));
-            const gnomon::cl::Buffer buffer = uploaded(device.session(), floats);
+            const gnomon::cl::Buffer buffer = uploaded(session_of(device), floats);
             auto triangles = gnomon::Triangles::wrap(device, buffer.get(), count, first_float);
             triangles.keep_clusters(device);
-            const std::vector<Box> boxes = boxes_on_device(device.session(), *triangles.clusters());
+            const std::vector<Box> boxes = boxes_on_device(session_of(device), *triangle_inputs(triangles).clusters);
             ASSERT_EQ(boxes.size(), (count + cluster_size - 1) / cluster_size);
             const gnomon::OrderedTriangles ordered = ordered_triangles(triangle_inputs(triangles));
             const auto vertices =
-                downloaded<float>(device.session(), ordered.vertices, ordered.first_float + 9 * count);
+                downloaded<float>(session_of(device), ordered.vertices, ordered.first_float + 9 * count);
             for (std::size_t i = 0; i < boxes.size(); ++i) {
                 const std::size_t first = i * cluster_size, size = std::min<std::size_t>(cluster_size, count - first);
                 const Box wanted = box_of(std::span(vertices).subspan(ordered.first_float + 9 * first, 9 * size));
@@ -197,7 +197,7 @@ void expect_bounds_hold(const gnomon::Projection& p, const reference::GridMap& m
 
 void attack_bounds(const gnomon::Device& device, const gnomon::Projection& projection, const reference::GridMap& map,
                    float reach, std::uint64_t seed, BoundsTally& tally) {
-    Session& session = device.session();
+    Session& session = session_of(device);
     session.add_source("clusters_test.cl", bounds_kernel);
     const Float3 center{projection.center[0], projection.center[1], projection.center[2]};
     const Floats floats = triangles_in_boxes(320, center, reach, seed);
@@ -205,15 +205,15 @@ void attack_bounds(const gnomon::Device& device, const gnomon::Projection& proje
     triangles.keep_clusters(device);
     const gnomon::cl::Buffer projected = uploaded(session, std::vector{projection}),
                              bounds(session, 320 * 8 * sizeof(float));
-    const cl_uint blocks = triangles.clusters()->count() / session.lanes();
+    const cl_uint blocks = triangle_inputs(triangles).clusters->count() / session.lanes();
     session.launch("clusters_test.cl", "bounds_of_boxes", gnomon::cl::Range::items(blocks), projected, blocks,
-                   triangles.clusters()->boxes(), bounds);
+                   triangle_inputs(triangles).clusters->boxes(), bounds);
     expect_bounds_hold(projection, map, floats, downloaded<float>(session, bounds.get(), 320 * 8), tally);
 }
 
 TEST(clusters, bounds_hold_for_every_vertex_in_the_box) {
     const gnomon::Device device = device_with();
-    Session& session = device.session();
+    Session& session = session_of(device);
     BoundsTally tally;
     std::uint64_t seed = 80;
     for (const LightScene& scene : light_scenes()) {
@@ -300,7 +300,7 @@ void attack(const gnomon::Device& device, LightScene scene, Tally& tally) {
     scene.triangles = repeated(scene.triangles, cluster_size);
     for (std::uint32_t& receiver : scene.receivers)
         if (receiver != gnomon::no_receiver) receiver *= cluster_size;
-    Session& session = device.session();
+    Session& session = session_of(device);
     UploadedScene inputs(device, scene);
     inputs.triangles.keep_clusters(device);
     LightStages stages;
@@ -504,13 +504,13 @@ TEST(clusters, strewn_triangles_are_put_in_order) {
             SCOPED_TRACE("work-groups of " + std::to_string(work_group_size) + ", float " +
                          std::to_string(first_float));
             const gnomon::Device device = device_with(work_group_size);
-            Session& session = device.session();
+            Session& session = session_of(device);
             Floats floats(first_float, 0.0f);
             append(floats, strewn);
             const gnomon::cl::Buffer buffer = uploaded(session, floats);
             auto triangles = gnomon::Triangles::wrap(device, buffer.get(), strewn.size() / 9, first_float);
             triangles.keep_clusters(device);
-            const gnomon::Clusters& clusters = *triangles.clusters();
+            const gnomon::Clusters& clusters = *triangle_inputs(triangles).clusters;
             ASSERT_TRUE(clusters.is_reordered());
             const auto numbers = downloaded<std::uint32_t>(session, clusters.numbers().get(), triangles.count());
             if (order.empty()) order = numbers;
@@ -538,13 +538,13 @@ TEST(clusters, neighbours_stay_where_they_are) {
     // The same triangles in the clusters' order: no gain. Then huge triangles: no order brings them together.
     auto strewn = gnomon::Triangles::upload(device, strewn_triangles());
     strewn.keep_clusters(device);
-    ASSERT_TRUE(strewn.clusters()->is_reordered());
+    ASSERT_TRUE(triangle_inputs(strewn).clusters->is_reordered());
     for (const Floats& floats :
-         {downloaded<float>(device.session(), strewn.clusters()->vertices().get(), strewn_count * 9),
+         {downloaded<float>(session_of(device), triangle_inputs(strewn).clusters->vertices().get(), strewn_count * 9),
           soup(strewn_count, 2.0f, 82), repeated(soup(400, 0.5f, 83), cluster_size)}) {
         auto triangles = gnomon::Triangles::upload(device, floats);
         triangles.keep_clusters(device);
-        EXPECT_FALSE(triangles.clusters()->is_reordered());
+        EXPECT_FALSE(triangle_inputs(triangles).clusters->is_reordered());
     }
 }
 
@@ -575,7 +575,7 @@ TEST(clusters, an_order_of_their_own_changes_no_bit) {
         const LightScene scene = strewn_scene(name, light);
         auto triangles = gnomon::Triangles::upload(device, scene.triangles), kept = triangles;
         kept.keep_clusters(device);
-        ASSERT_TRUE(kept.clusters()->is_reordered());
+        ASSERT_TRUE(triangle_inputs(kept).clusters->is_reordered());
         for (const char* const technique_name : {"frustum-traced", "izb", "sub-pixel", "conservative-map"}) {
             SCOPED_TRACE(name + ", " + technique_name);
             const auto technique = gnomon::make_technique(technique_name, device);
@@ -610,7 +610,7 @@ TEST(clusters, a_camera_sees_the_same_triangles_in_an_order_of_their_own) {
     };
     const auto wanted = seen();
     triangles.keep_clusters(device);
-    ASSERT_TRUE(triangles.clusters()->is_reordered());
+    ASSERT_TRUE(triangle_inputs(triangles).clusters->is_reordered());
     EXPECT_TRUE(seen() == wanted);
 }
 
@@ -622,8 +622,8 @@ TEST(clusters, without_room_they_stay_in_the_order_of_the_buffer) {
     const gnomon::Device device({}, options);
     auto triangles = gnomon::Triangles::upload(device, strewn);
     triangles.keep_clusters(device);
-    EXPECT_FALSE(triangles.clusters()->is_reordered());
-    EXPECT_EQ(boxes_on_device(device.session(), *triangles.clusters()).size(),
+    EXPECT_FALSE(triangle_inputs(triangles).clusters->is_reordered());
+    EXPECT_EQ(boxes_on_device(session_of(device), *triangle_inputs(triangles).clusters).size(),
               (strewn_count + cluster_size - 1) / cluster_size);
 }
 

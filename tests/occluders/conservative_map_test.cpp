@@ -255,7 +255,7 @@ TEST(conservative_map, survives_degenerates) {
 // Not vacuous: the first map is four times as large, so canaries lie right behind the second.
 TEST(conservative_map, writes_only_its_own) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene();
     LightStages stages;
     for (const gnomon::FrameGrid grid : {gnomon::FrameGrid{128, 3}, {64, 3}}) {

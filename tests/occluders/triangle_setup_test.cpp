@@ -293,7 +293,7 @@ TEST(triangle_setup, equals_reference_for_cameras) {
     Tally tally;
     for (const CameraScene& scene : camera_scenes()) {
         SCOPED_TRACE(scene.name);
-        attack_view(device.session(), device, scene, tally);
+        attack_view(session_of(device), device, scene, tally);
         if (testing::Test::HasFailure()) break;
     }
     tally.print("cameras");
@@ -384,7 +384,7 @@ TEST(triangle_setup, survives_degenerates) {
     LightStages stages;
     FrameOutput first{};
     first.frame = light_frames(inputs.light, StageSettings{}.grid)[0];
-    run_stages_once(device.session(), stages, inputs, {}, first);
+    run_stages_once(session_of(device), stages, inputs, {}, first);
     EXPECT_EQ(first.counters.not_finite, 3u);
     EXPECT_EQ(first.counters.edge_on, 3u);
     EXPECT_EQ(first.counters.survivors, 6u);  // including the edge-on triangles
@@ -405,7 +405,7 @@ TEST(triangle_setup, survives_degenerates) {
 // Not vacuous: the second run's list ends well inside the first one's, and canaries stand between.
 TEST(triangle_setup, writes_only_its_own) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const CameraScene scene = camera_scenes().front();
     const gnomon::CameraTables tables = gnomon::camera_tables(scene.camera(), scene.width, scene.height);
     gnomon::TriangleSetup setup;

@@ -71,7 +71,7 @@ Floats points_everywhere(const LightScene& scene, std::uint64_t seed) {
 
 TEST(PreparedDomain, PointsThatItCallsLitAreLit) {
     const Device device;
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     session.add_source("classify.cl", classify_source);
     std::size_t counts[4] = {};
     std::uint64_t seed = 1;
@@ -141,7 +141,7 @@ Float3 eye_about(Random& random, const Floats& triangles, std::size_t i) {
 
 TEST(PreparedPlanes, WhatTheyCallCertainIsRight) {
     const Device device;
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     session.add_source("compare_planes.cl", compare_planes_source);
     Random random(11);
     std::vector<LightScene> scenes = all_scenes();
@@ -495,7 +495,7 @@ struct PreparedAnew {
         : light(has_lamp ? still.lamp : still.sun),
           wanted((still.technique->set("map-size", "64"), still.technique->set("first-capacity", first_capacity),
                   still.run(still.triangles, light).visibility)),
-          session(still.device.session()) {}
+          session(session_of(still.device)) {}
 
     Answer prepare_and_run() {
         still.technique->prepare(still.triangles, light);

@@ -18,7 +18,7 @@ Device device_like_a_gpu() { return Device({}, {.gpu_kernels = true}); }
 
 std::vector<bool> unshadowed_triangles(const Device& device, const Floats& vertices, const Light& light,
                                        std::uint32_t size) {
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const auto triangles = gnomon::Triangles::upload(device, vertices);
     gnomon::Statistics statistics;
     const gnomon::ListSettings with_map{true, false, gnomon::CoverTest::tight};

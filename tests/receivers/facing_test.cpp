@@ -26,7 +26,7 @@ struct Answer {
 
 /// Runs the stage, with canaries behind the visibility. With `is_lifted` no point may shadow itself.
 Answer run(const gnomon::Device& device, const LightScene& scene, bool is_lifted = false) {
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const UploadedScene inputs(device, scene);
     const std::size_t count = scene.points.size() / 3;
     gnomon::cl::Buffer visibility(session, (count + 8) * sizeof(float));
@@ -178,7 +178,7 @@ TEST(facing, classifies_triangles_for_lifted_points) {
         EXPECT_GT(away, 1000u);
         EXPECT_GT(open, 1000u);
         EXPECT_GT(by_integers, 10u);
-        if (device.session().is_cpu()) {
+        if (session_of(device).is_cpu()) {
             EXPECT_LT(by_integers, by_integers_one_by_one);
         }
     }
@@ -329,7 +329,7 @@ TEST(facing, survives_degenerates) {
 // between the coordinates would make points absent.
 TEST(facing, reads_any_layout) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const LightScene scene = scenes()[0];
     const std::size_t count = scene.points.size() / 3, first = 5, point_stride = 2, coordinate_stride = 2 * count + 1;
     std::vector<float> spread(first + 3 * coordinate_stride, std::numeric_limits<float>::quiet_NaN());

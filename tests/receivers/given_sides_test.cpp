@@ -21,7 +21,7 @@ constexpr float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
 void fill(const gnomon::Device& device, const gnomon::Visibility& visibility, float value) {
     const std::vector<float> values(visibility.count(), value);
-    device.session().write(visibility.buffer(), values.data(), values.size() * sizeof(float));
+    session_of(device).write(visibility.buffer(), values.data(), values.size() * sizeof(float));
 }
 
 /// n . D > 0 in integers, where D is the direction towards the light.
@@ -98,7 +98,7 @@ TEST(given_sides, normals_equal_the_integers) {
 
 TEST(given_sides, strides_and_offsets_of_a_callers_buffer) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const std::vector<float> positions(6, 0.0f);
     // Structure of arrays, from float 1 on: normals (0, 1, 0) and (0, -1, 0).
     const gnomon::cl::Buffer normals = uploaded(session, std::vector<float>{9, 0, 0, 1, -1, 0, 0});

@@ -162,8 +162,8 @@ TEST(light_frame, equals_reference_in_odd_grids) {
 gnomon::Projection fit(const gnomon::Device& device, const LightScene& scene, std::size_t frame) {
     const UploadedScene inputs(device, scene);
     gnomon::LightFrameFit stage;
-    stage.run(device.session(), gnomon::make_light_frame(inputs.light, {64, 3}), inputs.facing.frame_bounds());
-    return downloaded<gnomon::Projection>(device.session(), stage.projections().get(), frame + 1)[frame];
+    stage.run(session_of(device), gnomon::make_light_frame(inputs.light, {64, 3}), inputs.facing.frame_bounds());
+    return downloaded<gnomon::Projection>(session_of(device), stage.projections().get(), frame + 1)[frame];
 }
 
 bool same(const gnomon::Projection& a, const gnomon::Projection& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
@@ -248,7 +248,7 @@ TEST(light_frame, indistinct_frames_are_right) {
 // Six frames in a buffer with room behind them.
 TEST(light_frame, writes_only_its_own) {
     const gnomon::Device device = device_with(16);
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const LightScene scene = large_cloud();
     const UploadedScene inputs(device, scene);
     gnomon::cl::Buffer projections(session, POINT_LIGHT_FRAMES * sizeof(gnomon::Projection) + 64);

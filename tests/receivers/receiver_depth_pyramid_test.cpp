@@ -108,7 +108,7 @@ TEST(receiver_depth_pyramid, equals_reference) {
             for (const FrameOutput& out : run_light_stages(device, scene, settings)) expect_heights(out, tally);
         }
     EXPECT_GT(tally.exact, 5000u);
-    if (device.session().is_cpu()) {
+    if (session_of(device).is_cpu()) {
         EXPECT_GT(tally.lower, 50u);
     } else {
         EXPECT_EQ(tally.lower, 0u);
@@ -187,7 +187,7 @@ TEST(receiver_depth_pyramid, what_the_map_leaves) {
 // Not vacuous: the first grid's pyramid is 16 times as large as the second's, so canaries are right behind the second.
 TEST(receiver_depth_pyramid, writes_only_its_own) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene();
     const UploadedScene inputs(device, scene);
     LightStages stages;
@@ -220,7 +220,7 @@ TEST(receiver_depth_pyramid, writes_only_its_own) {
 // All six frames of a point light at once: the same as each by itself.
 TEST(receiver_depth_pyramid, takes_frames_together) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     for (const gnomon::FrameGrid grid : GRIDS) {
         LightScene scene = comparison_scene();
         scene.light = at(0.1f, 0.2f, -0.3f);

@@ -39,17 +39,17 @@ Samples sampled(const gnomon::Device& device, const CameraScene& scene, const gn
     Samples result;
     const auto keep = [&](const gnomon::Points& points) {
         const std::size_t count = points.count();
-        const Floats planes = downloaded<float>(device.session(), points.positions(), 3 * count);
+        const Floats planes = downloaded<float>(session_of(device), points.positions(), 3 * count);
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t c = 0; c < 3; ++c) result.position.push_back(planes[i + c * count]);
-        const auto ids = downloaded<std::uint32_t>(device.session(), points.receivers(), count);
+        const auto ids = downloaded<std::uint32_t>(session_of(device), points.receivers(), count);
         result.receiver.insert(result.receiver.end(), ids.begin(), ids.end());
     };
     const auto technique = gnomon::make_technique("frustum-traced", device);
     result.statistics =
         gnomon::run_samples_in_batches(*technique, device, triangles, view, light, samples, mean, keep, points_at_once);
     result.mean = mean.read();
-    result.pixel_receiver = downloaded<std::uint32_t>(device.session(), view.points.receivers(), view.points.count());
+    result.pixel_receiver = downloaded<std::uint32_t>(session_of(device), view.points.receivers(), view.points.count());
     return result;
 }
 
@@ -148,7 +148,7 @@ TEST(samples, rays_pass_through_their_positions) {
 // The device makes the same tables as the host, to the bit.
 TEST(samples, rays_of_the_device_are_the_hosts) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     for (const CameraScene& scene : scenes())
         for (const std::uint32_t count : {4u, 32u}) {
             const gnomon::Camera camera = scene.camera();
@@ -470,7 +470,7 @@ std::uint64_t traced_samples(const CameraScene& scene, const gnomon::Light& ligh
 // touches four at most. Two triangles that share an edge decide the footprint below that edge. Not vacuous: edges run
 // through hundreds of pixels.
 TEST(samples, footprints_below_an_edge_are_in_shadow) {
-    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
+    if (session_of(device_with()).lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto roof = squares_in_a_row(4, -44, 49, [](float x, float y) {
         return Float3{x - y * 0.36f, y + x * 0.36f, 5};
     });
@@ -485,7 +485,7 @@ TEST(samples, footprints_below_an_edge_are_in_shadow) {
 // A flat floor in the light: its triangles' rounded vertices are at most 1.8 ulp of the largest coordinate apart from
 // one plane (camera.h), and the camera lifts points by 4, so no neighbour makes a trace necessary.
 TEST(samples, neighbours_in_a_plane_leave_footprints_lit) {
-    if (device_with().session().lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
+    if (session_of(device_with()).lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto tilted = squares_in_a_row(24, -40, 40, [](float x, float y) {
         return Float3{x, y, x * 0.3f - y * 0.17f};
     });

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cl/session.hpp"
+#include "api/inputs.hpp"
 
 namespace support {
 

@@ -107,10 +107,10 @@ UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& sce
     : triangles(gnomon::Triangles::upload(device, scene.triangles)),
       points(upload_points(device, scene)),
       light{scene.light},
-      visibility(device.session(), scene.points.size() / 3 * sizeof(float)),
-      counters(device.session(), sizeof(gnomon::FrameCounters)) {
-    device.session().fill(counters, 0, sizeof(gnomon::FrameCounters));
-    facing.run(device.session(), gnomon::make_light_frame(light, StageSettings{}.grid), triangle_inputs(),
+      visibility(session_of(device), scene.points.size() / 3 * sizeof(float)),
+      counters(session_of(device), sizeof(gnomon::FrameCounters)) {
+    session_of(device).fill(counters, 0, sizeof(gnomon::FrameCounters));
+    facing.run(session_of(device), gnomon::make_light_frame(light, StageSettings{}.grid), triangle_inputs(),
                point_inputs(), visibility.get(), counters);
 }
 
@@ -188,7 +188,7 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
 
 std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const LightScene& scene,
                                           const StageSettings& settings) {
-    Session& session = device.session();
+    Session& session = session_of(device);
     const UploadedScene uploaded_scene(device, scene);
     LightStages stages;
     if (settings.first_capacity != 0) {

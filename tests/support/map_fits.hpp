@@ -71,7 +71,7 @@ inline Fitted fit(Scene& scene, const gnomon::Light& light, const Settings& sett
                   bool with_camera = true) {
     gnomon::ViewFit stage;
     for (const auto& [name, value] : settings) EXPECT_TRUE(stage.set(name, value)) << name;
-    gnomon::cl::Session& session = scene.device.session();
+    gnomon::cl::Session& session = session_of(scene.device);
     const std::vector<float> ones(scene.view.points.count(), 1.0f);
     const auto visibility = uploaded(session, ones);
     gnomon::FitInputs inputs{gnomon::triangle_inputs(scene.triangles), gnomon::point_inputs(scene.view.points),

@@ -453,7 +453,7 @@ TEST(SameBits, WithDoublePrecisionHidden) {
 // The kernels with one point per work-item and work-groups that share what they count, also where there is no GPU.
 TEST(SameBits, WithTheKernelsMadeForGpus) {
     const Device other({}, {.gpu_kernels = true});
-    ASSERT_EQ(other.session().lanes(), 1u);
+    ASSERT_EQ(session_of(other).lanes(), 1u);
     AnswerTally tally;
     for (const LightScene& question : typical_questions())
         for (const Settings& settings : {map_on, Settings{{"map-size", "100"}, {"first-capacity", "3"}}}) {
@@ -478,7 +478,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, WorkGroup, testing::Values(1, 3, 7, 33, 64));
 
 // A map is drawn on a CPU where it is expected to cover a sixteenth of the texels; the bits are the same.
 TEST(AutomaticMap, IsDrawnWhereItCoversEnough) {
-    if (device().session().lanes() == 1) GTEST_SKIP() << "a GPU goes by the last map";
+    if (session_of(device()).lanes() == 1) GTEST_SKIP() << "a GPU goes by the last map";
     const auto asked_under = [](float roof, const Settings& settings) {
         LightScene question{"roof", {}, random_points(5000, -1, 1, 11), along(0, -1, 0)};
         add(question.triangles, {-roof, 2, -roof}, {roof, 2, -roof}, {-roof, 2, roof});

@@ -162,7 +162,7 @@ TEST(izb, order_free) {
 // Not vacuous: on a CPU a block has 16 lanes, and nearly every bin has spare ones.
 TEST(izb, lists_are_whole_blocks) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene();
     const UploadedScene inputs(device, scene);
     LightStages stages;
@@ -189,7 +189,7 @@ TEST(izb, lists_are_whole_blocks) {
 // Not vacuous: the second run lists a tenth of the first one's points, into the same buffers.
 TEST(izb, writes_only_its_own) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     LightScene scene = comparison_scene();
     scene.light = along(0, -1, 0);
     LightStages stages;

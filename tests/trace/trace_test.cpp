@@ -23,7 +23,7 @@ struct Tally {
 /// After the trace: decided points are in shadow, and the queue has a blocking pair of every other shadowed point.
 void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& tally) {
     SCOPED_TRACE(scene.name);
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const UploadedScene inputs(device, scene);
     const std::vector<float> truth = truth_of(scene);
     const std::size_t count = scene.points.size() / 3;
@@ -222,7 +222,7 @@ LightScene blocks_scene(const Light& light, bool has_doubtful_points) {
 // point light's points are in several faces.
 TEST(trace, settles_blocks_below_the_map) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     for (const Light& light : {along(0.3f, -1, 0.2f), along(-0.2f, 0.1f, 1), at(0.5f, 6, 0.2f), at(0.1f, 0.9f, 0)})
         for (const bool has_doubtful_points : {false, true}) {
             const LightScene scene = blocks_scene(light, has_doubtful_points);
@@ -252,7 +252,7 @@ TEST(trace, bounds_its_queue) {
     stages.trace.limit_initial_capacity(1);
     FrameOutput out{};
     out.frame = light_frames(inputs.light, StageSettings{}.grid)[0];
-    while (!run_stages_once(device.session(), stages, inputs, {}, out)) {
+    while (!run_stages_once(session_of(device), stages, inputs, {}, out)) {
     }
     EXPECT_GT(stages.trace.capacity(), 100u);
     EXPECT_LE(stages.trace.capacity(), gnomon::Trace::initial_capacity);
@@ -263,7 +263,7 @@ TEST(trace, bounds_its_queue) {
 // Not vacuous: the buffers have room behind the outputs of the stages, and both stages write.
 TEST(trace, writes_only_its_own) {
     const gnomon::Device device = device_with();
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene(along(0.3f, -1, 0.2f));
     const UploadedScene inputs(device, scene);
     const std::size_t count = scene.points.size() / 3;

@@ -170,7 +170,7 @@ std::vector<float> OwnContestant::describe(Row& row) {
     row.counts = statistics.counts;
     for (const StageStatistics& stage : statistics.stages)
         if (!stage.skipped.empty()) row.skipped.emplace_back(stage.name, stage.skipped);
-    if (triangles_.clusters() != nullptr && !has_frames())
+    if (configuration_.mode == "moving" && !has_frames())
         row.camera = place_.time_camera(triangles_, seen_.c, {row.width, row.height});
     return seen_.visibility.read();
 }

@@ -105,7 +105,7 @@ class ShadowMap final : public Technique {
 public:
     /// `name`: of the preset, for the texts of errors.
     explicit ShadowMap(const Device& device, std::string_view name = "shadow-map")
-        : device_(device), session_(device.session()), name_(name) {}
+        : device_(device), session_(session_of(device)), name_(name) {}
 
     static TechniqueDescription describe() {
         TechniqueDescription description{

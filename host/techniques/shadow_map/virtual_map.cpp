@@ -60,7 +60,7 @@ const SettingsTable<Settings>& settings_table() {
 
 class VirtualShadowMap final : public Technique {
 public:
-    explicit VirtualShadowMap(const Device& device) : device_(device), session_(device.session()) {}
+    explicit VirtualShadowMap(const Device& device) : device_(device), session_(session_of(device)) {}
 
     static TechniqueDescription describe() {
         return {

@@ -26,7 +26,7 @@ struct Lookup {
 
     std::vector<float> run(const LookupPlan& plan, std::uint32_t group = 0) const {
         const gnomon::Device device = device_with(group);
-        gnomon::cl::Session& session = device.session();
+        gnomon::cl::Session& session = session_of(device);
         std::vector<ViewCase> cases{straight_view(size, size)};
         const gnomon::MapViews views = uploaded_views(session, cases);
         const gnomon::cl::Buffer keys = uploaded(session, depths), positions = uploaded(session, points);

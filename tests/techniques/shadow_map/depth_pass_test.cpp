@@ -48,7 +48,7 @@ std::vector<float> depths_of(gnomon::cl::Session& session, const gnomon::cl::Buf
 
 std::vector<float> drawn(const gnomon::Device& device, std::vector<ViewCase>& cases, const Floats& triangles,
                          const gnomon::DepthBias& bias = {}, std::uint32_t capacity = 0) {
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const gnomon::MapViews map_views = uploaded_views(session, cases);
     const Triangles inputs = uploaded_triangles(session, triangles);
     gnomon::DepthMap depths;
@@ -222,7 +222,7 @@ TEST(DepthPass, slope_bias_and_slopes_are_depth_per_texel) {
         EXPECT_NEAR(biased[i] - plain[i], 2 * 0.1 / 32, 1e-6);
         EXPECT_NEAR(limited[i] - plain[i], 0.001, 1e-6);
     }
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const gnomon::MapViews map_views = uploaded_views(session, cases);
     const Triangles inputs = uploaded_triangles(session, two_planes());
     gnomon::DepthMap depths;

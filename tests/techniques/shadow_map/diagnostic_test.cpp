@@ -15,7 +15,7 @@ gnomon::MapDiagnostic draw(Scene& scene, const gnomon::Light& light, const Setti
                            std::uint32_t size) {
     gnomon::ViewFit stage;
     for (const auto& [name, value] : settings) stage.set(name, value);
-    gnomon::cl::Session& session = scene.device.session();
+    gnomon::cl::Session& session = session_of(scene.device);
     const auto visibility = uploaded(session, std::vector<float>(scene.view.points.count(), 1.0f));
     const gnomon::FitInputs inputs{gnomon::triangle_inputs(scene.triangles), gnomon::point_inputs(scene.view.points),
                                    visibility.get(), light, scene.view.points.camera()};

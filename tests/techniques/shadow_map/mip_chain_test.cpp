@@ -25,7 +25,7 @@ struct Chain {
     Chain(const std::vector<std::pair<std::uint32_t, std::uint32_t>>& sizes, const std::function<float(int)>& number,
           bool half_bits) {
         const gnomon::Device device = device_with();
-        gnomon::cl::Session& session = device.session();
+        gnomon::cl::Session& session = session_of(device);
         for (const auto& [width, height] : sizes) views.push_back(straight_view(width, height));
         const gnomon::MapViews uploaded_ones = uploaded_views(session, views);
         texels = uploaded_ones.set.texels;

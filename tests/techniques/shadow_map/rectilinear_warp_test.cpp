@@ -186,7 +186,7 @@ double nearest_at(const Floats& vertices, const MapView& view, double u, double 
 // Every texel holds what its own ray meets. A ray within a thousandth of a texel of an edge may go either way.
 TEST(rectilinear_warp, depths_are_those_of_the_rays_through_texel_centres) {
     Scene scene;
-    gnomon::cl::Session& session = scene.device.session();
+    gnomon::cl::Session& session = session_of(scene.device);
     for (const Settings& settings :
          {Settings{{"projection", "logpsm"}}, Settings{{"projection", "lispsm"}}, Settings{{"projection", "psm"}},
           Settings{{"warp", "hybrid"}}, Settings{{"projection", "logpsm"}, {"partition", "faces"}}}) {

@@ -79,7 +79,7 @@ TEST_F(VirtualMap, finest_level_is_the_shadow_map_of_its_size) {
 std::vector<float> whole_level(const gnomon::Device& device, const gnomon::Triangles& triangles,
                                const gnomon::Points& points, const Light& light, std::uint32_t size,
                                std::uint32_t level) {
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     const auto visibility = uploaded(session, std::vector<float>(points.count(), 1.0f));
     const gnomon::FitInputs inputs{gnomon::triangle_inputs(triangles), gnomon::point_inputs(points), visibility.get(),
                                    light, std::nullopt};

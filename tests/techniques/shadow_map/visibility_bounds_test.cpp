@@ -91,7 +91,7 @@ __kernel void estimates(StorePlan plan, uint count, __global const float* means,
 
 std::vector<float> estimates(const StorePlan& plan, const std::vector<Question>& questions) {
     static const gnomon::Device device;
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     session.add_source("visibility_bounds_test.cl", kernel);
     std::vector<float> means, at;
     for (const Question& question : questions) {
@@ -231,7 +231,7 @@ TEST(VisibilityBounds, optimised_moments_come_back) {
     const std::vector<float> plain = estimates(plan, asked);
     // Through the transform and 16 bits, as kernel moments_fill stores them.
     static const gnomon::Device device;
-    gnomon::cl::Session& session = device.session();
+    gnomon::cl::Session& session = session_of(device);
     std::vector<float> depths;
     for (const Question& question : asked)
         for (const auto& [weight, depth] : question.depths) depths.push_back(static_cast<float>(depth));
