@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The pipeline of exact shadows. Each stage is a file of its own (kernels/<wing>/<stage>.cl, host/<wing>/<stage>.cpp).
-// This file has the order of the stages, but for those from clusters to bins (occluders/occluder_lists.cpp):
+// This file has the order of the stages; occluders/occluder_lists.hpp has that of the stages from clusters to bins:
 //
 //   facing            one pass over the points: backfacing points are decided, the others are open
 //   light_frame       grid fitted to the open points; one for a directional light, six for a point light
 //   receiver_depth_pyramid   how far from the light the open points reach, per bin
-// clusters          where they are kept: clusters that survive the cull
-// triangle_setup    triangles that survive the cull, each with a float filter
-//   conservative_map  where one triangle covers a whole texel
-//   bins              triangles are listed by bin
+//   clusters to bins  the map, which decides open points, and for each bin the list of its occluders
 //   trace             open points against the map, then against their bin's triangles by the filter
-// exact_trace       decides the pairs that the filter left undecided
+//   exact_trace       decides the pairs that the filter left undecided
 //
 // Under a prepared light (prepare()) facing and trace are one pass, prepared_trace, and only exact_trace follows.
 //

@@ -8,7 +8,6 @@
 
 #include "api/statistics.hpp"
 #include "api/vectors.hpp"
-#include "kernels/camera/camera.h"
 
 namespace gnomon {
 namespace {
@@ -165,24 +164,13 @@ void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uin
 
 void CameraStage::make_lists(Statistics& statistics) {
     session_.fill(counters_, 0, sizeof(FrameCounters));
-    {
-        cl::StageTimer timer(session_, statistics, "camera_setup");
-        ProjectionInput projection(projection_);
-        projection.camera = &samples_;
-        const cl::Buffer* clusters = clusters_.run(session_, projection, triangles_, nullptr, counters_);
-        setup_.run_bounds(session_, projection, triangles_, clusters, nullptr, counters_);
-        const PairBuffers pairs = bins_.begin(session_, tiles_x() * tiles_y(), setup_);
-        setup_.run_tiles(session_, projection, triangles_, nullptr, &pairs, counters_);
-    }
-    {
-        cl::StageTimer timer(session_, statistics, "camera_bins");
-        bins_.run(session_, projection_, setup_, nullptr, counters_);
-    }
+    ListInputs in{.projection{projection_}, .bin_count = tiles_x() * tiles_y()};
+    in.projection.camera = &samples_;
+    lists_.run(session_, statistics, in, triangles_, counters_);
 }
 
 bool CameraStage::check_lists(Statistics& statistics) {
-    FrameCounters counted;
-    session_.read(counters_.get(), &counted, sizeof(counted));
+    const auto counted = session_.read_value<FrameCounters>(counters_);
     statistics.counts = {{"pixels", std::size_t(width_) * height_},
                          {"triangles", triangles_.count},
                          {"clusters", triangles_.clusters != nullptr ? triangles_.clusters->count() : 0},
@@ -192,8 +180,7 @@ bool CameraStage::check_lists(Statistics& statistics) {
                          {"triangles_outside", counted.outside},
                          {"triangles_kept", counted.survivors - counted.edge_on},
                          {"references", counted.references}};
-    const bool setup = setup_.fitted(session_, counted);
-    return bins_.fitted(session_, counted, setup) && setup;
+    return lists_.fitted(session_, counted);
 }
 
 void CameraStage::fit_lists(Statistics& statistics) {
@@ -225,8 +212,8 @@ void CameraStage::find_points(const CameraParams& params, cl_mem pixel_receivers
     } else {
         cl::StageTimer timer(session_, statistics, "camera_visibility");
         session_.launch("camera/camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1),
-                        params, projection_, triangles_.vertices, rays_, setup_.records(), setup_.bounds(),
-                        bins_.ranges(), bins_.entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers,
+                        params, projection_, triangles_.vertices, rays_, setup().records(), setup().bounds(),
+                        bins().ranges(), bins().entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers,
                         out.receivers, counters_);
     }
     cl::StageTimer timer(session_, statistics, "camera_points");

@@ -6,8 +6,7 @@
 #include "api/inputs.hpp"
 #include "kernels/camera/camera.h"
 #include "kernels/simd/projection.h"
-#include "occluders/bins.hpp"
-#include "occluders/clusters.hpp"
+#include "occluders/occluder_lists.hpp"
 
 namespace gnomon {
 
@@ -41,8 +40,8 @@ public:
     void fit_lists(Statistics& statistics);
     const cl::Buffer& projection() const { return projection_; }
     const PictureRays& picture() const { return samples_.picture; }
-    const TriangleSetup& setup() const { return setup_; }
-    const Bins& bins() const { return bins_; }
+    const TriangleSetup& setup() const { return lists_.setup(); }
+    const Bins& bins() const { return lists_.bins(); }
     std::uint32_t tiles_x() const { return (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
     std::uint32_t tiles_y() const { return (height_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
 
@@ -58,9 +57,7 @@ private:
     std::uint32_t width_ = 0, height_ = 0;
     CameraSamples samples_{};
     cl::Buffer projection_, rays_, counters_;
-    ClusterCull clusters_;
-    TriangleSetup setup_;
-    Bins bins_;
+    OccluderLists lists_;
     bool fitted_ = false;
 };
 

@@ -300,6 +300,7 @@ double Session::take_device_ms() {
 }
 
 void StageTimer::next(const char* name) {
+    if (name_ != nullptr && name != nullptr && std::string_view(name) == name_) return;
     if (name_ != nullptr) {
         double device_ms = 0;
         try {

@@ -261,7 +261,7 @@ public:
         next(name);
     }
     ~StageTimer() { next(nullptr); }
-    void next(const char* name);
+    void next(const char* name);  ///< the same name: the stage goes on
 
 private:
     Session& session_;

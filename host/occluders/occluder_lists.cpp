@@ -3,30 +3,33 @@
 
 namespace gnomon {
 
-const cl::Buffer* OccluderLists::run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
-                                     const cl::Buffer& projection, const TriangleInputs& triangles,
-                                     const ListSettings& settings, ReceiverDepthPyramid& depths,
-                                     const cl::Buffer& counters) {
-    const ProjectionInput in_frame(projection, light_frame.perspective == 0);
-    const cl::Buffer& pyramid = depths.pyramid();
-    cl::StageTimer timer(session, statistics, triangles.clusters != nullptr ? "clusters" : nullptr);
-    const cl::Buffer *clusters = clusters_.run(session, in_frame, triangles, &pyramid, counters), *map = nullptr;
-    timer.next("triangle_setup");
-    setup_.run_bounds(session, in_frame, triangles, clusters, &pyramid, counters);
-    if (settings.draws_map) {
+const cl::Buffer* OccluderLists::run(cl::Session& session, Statistics& statistics, const ListInputs& in,
+                                     const TriangleInputs& triangles, const cl::Buffer& counters) {
+    const bool is_camera = in.light_frame == nullptr;
+    const char* setup_stage = is_camera ? "camera_setup" : "triangle_setup";
+    const char* cluster_stage = is_camera ? setup_stage : "clusters";
+    const cl::Buffer *pyramid = is_camera ? nullptr : &in.depths->pyramid(), *map = nullptr;
+    cl::StageTimer timer(session, statistics, triangles.clusters != nullptr ? cluster_stage : nullptr);
+    const cl::Buffer* clusters = clusters_.run(session, in.projection, triangles, pyramid, counters);
+    timer.next(setup_stage);
+    setup_.run_bounds(session, in.projection, triangles, clusters, pyramid, counters);
+    if (!is_camera && in.settings.draws_map) {
         timer.next("conservative_map");
-        if (settings.judges_map) map_.judge(session, projection, counters);
-        setup_.run_map_tiles(session, in_frame, triangles, pyramid, counters);
-        map_.run(session, light_frame, projection, setup_, pyramid, settings.cover_test, counters);
+        if (in.settings.judges_map) map_.judge(session, in.projection.buffer, counters);
+        setup_.run_map_tiles(session, in.projection, triangles, *pyramid, counters);
+        map_.run(session, *in.light_frame, in.projection.buffer, setup_, *pyramid, in.settings.cover_test, counters);
         map = &map_.map();
     }
-    timer.next("receiver_depth_pyramid");
-    depths.run_depth_after_map(session, light_frame, 1, projection, map);
-    timer.next("triangle_setup");
-    const PairBuffers pairs = bins_.begin(session, light_frame.bins_x * light_frame.bins_y, setup_);
-    setup_.run_tiles(session, in_frame, triangles, &depths.depth_after_map(), &pairs, counters);
-    timer.next("bins");
-    bins_.run(session, in_frame, setup_, &depths.depth_after_map(), counters);
+    if (!is_camera) {
+        timer.next("receiver_depth_pyramid");
+        in.depths->run_depth_after_map(session, *in.light_frame, 1, in.projection.buffer, map);
+        pyramid = &in.depths->depth_after_map();
+        timer.next(setup_stage);
+    }
+    const PairBuffers pairs = bins_.begin(session, in.bin_count, setup_);
+    setup_.run_tiles(session, in.projection, triangles, pyramid, &pairs, counters);
+    timer.next(is_camera ? "camera_bins" : "bins");
+    bins_.run(session, in.projection, setup_, pyramid, counters);
     return map;
 }
 

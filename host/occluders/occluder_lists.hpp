@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The stages from triangles to lists, for one frame: two-pass occlusion culling. Only this file knows their order:
+// The stages from triangles to lists, for one frame of a light: two-pass occlusion culling. A camera's lists take the
+// same stages, without the map and the depths. This stage alone knows their order:
 //
 //   clusters          where they are kept: culled against the depths of all open points
 //   triangle_setup    triangles, the same: bounds of the survivors
@@ -23,12 +24,32 @@ struct ListSettings {
     CoverTest cover_test = CoverTest::tight;
 };
 
+/// The projection that lists are made for: a frame of a light, or a camera.
+struct ListInputs {
+    ProjectionInput projection;
+    std::uint32_t bin_count;
+    const LightFrame* light_frame = nullptr;  ///< null: a camera's projection, with no map and no depths
+    ReceiverDepthPyramid* depths = nullptr;   ///< has run for this projection; runs once more, after the map
+    ListSettings settings{};
+};
+
 class OccluderLists {
 public:
-    /// `depths` has run for this projection; it runs once more, after the map. Returns the drawn map, or null.
+    /// Returns the drawn map, or null.
+    const cl::Buffer* run(cl::Session& session, Statistics& statistics, const ListInputs& in,
+                          const TriangleInputs& triangles, const cl::Buffer& counters);
+    /// The lists of one frame of a light.
     const cl::Buffer* run(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                           const cl::Buffer& projection, const TriangleInputs& triangles, const ListSettings& settings,
-                          ReceiverDepthPyramid& depths, const cl::Buffer& counters);
+                          ReceiverDepthPyramid& depths, const cl::Buffer& counters) {
+        return run(session, statistics,
+                   {.projection{projection, light_frame.perspective == 0},
+                    .bin_count = light_frame.bins_x * light_frame.bins_y,
+                    .light_frame = &light_frame,
+                    .depths = &depths,
+                    .settings = settings},
+                   triangles, counters);
+    }
     /// True if all lists fitted; else they have grown, and the run must be repeated.
     bool fitted(cl::Session& session, const FrameCounters& counted);
 

@@ -9,9 +9,10 @@ void LightFrames::start_facing(cl::Session& session, Statistics& statistics, con
     facing_.run(session, in.light_frame, in.triangles, in.points, in.visibility, counters);
 }
 
-void LightFrames::start_fit(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
+void LightFrames::fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
     cl::StageTimer timer(session, statistics, "light_frame");
     light_frame_.run(session, light_frame, facing_.frame_bounds());
+    has_one_ = true;
 }
 
 void LightFrames::reduce_depths(cl::Session& session, Statistics& statistics, const FramedInputs& in, cl_uint frame) {
@@ -19,14 +20,9 @@ void LightFrames::reduce_depths(cl::Session& session, Statistics& statistics, co
     receiver_depths_.run(session, in.light_frame, frame, 1, in.points, projection(), facing_.blocks(), in.visibility);
 }
 
-void LightFrames::fit_one(cl::Session& session, Statistics& statistics, const LightFrame& light_frame) {
-    start_fit(session, statistics, light_frame);
-    has_one_ = true;
-}
-
 void LightFrames::for_each(cl::Session& session, Statistics& statistics, const LightFrame& light_frame,
                            const std::function<void(cl_uint frame)>& use) {
-    start_fit(session, statistics, light_frame);
+    fit_one(session, statistics, light_frame);
     has_one_ = false;
     const cl_uint frame_count = frame_count_of(light_frame);
     const auto projections = session.read_values<Projection>(light_frame_.projections().get(), frame_count);

@@ -36,8 +36,6 @@ public:
     const cl::Buffer* blocks() const { return facing_.blocks(); }  ///< Facing::blocks()
 
 private:
-    void start_fit(cl::Session& session, Statistics& statistics, const LightFrame& light_frame);
-
     Facing facing_;
     LightFrameFit light_frame_;
     ReceiverDepthPyramid receiver_depths_;

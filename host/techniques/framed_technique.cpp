@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "api/statistics.hpp"
-
 namespace gnomon {
 namespace {
 

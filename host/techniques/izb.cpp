@@ -6,7 +6,6 @@
 #include "api/statistics.hpp"
 #include "occluders/occluder_lists.hpp"
 #include "techniques/framed_technique.hpp"
-#include "trace/trace.hpp"
 
 namespace gnomon {
 

@@ -149,17 +149,18 @@ TEST(bins, writes_only_its_own) {
         const UploadedScene inputs(device, scene);
         out.frame = light_frames(inputs.light, grid)[0];
         if (grid.bin_log2 == 3) {
-            for (const gnomon::cl::Buffer* list : {&stages.bins.ranges(), &stages.bins.entries(), &stages.bins.pairs()})
+            for (const gnomon::cl::Buffer* list :
+                 {&stages.lists.bins().ranges(), &stages.lists.bins().entries(), &stages.lists.bins().pairs()})
                 put_canaries(session, *list);
         }
         StageSettings settings;
         settings.grid = grid;
         run_stages_once(session, stages, inputs, settings, out);
     }
-    expect_canaries(session, stages.bins.ranges(), 8 * 8 * 2 * sizeof(std::uint32_t), "ranges");
-    expect_canaries(session, stages.bins.entries(), out.counters.entries * session.lanes() * BIN_ENTRY_BYTES,
+    expect_canaries(session, stages.lists.bins().ranges(), 8 * 8 * 2 * sizeof(std::uint32_t), "ranges");
+    expect_canaries(session, stages.lists.bins().entries(), out.counters.entries * session.lanes() * BIN_ENTRY_BYTES,
                     "entries");
-    expect_canaries(session, stages.bins.pairs(), out.counters.pairs * sizeof(gnomon::Pair), "pairs");
+    expect_canaries(session, stages.lists.bins().pairs(), out.counters.pairs * sizeof(gnomon::Pair), "pairs");
 }
 
 // A GPU's lists are in runs with the highest triangles first. Not vacuous: some lists have several runs, and heights
@@ -182,8 +183,8 @@ TEST(bins, highest_first_on_a_gpu) {
     }
     std::vector<cl_uint2> ranges(4 * 4);
     std::vector<std::array<cl_uint, 4>> entries(out.counters.entries);
-    session.read(stages.bins.ranges().get(), ranges.data(), ranges.size() * sizeof(cl_uint2));
-    session.read(stages.bins.entries().get(), entries.data(), entries.size() * BIN_ENTRY_BYTES);
+    session.read(stages.lists.bins().ranges().get(), ranges.data(), ranges.size() * sizeof(cl_uint2));
+    session.read(stages.lists.bins().entries().get(), entries.data(), entries.size() * BIN_ENTRY_BYTES);
     int lower = 0, runs_after_the_first = 0;
     for (const cl_uint2& range : ranges)
         for (cl_uint i = range.s[0]; i < range.s[1]; ++i) {
@@ -206,14 +207,13 @@ TEST(bins, grows) {
     const UploadedScene inputs(device, scene);
     StageSettings settings;
     LightStages stages;
-    stages.bins.limit_initial_capacity(1);
-    stages.setup.limit_initial_capacity(1);
+    stages.lists.limit_initial_capacity(1);
     FrameOutput out{};
     out.frame = light_frames(inputs.light, settings.grid)[0];
     int passes = 1;
     while (!run_stages_once(session_of(device), stages, inputs, settings, out)) ++passes;
     EXPECT_GE(passes, 2);
-    EXPECT_GT(stages.bins.pair_capacity(), 1u);
+    EXPECT_GT(stages.lists.bins().pair_capacity(), 1u);
     settings.first_capacity = 1;
     const FrameOutput grown = run_light_stages(device, scene, settings).at(0);
     EXPECT_EQ(grown.visibility, run(device, scene, settings.grid).visibility);

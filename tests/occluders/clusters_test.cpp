@@ -304,6 +304,7 @@ void attack(const gnomon::Device& device, LightScene scene, Tally& tally) {
     UploadedScene inputs(device, scene);
     inputs.triangles.keep_clusters(device);
     LightStages stages;
+    gnomon::ClusterCull cull;
     const gnomon::FrameGrid grid{64, 0};  // a bin per texel: few points each, and so many that are empty
     const gnomon::LightFrame first = gnomon::make_light_frame(inputs.light, grid);
     stages.light_frame.run(session, first, inputs.facing.frame_bounds());
@@ -316,8 +317,8 @@ void attack(const gnomon::Device& device, LightScene scene, Tally& tally) {
         stages.receiver_depth_pyramid.run(session, first, face, 1, inputs.point_inputs(), projection,
                                           inputs.facing.blocks(), inputs.visibility.get());
         session.fill(inputs.counters, 0, sizeof(gnomon::FrameCounters));
-        const gnomon::cl::Buffer* listed = stages.clusters.run(
-            session, projection, inputs.triangle_inputs(), &stages.receiver_depth_pyramid.pyramid(), inputs.counters);
+        const gnomon::cl::Buffer* listed = cull.run(session, projection, inputs.triangle_inputs(),
+                                                    &stages.receiver_depth_pyramid.pyramid(), inputs.counters);
         ASSERT_NE(listed, nullptr);
         gnomon::FrameCounters counted;
         session.read(inputs.counters.get(), &counted, sizeof(counted));

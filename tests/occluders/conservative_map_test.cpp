@@ -262,11 +262,11 @@ TEST(conservative_map, writes_only_its_own) {
         const UploadedScene inputs(device, scene);  // again: the first frame has decided its points
         FrameOutput out{};
         out.frame = light_frames(inputs.light, grid)[0];
-        if (grid.size == 64) put_canaries(session, stages.map.map());
+        if (grid.size == 64) put_canaries(session, stages.lists.map().map());
         while (!run_stages_once(session, stages, inputs, settings_of(CoverTest::tight, grid), out)) {
         }
     }
-    expect_canaries(session, stages.map.map(), 64 * 64 * sizeof(std::uint32_t), "map");
+    expect_canaries(session, stages.lists.map().map(), 64 * 64 * sizeof(std::uint32_t), "map");
 }
 
 }  // namespace

@@ -21,8 +21,9 @@ std::size_t pyramid_cells(const gnomon::LightFrame& frame) {
 
 std::vector<SetUpTriangle> read_triangles(Session& session, const LightStages& stages,
                                           const gnomon::FrameCounters& counted, const gnomon::Projection& projection) {
-    const auto records = downloaded<gnomon::TriangleRecord>(session, stages.setup.records().get(), counted.slots);
-    const auto bounds = downloaded<gnomon::TriangleBounds>(session, stages.setup.bounds().get(), counted.slots);
+    const auto records =
+        downloaded<gnomon::TriangleRecord>(session, stages.lists.setup().records().get(), counted.slots);
+    const auto bounds = downloaded<gnomon::TriangleBounds>(session, stages.lists.setup().bounds().get(), counted.slots);
     std::vector<SetUpTriangle> triangles;
     for (std::size_t i = 0; i < records.size(); ++i)
         if (!is_dropped(bounds[i])) triangles.push_back({bounds[i].id, records[i], bins_of(bounds[i], projection)});
@@ -53,10 +54,10 @@ std::uint16_t entry_word(const std::vector<std::uint16_t>& entries, std::size_t 
 std::vector<std::vector<std::uint32_t>> read_references(Session& session, const LightStages& stages,
                                                         std::uint32_t bin_count, const gnomon::FrameCounters& counted) {
     const std::uint32_t lanes = session.lanes();
-    const auto ranges = downloaded<std::uint32_t>(session, stages.bins.ranges().get(), 2 * bin_count);
-    const auto entries = downloaded<std::uint16_t>(session, stages.bins.entries().get(),
+    const auto ranges = downloaded<std::uint32_t>(session, stages.lists.bins().ranges().get(), 2 * bin_count);
+    const auto entries = downloaded<std::uint16_t>(session, stages.lists.bins().entries().get(),
                                                    std::size_t(counted.entries) * lanes * BIN_ENTRY_BYTES / 2);
-    const auto bounds = downloaded<gnomon::TriangleBounds>(session, stages.setup.bounds().get(), counted.slots);
+    const auto bounds = downloaded<gnomon::TriangleBounds>(session, stages.lists.setup().bounds().get(), counted.slots);
     std::vector<std::vector<std::uint32_t>> lists(bin_count);
     for (std::uint32_t bin = 0; bin < bin_count; ++bin) {
         for (std::uint32_t block = ranges[2 * bin]; block < ranges[2 * bin + 1]; ++block)
@@ -124,7 +125,7 @@ void run_izb(Session& session, LightStages& stages, const UploadedScene& scene, 
     stages.izb.run(session, inputs);
     out.visibility_after_izb = downloaded<float>(session, inputs.visibility, scene.points.count());
     session.read(scene.counters.get(), &out.izb_counters, sizeof(out.izb_counters));
-    stages.izb.trace(session, inputs, stages.bins, stages.trace);
+    stages.izb.trace(session, inputs, stages.lists.bins(), stages.trace);
     stages.trace.decide_queue(session, inputs);
     EXPECT_EQ(downloaded<float>(session, inputs.visibility, scene.points.count()), expected)
         << "triangles over points and points over triangles differ";
@@ -139,7 +140,6 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     const cl_mem visibility = scene.visibility.get();
     const gnomon::LightFrame first_frame = gnomon::make_light_frame(scene.light, settings.grid);
     const std::uint32_t face = first_frame.perspective != 0 ? 2 * out.frame.axis_z + (out.frame.sign_z < 0) : 0;
-    const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y;
     session.fill(scene.counters, 0, sizeof(gnomon::FrameCounters));
     stages.light_frame.run(session, first_frame, scene.facing.frame_bounds());
     out.projection = downloaded<gnomon::Projection>(session, stages.light_frame.projections().get(), face + 1).at(face);
@@ -149,34 +149,21 @@ bool run_stages_once(Session& session, LightStages& stages, const UploadedScene&
     out.visibility_before = downloaded<float>(session, visibility, scene.points.count());
     stages.receiver_depth_pyramid.run(session, first_frame, face, 1, points, stages.projection, scene.facing.blocks(),
                                       visibility);
-    const Buffer* pyramid = &stages.receiver_depth_pyramid.pyramid();
-    const Buffer* clusters = stages.clusters.run(session, stages.projection, triangles, pyramid, scene.counters);
-    stages.setup.run_bounds(session, stages.projection, triangles, clusters, pyramid, scene.counters);
-    if (settings.with_map) {
-        stages.setup.run_map_tiles(session, stages.projection, triangles, stages.receiver_depth_pyramid.pyramid(),
-                                   scene.counters);
-        stages.map.run(session, out.frame, stages.projection, stages.setup, stages.receiver_depth_pyramid.pyramid(),
-                       settings.cover_test, scene.counters);
-    }
-    const Buffer* map = settings.with_map ? &stages.map.map() : nullptr;
-    stages.receiver_depth_pyramid.run_depth_after_map(session, first_frame, 1, stages.projection, map);
-    const Buffer* depth_after_map = &stages.receiver_depth_pyramid.depth_after_map();
-    const gnomon::PairBuffers pairs = stages.bins.begin(session, bin_count, stages.setup);
-    stages.setup.run_tiles(session, stages.projection, triangles, depth_after_map, &pairs, scene.counters);
-    stages.bins.run(session, stages.projection, stages.setup, depth_after_map, scene.counters);
+    gnomon::Statistics statistics;
+    const Buffer* map = stages.lists.run(session, statistics, first_frame, stages.projection, triangles,
+                                         {settings.with_map, false, settings.cover_test}, stages.receiver_depth_pyramid,
+                                         scene.counters);
     gnomon::FrameCounters listed{};
     session.read(scene.counters.get(), &listed, sizeof(listed));
     const gnomon::TraceInputs inputs{first_frame, face,
                                      1,           triangles,
                                      points,      stages.projection,
-                                     map,         gnomon::list_buffers(stages.bins, stages.setup),
+                                     map,         gnomon::list_buffers(stages.lists.bins(), stages.lists.setup()),
                                      visibility,  scene.counters};
     stages.trace.run(session, gnomon::Task::trace, inputs, scene.facing.blocks());
     stages.trace.decide_queue(session, inputs);
     session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
-    const bool setup = stages.setup.fitted(session, out.counters);
-    const bool references = stages.bins.fitted(session, out.counters, setup);
-    if (!setup || !references) return false;
+    if (!stages.lists.fitted(session, out.counters)) return false;
     if (!stages.trace.fitted(session, points, out.counters)) {
         stages.trace.run(session, gnomon::Task::trace_queue_overflow, inputs, nullptr);
         session.read(scene.counters.get(), &out.counters, sizeof(out.counters));
@@ -192,8 +179,7 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
     const UploadedScene uploaded_scene(device, scene);
     LightStages stages;
     if (settings.first_capacity != 0) {
-        stages.setup.limit_initial_capacity(settings.first_capacity);
-        stages.bins.limit_initial_capacity(settings.first_capacity);
+        stages.lists.limit_initial_capacity(settings.first_capacity);
         stages.trace.limit_initial_capacity(settings.first_capacity);
     }
     std::vector<FrameOutput> outputs;
@@ -212,7 +198,7 @@ std::vector<FrameOutput> run_light_stages(const gnomon::Device& device, const Li
             downloaded<std::uint32_t>(session, stages.receiver_depth_pyramid.depth_after_map().get(), bin_count);
         out.triangles = read_triangles(session, stages, out.counters, out.projection);
         if (settings.with_map)
-            out.map = downloaded<std::uint32_t>(session, stages.map.map().get(), frame.width * frame.height);
+            out.map = downloaded<std::uint32_t>(session, stages.lists.map().map().get(), frame.width * frame.height);
         out.points = read_points(session, stages, bin_count);
         out.references = read_references(session, stages, bin_count, out.counters);
         outputs.push_back(std::move(out));

@@ -9,8 +9,7 @@
 
 #include "device.hpp"
 #include "light_scene.hpp"
-#include "occluders/clusters.hpp"
-#include "occluders/conservative_map.hpp"
+#include "occluders/occluder_lists.hpp"
 #include "receivers/facing.hpp"
 #include "receivers/receiver_depth_pyramid.hpp"
 #include "reference/predicates.hpp"
@@ -92,11 +91,8 @@ public:
 struct LightStages {
     gnomon::LightFrameFit light_frame;
     gnomon::ReceiverDepthPyramid receiver_depth_pyramid;
-    gnomon::ClusterCull clusters;
-    gnomon::TriangleSetup setup;
-    gnomon::ConservativeMap map;
+    gnomon::OccluderLists lists;
     gnomon::Izb izb;
-    gnomon::Bins bins;
     gnomon::Trace trace;
     gnomon::cl::Buffer projection;  ///< of the frame that runs
 };

@@ -212,7 +212,7 @@ TEST(izb, writes_only_its_own) {
                       .points = points,
                       .projections = stages.projection,
                       .map = nullptr,
-                      .lists = gnomon::list_buffers(stages.bins, stages.setup),
+                      .lists = gnomon::list_buffers(stages.lists.bins(), stages.lists.setup()),
                       .visibility = inputs.visibility.get(),
                       .counters = inputs.counters});
     const std::uint32_t bin_count = out.frame.bins_x * out.frame.bins_y;

@@ -45,7 +45,7 @@ void check_trace(const gnomon::Device& device, const LightScene& scene, Tally& t
         stages.trace.run(
             session, gnomon::Task::trace,
             {first_frame, face, 1, inputs.triangle_inputs(), inputs.point_inputs(), stages.projection, nullptr,
-             gnomon::list_buffers(stages.bins, stages.setup), inputs.visibility.get(), inputs.counters},
+             gnomon::list_buffers(stages.lists.bins(), stages.lists.setup()), inputs.visibility.get(), inputs.counters},
             nullptr);
         const auto traced = downloaded<float>(session, inputs.visibility.get(), count);
         session.read(inputs.counters.get(), &counted, sizeof(counted));
@@ -288,7 +288,7 @@ TEST(trace, writes_only_its_own) {
                                            .points = points,
                                            .projections = stages.projection,
                                            .map = nullptr,
-                                           .lists = gnomon::list_buffers(stages.bins, stages.setup),
+                                           .lists = gnomon::list_buffers(stages.lists.bins(), stages.lists.setup()),
                                            .visibility = visibility.get(),
                                            .counters = inputs.counters};
     stages.trace.run(session, gnomon::Task::trace, trace_inputs, nullptr);
