@@ -89,6 +89,10 @@ lines_matching '^tests/(exact|simd|lists|receivers|occluders|camera|trace|prepar
     '\b(EXPECT|ASSERT)_(NEAR|FLOAT_EQ|DOUBLE_EQ)\b|(?i)\b\w*(epsilon|tolerance)\w*\b' |
     complain 'tests of exact stages use no tolerance'
 
+# A test's suite is named after what it tests (a stage, a part of it, a fixture), the test after what must hold.
+lines_matching '^(tests|tools)/.*\.cpp$' '^\s*TEST(_F|_P)?\((?![A-Z][A-Za-z0-9]*(?<!Test), [A-Z][A-Za-z0-9]*\))' |
+    complain 'suites and tests have names in CamelCase, without the suffix Test'
+
 # Every file says its licence, and what it promises.
 files_matching '(\.(cpp|hpp|h|clh|cl|cmake|sh|awk)|(^|/)CMakeLists\.txt|^\.ci/run)$' | xargs -0 -r awk '
     function report() { if (file != "" && !has_licence) print file }

@@ -79,7 +79,7 @@ AssertionResult throws(const std::function<void()>& action, const std::vector<st
 // ---- An embedder's own OpenCL ---------------------------------------------------------------------------------------
 
 /// Plain OpenCL, made without gnomon except for the choice of device.
-class EmbedderTest : public testing::Test {
+class Embedder : public testing::Test {
 protected:
     void SetUp() override {
         const Device any;
@@ -135,7 +135,7 @@ protected:
     std::vector<cl_mem> buffers_;
 };
 
-TEST_F(EmbedderTest, OwnContextQueueAndBuffersWithoutATripThroughTheHost) {
+TEST_F(Embedder, OwnContextQueueAndBuffersWithoutATripThroughTheHost) {
     const Device device(context_, queue_);
     EXPECT_EQ(device.context(), context_);
     EXPECT_EQ(device.queue(), queue_);
@@ -152,7 +152,7 @@ TEST_F(EmbedderTest, OwnContextQueueAndBuffersWithoutATripThroughTheHost) {
     EXPECT_EQ(content(result, 100), wanted);
 }
 
-TEST_F(EmbedderTest, PointsInEveryLayout) {
+TEST_F(Embedder, PointsInEveryLayout) {
     const Device device(context_, queue_);
     const auto triangles = Triangles::upload(device, roof);
     const Floats packed = ground();
@@ -180,7 +180,7 @@ TEST_F(EmbedderTest, PointsInEveryLayout) {
     }
 }
 
-TEST_F(EmbedderTest, WrappedReceiversExcludeTheirTriangle) {
+TEST_F(Embedder, WrappedReceiversExcludeTheirTriangle) {
     const Device device(context_, queue_);
     const auto triangles = Triangles::upload(device, roof);
     std::vector<std::uint32_t> receivers(81, gnomon::no_receiver);
@@ -193,7 +193,7 @@ TEST_F(EmbedderTest, WrappedReceiversExcludeTheirTriangle) {
     EXPECT_EQ(trace(device, triangles, points), wanted);
 }
 
-TEST_F(EmbedderTest, BuffersThatAreNullOrTooSmall) {
+TEST_F(Embedder, BuffersThatAreNullOrTooSmall) {
     const Device device(context_, queue_);
     const cl_mem small = buffer(Floats(17));
     using gnomon::InvalidArgument;
@@ -217,7 +217,7 @@ TEST_F(EmbedderTest, BuffersThatAreNullOrTooSmall) {
     EXPECT_NO_THROW(Triangles::wrap(device, small, 1, 8));
 }
 
-TEST_F(EmbedderTest, ContextAndQueueMustBeThereAndInOrder) {
+TEST_F(Embedder, ContextAndQueueMustBeThereAndInOrder) {
     using gnomon::InvalidArgument;
     EXPECT_TRUE(throws<InvalidArgument>([&] { Device(nullptr, queue_); }, {"context and queue", "null"}));
     EXPECT_TRUE(throws<InvalidArgument>([&] { Device(context_, nullptr); }, {"context and queue", "null"}));
@@ -232,7 +232,7 @@ TEST_F(EmbedderTest, ContextAndQueueMustBeThereAndInOrder) {
     clReleaseCommandQueue(unordered);
 }
 
-TEST_F(EmbedderTest, ObjectsOutliveTheHandlesTheyWereMadeFrom) {
+TEST_F(Embedder, ObjectsOutliveTheHandlesTheyWereMadeFrom) {
     std::optional<Triangles> triangles;
     std::optional<Points> points;
     std::optional<Visibility> visibility;
@@ -248,7 +248,7 @@ TEST_F(EmbedderTest, ObjectsOutliveTheHandlesTheyWereMadeFrom) {
     EXPECT_EQ(visibility->read(), ground_truth());
 }
 
-TEST_F(EmbedderTest, DeviceTimesComeFromTheCallersProfilingQueue) {
+TEST_F(Embedder, DeviceTimesComeFromTheCallersProfilingQueue) {
     cl_int code;
     cl_command_queue profiling = clCreateCommandQueue(context_, device_, CL_QUEUE_PROFILING_ENABLE, &code);
     ASSERT_EQ(code, CL_SUCCESS);
@@ -684,7 +684,7 @@ TEST(Memory, AllocationsBeyondTheDeviceAreRefusedBeforeTheyAreTried) {
 // ---- Kernels from elsewhere -----------------------------------------------------------------------------------------
 
 /// A copy of kernels/ to be broken.
-class KernelsTest : public testing::Test {
+class OnDiskKernels : public testing::Test {
 protected:
     void SetUp() override {
         std::string name = (std::filesystem::temp_directory_path() / "gnomon_kernels_XXXXXX").string();
@@ -701,12 +701,12 @@ protected:
     std::filesystem::path folder_;
 };
 
-TEST_F(KernelsTest, AFolderOfTheSameKernelsWorks) {
+TEST_F(OnDiskKernels, AFolderOfTheSameKernelsWorks) {
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
     run_something();
 }
 
-TEST_F(KernelsTest, CompileErrorsNameTheTrueFileAndLine) {
+TEST_F(OnDiskKernels, CompileErrorsNameTheTrueFileAndLine) {
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
     for (const std::string broken : {"trace/trace.cl", "simd/points.h", "exact/det3.clh"}) {
         std::ifstream original(folder_ / broken, std::ios::binary);
@@ -728,7 +728,7 @@ TEST_F(KernelsTest, CompileErrorsNameTheTrueFileAndLine) {
 }
 
 // NVIDIA's compiler counts the lines of the whole text.
-TEST(TruePlaces, OfCompilersThatIgnoreLineDirectives) {
+TEST(SourceLocations, OfCompilersThatIgnoreLineDirectives) {
     const std::string source =
         "#line 1 \"kernels/a.cl\"\n"
         "first of a\n"
@@ -747,13 +747,13 @@ TEST(TruePlaces, OfCompilersThatIgnoreLineDirectives) {
     EXPECT_EQ(gnomon::cl::with_source_locations("<kernel>:1:1", "no directive"), "<kernel>:1:1");
 }
 
-TEST_F(KernelsTest, AMissingFileIsNamed) {
+TEST_F(OnDiskKernels, AMissingFileIsNamed) {
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
     std::filesystem::remove(folder_ / "trace/trace.cl");
     EXPECT_TRUE(throws<gnomon::Error>(run_something, {"trace/trace.cl", folder_.string()}));
 }
 
-TEST_F(KernelsTest, AChangedKernelIsTheOneThatRuns) {
+TEST_F(OnDiskKernels, AChangedKernelIsTheOneThatRuns) {
     // Proof that the folder is read: without the trace's decision, no point is in shadow.
     const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
     std::ofstream(folder_ / "receivers/facing.h", std::ios::app) << "#error changed on purpose\n";

@@ -27,7 +27,7 @@ Integer floor_of(const Rational& x) {
 
 Rational step_of(const WorldLattice& lattice) { return Rational(std::ldexp(1.0, lattice.exponent)); }
 
-TEST(world_lattice, snaps_as_the_definition_says) {
+TEST(WorldLattice, SnapsAsTheDefinitionSays) {
     std::mt19937_64 random(3);
     for (const int exponent : {-10, -7, 0, 3, -20}) {
         const WorldLattice lattice = WorldLattice::around(std::vector<double>{4.5e6, 6e6, 100}, exponent);
@@ -55,13 +55,13 @@ TEST(world_lattice, snaps_as_the_definition_says) {
     }
 }
 
-TEST(world_lattice, the_largest_double_below_a_half_stays) {
+TEST(WorldLattice, TheLargestDoubleBelowAHalfStays) {
     const WorldLattice lattice{0, {}};
     EXPECT_EQ(lattice.snap(std::vector<double>{0x1.fffffffffffffp-2, 0.5, -0.5}).positions,
               (std::vector<float>{0, 1, 0}));
 }
 
-TEST(world_lattice, the_finest_step_that_fits) {
+TEST(WorldLattice, TheFinestStepThatFits) {
     // 15 cm, and 20 km at national coordinates.
     const std::vector<double> model{0, 0, 0, 0.15, 0.1, 0.05};
     const WorldLattice small = WorldLattice::fit(model);
@@ -76,7 +76,7 @@ TEST(world_lattice, the_finest_step_that_fits) {
     EXPECT_EQ(WorldLattice::fit({}).origin, (std::array<std::int64_t, 3>{}));
 }
 
-TEST(world_lattice, refuses_what_does_not_fit_and_names_what_does) {
+TEST(WorldLattice, RefusesWhatDoesNotFitAndNamesWhatDoes) {
     const WorldLattice lattice{-10, {}};
     const std::vector<double> far{0, 0, 0, 16384, 0, 0, 16384.001, 0, 0};
     EXPECT_NO_THROW(lattice.snap(std::span(far).first(6)));
@@ -96,7 +96,7 @@ TEST(world_lattice, refuses_what_does_not_fit_and_names_what_does) {
     EXPECT_TRUE(std::isnan(lattice.snap(std::vector<double>{nan, 2, 3}).positions[0]));
 }
 
-TEST(world_lattice, rebasing_is_exact_and_comes_back) {
+TEST(WorldLattice, RebasingIsExactAndComesBack) {
     const std::vector<double> city{4.5e6, 6e6, 0, 4.5001e6, 6.0003e6, 40.0625};
     const WorldLattice one = WorldLattice::around(city, -10);
     WorldLattice other = one;
@@ -117,7 +117,7 @@ TEST(world_lattice, rebasing_is_exact_and_comes_back) {
 // A flat surface of random slope, cut into triangles (slivers too) whose corners are snapped; points on it, each off by
 // up to sqrt(3)/2 steps, are lifted. Along the surface's normal every point must end strictly higher than every snapped
 // corner: then no triangle between these corners meets a ray that leaves on the normal's side. Without the lift it may.
-TEST(world_lattice, lifted_points_lie_above_the_snapped_surface) {
+TEST(WorldLattice, LiftedPointsLieAboveTheSnappedSurface) {
     std::mt19937_64 random(5);
     std::uniform_real_distribution<double> unit(-1, 1);
     const WorldLattice lattice{-10, {4'607'999'001, 6'143'999'003, 102'401}};
@@ -152,7 +152,7 @@ TEST(world_lattice, lifted_points_lie_above_the_snapped_surface) {
     EXPECT_GT(below_without_lift, 1000u);
 }
 
-TEST(world_lattice, lift_refuses_normals_that_are_none) {
+TEST(WorldLattice, LiftRefusesNormalsThatAreNone) {
     const WorldLattice lattice{-10, {}};
     const std::vector<double> p{1, 2, 3};
     EXPECT_THROW(lattice.lift(p, std::vector<double>{0, 0, 0}), InvalidArgument);

@@ -53,7 +53,7 @@ void check_nearest(const CameraScene& scene, const std::vector<std::uint32_t>& s
 }
 
 // Not vacuous: thousands of pixels see triangles, and hundreds lie exactly on an edge or a vertex of several.
-TEST(camera, equals_reference) {
+TEST(Camera, EqualsReference) {
     const gnomon::Device device = device_with();
     Tally tally;
     for (const CameraScene& scene : camera_scenes()) check_nearest(scene, look(device, scene).receiver, tally);
@@ -64,7 +64,7 @@ TEST(camera, equals_reference) {
 
 // From inside a closed mesh no ray escapes, whatever the tessellation and however the rays hit its edges. Not vacuous:
 // a single triangle left out of the mesh lets some through.
-TEST(camera, closed_meshes_have_no_cracks) {
+TEST(Camera, ClosedMeshesHaveNoCracks) {
     const gnomon::Device device = device_with();
     for (const int subdivisions : {0, 2, 4})
         for (const Float3& eye : {Float3{0, 0, 0}, Float3{0.5f, 0.25f, -0.125f}, Float3{0, 0.7f, 0}}) {
@@ -82,7 +82,7 @@ TEST(camera, closed_meshes_have_no_cracks) {
 
 // Every pixel's ray runs exactly through a corner of six triangles, so every pixel is covered six times, by closed
 // triangles, and by none if edges were open. Not vacuous: that it is so is checked with the exact rays.
-TEST(camera, watertight_where_corners_are_pixel_centres) {
+TEST(Camera, WatertightWhereCornersArePixelCentres) {
     const gnomon::Device device = device_with();
     for (const std::uint32_t height : {1u, 2u, 16u, 32u})
         for (const std::uint32_t width : {1u, 15u, 16u, 17u, 33u}) {
@@ -97,7 +97,7 @@ TEST(camera, watertight_where_corners_are_pixel_centres) {
 
 // Copies of one triangle hit at bit-equal depth: the smaller id is seen. Not vacuous: each pixel has three copies, and
 // the copies come in falling order of size of their lists' slots as well.
-TEST(camera, smallest_of_coincident_ids_is_seen) {
+TEST(Camera, SmallestOfCoincidentIdsIsSeen) {
     const gnomon::Device device = device_with();
     const Floats ball = icosphere(1, 1);
     CameraScene scene{"copies", ball, {0.3f, 0.4f, 2}, {0, 0, 0}, {0, 1, 0}, 50, 48, 48};
@@ -110,7 +110,7 @@ TEST(camera, smallest_of_coincident_ids_is_seen) {
 
 // Not vacuous: the order decides in which sequence a pixel meets its triangles; where hits are not equal the same one
 // must win.
-TEST(camera, order_free) {
+TEST(Camera, OrderFree) {
     const gnomon::Device device = device_with();
     Tally tally;
     for (const CameraScene& scene : camera_scenes()) {
@@ -133,7 +133,7 @@ bool same_bits(const gnomon::ViewOnHost& a, const gnomon::ViewOnHost& b) {
 }
 
 // Not vacuous: sizes that are no multiple of a tile, and ties that only a fixed rule decides.
-TEST(camera, shape_free) {
+TEST(Camera, ShapeFree) {
     std::vector<CameraScene> scenes = camera_scenes();
     scenes.resize(6);
     for (const std::uint32_t group : FEW_WORK_GROUP_SIZES)
@@ -144,7 +144,7 @@ TEST(camera, shape_free) {
 
 // Not vacuous: without double precision all of it is done by integers, from denormals to 1e7, and every bit is
 // compared.
-TEST(camera, same_bits_without_double_precision) {
+TEST(Camera, SameBitsWithoutDoublePrecision) {
     const gnomon::Device with = device_with(), without({}, {.hide_fp64 = true});
     EXPECT_FALSE(session_of(without).has_fp64());
     for (const CameraScene& scene : camera_scenes())
@@ -152,7 +152,7 @@ TEST(camera, same_bits_without_double_precision) {
 }
 
 // Not vacuous: the reference judges thousands of points whose lift and rounding depend on scale, distance and angle.
-TEST(camera, points_keep_their_promises) {
+TEST(Camera, PointsKeepTheirPromises) {
     const gnomon::Device device = device_with();
     std::uint64_t judged = 0;
     for (const CameraScene& scene : camera_scenes()) {
@@ -207,7 +207,7 @@ std::size_t count_under(const Floats& triangles, const Floats& points, const std
 
 // A caller's points: above their planes afterwards, by the exact predicate, and at most 9 ulps away. Not vacuous: about
 // half of them are under their planes, or on them, before.
-TEST(camera, lifted_points_leave_their_planes) {
+TEST(Camera, LiftedPointsLeaveTheirPlanes) {
     const gnomon::Device with = device_with(), without({}, {.hide_fp64 = true});
     std::size_t lifted_count = 0, under_before = 0;
     for (const CameraScene& scene : camera_scenes()) {
@@ -243,7 +243,7 @@ TEST(camera, lifted_points_leave_their_planes) {
 }
 
 // Who has no plane stays: no receiver, one that is no triangle, absent points.
-TEST(camera, lift_leaves_alone_what_has_no_plane) {
+TEST(Camera, LiftLeavesAloneWhatHasNoPlane) {
     const gnomon::Device device = device_with();
     const float nan = std::numeric_limits<float>::quiet_NaN();
     Floats scene;
@@ -267,7 +267,7 @@ TEST(camera, lift_leaves_alone_what_has_no_plane) {
 
 // Triangles that are no triangles, wholly behind the eye, through the eye, with the eye in their plane or at a vertex.
 // Not vacuous: each stands in the middle of the view, in front of a wall that must be seen.
-TEST(camera, survives_degenerates) {
+TEST(Camera, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     CameraScene scene{"degenerates", {}, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90, 31, 33};
@@ -295,7 +295,7 @@ TEST(camera, survives_degenerates) {
 
 // One pass looks at scene after scene, sizes and triangles changing, and the earlier views still exist. Not vacuous:
 // the pass starts with lists for the smallest scene, and uses a dropped view's buffers again.
-TEST(camera, pass_gives_the_bits_of_single_looks) {
+TEST(Camera, PassGivesTheBitsOfSingleLooks) {
     const gnomon::Device device = device_with();
     gnomon::CameraPass pass(device);
     std::vector<gnomon::View> views;
@@ -318,7 +318,7 @@ TEST(camera, pass_gives_the_bits_of_single_looks) {
 
 // Triangles smaller than the distance between samples, everywhere in the pixels; some hold a sample. Not vacuous: the
 // pixels' centres see some of them, and the 32 samples see others, which the lists of the centres may leave out.
-TEST(camera, specks_between_samples) {
+TEST(Camera, SpecksBetweenSamples) {
     const gnomon::Device device = device_with();
     CameraScene scene{"specks", {}, {0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 40, 64, 64};
     std::mt19937 random(7);
@@ -346,7 +346,7 @@ TEST(camera, specks_between_samples) {
 }
 
 // The kernels themselves, with canaries behind what they write. Not vacuous: sizes that leave part of a tile over.
-TEST(camera, writes_only_its_own) {
+TEST(Camera, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const CameraScene scene = camera_scenes().front();

@@ -166,14 +166,14 @@ Gltf indexed_file(int mode, int count = 5) {
     return gltf;
 }
 
-class SceneTest : public testing::Test {
+class SceneFile : public testing::Test {
 protected:
-    SceneTest() {
+    SceneFile() {
         std::string name = (std::filesystem::temp_directory_path() / "gnomon_scene_test_XXXXXX").string();
         if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
         folder = name;
     }
-    ~SceneTest() override { std::filesystem::remove_all(folder); }
+    ~SceneFile() override { std::filesystem::remove_all(folder); }
 
     std::filesystem::path write(const std::string& name, const std::string& text) const {
         // A new file each time: ext4 writes a truncated one to the disk at once.
@@ -222,28 +222,28 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
 
 // ---- Containers and buffers -----------------------------------------------------------------------------------------
 
-TEST_F(SceneTest, LoadsGltfWithDataUri) {
+TEST_F(SceneFile, LoadsGltfWithDataUri) {
     Gltf gltf = triangle_file();
     const Scene scene = load(gltf);
     EXPECT_EQ(scene.triangles, one_triangle);
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
 }
 
-TEST_F(SceneTest, LoadsDataUriOfAnyMediaType) {
+TEST_F(SceneFile, LoadsDataUriOfAnyMediaType) {
     Gltf gltf = triangle_file();
     gltf.set_buffer("36", gltf.data_uri(""));
     EXPECT_EQ(load(gltf).triangles, one_triangle);
 }
 
-TEST_F(SceneTest, LoadsGlb) {
+TEST_F(SceneFile, LoadsGlb) {
     EXPECT_EQ(gnomon::scene::load(write("scene.glb", triangle_file().glb())).triangles, one_triangle);
 }
 
-TEST_F(SceneTest, ContentsDecideNotTheName) {
+TEST_F(SceneFile, ContentsDecideNotTheName) {
     EXPECT_EQ(gnomon::scene::load(write("scene.gltf", triangle_file().glb())).triangles, one_triangle);
 }
 
-TEST_F(SceneTest, LoadsExternalBufferWithEscapedNameAndExtraBytes) {
+TEST_F(SceneFile, LoadsExternalBufferWithEscapedNameAndExtraBytes) {
     Gltf gltf = triangle_file();
     gltf.set_buffer("36", "my%20points+1.bin");
     Bytes longer = gltf.buffer;
@@ -252,7 +252,7 @@ TEST_F(SceneTest, LoadsExternalBufferWithEscapedNameAndExtraBytes) {
     EXPECT_EQ(load(gltf).triangles, one_triangle);
 }
 
-TEST_F(SceneTest, GlbMayKeepAnotherBufferOutside) {
+TEST_F(SceneFile, GlbMayKeepAnotherBufferOutside) {
     Gltf gltf = triangle_file();
     gltf.set("/buffers", R"([{"byteLength": 36}, {"byteLength": 36, "uri": "two.bin"}])");
     std::vector<float> other = one_triangle;
@@ -269,7 +269,7 @@ TEST_F(SceneTest, GlbMayKeepAnotherBufferOutside) {
     EXPECT_TRUE(std::equal(other.begin(), other.end(), scene.triangles.begin() + 9));
 }
 
-TEST_F(SceneTest, ImagesAreNeitherNeededNorDecoded) {
+TEST_F(SceneFile, ImagesAreNeitherNeededNorDecoded) {
     Gltf gltf = triangle_file();
     gltf.set("/images", R"([{"uri": "missing.png"}, {"uri": "data:image/png;base64,"},
                             {"uri": "data:image/png;base64,AAAA"}, {"bufferView": 0, "mimeType": "image/png"}])");
@@ -298,7 +298,7 @@ Gltf file_with_indices(const std::vector<T>& order) {
     return gltf;
 }
 
-TEST_F(SceneTest, AllIndexWidths) {
+TEST_F(SceneFile, AllIndexWidths) {
     Gltf narrow = file_with_indices<std::uint8_t>({4, 2, 3, 1, 0, 2});
     Gltf middle = file_with_indices<std::uint16_t>({4, 2, 3, 1, 0, 2});
     Gltf wide = file_with_indices<std::uint32_t>({4, 2, 3, 1, 0, 2});
@@ -306,17 +306,17 @@ TEST_F(SceneTest, AllIndexWidths) {
 }
 
 // glTF 2.0, 3.7.2.1: a strip's triangle i is (i, i + 1 + i % 2, i + 2 - i % 2), a fan's (i + 1, i + 2, 0).
-TEST_F(SceneTest, StripKeepsItsWinding) {
+TEST_F(SceneFile, StripKeepsItsWinding) {
     Gltf gltf = indexed_file(5);
     EXPECT_EQ(load(gltf).triangles, corners({0, 1, 2, 1, 3, 2, 2, 3, 4}));
 }
 
-TEST_F(SceneTest, FanKeepsItsWinding) {
+TEST_F(SceneFile, FanKeepsItsWinding) {
     Gltf gltf = indexed_file(6);
     EXPECT_EQ(load(gltf).triangles, corners({1, 2, 0, 2, 3, 0, 3, 4, 0}));
 }
 
-TEST_F(SceneTest, StripAndFanWithoutIndices) {
+TEST_F(SceneFile, StripAndFanWithoutIndices) {
     for (const int mode : {5, 6}) {
         Gltf gltf = triangle_file(five_points);
         gltf.set("/meshes/0/primitives/0/mode", std::to_string(mode));
@@ -325,7 +325,7 @@ TEST_F(SceneTest, StripAndFanWithoutIndices) {
     }
 }
 
-TEST_F(SceneTest, StrideAndOffsets) {
+TEST_F(SceneFile, StrideAndOffsets) {
     Gltf gltf;
     Bytes bytes(8, 0xFF);  // skipped by the accessor's offset
     for (std::size_t i = 0; i < 3; ++i) {
@@ -340,14 +340,14 @@ TEST_F(SceneTest, StrideAndOffsets) {
     EXPECT_EQ(load(gltf).triangles, one_triangle);
 }
 
-TEST_F(SceneTest, SparsePositionsOverABase) {
+TEST_F(SceneFile, SparsePositionsOverABase) {
     Gltf gltf = triangle_file();
     const int indices = gltf.view_of<std::uint8_t>({0, 2}), values = gltf.view_of<float>({7, 8, 9, 4, 5, 6});
     gltf.make_sparse(0, 2, indices, u8, values);
     EXPECT_EQ(load(gltf).triangles, (std::vector<float>{7, 8, 9, 1, 0, 0, 4, 5, 6}));
 }
 
-TEST_F(SceneTest, SparsePositionsOverZeros) {
+TEST_F(SceneFile, SparsePositionsOverZeros) {
     for (const int width : {u16, u32}) {
         Gltf gltf = triangle_file();
         const int indices = width == u16 ? gltf.view_of<std::uint16_t>({99, 1}) : gltf.view_of<std::uint32_t>({99, 1});
@@ -359,13 +359,13 @@ TEST_F(SceneTest, SparsePositionsOverZeros) {
     }
 }
 
-TEST_F(SceneTest, AccessorsWithoutBufferViewAreZeros) {
+TEST_F(SceneFile, AccessorsWithoutBufferViewAreZeros) {
     Gltf gltf = triangle_file();
     gltf.set("/accessors/0/bufferView", "");
     EXPECT_EQ(load(gltf).triangles, std::vector<float>(9, 0.0f));
 }
 
-TEST_F(SceneTest, IndicesWithoutBufferViewAreZerosAndMayBeSparse) {
+TEST_F(SceneFile, IndicesWithoutBufferViewAreZerosAndMayBeSparse) {
     Gltf gltf = indexed_file(4, 3);
     gltf.set("/accessors/1/bufferView", "");
     EXPECT_EQ(load(gltf).triangles, corners({0, 0, 0}));
@@ -374,7 +374,7 @@ TEST_F(SceneTest, IndicesWithoutBufferViewAreZerosAndMayBeSparse) {
     EXPECT_EQ(load(gltf).triangles, corners({0, 4, 3}));
 }
 
-TEST_F(SceneTest, IncompleteTrianglesAreLeftOutWithAWarning) {
+TEST_F(SceneFile, IncompleteTrianglesAreLeftOutWithAWarning) {
     for (const int mode : {4, 5, 6}) {
         Gltf gltf = indexed_file(mode, mode == 4 ? 5 : 2);
         const Scene scene = load(gltf);
@@ -383,7 +383,7 @@ TEST_F(SceneTest, IncompleteTrianglesAreLeftOutWithAWarning) {
     }
 }
 
-TEST_F(SceneTest, PointsAndLinesAreLeftOutByName) {
+TEST_F(SceneFile, PointsAndLinesAreLeftOutByName) {
     for (const int mode : {0, 1, 2, 3}) {
         Gltf gltf = triangle_file();
         gltf.set("/meshes/0/primitives/1", R"({"attributes": {"POSITION": 0}, "mode": )" + std::to_string(mode) + "}");
@@ -395,7 +395,7 @@ TEST_F(SceneTest, PointsAndLinesAreLeftOutByName) {
 
 // ---- Nodes and transforms -------------------------------------------------------------------------------------------
 
-TEST_F(SceneTest, InstancesComeInNodeOrder) {
+TEST_F(SceneFile, InstancesComeInNodeOrder) {
     Gltf gltf = triangle_file();
     gltf.node(R"({"mesh": 0, "translation": [10, 0, 0]})");
     gltf.node(R"({"mesh": 0, "translation": [0, 20, 0]})");
@@ -406,7 +406,7 @@ TEST_F(SceneTest, InstancesComeInNodeOrder) {
                                                         10, 0,  0, 11, 0,  0, 10, 1,  0}));  // node 1
 }
 
-TEST_F(SceneTest, NestedTransformsApplyInnermostFirst) {
+TEST_F(SceneFile, NestedTransformsApplyInnermostFirst) {
     Gltf gltf = triangle_file();
     // Scale by (2, 3, 4), then a quarter turn about z (x to y, y to -x), then move; the parent is a column-major matrix
     // that swaps x and z and moves by (100, 200, 300).
@@ -417,7 +417,7 @@ TEST_F(SceneTest, NestedTransformsApplyInnermostFirst) {
     EXPECT_EQ(load(gltf).triangles, (std::vector<float>{103, 202, 301, 103, 204, 301, 103, 202, 298}));
 }
 
-TEST_F(SceneTest, IdentityKeepsEveryBit) {
+TEST_F(SceneFile, IdentityKeepsEveryBit) {
     const float payload = std::bit_cast<float>(0x7FC12345u);
     const std::vector<float> odd{-0.0f, 0.0f, -0.0f, 1e-45f, -3e-39f, infinity, payload, -0.0f, 3e38f};
     for (const char* identity :
@@ -433,7 +433,7 @@ TEST_F(SceneTest, IdentityKeepsEveryBit) {
 
 /// Scale and translation are no float32 values, so a transform that rounds them, or the product, to float32 as well
 /// differs; the last count shows that this test would notice.
-TEST_F(SceneTest, PositionsAreRoundedOnce) {
+TEST_F(SceneFile, PositionsAreRoundedOnce) {
     const double scale = 1.1000000000000001, move = 1234.5678901234567;
     std::vector<float> xyz;
     for (int i = 0; i < 900; ++i) xyz.push_back(float(i - 450) * 0.37f);
@@ -455,7 +455,7 @@ TEST_F(SceneTest, PositionsAreRoundedOnce) {
     EXPECT_GT(differs_from_float_arithmetic, 0u);
 }
 
-TEST_F(SceneTest, TransformsAreComposedInDouble) {
+TEST_F(SceneFile, TransformsAreComposedInDouble) {
     // 2^40 up and 2^40 down again: float32 composition would lose the 0.25, and so would rounding between the nodes.
     Gltf gltf = triangle_file();
     gltf.set("/nodes/0/translation", "[1099511627776.25, 0, 0]");
@@ -463,7 +463,7 @@ TEST_F(SceneTest, TransformsAreComposedInDouble) {
     EXPECT_EQ(load(gltf).triangles, (std::vector<float>{0.25, 0, 0, 1.25, 0, 0, 0.25, 1, 0}));
 }
 
-TEST_F(SceneTest, DegenerateTransformsAreAllowed) {
+TEST_F(SceneFile, DegenerateTransformsAreAllowed) {
     Gltf gltf = triangle_file();
     gltf.set("/nodes/0/scale", "[0, 0, 0]").set("/nodes/0/translation", "[1, 2, 3]");
     const Scene scene = load(gltf);
@@ -471,7 +471,7 @@ TEST_F(SceneTest, DegenerateTransformsAreAllowed) {
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
 }
 
-TEST_F(SceneTest, ShowsTheDefaultScene) {
+TEST_F(SceneFile, ShowsTheDefaultScene) {
     Gltf gltf = triangle_file();
     gltf.node(R"({"mesh": 0, "translation": [0, 0, 5]})");
     gltf.set("/scenes", R"([{"nodes": [0]}, {"nodes": [1]}])");
@@ -483,14 +483,14 @@ TEST_F(SceneTest, ShowsTheDefaultScene) {
     EXPECT_EQ(load(gltf).triangle_count(), 2u) << "all roots where there are no scenes";
 }
 
-TEST_F(SceneTest, DeepHierarchiesNeedNoStack) {
+TEST_F(SceneFile, DeepHierarchiesNeedNoStack) {
     Gltf gltf = triangle_file();
     const int depth = 200000;
     for (int i = 0; i < depth; ++i) gltf.node(R"({"translation": [0, 0, 1], "children": [)" + std::to_string(i) + "]}");
     EXPECT_EQ(load(gltf).triangles[2], float(depth));
 }
 
-TEST_F(SceneTest, ManyNodesAndTrianglesLoadQuickly) {
+TEST_F(SceneFile, ManyNodesAndTrianglesLoadQuickly) {
     std::vector<float> xyz;
     for (int i = 0; i < 30 * 9; ++i) xyz.push_back(float(i));
     Gltf gltf = triangle_file(xyz);
@@ -503,7 +503,7 @@ TEST_F(SceneTest, ManyNodesAndTrianglesLoadQuickly) {
     EXPECT_LT(seconds, 30) << "something grows faster than the scene";
 }
 
-TEST_F(SceneTest, NonFiniteTrianglesKeepTheirPlaceAndAreNamed) {
+TEST_F(SceneFile, NonFiniteTrianglesKeepTheirPlaceAndAreNamed) {
     std::vector<float> xyz;
     for (int i = 0; i < 4; ++i) xyz.insert(xyz.end(), one_triangle.begin(), one_triangle.end());
     xyz[9 + 4] = std::numeric_limits<float>::quiet_NaN();
@@ -526,7 +526,7 @@ TEST_F(SceneTest, NonFiniteTrianglesKeepTheirPlaceAndAreNamed) {
 
 // ---- Materials, cameras, lights -------------------------------------------------------------------------------------
 
-TEST_F(SceneTest, Materials) {
+TEST_F(SceneFile, Materials) {
     Gltf gltf = triangle_file();
     gltf.set("/materials",
              R"([{"name": "plain"}, {"pbrMetallicRoughness": {"baseColorFactor": [0.25, 0.5, 0.75, 0.1]}}])");
@@ -538,7 +538,7 @@ TEST_F(SceneTest, Materials) {
     EXPECT_EQ(scene.materials.base_color, (std::vector<Float3>{{1, 1, 1}, {0.25f, 0.5f, 0.75f}, {0.8f, 0.8f, 0.8f}}));
 }
 
-TEST_F(SceneTest, PerspectiveCamera) {
+TEST_F(SceneFile, PerspectiveCamera) {
     Gltf gltf = triangle_file();
     gltf.add("cameras", R"({"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}})");
     // A quarter turn about +Y turns -Z into -X and +X into -Z; the scale must not matter.
@@ -560,7 +560,7 @@ TEST_F(SceneTest, PerspectiveCamera) {
     EXPECT_EQ(scene.cameras[1].camera.forward, (std::array<double, 3>{0, 0, -1}));
 }
 
-TEST_F(SceneTest, OrthographicAndDegenerateCamerasAreNamed) {
+TEST_F(SceneFile, OrthographicAndDegenerateCamerasAreNamed) {
     Gltf gltf = triangle_file();
     gltf.add("cameras", R"({"type": "orthographic", "name": "plan",
                             "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}})");
@@ -586,7 +586,7 @@ std::string lamp(int light, const std::string& others) {
     return R"({"extensions": {"KHR_lights_punctual": {"light": )" + std::to_string(light) + "}}, " + others + "}";
 }
 
-TEST_F(SceneTest, Lights) {
+TEST_F(SceneFile, Lights) {
     Gltf gltf = light_file();
     // A turn by -90 degrees about +X turns -Z into -Y: straight down, as long as the scale along z.
     gltf.node(lamp(0, R"("matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 3, 0, 0, 5, 6, 7, 1])"));
@@ -606,7 +606,7 @@ TEST_F(SceneTest, Lights) {
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
 }
 
-TEST_F(SceneTest, DegenerateLightIsNamed) {
+TEST_F(SceneFile, DegenerateLightIsNamed) {
     Gltf gltf = light_file();
     gltf.node(lamp(0, R"("scale": [0, 0, 0])"));
     const Scene scene = load(gltf);
@@ -616,7 +616,7 @@ TEST_F(SceneTest, DegenerateLightIsNamed) {
 
 // ---- What is not supported ------------------------------------------------------------------------------------------
 
-TEST_F(SceneTest, OneWarningNamesAllThatIsNotSupported) {
+TEST_F(SceneFile, OneWarningNamesAllThatIsNotSupported) {
     Gltf gltf = triangle_file();
     gltf.set("/meshes/0/primitives", R"([
         {"attributes": {"POSITION": 0}, "material": 0, "targets": [{"POSITION": 0}],
@@ -641,7 +641,7 @@ TEST_F(SceneTest, OneWarningNamesAllThatIsNotSupported) {
     EXPECT_EQ(scene.warnings[0].find("KHR_materials_unlit"), std::string::npos) << "colour only";
 }
 
-TEST_F(SceneTest, UnknownRequiredExtensionIsAnError) {
+TEST_F(SceneFile, UnknownRequiredExtensionIsAnError) {
     for (const char* name :
          {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing", "ACME_warp"}) {
         Gltf gltf = triangle_file();
@@ -653,7 +653,7 @@ TEST_F(SceneTest, UnknownRequiredExtensionIsAnError) {
     EXPECT_EQ(load(gltf).triangles, one_triangle);
 }
 
-TEST_F(SceneTest, CompressedWithoutFallbackIsAnError) {
+TEST_F(SceneFile, CompressedWithoutFallbackIsAnError) {
     Gltf gltf = triangle_file();
     gltf.set("/meshes/0/primitives/0/extensions", R"({"KHR_draco_mesh_compression": {"bufferView": 0}})");
     gltf.set("/accessors/0/bufferView", "");
@@ -664,14 +664,14 @@ TEST_F(SceneTest, CompressedWithoutFallbackIsAnError) {
     expect_error(gltf, {"buffers[0]", "EXT_meshopt_compression"});
 }
 
-TEST_F(SceneTest, NoTrianglesIsAWarning) {
+TEST_F(SceneFile, NoTrianglesIsAWarning) {
     Gltf gltf;
     const Scene scene = load(gltf);
     EXPECT_EQ(scene.triangle_count(), 0u);
     expect_warning(scene, {"has no triangles"});
 }
 
-TEST_F(SceneTest, PrimitiveWithoutPositionsIsNamed) {
+TEST_F(SceneFile, PrimitiveWithoutPositionsIsNamed) {
     Gltf gltf = triangle_file();
     gltf.set("/meshes/0/primitives/1", R"({"attributes": {"NORMAL": 0}})");
     expect_warning(load(gltf), {"primitive 1 of mesh 'thing'", "positions"});
@@ -679,19 +679,19 @@ TEST_F(SceneTest, PrimitiveWithoutPositionsIsNamed) {
 
 // ---- Bad files ------------------------------------------------------------------------------------------------------
 
-TEST_F(SceneTest, MissingFile) { expect_error(folder / "nowhere.glb", {"does not exist"}); }
-TEST_F(SceneTest, Directory) { expect_error(folder, {"is a directory"}); }
-TEST_F(SceneTest, EmptyFile) { expect_error(write("empty.glb", std::string()), {"is empty"}); }
-TEST_F(SceneTest, NotAFile) { expect_error("/dev/null", {"not a regular file"}); }
+TEST_F(SceneFile, MissingFile) { expect_error(folder / "nowhere.glb", {"does not exist"}); }
+TEST_F(SceneFile, Directory) { expect_error(folder, {"is a directory"}); }
+TEST_F(SceneFile, EmptyFile) { expect_error(write("empty.glb", std::string()), {"is empty"}); }
+TEST_F(SceneFile, NotAFile) { expect_error("/dev/null", {"not a regular file"}); }
 
-TEST_F(SceneTest, NotAGltf) {
+TEST_F(SceneFile, NotAGltf) {
     expect_error(write("picture.glb", std::string("\x89PNG\r\n\x1a\n and so on")), {"not a glTF"});
     expect_error(write("list.gltf", std::string("[1, 2]")), {"not a glTF"});
     expect_error(write("spaces.gltf", std::string("   \n")), {"not a glTF"});
     expect_error(write("other.gltf", std::string("{\"a\": 1}")), {"asset is missing"});
 }
 
-TEST_F(SceneTest, GltfOfAnotherVersion) {
+TEST_F(SceneFile, GltfOfAnotherVersion) {
     Gltf gltf = triangle_file();
     gltf.set("/asset", R"({"version": "1.0"})");
     expect_error(gltf, {"asset.version", "'1.0'"});
@@ -701,24 +701,24 @@ TEST_F(SceneTest, GltfOfAnotherVersion) {
     expect_error(gltf, {"asset.version must be a string"});
 }
 
-TEST_F(SceneTest, EveryTruncationOfAGltf) {
+TEST_F(SceneFile, EveryTruncationOfAGltf) {
     Gltf gltf = triangle_file();
     const std::string text = gltf.text();
     for (std::size_t size = 2; size < text.size(); size += 5)
         expect_error(write("cut.gltf", text.substr(0, size)), {"cut off after " + std::to_string(size) + " bytes"});
 }
 
-TEST_F(SceneTest, BrokenJsonIsPlaced) {
+TEST_F(SceneFile, BrokenJsonIsPlaced) {
     expect_error(write("broken.gltf", std::string("{\"asset\" {}}")), {"broken at byte 10 of 12 bytes"});
 }
 
-TEST_F(SceneTest, EveryTruncationOfAGlb) {
+TEST_F(SceneFile, EveryTruncationOfAGlb) {
     const Bytes whole = triangle_file().glb();
     for (std::size_t size = 4; size < whole.size(); ++size)
         expect_error(write("cut.glb", Bytes(whole.begin(), whole.begin() + long(size))), {"the .glb is cut off"});
 }
 
-TEST_F(SceneTest, BrokenGlbHeaders) {
+TEST_F(SceneFile, BrokenGlbHeaders) {
     const auto with = [&](std::size_t at, std::uint32_t value) {
         Bytes bytes = triangle_file().glb();
         std::memcpy(&bytes[at], &value, sizeof value);
@@ -731,7 +731,7 @@ TEST_F(SceneTest, BrokenGlbHeaders) {
     expect_error(with(16, 0x004E4942), {"first chunk"});
 }
 
-TEST_F(SceneTest, GlbWithoutItsBinaryChunk) {
+TEST_F(SceneFile, GlbWithoutItsBinaryChunk) {
     Gltf gltf = triangle_file();
     gltf.set_buffer("36", "");
     gltf.buffer.clear();
@@ -741,7 +741,7 @@ TEST_F(SceneTest, GlbWithoutItsBinaryChunk) {
     expect_error(write("short.glb", gltf.glb()), {"buffers[0] needs 360 bytes", "only 36"});
 }
 
-TEST_F(SceneTest, DeepOrMonstrousJson) {
+TEST_F(SceneFile, DeepOrMonstrousJson) {
     const std::string open(100000, '['), close(100000, ']');
     expect_error(write("deep.gltf", "{\"asset\":{\"version\":\"2.0\"},\"extras\":" + open + close + "}"),
                  {"nests deeper"});
@@ -750,7 +750,7 @@ TEST_F(SceneTest, DeepOrMonstrousJson) {
                  {"range of double"});
 }
 
-TEST_F(SceneTest, MissingAndShortBufferFiles) {
+TEST_F(SceneFile, MissingAndShortBufferFiles) {
     Gltf gltf = triangle_file();
     gltf.set_buffer("36", "away.bin");
     expect_error(gltf, {"away.bin", "does not exist"});
@@ -770,7 +770,7 @@ TEST_F(SceneTest, MissingAndShortBufferFiles) {
     expect_error(gltf, {"buffers[0] has no data"});
 }
 
-TEST_F(SceneTest, BrokenDataUris) {
+TEST_F(SceneFile, BrokenDataUris) {
     Gltf gltf = triangle_file();
     const std::string good = base64(gltf.buffer);
     for (const std::string& bad : {good.substr(0, 20), good.substr(0, 20) + "!" + good.substr(21), std::string()}) {
@@ -793,7 +793,7 @@ struct Damage {
 
 void PrintTo(const Damage& damage, std::ostream* out) { *out << damage.name; }
 
-class SceneDamageTest : public SceneTest, public testing::WithParamInterface<Damage> {};
+class DamagedScene : public SceneFile, public testing::WithParamInterface<Damage> {};
 
 /// Something of everything: mesh 0 with sparse positions, indices and a material, node 0 with a camera, node 1 with a
 /// light; and the accessors that the damages below refer to.
@@ -817,14 +817,14 @@ Gltf full_file() {
     return gltf;
 }
 
-TEST_F(SceneTest, TheFileThatIsDamagedBelowIsSound) {
+TEST_F(SceneFile, TheFileThatIsDamagedBelowIsSound) {
     Gltf gltf = full_file();
     const Scene scene = load(gltf);
     EXPECT_EQ(scene.triangles, one_triangle);
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
 }
 
-TEST_P(SceneDamageTest, IsNamed) {
+TEST_P(DamagedScene, IsNamed) {
     Gltf gltf = full_file();
     for (const auto& [pointer, text] : GetParam().changes) gltf.set(pointer, text);
     expect_error(gltf, GetParam().words);
@@ -980,12 +980,12 @@ const std::vector<Damage> hierarchy_damages{
 };
 
 const auto damage_name = [](const auto& info) { return std::string(info.param.name); };
-INSTANTIATE_TEST_SUITE_P(Index, SceneDamageTest, testing::ValuesIn(index_damages), damage_name);
-INSTANTIATE_TEST_SUITE_P(Extent, SceneDamageTest, testing::ValuesIn(extent_damages), damage_name);
-INSTANTIATE_TEST_SUITE_P(Value, SceneDamageTest, testing::ValuesIn(value_damages), damage_name);
-INSTANTIATE_TEST_SUITE_P(Hierarchy, SceneDamageTest, testing::ValuesIn(hierarchy_damages), damage_name);
+INSTANTIATE_TEST_SUITE_P(Index, DamagedScene, testing::ValuesIn(index_damages), damage_name);
+INSTANTIATE_TEST_SUITE_P(Extent, DamagedScene, testing::ValuesIn(extent_damages), damage_name);
+INSTANTIATE_TEST_SUITE_P(Value, DamagedScene, testing::ValuesIn(value_damages), damage_name);
+INSTANTIATE_TEST_SUITE_P(Hierarchy, DamagedScene, testing::ValuesIn(hierarchy_damages), damage_name);
 
-TEST_F(SceneTest, InstancesOfInstancesAreCountedBeforeTheyAreMade) {
+TEST_F(SceneFile, InstancesOfInstancesAreCountedBeforeTheyAreMade) {
     // 9 million vertices of zeros cost nothing; drawn by a thousand nodes they are 120 GB from a file of 20 KB.
     constexpr std::uint64_t memory_bytes = std::uint64_t(64) << 30;
     Gltf gltf = triangle_file();
@@ -996,7 +996,7 @@ TEST_F(SceneTest, InstancesOfInstancesAreCountedBeforeTheyAreMade) {
     expect_error(gltf, {"6003000000 triangles with its instances", "32-bit triangle ids"});
 }
 
-TEST_F(SceneTest, EveryDamagedByteOfAGlbIsSurvived) {
+TEST_F(SceneFile, EveryDamagedByteOfAGlbIsSurvived) {
     // Whatever a byte becomes: a scene or a SceneError, nothing else (and nothing for the sanitizers).
     const Bytes whole = full_file().glb();
     std::size_t loaded = 0;
@@ -1122,11 +1122,11 @@ struct RealScene {
     std::size_t triangles;
 };
 
-class RealSceneTest : public testing::TestWithParam<RealScene> {};
+class SharedScene : public testing::TestWithParam<RealScene> {};
 
 /// Both are one identity node and one mesh of uint32 triangles over one float32 position accessor, one buffer: the
 /// expected triangles are gathered here from the .glb's bytes, with nothing but a JSON parser.
-TEST_P(RealSceneTest, LoadsWithTheFilesOwnBits) {
+TEST_P(SharedScene, LoadsWithTheFilesOwnBits) {
     const char* elsewhere = std::getenv("GNOMON_SCENES");
     const std::filesystem::path file =
         std::filesystem::path(elsewhere ? elsewhere : GNOMON_SHARED_SCENES) / GetParam().file;
@@ -1161,7 +1161,7 @@ TEST_P(RealSceneTest, LoadsWithTheFilesOwnBits) {
 }
 
 const auto real_name = [](const auto& info) { return std::filesystem::path(info.param.file).stem().string(); };
-INSTANTIATE_TEST_SUITE_P(Shared, RealSceneTest,
+INSTANTIATE_TEST_SUITE_P(Shared, SharedScene,
                          testing::Values(RealScene{"crytek_sponza.glb", 262267}, RealScene{"lost_empire.glb", 224998}),
                          real_name);
 

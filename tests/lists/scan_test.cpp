@@ -51,7 +51,7 @@ Words random_counts(std::size_t count, std::uint32_t below, std::uint64_t seed) 
 constexpr std::size_t SIZES[] = {0, 1, 2, 255, 256, 257, 511, 1000, 4096, 32767, 32768, 32769, 65537, 100000};
 
 // Not vacuous: hundreds of chunks in the larger sizes, and sums that every element changes.
-TEST(scan, equals_reference) {
+TEST(Scan, EqualsReference) {
     const gnomon::Device device = device_with();
     for (const std::size_t size : SIZES)
         for (const std::uint32_t alignment : {1u, 4u, 16u}) {
@@ -62,7 +62,7 @@ TEST(scan, equals_reference) {
 }
 
 // Not vacuous: 100000 counts are 391 chunks, more than the items of any of these groups.
-TEST(scan, shape_free) {
+TEST(Scan, ShapeFree) {
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
         const gnomon::Device device = device_with(group);
         for (const std::size_t size : {std::size_t(0), std::size_t(1), std::size_t(257), std::size_t(100000)}) {
@@ -75,7 +75,7 @@ TEST(scan, shape_free) {
 
 // A total beyond 32 bits must be seen as one: wrapped around it would look like a list that fits.
 // Not vacuous: without saturation every one of these totals is small.
-TEST(scan, survives_overflow) {
+TEST(Scan, SurvivesOverflow) {
     const std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
     // Within a chunk, from chunk to chunk of one work-item, and from one work-item to the next.
     for (const std::uint32_t group : {1u, 3u, 64u}) {

@@ -51,7 +51,7 @@ Words random_keys(std::size_t count, std::uint32_t mask, std::uint64_t seed) {
 constexpr std::size_t SIZES[] = {1, 2, 511, 512, 513, 4095, 4096, 4097, 100000};
 
 // Not vacuous: under the narrow masks most keys have equals, hundreds of them in other chunks.
-TEST(sort, equals_reference) {
+TEST(Sort, EqualsReference) {
     const gnomon::Device device = device_with();
     gnomon::Sort stage;
     for (const std::size_t size : SIZES)
@@ -62,7 +62,7 @@ TEST(sort, equals_reference) {
         }
 }
 
-TEST(sort, shape_free) {
+TEST(Sort, ShapeFree) {
     const Words keys = random_keys(30000, 0xF00F00FFu, 5);
     const Sorted wanted = reference_sort(keys);
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
@@ -73,7 +73,7 @@ TEST(sort, shape_free) {
     }
 }
 
-TEST(sort, nothing_in_nothing_out) {
+TEST(Sort, NothingInNothingOut) {
     const gnomon::Device device = device_with();
     gnomon::Sort stage;
     EXPECT_TRUE(sort(device, stage, {}) == Sorted{});

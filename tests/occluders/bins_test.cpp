@@ -51,7 +51,7 @@ void check(const gnomon::Device& device, const LightScene& scene, gnomon::FrameG
 }
 
 // Not vacuous: fewer than a tenth of all (triangle, bin) pairs are referenced, so the omitted pairs matter.
-TEST(bins, equals_reference) {
+TEST(Bins, EqualsReference) {
     const gnomon::Device device = device_with();
     Tally tally;
     for (const LightScene& scene : light_scenes()) check(device, scene, {64, 3}, tally);
@@ -60,7 +60,7 @@ TEST(bins, equals_reference) {
     EXPECT_LT(tally.referenced, tally.possible / 10);
 }
 
-TEST(bins, equals_reference_in_the_oracles_own_scenes) {
+TEST(Bins, EqualsReferenceInTheOraclesOwnScenes) {
     const gnomon::Device device = device_with();
     Tally tally;
     for (const LightScene& scene : reference_scenes()) check(device, scene, {32, 2}, tally);
@@ -87,7 +87,7 @@ FrameOutput run(const gnomon::Device& device, const LightScene& scene, gnomon::F
 }
 
 // Not vacuous: the scenes have triangles of one tile and of hundreds (checked), and hundreds of references or more.
-TEST(bins, shape_free) {
+TEST(Bins, ShapeFree) {
     const LightScene scene = comparison_scene();
     for (const gnomon::FrameGrid grid : GRIDS) {
         SCOPED_TRACE("grid of " + std::to_string(grid.size));
@@ -102,7 +102,7 @@ TEST(bins, shape_free) {
     }
 }
 
-TEST(bins, order_free) {
+TEST(Bins, OrderFree) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene();
     const auto order = shuffled_order(scene.triangles.size() / 9, 105);
@@ -121,7 +121,7 @@ TEST(bins, order_free) {
     for (const gnomon::FrameGrid grid : {GRIDS[0], GRIDS[1]}) check(device, reversed, grid, tally);
 }
 
-TEST(bins, survives_degenerates) {
+TEST(Bins, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     const float nan = std::numeric_limits<float>::quiet_NaN();
     Tally tally;
@@ -139,7 +139,7 @@ TEST(bins, survives_degenerates) {
 }
 
 // Not vacuous: the second run has a fraction of the first one's references and bins, in the same buffers.
-TEST(bins, writes_only_its_own) {
+TEST(Bins, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     LightScene scene = comparison_scene();
@@ -165,7 +165,7 @@ TEST(bins, writes_only_its_own) {
 
 // A GPU's lists are in runs with the highest triangles first. Not vacuous: some lists have several runs, and heights
 // differ.
-TEST(bins, highest_first_on_a_gpu) {
+TEST(Bins, HighestFirstOnAGpu) {
     gnomon::DeviceOptions options;
     options.gpu_kernels = true;
     const gnomon::Device device({}, options);
@@ -201,7 +201,7 @@ TEST(bins, highest_first_on_a_gpu) {
 }
 
 // Not vacuous: from room for 1 reference to thousands.
-TEST(bins, grows) {
+TEST(Bins, Grows) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene();
     const UploadedScene inputs(device, scene);

@@ -81,7 +81,7 @@ Floats wild_triangles(std::size_t count, std::uint64_t seed) {
     return triangles;
 }
 
-TEST(clusters, boxes_are_those_of_the_finite_vertices_to_the_bit) {
+TEST(Clusters, BoxesAreThoseOfTheFiniteVerticesToTheBit) {
     const gnomon::Device device = device_with();
     std::uint64_t not_finite = 0, clean = 0;
     for (const std::size_t count : {1u, 5u, 63u, 64u, 65u, 129u, 1023u, 1024u, 1025u, 5000u})
@@ -211,7 +211,7 @@ void attack_bounds(const gnomon::Device& device, const gnomon::Projection& proje
     expect_bounds_hold(projection, map, floats, downloaded<float>(session, bounds.get(), 320 * 8), tally);
 }
 
-TEST(clusters, bounds_hold_for_every_vertex_in_the_box) {
+TEST(Clusters, BoundsHoldForEveryVertexInTheBox) {
     const gnomon::Device device = device_with();
     Session& session = session_of(device);
     BoundsTally tally;
@@ -346,22 +346,22 @@ Tally attack(const std::vector<LightScene>& scenes, const char* what) {
     return tally;
 }
 
-TEST(clusters, none_is_dropped_wrongly_in_scenes_of_ties) {
+TEST(Clusters, NoneIsDroppedWronglyInScenesOfTies) {
     const Tally tally = attack(light_scenes(), "ties");
     EXPECT_GT(tally.outside, 500u);
     EXPECT_GT(tally.too_far, 500u);
 }
 
-TEST(clusters, none_is_dropped_wrongly_around_a_lamp) {
+TEST(Clusters, NoneIsDroppedWronglyAroundAPointLight) {
     const Tally tally = attack(point_light_plane_scenes(), "around a lamp");
     EXPECT_GT(tally.outside, 100u);
 }
 
-TEST(clusters, none_is_dropped_wrongly_among_huge_triangles) { attack(huge_triangle_scenes(), "huge triangles"); }
+TEST(Clusters, NoneIsDroppedWronglyAmongHugeTriangles) { attack(huge_triangle_scenes(), "huge triangles"); }
 
-TEST(clusters, none_is_dropped_wrongly_where_products_underflow) { attack(underflow_scenes(), "underflow"); }
+TEST(Clusters, NoneIsDroppedWronglyWhereProductsUnderflow) { attack(underflow_scenes(), "underflow"); }
 
-TEST(clusters, none_is_dropped_wrongly_in_the_oracles_own_scenes) {
+TEST(Clusters, NoneIsDroppedWronglyInTheOraclesOwnScenes) {
     const Tally tally = attack(reference_scenes(), "oracle's scenes");
     EXPECT_GT(tally.outside + tally.too_far, 100u);
 }
@@ -407,7 +407,7 @@ std::vector<LightScene> scenes_of_box_corners() {
     return scenes;
 }
 
-TEST(clusters, none_is_dropped_wrongly_by_a_hair) {
+TEST(Clusters, NoneIsDroppedWronglyByAHair) {
     const Tally tally = attack(scenes_of_box_corners(), "box corners");
     EXPECT_GT(tally.outside, 100u);
     EXPECT_GT(tally.too_far, 200u);
@@ -440,7 +440,7 @@ std::vector<LightScene> scenes_of_many_triangles() {
     return scenes;
 }
 
-TEST(clusters, visibility_is_the_same_bits_with_and_without) {
+TEST(Clusters, VisibilityIsTheSameBitsWithAndWithout) {
     std::uint64_t dropped = 0;
     for (const std::uint32_t work_group_size : {0u, 3u, 64u}) {
         const gnomon::Device device = device_with(work_group_size);
@@ -467,7 +467,7 @@ TEST(clusters, visibility_is_the_same_bits_with_and_without) {
     EXPECT_GT(dropped, 100u);
 }
 
-TEST(clusters, a_camera_sees_the_same_bits_with_and_without) {
+TEST(Clusters, ACameraSeesTheSameBitsWithAndWithout) {
     const gnomon::Device device = device_with();
     std::uint64_t dropped = 0;
     for (const CameraScene& scene : camera_scenes())
@@ -497,7 +497,7 @@ Floats strewn_triangles() {
     return triangles;
 }
 
-TEST(clusters, strewn_triangles_are_put_in_order) {
+TEST(Clusters, StrewnTrianglesArePutInOrder) {
     const Floats strewn = strewn_triangles();
     std::vector<std::uint32_t> order;
     for (const std::uint32_t work_group_size : {0u, 1u, 3u, 64u})
@@ -534,7 +534,7 @@ TEST(clusters, strewn_triangles_are_put_in_order) {
     for (std::uint32_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], i);  // each once
 }
 
-TEST(clusters, neighbours_stay_where_they_are) {
+TEST(Clusters, NeighboursStayWhereTheyAre) {
     const gnomon::Device device = device_with();
     // The same triangles in the clusters' order: no gain. Then huge triangles: no order brings them together.
     auto strewn = gnomon::Triangles::upload(device, strewn_triangles());
@@ -569,7 +569,7 @@ LightScene strewn_scene(const std::string& name, const Light& light) {
     return scene;
 }
 
-TEST(clusters, an_order_of_their_own_changes_no_bit) {
+TEST(Clusters, AnOrderOfTheirOwnChangesNoBit) {
     std::uint64_t dropped = 0, lit = 0;
     const gnomon::Device device = device_with();
     for (const auto& [name, light] : lights_of_every_kind()) {
@@ -595,7 +595,7 @@ TEST(clusters, an_order_of_their_own_changes_no_bit) {
     EXPECT_GT(lit, 1000u);
 }
 
-TEST(clusters, a_camera_sees_the_same_triangles_in_an_order_of_their_own) {
+TEST(Clusters, ACameraSeesTheSameTrianglesInAnOrderOfTheirOwn) {
     const gnomon::Device device = device_with();
     auto triangles = gnomon::Triangles::upload(device, strewn_triangles());
     const auto camera = gnomon::Camera::look_at({0.2f, 0.1f, 0.5f}, {0, 0, 0}, {0, 1, 0}, 60);
@@ -616,7 +616,7 @@ TEST(clusters, a_camera_sees_the_same_triangles_in_an_order_of_their_own) {
 }
 
 /// A device with room for the boxes, but not for a sorted copy: the clusters keep the buffer's order.
-TEST(clusters, without_room_they_stay_in_the_order_of_the_buffer) {
+TEST(Clusters, WithoutRoomTheyStayInTheOrderOfTheBuffer) {
     const Floats strewn = strewn_triangles();
     gnomon::DeviceOptions options;
     options.memory_limit_bytes = strewn.size() * sizeof(float) + (1u << 14);
@@ -628,7 +628,7 @@ TEST(clusters, without_room_they_stay_in_the_order_of_the_buffer) {
               (strewn_count + cluster_size - 1) / cluster_size);
 }
 
-TEST(clusters, nothing_in_nothing_out) {
+TEST(Clusters, NothingInNothingOut) {
     const gnomon::Device device = device_with();
     const auto technique = gnomon::make_technique("frustum-traced", device);
     const LightScene some{"", {}, random_points(5000, -1, 1, 71), along(0, -1, 0)};

@@ -131,7 +131,7 @@ std::vector<LightScene> covering_scenes() {
 
 // Not vacuous: thousands of texels are drawn and thousands of points decided, and the map finds most of the texels
 // that a triangle covers.
-TEST(conservative_map, equals_reference) {
+TEST(ConservativeMap, EqualsReference) {
     const gnomon::Device device = device_with();
     for (const CoverTest test : {CoverTest::tight, CoverTest::circle}) {
         Tally tally;
@@ -144,7 +144,7 @@ TEST(conservative_map, equals_reference) {
 }
 
 // Not vacuous: the scenes of ties have points beside edges' rays by an ulp.
-TEST(conservative_map, equals_reference_in_scenes_of_ties) {
+TEST(ConservativeMap, EqualsReferenceInScenesOfTies) {
     const gnomon::Device device = device_with();
     Tally tally;
     const std::vector<LightScene> scenes = light_scenes();
@@ -156,7 +156,7 @@ TEST(conservative_map, equals_reference_in_scenes_of_ties) {
 }
 
 // Slopes of edges shrink with the square of the distance to the point light, and squares of slopes underflow.
-TEST(conservative_map, equals_reference_where_products_underflow) {
+TEST(ConservativeMap, EqualsReferenceWhereProductsUnderflow) {
     const gnomon::Device device = device_with();
     Tally tally;
     for (const CoverTest test : {CoverTest::tight, CoverTest::circle})
@@ -165,7 +165,7 @@ TEST(conservative_map, equals_reference_where_products_underflow) {
 }
 
 // The tight test decides every point that Hertel's test decides, and more. Not vacuous: strictly more, in total.
-TEST(conservative_map, tight_contains_circle) {
+TEST(ConservativeMap, TightContainsCircle) {
     const gnomon::Device device = device_with();
     std::uint64_t tight_texels = 0, circle_texels = 0;
     for (const LightScene& scene : covering_scenes()) {
@@ -194,7 +194,7 @@ LightScene comparison_scene() {
 }
 
 // Not vacuous: triangles overlap, so the highest triangle over a texel would depend on a wrong order.
-TEST(conservative_map, order_free) {
+TEST(ConservativeMap, OrderFree) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene();
     LightScene shuffled = scene;
@@ -211,7 +211,7 @@ TEST(conservative_map, order_free) {
 }
 
 // Grids of 256 x 256 bins make triangles of one tile and of hundreds.
-TEST(conservative_map, shape_free) {
+TEST(ConservativeMap, ShapeFree) {
     LightScene scene = comparison_scene();
     // Few points, so that facing's items take a block each on any number of cores: the last bits of a frame's margins
     // depend on the blocks that one item takes together (host/receivers/facing.cpp), and thus on the work-group size.
@@ -231,7 +231,7 @@ TEST(conservative_map, shape_free) {
 }
 
 // Not vacuous: the sheets cover the whole grid, one of them edge-on, of no area, not finite.
-TEST(conservative_map, survives_degenerates) {
+TEST(ConservativeMap, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     const float inf = std::numeric_limits<float>::infinity();
     Floats triangles;
@@ -253,7 +253,7 @@ TEST(conservative_map, survives_degenerates) {
 }
 
 // Not vacuous: the first map is four times as large, so canaries lie right behind the second.
-TEST(conservative_map, writes_only_its_own) {
+TEST(ConservativeMap, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene();

@@ -155,27 +155,27 @@ Tally attack(const std::vector<LightScene>& scenes, const char* what, const Stag
 
 // Not vacuous: about half of the points are built behind a triangle, many of them exactly on a ray through an edge or
 // a vertex, and the records give thousands of certain shadows.
-TEST(triangle_setup, equals_reference_in_scenes_of_ties) {
+TEST(TriangleSetup, EqualsReferenceInScenesOfTies) {
     const Tally tally = attack(light_scenes(), "ties");
     EXPECT_GT(tally.behind, 1000u);
     EXPECT_LT(tally.open, tally.pairs / 2);
 }
 
-TEST(triangle_setup, equals_reference_under_huge_triangles) {
+TEST(TriangleSetup, EqualsReferenceUnderHugeTriangles) {
     const Tally tally = attack(huge_triangle_scenes(), "huge triangles");
     EXPECT_GT(tally.behind, 1000u);
 }
 
 // Not vacuous: every second triangle has a vertex in the plane W = 0 of a face, or an ulp beside it.
-TEST(triangle_setup, equals_reference_around_a_lamp) {
+TEST(TriangleSetup, EqualsReferenceAroundAPointLight) {
     const Tally tally = attack(point_light_plane_scenes(), "around a lamp");
     EXPECT_GT(tally.behind, 1000u);
 }
 
 // Products of three floats underflow here; a margin made of relative errors alone would be 0.
-TEST(triangle_setup, equals_reference_where_products_underflow) { attack(underflow_scenes(), "underflow"); }
+TEST(TriangleSetup, EqualsReferenceWhereProductsUnderflow) { attack(underflow_scenes(), "underflow"); }
 
-TEST(triangle_setup, equals_reference_in_the_oracles_own_scenes) { attack(reference_scenes(), "oracle's scenes"); }
+TEST(TriangleSetup, EqualsReferenceInTheOraclesOwnScenes) { attack(reference_scenes(), "oracle's scenes"); }
 
 // ---- Camera ---------------------------------------------------------------------------------------------------------
 
@@ -288,7 +288,7 @@ void attack_view(gnomon::cl::Session& session, const gnomon::Device& device, con
 }
 
 // Not vacuous: the views hold thousands of certain hits, and the lattice wall's vertices lie on pixel centres.
-TEST(triangle_setup, equals_reference_for_cameras) {
+TEST(TriangleSetup, EqualsReferenceForCameras) {
     const gnomon::Device device = device_with();
     Tally tally;
     for (const CameraScene& scene : camera_scenes()) {
@@ -328,7 +328,7 @@ void expect_same_records(const FrameOutput& a, const FrameOutput& b,
 }
 
 // Not vacuous: each scene has records in every frame, and the shuffle moves all but a few triangles.
-TEST(triangle_setup, order_free) {
+TEST(TriangleSetup, OrderFree) {
     const gnomon::Device device = device_with();
     for (const LightScene& scene : comparison_scenes()) {
         SCOPED_TRACE(scene.name);
@@ -349,7 +349,7 @@ TEST(triangle_setup, order_free) {
     attack(reversed, "reversed");
 }
 
-TEST(triangle_setup, shape_free) {
+TEST(TriangleSetup, ShapeFree) {
     for (const LightScene& scene : comparison_scenes()) {
         const auto expected = run_light_stages(device_with(), scene);
         for (const std::uint32_t size : FEW_WORK_GROUP_SIZES) {
@@ -363,7 +363,7 @@ TEST(triangle_setup, shape_free) {
 }
 
 // Not vacuous: one triangle of each kind is above the points, so a wrong verdict would show in a counter.
-TEST(triangle_setup, survives_degenerates) {
+TEST(TriangleSetup, SurvivesDegenerates) {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     Floats triangles;
     add(triangles, {-1, 1, -1}, {1, 1, -1}, {0, 1, nan});                         // not finite
@@ -403,7 +403,7 @@ TEST(triangle_setup, survives_degenerates) {
 }
 
 // Not vacuous: the second run's list ends well inside the first one's, and canaries stand between.
-TEST(triangle_setup, writes_only_its_own) {
+TEST(TriangleSetup, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const CameraScene scene = camera_scenes().front();
@@ -423,7 +423,7 @@ TEST(triangle_setup, writes_only_its_own) {
     expect_canaries(session, setup.tiles().buffer(), few.tiles * 2 * sizeof(cl_uint), "tiles");
 }
 
-TEST(triangle_setup, grows) {
+TEST(TriangleSetup, Grows) {
     for (const LightScene& scene : comparison_scenes()) {
         const gnomon::Device device = device_with();
         StageSettings settings;

@@ -99,7 +99,7 @@ std::vector<LightScene> scenes() {
 
 // Not vacuous: in the scenes on lattices the light or the eye is exactly in hundreds of the receivers' planes, where
 // only an exact sign is right, and both results occur.
-TEST(facing, equals_reference) {
+TEST(Facing, EqualsReference) {
     const gnomon::Device device = device_with();
     std::uint64_t away = 0, open = 0, self_shadowing = 0, by_integers = 0;
     for (const LightScene& scene : scenes()) {
@@ -122,7 +122,7 @@ TEST(facing, equals_reference) {
 
 // Coordinates so small that the float level proves no sign: if coordinates are equal, a CPU knows that products are 0,
 // else the predicate decides. Not vacuous: all results occur under each light.
-TEST(facing, knows_zeros_by_equal_coordinates) {
+TEST(Facing, KnowsZerosByEqualCoordinates) {
     const gnomon::Device device = device_with();
     std::mt19937 random(14);
     const auto coordinate = [&] { return 0x1p-30f * float(int(random() % 3) - 1); };
@@ -148,7 +148,7 @@ TEST(facing, knows_zeros_by_equal_coordinates) {
 // If no point may shadow itself, each triangle is classified once for all points on it. If a CPU's block has triangles
 // far apart, it classifies its own receivers. Not vacuous: both results occur, some only by an exact sign; and without
 // the cache, some points may shadow themselves, and more signs are exact.
-TEST(facing, classifies_triangles_for_lifted_points) {
+TEST(Facing, ClassifiesTrianglesForLiftedPoints) {
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
         const gnomon::Device device = device_with(group);
         std::uint64_t away = 0, open = 0, by_integers = 0, by_integers_one_by_one = 0;
@@ -249,7 +249,7 @@ std::vector<std::uint32_t> extents_of_open(const gnomon::Device& device, const L
 // A GPU filters by floats, and lists the undecided points up to a capacity; if there are more, the exact kernel scans
 // all points. Not vacuous: the scene has the intended number of undecided points, and some of these are backfacing and
 // some open, which only integers separate.
-TEST(facing, exact_fallback_decides_undecided_points) {
+TEST(Facing, ExactFallbackDecidesUndecidedPoints) {
     constexpr std::uint32_t few = 1000, listed = UNDECIDED_CAPACITY, many = listed + listed / 8;
     gnomon::DeviceOptions options;
     options.gpu_kernels = true;
@@ -280,7 +280,7 @@ TEST(facing, exact_fallback_decides_undecided_points) {
 }
 
 // Not vacuous: for two thirds of the points of this scene, the receiver decides whether the result is 0 or 1.
-TEST(facing, order_free) {
+TEST(Facing, OrderFree) {
     const gnomon::Device device = device_with();
     for (LightScene scene : scenes()) {
         SCOPED_TRACE(scene.name);
@@ -290,7 +290,7 @@ TEST(facing, order_free) {
     }
 }
 
-TEST(facing, shape_free) {
+TEST(Facing, ShapeFree) {
     const LightScene scene = scenes()[4];
     ASSERT_TRUE(scene.eye.has_value());
     for (const std::uint32_t group : WORK_GROUP_SIZES)
@@ -299,7 +299,7 @@ TEST(facing, shape_free) {
 
 // Absent points, and receivers that do not exist or are not finite: not backfacing for any eye. Not vacuous: the same
 // point with the backfacing receiver is in shadow.
-TEST(facing, survives_degenerates) {
+TEST(Facing, SurvivesDegenerates) {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     Floats triangles;
     add(triangles, {-1, 0, -1}, {1, 0, -1}, {0, 0, 1});    // 0: the light below it, the eye above
@@ -327,7 +327,7 @@ TEST(facing, survives_degenerates) {
 
 // A structure of arrays with gaps is read by its layout. Not vacuous: if it were read as packed triples, the NaN
 // between the coordinates would make points absent.
-TEST(facing, reads_any_layout) {
+TEST(Facing, ReadsAnyLayout) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const LightScene scene = scenes()[0];

@@ -60,7 +60,7 @@ struct Cases {
     std::size_t count() const { return points.size() / 3; }
 };
 
-TEST(given_sides, normals_equal_the_integers) {
+TEST(GivenSides, NormalsEqualTheIntegers) {
     const gnomon::Device device = device_with();
     for (const gnomon::Light& light :
          {gnomon::Light::directional({-0.5f, -1, 0.25f}), gnomon::Light::positional({1.5f, 2.25f, -0.75f}),
@@ -96,7 +96,7 @@ TEST(given_sides, normals_equal_the_integers) {
     }
 }
 
-TEST(given_sides, strides_and_offsets_of_a_callers_buffer) {
+TEST(GivenSides, StridesAndOffsetsOfACallersBuffer) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const std::vector<float> positions(6, 0.0f);
@@ -109,7 +109,7 @@ TEST(given_sides, strides_and_offsets_of_a_callers_buffer) {
     EXPECT_EQ(visibility.read(), (std::vector<float>{1, 0}));
 }
 
-TEST(given_sides, winding_equals_the_integers) {
+TEST(GivenSides, WindingEqualsTheIntegers) {
     const gnomon::Device device = device_with();
     // A triangle in y = 0 that faces up, the same turned over, one exactly edge-on to the light, one without a plane.
     const std::vector<float> vertices{0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0,
@@ -127,7 +127,7 @@ TEST(given_sides, winding_equals_the_integers) {
     }
 }
 
-TEST(given_sides, refuses_what_does_not_fit) {
+TEST(GivenSides, RefusesWhatDoesNotFit) {
     const gnomon::Device device = device_with();
     const gnomon::Points points = gnomon::Points::upload(device, std::vector<float>(6));
     const gnomon::Light light = gnomon::Light::directional({0, -1, 0});

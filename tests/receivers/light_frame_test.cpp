@@ -120,7 +120,7 @@ void check(const gnomon::Device& device, const LightScene& scene, Largest& large
 
 // Not vacuous: some points come within a third of a texel of the border (the fit leaves a quarter), so a fit without
 // its padding would push them out; and the errors reach a part of their bounds.
-TEST(light_frame, equals_reference) {
+TEST(LightFrame, EqualsReference) {
     const gnomon::Device device = device_with();
     Largest largest;
     for (const LightScene& scene : clouds()) check(device, scene, largest);
@@ -138,7 +138,7 @@ TEST(light_frame, equals_reference) {
 }
 
 // The largest grid there is: rounding is a greater part of a texel.
-TEST(light_frame, equals_reference_in_large_grids) {
+TEST(LightFrame, EqualsReferenceInLargeGrids) {
     const gnomon::Device device = device_with();
     Largest largest;
     const std::vector<LightScene> all = clouds();
@@ -148,7 +148,7 @@ TEST(light_frame, equals_reference_in_large_grids) {
 }
 
 // One bin of one texel, one texel per bin, and bins that do not divide the grid.
-TEST(light_frame, equals_reference_in_odd_grids) {
+TEST(LightFrame, EqualsReferenceInOddGrids) {
     const gnomon::Device device = device_with();
     Largest largest;
     const std::vector<LightScene> all = clouds();
@@ -171,7 +171,7 @@ bool same(const gnomon::Projection& a, const gnomon::Projection& b) { return std
 LightScene large_cloud() { return cloud("large cloud", random_points(20000, -3, 5, 62), at(0.5f, 1, 1)); }
 
 // Not vacuous: 20000 points in all six frames; their order decides which work-item meets which.
-TEST(light_frame, order_free) {
+TEST(LightFrame, OrderFree) {
     const gnomon::Device device = device_with();
     const LightScene scene = large_cloud();
     LightScene shuffled = scene;
@@ -184,7 +184,7 @@ TEST(light_frame, order_free) {
     }
 }
 
-TEST(light_frame, shape_free) {
+TEST(LightFrame, ShapeFree) {
     const LightScene scene = large_cloud();
     const gnomon::Device plain = device_with();
     for (const std::uint32_t group : WORK_GROUP_SIZES) {
@@ -196,7 +196,7 @@ TEST(light_frame, shape_free) {
 }
 
 // No points, one, all at one position, all absent, all but one absent, one at the light.
-TEST(light_frame, survives_degenerates) {
+TEST(LightFrame, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     Largest largest;
@@ -219,7 +219,7 @@ TEST(light_frame, survives_degenerates) {
 
 // If the grid cannot separate points, every test is exact, and still right. Not vacuous: the oracle finds lit and
 // shadowed points, and each scene has a frame without a grid.
-TEST(light_frame, indistinct_frames_are_right) {
+TEST(LightFrame, IndistinctFramesAreRight) {
     const gnomon::Device device = device_with();
     std::uint64_t gave_up = 0;
     AnswerTally tally;
@@ -246,7 +246,7 @@ TEST(light_frame, indistinct_frames_are_right) {
 }
 
 // Six frames in a buffer with room behind them.
-TEST(light_frame, writes_only_its_own) {
+TEST(LightFrame, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with(16);
     gnomon::cl::Session& session = session_of(device);
     const LightScene scene = large_cloud();

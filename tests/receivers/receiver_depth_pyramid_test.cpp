@@ -94,7 +94,7 @@ LightScene neighbours(const std::string& name, const Light& light, float step) {
 
 // Not vacuous: 700 points fill most bins with several each, and the odd grids have odd levels. Neighbours give the
 // exact height of thousands of bins, and where blocks span several bins a CPU's heights are lower than necessary.
-TEST(receiver_depth_pyramid, equals_reference) {
+TEST(ReceiverDepthPyramid, EqualsReference) {
     const gnomon::Device device = device_with();
     std::vector<LightScene> all = scenes();
     for (const auto& [name, light] : lights_of_every_kind())
@@ -120,7 +120,7 @@ LightScene comparison_scene() {
 }
 
 // Not vacuous: 5000 points, about 80 per bin, and each of them may be the lowest.
-TEST(receiver_depth_pyramid, order_free) {
+TEST(ReceiverDepthPyramid, OrderFree) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene();
     LightScene shuffled = scene;
@@ -129,7 +129,7 @@ TEST(receiver_depth_pyramid, order_free) {
     EXPECT_EQ(run_light_stages(device, scene)[0].pyramid, run_light_stages(device, shuffled)[0].pyramid);
 }
 
-TEST(receiver_depth_pyramid, shape_free) {
+TEST(ReceiverDepthPyramid, ShapeFree) {
     const LightScene scene = comparison_scene();
     const Keys plain = run_light_stages(device_with(), scene)[0].pyramid;
     for (const std::uint32_t group : FEW_WORK_GROUP_SIZES)
@@ -137,7 +137,7 @@ TEST(receiver_depth_pyramid, shape_free) {
 }
 
 // Points that are absent, at the light, or all at one height.
-TEST(receiver_depth_pyramid, survives_degenerates) {
+TEST(ReceiverDepthPyramid, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     Tally tally;
@@ -151,7 +151,7 @@ TEST(receiver_depth_pyramid, survives_degenerates) {
 
 // The points that may shadow themselves alone, and the points still open after a map. Not vacuous: the receivers
 // separate half of the points from the light, and the map raises hundreds of bins.
-TEST(receiver_depth_pyramid, what_the_map_leaves) {
+TEST(ReceiverDepthPyramid, WhatTheMapLeaves) {
     const gnomon::Device device = device_with();
     std::uint64_t self_shadowing = 0, raised = 0;
     for (const auto& [name, light] : lights_of_every_kind()) {
@@ -185,7 +185,7 @@ TEST(receiver_depth_pyramid, what_the_map_leaves) {
 }
 
 // Not vacuous: the first grid's pyramid is 16 times as large as the second's, so canaries are right behind the second.
-TEST(receiver_depth_pyramid, writes_only_its_own) {
+TEST(ReceiverDepthPyramid, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene();
@@ -218,7 +218,7 @@ TEST(receiver_depth_pyramid, writes_only_its_own) {
 }
 
 // All six frames of a point light at once: the same as each by itself.
-TEST(receiver_depth_pyramid, takes_frames_together) {
+TEST(ReceiverDepthPyramid, TakesFramesTogether) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     for (const gnomon::FrameGrid grid : GRIDS) {

@@ -66,7 +66,7 @@ std::vector<CameraScene> scenes() {
 constexpr std::uint32_t COUNTS[] = {1, 4, 8, 16, 32};
 
 // D3D11_STANDARD_MULTISAMPLE_PATTERN as Microsoft documents it, in sixteenths; copied from there, not from gnomon.
-TEST(samples, patterns_are_direct3ds) {
+TEST(Samples, PatternsAreDirect3ds) {
     const auto expect = [](std::uint32_t samples, const std::vector<std::array<int, 2>>& sixteenths) {
         const auto pattern = gnomon::sample_pattern(samples);
         ASSERT_EQ(pattern.size(), sixteenths.size());
@@ -99,7 +99,7 @@ TEST(samples, patterns_are_direct3ds) {
 }
 
 // 32 well-spread points: each of the 32 equal rectangles of each shape contains one point.
-TEST(samples, thirty_two_fill_every_elementary_rectangle) {
+TEST(Samples, ThirtyTwoFillEveryElementaryRectangle) {
     const auto pattern = gnomon::sample_pattern(32);
     ASSERT_EQ(pattern.size(), 32u);
     for (int columns = 1; columns <= 32; columns *= 2) {
@@ -124,7 +124,7 @@ std::array<long double, 3> ideal_direction(const gnomon::Camera& camera, double 
 }
 
 // Every ray of every sample is the ideal one up to 2^-46. Not vacuous: half a unit of an offset is 2^-7 of a pixel.
-TEST(samples, rays_pass_through_their_positions) {
+TEST(Samples, RaysPassThroughTheirPositions) {
     for (const CameraScene& scene : scenes())
         for (const std::uint32_t count : COUNTS)
             for (const SampleOffset& offset : gnomon::sample_pattern(count)) {
@@ -146,7 +146,7 @@ TEST(samples, rays_pass_through_their_positions) {
 }
 
 // The device makes the same tables as the host, to the bit.
-TEST(samples, rays_of_the_device_are_the_hosts) {
+TEST(Samples, RaysOfTheDeviceAreTheHosts) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     for (const CameraScene& scene : scenes())
@@ -174,7 +174,7 @@ TEST(samples, rays_of_the_device_are_the_hosts) {
 // The receiver of each sample, by its exact ray: the pixel's receiver if the ray meets it, else the nearest triangle.
 // The point: on the eye's side of its receiver, near the exact hit. Not vacuous: the test counts samples of both kinds,
 // and samples of the sky beside pixels that show a triangle.
-TEST(samples, receivers_and_points_equal_reference) {
+TEST(Samples, ReceiversAndPointsEqualReference) {
     const gnomon::Device device = device_with();
     constexpr long double SAME_DEPTH = 0x1p-28L;  // kernels/camera/camera.h
     std::size_t on_pixels = 0, hidden_but_kept = 0, on_own = 0, sky = 0, sky_beside = 0;
@@ -243,7 +243,7 @@ TEST(samples, receivers_and_points_equal_reference) {
 }
 
 // The mean of the oracle's visibilities, bit for bit. Not vacuous: pixels that are partly lit are counted.
-TEST(samples, mean_equals_oracle) {
+TEST(Samples, MeanEqualsOracle) {
     const gnomon::Device device = device_with();
     std::size_t partly = 0, whole = 0;
     for (const CameraScene& scene : scenes())
@@ -329,7 +329,7 @@ std::vector<gnomon::Light> lights() {
             gnomon::Light::directional({1, 0, -1}), gnomon::Light::positional({1.5f, 2, 1.25f})};
 }
 
-TEST(samples, means_by_fragments_equal_every_sample) {
+TEST(Samples, MeansByFragmentsEqualEverySample) {
     const gnomon::Device device = device_with();
     Settled sum;
     for (const CameraScene& scene : camera_scenes())
@@ -404,7 +404,7 @@ Floats islands(std::size_t count, std::uint32_t seed) {
 
 // Scenes that may make a pixel's mean wrong: occluders between a pixel's corners, edges exactly through its corners and
 // samples, occluders that nearly touch the receiver, and lights along the receiver.
-TEST(samples, means_survive_what_hides_in_a_pixel) {
+TEST(Samples, MeansSurviveWhatHidesInAPixel) {
     const gnomon::Device device = device_with();
     Settled sum;
     const Float3 above = {0.5f, 0.5f, 32}, aside = {-20, 5, 14};
@@ -432,7 +432,7 @@ TEST(samples, means_survive_what_hides_in_a_pixel) {
 
 // In a view along the floor, a pixel below the horizon contains most of the floor: its footprint has more bins than the
 // stage stores, so its samples need lists of their own.
-TEST(samples, means_survive_pixels_of_many_bins) {
+TEST(Samples, MeansSurvivePixelsOfManyBins) {
     const CameraScene scene = floor_scene("along the floor", squares_on_samples(40, 11), {-60, 0.25f, 0.5f});
     Settled sum;
     for (const gnomon::Light& light :
@@ -469,7 +469,7 @@ std::uint64_t traced_samples(const CameraScene& scene, const gnomon::Light& ligh
 // nine inner vertices may be left to the trace. A pixel's footprint is not larger than the pixel, so each vertex
 // touches four at most. Two triangles that share an edge decide the footprint below that edge. Not vacuous: edges run
 // through hundreds of pixels.
-TEST(samples, footprints_below_an_edge_are_in_shadow) {
+TEST(Samples, FootprintsBelowAnEdgeAreInShadow) {
     if (session_of(device_with()).lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto roof = squares_in_a_row(4, -44, 49, [](float x, float y) {
         return Float3{x - y * 0.36f, y + x * 0.36f, 5};
@@ -484,7 +484,7 @@ TEST(samples, footprints_below_an_edge_are_in_shadow) {
 
 // A flat floor in the light: its triangles' rounded vertices are at most 1.8 ulp of the largest coordinate apart from
 // one plane (camera.h), and the camera lifts points by 4, so no neighbour makes a trace necessary.
-TEST(samples, neighbours_in_a_plane_leave_footprints_lit) {
+TEST(Samples, NeighboursInAPlaneLeaveFootprintsLit) {
     if (session_of(device_with()).lanes() == 1) GTEST_SKIP() << "a GPU traces undecided footprints";
     const auto tilted = squares_in_a_row(24, -40, 40, [](float x, float y) {
         return Float3{x, y, x * 0.3f - y * 0.17f};
@@ -497,7 +497,7 @@ TEST(samples, neighbours_in_a_plane_leave_footprints_lit) {
 }
 
 // Not vacuous: a band of tiles per batch, and batches that do not divide the samples.
-TEST(samples, shape_free) {
+TEST(Samples, ShapeFree) {
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     const CameraScene scene = scenes().front();
     const std::size_t pixels = std::size_t(scene.width) * scene.height;
@@ -518,7 +518,7 @@ TEST(samples, shape_free) {
 }
 
 // A GPU's groups divide a pixel: groups of any size, with fragments that find room at once or only in a second attempt.
-TEST(samples, the_shape_for_gpus_gives_the_same_bits) {
+TEST(Samples, TheShapeForGpusGivesTheSameBits) {
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     for (const CameraScene& scene : scenes()) {
         if (scene.name != "large soup" && scene.name != "needles") continue;
@@ -537,7 +537,7 @@ TEST(samples, the_shape_for_gpus_gives_the_same_bits) {
     }
 }
 
-TEST(samples, one_sample_is_the_ordinary_view) {
+TEST(Samples, OneSampleIsTheOrdinaryView) {
     const gnomon::Device device = device_with();
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     for (const CameraScene& scene : scenes()) {
@@ -549,7 +549,7 @@ TEST(samples, one_sample_is_the_ordinary_view) {
     }
 }
 
-TEST(samples, survives_degenerates) {
+TEST(Samples, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     CameraScene scene = scenes().front();
     const auto technique = gnomon::make_technique("frustum-traced", device);

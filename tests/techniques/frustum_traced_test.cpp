@@ -552,7 +552,7 @@ TEST(AutomaticMap, OfAGpuGoesByTheLastMap) {
 
 // ---- Laws between scenes --------------------------------------------------------------------------------------------
 
-TEST(Law, OrderAndWindingOfTrianglesMeanNothing) {
+TEST(FrustumTraced, OrderAndWindingOfTrianglesMeanNothing) {
     for (const LightScene& question : typical_questions()) {
         const std::vector<float> truth = truth_of(question);
         LightScene other = question;
@@ -586,7 +586,7 @@ void turn(Vector& v, int times) {
     v[0] = -v[0];
 }
 
-TEST(Law, TurningEverythingByNinetyDegreesChangesNothing) {
+TEST(FrustumTraced, TurningEverythingByNinetyDegreesChangesNothing) {
     for (const LightScene& question : typical_questions()) {
         const std::vector<float> truth = truth_of(question);
         for (int times = 0; times < 3; ++times) {
@@ -607,7 +607,7 @@ TEST(Law, TurningEverythingByNinetyDegreesChangesNothing) {
     }
 }
 
-TEST(Law, LengthOfTheLightDirectionMeansNothing) {
+TEST(FrustumTraced, LengthOfTheLightDirectionMeansNothing) {
     for (const LightScene& question : typical_questions()) {
         if (question.light[3] != 0) continue;
         const std::vector<float> truth = truth_of(question);
@@ -625,7 +625,7 @@ TEST(Law, LengthOfTheLightDirectionMeansNothing) {
 }
 
 // From where the grid tells nothing apart any more (2^50 and beyond) to where a quarter is the smallest denormal.
-TEST(Law, ScalingByPowersOfTwoChangesNothing) {
+TEST(FrustumTraced, ScalingByPowersOfTwoChangesNothing) {
     Scene scene = lattice();
     append(scene.points, lattice_points(600, 5, 115));
     scene.receivers.resize(scene.points.size() / 3, gnomon::no_receiver);
@@ -645,7 +645,7 @@ TEST(Law, ScalingByPowersOfTwoChangesNothing) {
     }
 }
 
-TEST(Law, AddingATriangleNeverLightsAPoint) {
+TEST(FrustumTraced, AddingATriangleNeverLightsAPoint) {
     std::size_t newly_dark = 0;
     for (LightScene question : typical_questions()) {
         std::vector<float> before = answer(device(), question, map_on).visibility;
@@ -663,7 +663,7 @@ TEST(Law, AddingATriangleNeverLightsAPoint) {
     EXPECT_GT(newly_dark, 500u);
 }
 
-TEST(Law, SplittingTrianglesAtExactMiddlesChangesNothing) {
+TEST(FrustumTraced, SplittingTrianglesAtExactMiddlesChangesNothing) {
     for (const Light& light : lattice_lights) {
         LightScene question{"lattice", placed(lattice_blocks(24, 5, 7), 2, {}),
                             placed(lattice_points(800, 5, 141), 2, {}), light};

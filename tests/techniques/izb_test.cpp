@@ -69,7 +69,7 @@ std::vector<LightScene> scenes() {
 }
 
 // Not vacuous: the map decides hundreds of points, and spares some for their receiver's sake.
-TEST(izb, equals_reference) {
+TEST(Izb, EqualsReference) {
     const gnomon::Device device = device_with();
     std::uint64_t decided = 0;
     for (const LightScene& scene : scenes())
@@ -102,7 +102,7 @@ LightScene floor_scene() {
 
 // Not vacuous: the floor covers most texels, hundreds of the points lie exactly below it, and the same points without
 // a receiver are dark.
-TEST(izb, receiver_never_shadows_its_own_points) {
+TEST(Izb, ReceiverNeverShadowsItsOwnPoints) {
     const gnomon::Device device = device_with();
     LightScene scene = floor_scene();
     // With an eye above the floor and without: a caller's points need not lie on the eye's side of their receiver.
@@ -127,7 +127,7 @@ LightScene comparison_scene() {
 bool same(const ListedPoint& a, const ListedPoint& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
 
 // Not vacuous: 5000 points, some 80 a bin, whose places in the lists depend on who comes first.
-TEST(izb, shape_free) {
+TEST(Izb, ShapeFree) {
     const LightScene scene = comparison_scene();
     const auto plain = run_light_stages(device_with(), scene, with_map());
     for (const std::uint32_t group : FEW_WORK_GROUP_SIZES) {
@@ -142,7 +142,7 @@ TEST(izb, shape_free) {
     }
 }
 
-TEST(izb, order_free) {
+TEST(Izb, OrderFree) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene();
     LightScene shuffled = scene;
@@ -160,7 +160,7 @@ TEST(izb, order_free) {
 
 // Lists are padded to whole blocks of lanes, and a block's spare lanes are marked as empty.
 // Not vacuous: on a CPU a block has 16 lanes, and nearly every bin has spare ones.
-TEST(izb, lists_are_whole_blocks) {
+TEST(Izb, ListsAreWholeBlocks) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene();
@@ -187,7 +187,7 @@ TEST(izb, lists_are_whole_blocks) {
 }
 
 // Not vacuous: the second run lists a tenth of the first one's points, into the same buffers.
-TEST(izb, writes_only_its_own) {
+TEST(Izb, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     LightScene scene = comparison_scene();

@@ -33,15 +33,15 @@ std::string text_in(const fs::path& file) {
 }
 
 // A folder of its own for each test, removed at its end.
-class BenchTest : public testing::Test {
+class Bench : public testing::Test {
 protected:
-    BenchTest()
+    Bench()
         : folder_(fs::temp_directory_path() / ("gnomon_bench_test_" + std::to_string(getpid()) + "_" +
                                                testing::UnitTest::GetInstance()->current_test_info()->name())) {
         fs::remove_all(folder_);
         fs::create_directories(folder_);
     }
-    ~BenchTest() override { fs::remove_all(folder_); }
+    ~Bench() override { fs::remove_all(folder_); }
 
     std::string path(const char* name) const { return (folder_ / name).string(); }
     int run(const std::string& arguments) const {
@@ -123,7 +123,7 @@ void count_elements(const boost::property_tree::ptree& tree, std::map<std::strin
 
 // ---- The whole program ----------------------------------------------------------------------------------------------
 
-TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
+TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgree) {
     std::string arguments =
         "sundial --technique frustum-traced --technique shadow-map --peers --oracle 100000 --runs 1 --size 320x180 "
         "--stages --mode animated --mode static";
@@ -189,7 +189,7 @@ TEST_F(BenchTest, ErrorsAndOutputsOfTheSundialAgree) {
 
 // The oracle decides each sample's point by itself; Embree finds the samples of gnomon's pattern by itself, or the
 // means would not agree.
-TEST_F(BenchTest, SamplesAgreeWithTheOracleAndWithEmbree) {
+TEST_F(Bench, SamplesAgreeWithTheOracleAndWithEmbree) {
     ASSERT_EQ(run("sundial --samples 1 --samples 8 --samples 32 --oracle 2000 --runs 1 --size 80x45 --json " +
                   path("oracle.json")),
               0)
@@ -221,7 +221,7 @@ TEST_F(BenchTest, SamplesAgreeWithTheOracleAndWithEmbree) {
 }
 
 // Every part of a frame has its time in every mode, and the frame is their sum, run by run.
-TEST_F(BenchTest, FramesAreTheSumOfTheirParts) {
+TEST_F(Bench, FramesAreTheSumOfTheirParts) {
     ASSERT_EQ(run("sundial --mode animated --mode moving --mode static --peers --runs 2 --size 160x91 --threads 2 "
                   "--errors --json " +
                   path("frames.json")),
@@ -254,7 +254,7 @@ TEST_F(BenchTest, FramesAreTheSumOfTheirParts) {
 }
 
 // What the experiment says is empty is empty: no point sees a triangle, or none faces the light.
-TEST_F(BenchTest, SkipsShowViewsWithNothingToDo) {
+TEST_F(Bench, SkipsShowViewsWithNothingToDo) {
     ASSERT_EQ(run("--experiment skips --largest-triangles 20000 --largest-points 57600 --runs 1 --json " +
                   path("skips.json")),
               0)
@@ -289,7 +289,7 @@ TEST_F(BenchTest, SkipsShowViewsWithNothingToDo) {
 
 // A technique that is wrong by a known amount: exact shadows, but of a light that is tilted so that the shadow of a
 // roof 2 above the ground moves by 2 points. The roof is 25 by 21 points large, and no point lies under its edges.
-TEST_F(BenchTest, AShiftedLightIsWrongInTwoColumnsOnEitherSide) {
+TEST_F(Bench, AShiftedLightIsWrongInTwoColumnsOnEitherSide) {
     const std::vector<float> roof{15.5f, 2, 9.5f, 40.5f, 2, 9.5f,  40.5f, 2, 30.5f,
                                   15.5f, 2, 9.5f, 40.5f, 2, 30.5f, 15.5f, 2, 30.5f};
     constexpr std::uint32_t side = 64;
@@ -313,7 +313,7 @@ TEST_F(BenchTest, AShiftedLightIsWrongInTwoColumnsOnEitherSide) {
     EXPECT_EQ(errors.worst_tile, 2.0 * 21 / (32 * 32));
 }
 
-TEST_F(BenchTest, AnUnusableRequestFailsWithOneSentence) {
+TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(run(""), 0);
     EXPECT_NE(errors().find("--experiment"), std::string::npos) << errors();
     EXPECT_NE(run("sundial --size 0x10"), 0);

@@ -81,7 +81,7 @@ void expect_explained(const gnomon::Device& device, const Scene& scene, std::map
     }
 }
 
-TEST(explain, agrees_with_a_run_and_with_the_reference) {
+TEST(Explain, AgreesWithARunAndWithTheReference) {
     const gnomon::Device device;
     std::map<std::string, int> seen;
     for (const auto& [name, light] : lights_of_every_kind()) {
@@ -106,7 +106,7 @@ TEST(explain, agrees_with_a_run_and_with_the_reference) {
         EXPECT_GT(seen[what], 0) << what << " never happened";
 }
 
-TEST(explain, lists_more_occluders_than_fit_at_first_and_refuses_a_point_that_is_not_there) {
+TEST(Explain, ListsMoreOccludersThanFitAtFirstAndRefusesAPointThatIsNotThere) {
     const gnomon::Device device;
     Floats roofs;
     for (int i = 0; i < 200; ++i) {

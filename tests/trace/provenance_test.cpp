@@ -57,7 +57,7 @@ LightScene roof() {
     return {"roof", {-1, 2, -1, 1, 2, -1, 1, 2, 1, -1, 2, -1, 1, 2, 1, -1, 2, 1}, {}, along(0, -1, 0)};
 }
 
-TEST(provenance, exact_ties_are_decided_by_the_wider_levels) {
+TEST(Provenance, ExactTiesAreDecidedByTheWiderLevels) {
     const gnomon::Device device;
     LightScene scene = roof();
     scene.triangles.resize(9);  // the half with the vertices (-1, -1), (1, -1), (1, 1) in x and z
@@ -71,7 +71,7 @@ TEST(provenance, exact_ties_are_decided_by_the_wider_levels) {
         (std::vector<Color>{shadowed_by_filter, lit_by_filter, absent, shadowed_exactly[2], shadowed_exactly[1]}));
 }
 
-TEST(provenance, what_is_not_traced_says_why) {
+TEST(Provenance, WhatIsNotTracedSaysWhy) {
     const gnomon::Device device;
     LightScene scene = roof();
     // The first point is on the roof's underside, seen from below; the second has no triangle above it.
@@ -136,7 +136,7 @@ void expect_counts(const LightScene& scene, const Settings& settings, std::map<s
     }
 }
 
-TEST(provenance, count_what_the_statistics_count) {
+TEST(Provenance, CountWhatTheStatisticsCount) {
     const Floats blocks = lattice_blocks(3, 6, 1), triangles = soup(300, 0.4f, 2);
     std::map<std::string, std::size_t> seen;
     for (const Settings& settings :
@@ -156,7 +156,7 @@ TEST(provenance, count_what_the_statistics_count) {
         EXPECT_GT(seen[what], 0u) << what << " never happened";
 }
 
-TEST(provenance, other_names_are_refused) {
+TEST(Provenance, OtherNamesAreRefused) {
     const gnomon::Device device;
     const LightScene scene = roof();
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);

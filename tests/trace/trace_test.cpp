@@ -99,7 +99,7 @@ std::vector<LightScene> all_scenes() {
 }
 
 // Not vacuous: each level decides hundreds of points, and thousands stay lit.
-TEST(trace, equals_reference) {
+TEST(Trace, EqualsReference) {
     const gnomon::Device device = device_with();
     Tally tally;
     for (const LightScene& scene : all_scenes()) {
@@ -114,7 +114,7 @@ TEST(trace, equals_reference) {
 }
 
 // Not vacuous: the filter alone decides thousands, and queues thousands of pairs.
-TEST(trace, filter_says_only_what_is_certain) {
+TEST(Trace, FilterSaysOnlyWhatIsCertain) {
     const gnomon::Device device = device_with();
     Tally tally;
     const std::vector<LightScene> scenes = all_scenes();
@@ -137,7 +137,7 @@ std::vector<float> answer(const gnomon::Device& device, const LightScene& scene,
 }
 
 // Not vacuous: ties of an ulp decide thousands of points; about half of these points are in shadow.
-TEST(trace, order_free) {
+TEST(Trace, OrderFree) {
     const gnomon::Device device = device_with();
     for (const Light& light : {along(0.3f, -1, 0.2f), at(0.05f, -0.1f, 0.2f)}) {
         const LightScene scene = comparison_scene(light);
@@ -160,7 +160,7 @@ TEST(trace, order_free) {
     }
 }
 
-TEST(trace, shape_free) {
+TEST(Trace, ShapeFree) {
     for (const Light& light : {along(0.3f, -1, 0.2f), at(0.05f, -0.1f, 0.2f)}) {
         const LightScene scene = comparison_scene(light);
         const std::vector<float> plain = answer(device_with(), scene);
@@ -178,7 +178,7 @@ TEST(trace, shape_free) {
     }
 }
 
-TEST(trace, survives_degenerates) {
+TEST(Trace, SurvivesDegenerates) {
     const gnomon::Device device = device_with();
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     Tally tally;
@@ -220,7 +220,7 @@ LightScene blocks_scene(const Light& light, bool has_doubtful_points) {
 
 // Blocks and single points give the same bits and counts. Not vacuous: the map hides hundreds of whole blocks, and the
 // point light's points are in several faces.
-TEST(trace, settles_blocks_below_the_map) {
+TEST(Trace, DecidesBlocksBelowTheMap) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     for (const Light& light : {along(0.3f, -1, 0.2f), along(-0.2f, 0.1f, 1), at(0.5f, 6, 0.2f), at(0.1f, 0.9f, 0)})
@@ -244,7 +244,7 @@ TEST(trace, settles_blocks_below_the_map) {
 
 // A queue with room for one pair: a pair without room is decided in place, and later runs have more room. Not vacuous:
 // the scene leaves hundreds of pairs undecided.
-TEST(trace, bounds_its_queue) {
+TEST(Trace, BoundsItsQueue) {
     const gnomon::Device device = device_with();
     const LightScene scene = comparison_scene(along(0, -1, 0));
     const UploadedScene inputs(device, scene);
@@ -261,7 +261,7 @@ TEST(trace, bounds_its_queue) {
 }
 
 // Not vacuous: the buffers have room behind the outputs of the stages, and both stages write.
-TEST(trace, writes_only_its_own) {
+TEST(Trace, WritesOnlyItsOwn) {
     const gnomon::Device device = device_with();
     gnomon::cl::Session& session = session_of(device);
     const LightScene scene = comparison_scene(along(0.3f, -1, 0.2f));

@@ -78,7 +78,7 @@ void expect_lookup(const Lookup& lookup, const LookupPlan& plan, double toleranc
 
 int whole(double x) { return static_cast<int>(std::floor(x)); }
 
-TEST(DepthLookup, pcf_is_the_mean_of_hard_lookups) {
+TEST(DepthLookup, PcfIsTheMeanOfHardLookups) {
     const Lookup lookup = random_lookup();
     for (const std::uint32_t taps : {1u, 2u, 3u, 5u, 8u})
         expect_lookup(lookup, plan_of(taps == 1 ? LOOKUP_HARD : LOOKUP_PCF, taps), 1e-6, [&](double x, double y) {
@@ -99,7 +99,7 @@ double bilinear(const Lookup& lookup, double x, double y) {
 }
 
 // Gruen's filter reads each texel once; what it must equal is the weighted mean of taps^2 bilinear lookups.
-TEST(DepthLookup, smooth_filters_are_means_of_bilinear_lookups) {
+TEST(DepthLookup, SmoothFiltersAreMeansOfBilinearLookups) {
     const Lookup lookup = random_lookup();
     for (const std::uint32_t kind : {LOOKUP_BILINEAR, LOOKUP_GAUSSIAN})
         for (const std::uint32_t taps : {1u, 4u, 9u})
@@ -117,7 +117,7 @@ TEST(DepthLookup, smooth_filters_are_means_of_bilinear_lookups) {
             });
 }
 
-TEST(DepthLookup, twelve_taps_are_a_mean_of_twelve) {
+TEST(DepthLookup, TwelveTapsAreAMeanOfTwelve) {
     const Lookup lookup = random_lookup();
     expect_lookup(lookup, plan_of(LOOKUP_TWELVE, 1), 1e-6, [&](double x, double y) {
         double sum = 0;
@@ -127,7 +127,7 @@ TEST(DepthLookup, twelve_taps_are_a_mean_of_twelve) {
     });
 }
 
-TEST(DepthLookup, bias_moves_the_comparison_and_points_outside_are_lit) {
+TEST(DepthLookup, BiasMovesTheComparisonAndPointsOutsideAreLit) {
     Lookup lookup;
     lookup.depths.assign(size * size, 0.5f);
     lookup.points = {0.5f, 0.5f, 0.509f, 0.5f, 0.5f, 0.511f, 1.5f, 0.5f, 0.9f, 0.5f, -0.1f, 0.9f};
@@ -138,7 +138,7 @@ TEST(DepthLookup, bias_moves_the_comparison_and_points_outside_are_lit) {
 
 // A half-plane at depth 0.2 over a floor at depth 0.7, under a sun whose disc has tangent 0.4 across: its edge throws a
 // penumbra 0.4 (0.7 - 0.2) = 0.2 wide (Fernando 2005), that is 12.8 texels.
-TEST(DepthLookup, penumbra_is_as_wide_as_blocker_and_light_make_it) {
+TEST(DepthLookup, PenumbraIsAsWideAsBlockerAndLightMakeIt) {
     Lookup lookup;
     for (std::uint32_t i = 0; i < size * size; ++i) lookup.depths.push_back(i % size < size / 2 ? 0.2f : 1.0f);
     for (int i = 0; i <= 100; ++i) add(lookup.points, {0.3f + 0.004f * float(i), 0.5f, 0.7f});

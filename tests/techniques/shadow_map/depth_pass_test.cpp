@@ -77,7 +77,7 @@ Floats casters(std::uint64_t seed) {
     return triangles;
 }
 
-TEST(DepthPass, nearest_hit_under_every_view) {
+TEST(DepthPass, NearestHitUnderEveryView) {
     for (const std::uint32_t group : FEW_WORK_GROUP_SIZES) {
         const gnomon::Device device = device_with(group);
         for (const std::uint64_t seed : {1, 2, 3}) {
@@ -103,7 +103,7 @@ TEST(DepthPass, nearest_hit_under_every_view) {
 
 // A disc of triangles with vertices anywhere, and one with vertices exactly on texel centres: no centre inside is
 // empty.
-TEST(DepthPass, no_cracks) {
+TEST(DepthPass, NoCracks) {
     const std::uint32_t size = 64;
     for (const bool on_centres : {false, true}) {
         Random random(5);
@@ -149,7 +149,7 @@ TEST(DepthPass, no_cracks) {
 
 // Long thin pairs of triangles whose common edge runs through a centre but for rounding: one of the two must have it,
 // though neither may by its own rounding. A pair per four rows, so that no other covers for it.
-TEST(DepthPass, no_cracks_along_edges_through_centres) {
+TEST(DepthPass, NoCracksAlongEdgesThroughCentres) {
     const std::uint32_t size = 64;
     const gnomon::Device device = device_with();
     Random random(8);
@@ -169,7 +169,7 @@ TEST(DepthPass, no_cracks_along_edges_through_centres) {
     }
 }
 
-TEST(DepthPass, order_and_group_size_do_not_matter) {
+TEST(DepthPass, OrderAndGroupSizeDoNotMatter) {
     const Floats triangles = casters(9);
     std::vector<float> first;
     for (const std::uint32_t group : {0u, 1u, 7u, 33u}) {
@@ -183,7 +183,7 @@ TEST(DepthPass, order_and_group_size_do_not_matter) {
     }
 }
 
-TEST(DepthPass, grows) {
+TEST(DepthPass, Grows) {
     const Floats triangles = casters(4);
     auto cases = view_cases(512, 512);
     const gnomon::Device device = device_with();
@@ -197,7 +197,7 @@ Floats two_planes() {
     return triangles;
 }
 
-TEST(DepthPass, dual_layers_lie_half_way_but_no_deeper_than_the_limit) {
+TEST(DepthPass, DualLayersLieHalfWayButNoDeeperThanTheLimit) {
     std::vector<ViewCase> cases{straight_view(32, 32)};
     for (const auto& [limit, behind] : {std::pair{1.0f, 0.125f}, std::pair{0.01f, 0.01f}}) {
         gnomon::DepthBias bias;
@@ -208,7 +208,7 @@ TEST(DepthPass, dual_layers_lie_half_way_but_no_deeper_than_the_limit) {
     }
 }
 
-TEST(DepthPass, slope_bias_and_slopes_are_depth_per_texel) {
+TEST(DepthPass, SlopeBiasAndSlopesAreDepthPerTexel) {
     std::vector<ViewCase> cases{straight_view(32, 48)};
     const gnomon::Device device = device_with();
     gnomon::DepthBias bias;
@@ -231,7 +231,7 @@ TEST(DepthPass, slope_bias_and_slopes_are_depth_per_texel) {
         EXPECT_NEAR(slope, std::pow(0.1 / 32, 2), 1e-9);
 }
 
-TEST(DepthPass, casters_before_the_near_plane_are_clamped_and_those_behind_a_point_light_are_not_seen) {
+TEST(DepthPass, CastersBeforeTheNearPlaneAreClampedAndThoseBehindAPointLightAreNotSeen) {
     Floats triangles;
     add(triangles, {-9, -9, -0.5f}, {9, -9, -0.5f}, {0, 9, -0.5f});
     std::vector<ViewCase> cases{straight_view(16, 16), perspective_view(16, 16)};

@@ -39,7 +39,7 @@ Scene floor_scene() {
 // (pixel width at distance d, across the ray) / cos psi_e, psi_e between ray and normal; that of a texel is
 // (texel width across the light) / cos psi_l. Their ratio is the error m; across the view neither is stretched. The
 // light travels in the plane of the view, so both directions are axes of map and picture.
-TEST(diagnostic, aliasing_error_is_the_analytic_figure) {
+TEST(Diagnostic, AliasingErrorIsTheAnalyticFigure) {
     Scene scene = floor_scene();
     const double tilt = 0.6;  // of the light, from straight down towards the camera's far side
     const auto light = gnomon::Light::directional({0, float(-std::cos(tilt)), float(-std::sin(tilt))});
@@ -66,7 +66,7 @@ TEST(diagnostic, aliasing_error_is_the_analytic_figure) {
 }
 
 // One texel to a pixel is green; finer is blue, coarser red.
-TEST(diagnostic, colours_grade_texels_per_pixel) {
+TEST(Diagnostic, ColoursGradeTexelsPerPixel) {
     Scene scene = floor_scene();
     const auto light = gnomon::Light::directional({0.1f, -1, 0.1f});
     const auto coarse = draw(scene, light, {}, DIAGNOSTIC_ALIASING, 16),
@@ -83,7 +83,7 @@ TEST(diagnostic, colours_grade_texels_per_pixel) {
 }
 
 // LogPSM is made to even out what uniform maps leave: its errors over the picture vary less.
-TEST(diagnostic, shows_that_warps_even_the_error_out) {
+TEST(Diagnostic, ShowsThatWarpsEvenTheErrorOut) {
     Scene scene;
     const auto light = gnomon::Light::directional({-1, -1, 0});
     const auto variation = [&](const char* projection) {
@@ -97,7 +97,7 @@ TEST(diagnostic, shows_that_warps_even_the_error_out) {
     EXPECT_LT(variation("logpsm"), 0.7 * variation("uniform"));
 }
 
-TEST(diagnostic, views_have_their_own_colours) {
+TEST(Diagnostic, ViewsHaveTheirOwnColours) {
     Scene scene;
     const auto drawn = draw(scene, gnomon::Light::directional({0, -1, 0}), {{"cascades", "4"}}, DIAGNOSTIC_VIEWS, 128);
     std::vector<std::pair<int, int>> hues;
@@ -126,7 +126,7 @@ Hues hues_of(const gnomon::MapDiagnostic& drawn) {
     return hues;
 }
 
-TEST(diagnostic, warp_is_green_where_there_is_none) {
+TEST(Diagnostic, WarpIsGreenWhereThereIsNone) {
     Scene scene;
     const auto light = gnomon::Light::directional({0.2f, -1, 0.3f});
     const Hues plain = hues_of(draw(scene, light, {}, DIAGNOSTIC_WARP, 256));
@@ -142,7 +142,7 @@ TEST(diagnostic, warp_is_green_where_there_is_none) {
 
 // The 32 x 32 cells hold the map's texels in equal numbers: two pixels are of one colour of the board exactly if their
 // texels, found from the views on the host, lie in cells of one kind.
-TEST(diagnostic, warp_shows_equal_shares_of_the_map) {
+TEST(Diagnostic, WarpShowsEqualSharesOfTheMap) {
     Scene scene;
     const auto light = gnomon::Light::directional({0.2f, -1, 0.3f});
     const Settings settings{{"fit", "casters"}};
@@ -164,7 +164,7 @@ TEST(diagnostic, warp_shows_equal_shares_of_the_map) {
 }
 
 // As the command asks for it: the technique's own views, four bytes per pixel, opaque; a sentence where there is none.
-TEST(diagnostic, techniques_draw_their_own) {
+TEST(Diagnostic, TechniquesDrawTheirOwn) {
     Scene scene;
     const auto light = gnomon::Light::directional({0.3f, -1, 0});
     const auto technique = gnomon::make_technique("sdsm", scene.device);
@@ -186,7 +186,7 @@ TEST(diagnostic, techniques_draw_their_own) {
 }
 
 // What techniques() lists can be drawn, and the sentence for any other name tells of it.
-TEST(diagnostic, what_is_listed_can_be_drawn) {
+TEST(Diagnostic, WhatIsListedCanBeDrawn) {
     Scene scene;
     const auto light = gnomon::Light::directional({0.3f, -1, 0});
     std::string sentence;

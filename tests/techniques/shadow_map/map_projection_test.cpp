@@ -76,7 +76,7 @@ std::string named(const Settings& settings) {
 }
 
 // What the lookups rely on, for every composition and light.
-TEST(projection, holds_every_point_and_what_casts_on_it) {
+TEST(Projection, HoldsEveryPointAndWhatCastsOnIt) {
     Scene scene;
     for (const auto& [name, light] : lights())
         for (const Settings& settings : compositions()) {
@@ -125,7 +125,7 @@ std::vector<double> splits(const Fitted& fitted) {
     return ends;
 }
 
-TEST(partition, parallel_splits_are_even_for_0_and_a_geometric_row_for_1) {
+TEST(Partition, ParallelSplitsAreEvenFor0AndAGeometricRowFor1) {
     Scene scene;
     const Settings planes{{"cascades", "4"}, {"depth-range", "planes"}, {"near", "2"}, {"far", "162"}};
     const auto with = [&](const char* lambda) {
@@ -142,7 +142,7 @@ TEST(partition, parallel_splits_are_even_for_0_and_a_geometric_row_for_1) {
 }
 
 // The reduction on the device finds the host's least and greatest depth: the middle of two slices tells both.
-TEST(partition, sample_distribution_reaches_from_the_nearest_point_to_the_farthest) {
+TEST(Partition, SampleDistributionReachesFromTheNearestPointToTheFarthest) {
     for (const std::uint32_t work_group_size : FEW_WORK_GROUP_SIZES) {
         Scene scene(device_with(work_group_size));
         double least = 1e30, greatest = 0;
@@ -157,7 +157,7 @@ TEST(partition, sample_distribution_reaches_from_the_nearest_point_to_the_farthe
     }
 }
 
-TEST(partition, storage_moves_texels_and_nothing_else) {
+TEST(Partition, StorageMovesTexelsAndNothingElse) {
     Scene scene;
     const Fitted array = fit(scene, noon, {{"cascades", "5"}}),
                  atlas = fit(scene, noon, {{"cascades", "5"}, {"storage", "atlas"}});
@@ -203,7 +203,7 @@ double largest_swimming(const Settings& settings) {
     return largest;
 }
 
-TEST(partition, stabilised_views_move_by_whole_texels) {
+TEST(Partition, StabilisedViewsMoveByWholeTexels) {
     const Settings cascades{{"cascades", "3"}, {"near", "1"}, {"far", "120"}, {"depth-range", "planes"}};
     const auto with = [&](const char* form) {
         Settings settings = cascades;
@@ -218,7 +218,7 @@ TEST(partition, stabilised_views_move_by_whole_texels) {
 }
 
 // The masks themselves: the same points, seen by a camera that creeps by fractions of a texel.
-TEST(partition, stabilised_masks_stay_as_they_are) {
+TEST(Partition, StabilisedMasksStayAsTheyAre) {
     const Scene scene;
     const auto points = gnomon::Points::upload(scene.device, scene.positions);
     const auto changes = [&](const char* form) {
@@ -246,7 +246,7 @@ TEST(partition, stabilised_masks_stay_as_they_are) {
 }
 
 // Sums of nothing, minima and maxima alone: the same bits for every work-group size.
-TEST(partition, is_the_same_for_every_work_group_size) {
+TEST(Partition, IsTheSameForEveryWorkGroupSize) {
     std::vector<Fitted> first;
     for (const std::uint32_t work_group_size : FEW_WORK_GROUP_SIZES) {
         Scene scene(device_with(work_group_size));
@@ -298,7 +298,7 @@ Settings whole_frustum_of(const char* projection) {
 
 // With the light straight across the view its rays are parallel after the perspective too (at L.w = 0): the map is a
 // parallel projection of the post-perspective cube, and keeps the middle of any two places in the middle.
-TEST(projection, psm_sees_the_post_perspective_cube_in_parallel_if_the_light_is_across) {
+TEST(Projection, PsmSeesThePostPerspectiveCubeInParallelIfTheLightIsAcross) {
     Scene scene;
     const Double3& up = scene.camera.up;
     const auto across = gnomon::Light::directional({float(-up[0]), float(-up[1]), float(-up[2])});
@@ -337,7 +337,7 @@ double texel_per_pixel(const Scene& scene, const MapView& view, double z) {
 }
 
 // Wimmer et al. 2004: n = z_n + sqrt(z_n z_f) makes the error at both ends the same, and smaller than any other does.
-TEST(projection, lispsm_has_the_optimal_distance) {
+TEST(Projection, LispsmHasTheOptimalDistance) {
     // The light straight down on a camera that looks straight ahead; the floor and its posts are cut by the frustum, so
     // let a box around everything leave the whole of it.
     Scene scene(gnomon::Camera::look_at({0, 3, 30}, {0, 3, 0}, {0, 1, 0}, 40));
@@ -362,7 +362,7 @@ TEST(projection, lispsm_has_the_optimal_distance) {
 
 // Lloyd et al. 2008: with the light across the view, a logarithmic map whose w is the depth has the same error
 // everywhere. No linear map has: LiSPSM's varies by sqrt(f / n) / 2 and more.
-TEST(projection, logpsm_has_the_same_error_everywhere_if_the_light_is_across) {
+TEST(Projection, LogpsmHasTheSameErrorEverywhereIfTheLightIsAcross) {
     Scene scene(gnomon::Camera::look_at({0, 3, 30}, {0, 3, 0}, {0, 1, 0}, 40));
     Floats vertices = yard();
     add(vertices, {-300, -300, -300}, {300, 300, 300}, {301, 300, 300});
@@ -383,7 +383,7 @@ TEST(projection, logpsm_has_the_same_error_everywhere_if_the_light_is_across) {
 }
 
 // Seen along the light the view has no direction, and all warps are the uniform map.
-TEST(projection, warps_end_where_the_light_is_along_the_view) {
+TEST(Projection, WarpsEndWhereTheLightIsAlongTheView) {
     Scene scene;
     const auto& d = scene.camera.forward;
     const auto along = gnomon::Light::directional({float(d[0]), float(d[1]), float(d[2])});
@@ -396,7 +396,7 @@ TEST(projection, warps_end_where_the_light_is_along_the_view) {
 
 // Points belong to the side their ray leaves through, found here by the ray itself; on a long side u is the picture's
 // own coordinate of that place, and v its depth's logarithm.
-TEST(projection, frustum_sides_hold_the_rays_that_leave_through_them) {
+TEST(Projection, FrustumSidesHoldTheRaysThatLeaveThroughThem) {
     Scene scene;
     const double n = 4, f = 100;
     for (const auto& [name, light] : lights()) {
@@ -449,7 +449,7 @@ TEST(projection, frustum_sides_hold_the_rays_that_leave_through_them) {
 }
 
 // Thesis, eq. 6.2 and 6.3: what the slices of a logarithmic split look like under their own maps is the same for all.
-TEST(projection, self_similar_slices_repeat_the_first) {
+TEST(Projection, SelfSimilarSlicesRepeatTheFirst) {
     Scene scene;
     for (const char* projection : {"uniform", "lispsm", "logpsm"}) {
         SCOPED_TRACE(projection);
@@ -470,7 +470,7 @@ TEST(projection, self_similar_slices_repeat_the_first) {
 }
 
 // Thesis 6.4: texels are shared out so that the largest error of a view is the same for all and along both axes.
-TEST(projection, shared_texels_even_the_errors_out) {
+TEST(Projection, SharedTexelsEvenTheErrorsOut) {
     Scene scene;
     for (const char* projection : {"uniform", "lispsm", "logpsm"}) {
         SCOPED_TRACE(projection);
@@ -504,7 +504,7 @@ TEST(projection, shared_texels_even_the_errors_out) {
     }
 }
 
-TEST(projection, bad_settings_are_one_clear_sentence) {
+TEST(Projection, BadSettingsAreOneClearSentence) {
     gnomon::ViewFit stage;
     for (const auto& [name, value] : Settings{{"cascades", "0"},
                                               {"cascades", "9"},

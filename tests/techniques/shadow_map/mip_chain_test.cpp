@@ -79,7 +79,7 @@ const std::vector<std::pair<std::uint32_t, std::uint32_t>> even_and_odd{{64, 64}
 
 float scattered(int i) { return float(i * 2654435761u % 65536u) / 65535; }
 
-TEST(MipChain, a_constant_stays_one_on_every_level) {
+TEST(MipChain, AConstantStaysOneOnEveryLevel) {
     for (const bool half_bits : {false, true}) {
         const Chain chain(
             even_and_odd, [](int) { return 0.7f; }, half_bits);
@@ -91,7 +91,7 @@ TEST(MipChain, a_constant_stays_one_on_every_level) {
     }
 }
 
-TEST(MipChain, even_texels_are_means_of_blocks) {
+TEST(MipChain, EvenTexelsAreMeansOfBlocks) {
     const Chain chain({{64, 32}, {16, 16}}, scattered, false);
     for (const ViewCase& c : chain.views)
         for (std::uint32_t plane = 0; plane < planes; ++plane) {
@@ -111,7 +111,7 @@ TEST(MipChain, even_texels_are_means_of_blocks) {
 }
 
 // Every texel of a level has its share in the next one, also along odd sides.
-TEST(MipChain, no_level_loses_anything) {
+TEST(MipChain, NoLevelLosesAnything) {
     for (const bool half_bits : {false, true}) {
         const Chain chain(even_and_odd, scattered, half_bits);
         for (const ViewCase& c : chain.views)
@@ -124,7 +124,7 @@ TEST(MipChain, no_level_loses_anything) {
     }
 }
 
-TEST(MipChain, levels_fill_their_places_and_no_others) {
+TEST(MipChain, LevelsFillTheirPlacesAndNoOthers) {
     const Chain chain(even_and_odd, scattered, false);
     std::size_t expected = 0;
     for (const ViewCase& c : chain.views)
@@ -176,7 +176,7 @@ struct Stripes {
 };
 
 // Texels are about 0.02 wide, a pixel 0.07 times the height.
-TEST(MipChain, small_footprints_are_the_plain_lookup) {
+TEST(MipChain, SmallFootprintsAreThePlainLookup) {
     Stripes stripes;
     stripes.look_from(0.15f);
     // Seen at an angle footprints grow: of the points below the camera all are small.
@@ -198,7 +198,7 @@ TEST(MipChain, small_footprints_are_the_plain_lookup) {
 
 // A pixel over dozens of stripes sees three quarters of the light: the two depths below it, a quarter and three
 // quarters, are what variance and moments tell apart exactly.
-TEST(MipChain, large_footprints_are_the_mean) {
+TEST(MipChain, LargeFootprintsAreTheMean) {
     Stripes stripes;
     stripes.look_from(60);
     for (const char* store : {"variance", "evsm4", "moments"}) {
@@ -214,7 +214,7 @@ TEST(MipChain, large_footprints_are_the_mean) {
 }
 
 // Between two levels the estimate comes from both: as the camera rises by small steps no mask jumps.
-TEST(MipChain, levels_blend) {
+TEST(MipChain, LevelsBlend) {
     Stripes stripes;
     std::vector<float> last;
     double largest = 0, whole = 0;
@@ -231,7 +231,7 @@ TEST(MipChain, levels_blend) {
     EXPECT_LT(largest, 0.15 * whole) << "steps are 1/40 of the way";
 }
 
-TEST(MipChain, without_a_camera_there_are_no_footprints) {
+TEST(MipChain, WithoutACameraThereAreNoFootprints) {
     Stripes stripes;
     EXPECT_EQ(stripes.visibility("variance", "mip"), stripes.visibility("variance", "none"));
     stripes.visibility("variance", "mip");

@@ -56,7 +56,7 @@ Scene along_the_floor() {
 }
 
 // A mast far down the floor: near the camera a pixel covers little floor, and the plain face's texels are wide there.
-TEST(PointLightPerspective, less_is_wrong_where_the_view_looks_along_the_floor) {
+TEST(PointLightPerspective, LessIsWrongWhereTheViewLooksAlongTheFloor) {
     const Scene scene = along_the_floor();
     for (const auto& light : {gnomon::Light::positional({3, 60, -70}), gnomon::Light::positional({-30, 40, -120})}) {
         for (const char* size : {"256", "1024"}) {
@@ -68,7 +68,7 @@ TEST(PointLightPerspective, less_is_wrong_where_the_view_looks_along_the_floor) 
     }
 }
 
-TEST(PointLightPerspective, error_falls_with_resolution_towards_the_truth) {
+TEST(PointLightPerspective, ErrorFallsWithResolutionTowardsTheTruth) {
     const Scene scene = along_the_floor();
     const auto light = gnomon::Light::positional({3, 60, -70});
     const std::size_t coarse = wrong_points(scene, light, "lispsm", "128"),
@@ -81,7 +81,7 @@ TEST(PointLightPerspective, error_falls_with_resolution_towards_the_truth) {
 
 // A point light at the eye before a wall across the view sees what the camera sees: texels are as even as pixels, and
 // nothing is to be won. The map is the plain one, to the bit.
-TEST(PointLightPerspective, a_point_light_at_the_eye_keeps_its_plain_faces) {
+TEST(PointLightPerspective, APointLightAtTheEyeKeepsItsPlainFaces) {
     Scene scene(gnomon::Camera::look_at({0, 0, 20}, {0, 0, 0}, {0, 1, 0}, 50));
     Floats wall;
     add(wall, {-60, -60, 0}, {60, -60, 0}, {60, 60, 0});
@@ -111,7 +111,7 @@ int view_of(const std::uint8_t* color) {
 }
 
 // A warped face's map reaches beyond the face; what lies there is another's all the same.
-TEST(PointLightPerspective, points_are_served_by_their_own_face) {
+TEST(PointLightPerspective, PointsAreServedByTheirOwnFace) {
     const Scene scene = along_the_floor();
     const gnomon::ViewOnHost host = gnomon::read(scene.device, scene.triangles, scene.view);
     const Double3 position{3, 60, -70};
@@ -137,7 +137,7 @@ TEST(PointLightPerspective, points_are_served_by_their_own_face) {
 }
 
 // Without a camera there is nothing to follow, and faces that are not fitted to receivers are plain.
-TEST(PointLightPerspective, warps_only_what_follows_the_receivers) {
+TEST(PointLightPerspective, WarpsOnlyWhatFollowsTheReceivers) {
     Scene scene;
     const auto point_light = gnomon::Light::positional({1, 6, 4});
     EXPECT_GT(warped_faces(fit(scene, point_light, lispsm)), 0u);
@@ -147,7 +147,7 @@ TEST(PointLightPerspective, warps_only_what_follows_the_receivers) {
 }
 
 // Sums have one order: the same map for every work-group size.
-TEST(PointLightPerspective, is_the_same_for_every_work_group_size) {
+TEST(PointLightPerspective, IsTheSameForEveryWorkGroupSize) {
     std::vector<MapView> first;
     for (const std::uint32_t work_group_size : FEW_WORK_GROUP_SIZES) {
         Scene scene(device_with(work_group_size));

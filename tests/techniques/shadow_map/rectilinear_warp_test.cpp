@@ -31,7 +31,7 @@ Scene flat_scene(float x = 0, float z = 0) {
     return scene;
 }
 
-TEST(rectilinear_warp, flat_importance_is_the_plain_map) {
+TEST(RectilinearWarp, FlatImportanceIsThePlainMap) {
     Scene scene = flat_scene();
     const auto down = gnomon::Light::directional({0, -1, 0});
     for (const char* analysis : {"backward", "forward", "hybrid"}) {
@@ -47,7 +47,7 @@ TEST(rectilinear_warp, flat_importance_is_the_plain_map) {
 }
 
 // The definition, by the host in double: largest importance per column and row, blurred, summed.
-TEST(rectilinear_warp, texels_are_shared_in_proportion_to_importance) {
+TEST(RectilinearWarp, TexelsAreSharedInProportionToImportance) {
     Scene scene;
     const Fitted fitted = fit(scene, slant, {{"warp", "backward"}, {"importance", "view+distance"}});
     const MapView& view = fitted.views.at(0);
@@ -94,7 +94,7 @@ double density(const Fitted& fitted, int axis, const Double3& p) {
 
 // The light finds out what the camera sees: of a map over the whole floor, the part in the view. 50 m up with 20
 // degrees, that is 8.8 m to both sides along z and 13.2 m along x.
-TEST(rectilinear_warp, forward_analysis_knows_what_is_in_view) {
+TEST(RectilinearWarp, ForwardAnalysisKnowsWhatIsInView) {
     const double x = 17, z = -14;  // not in the middle of the map: neither axis may be mirrored
     Scene scene = flat_scene(float(x), float(z));
     const auto down = gnomon::Light::directional({0, -1, 0});
@@ -111,7 +111,7 @@ TEST(rectilinear_warp, forward_analysis_knows_what_is_in_view) {
 }
 
 // What forward analysis adds: columns and rows in which a post stands before the floor get more texels than the others.
-TEST(rectilinear_warp, shadow_edges_draw_texels) {
+TEST(RectilinearWarp, ShadowEdgesDrawTexels) {
     Scene scene = flat_scene();
     Floats with_post;
     add(with_post, {-60, 0, -60}, {60, 0, -60}, {60, 0, 60});
@@ -131,7 +131,7 @@ TEST(rectilinear_warp, shadow_edges_draw_texels) {
 
 // Texel centres are the warp's inverse: for the logarithm by the constants of Lloyd's dissertation (2007, eq. 6.4),
 //   t = c0 log(c1 y + c2),  v = d0 e^(d1 t) + d2,  with y from y0 to y1 where v goes from 0 to 1.
-TEST(rectilinear_warp, texel_centres_are_the_inverse_of_the_warp) {
+TEST(RectilinearWarp, TexelCentresAreTheInverseOfTheWarp) {
     Scene scene;
     const Fitted log = fit(scene, slant, {{"projection", "logpsm"}}), tables = fit(scene, slant, {{"warp", "hybrid"}});
     const MapView& view = log.views.at(0);
@@ -184,7 +184,7 @@ double nearest_at(const Floats& vertices, const MapView& view, double u, double 
 }
 
 // Every texel holds what its own ray meets. A ray within a thousandth of a texel of an edge may go either way.
-TEST(rectilinear_warp, depths_are_those_of_the_rays_through_texel_centres) {
+TEST(RectilinearWarp, DepthsAreThoseOfTheRaysThroughTexelCentres) {
     Scene scene;
     gnomon::cl::Session& session = session_of(scene.device);
     for (const Settings& settings :
@@ -225,7 +225,7 @@ TEST(rectilinear_warp, depths_are_those_of_the_rays_through_texel_centres) {
     }
 }
 
-TEST(rectilinear_warp, bad_settings_are_one_clear_sentence) {
+TEST(RectilinearWarp, BadSettingsAreOneClearSentence) {
     gnomon::ViewFit stage;
     EXPECT_THROW(stage.set("warp", "sideways"), gnomon::InvalidArgument);
     EXPECT_THROW(stage.set("importance", ""), gnomon::InvalidArgument);

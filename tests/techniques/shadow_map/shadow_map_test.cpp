@@ -38,7 +38,7 @@ std::vector<float> visibility_of(const gnomon::Device& device, const LightScene&
 const Light sun = Light::directional({-0.3f, -1, -0.2f}), point_light = Light::positional({0.3f, 3, 0.2f});
 
 // The share of wrong points is that of texels on shadow edges: it falls as the texels' side.
-TEST(ShadowMap, error_falls_with_resolution_towards_the_truth) {
+TEST(ShadowMap, ErrorFallsWithResolutionTowardsTheTruth) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(12);
     for (const Light& light : {sun, point_light}) {
@@ -56,7 +56,7 @@ TEST(ShadowMap, error_falls_with_resolution_towards_the_truth) {
 
 // Under grazing light a floor without casters is lit: by slope-scaled bias and by adaptive bias; without either it
 // shadows itself.
-TEST(ShadowMap, flat_floor_under_grazing_light) {
+TEST(ShadowMap, FlatFloorUnderGrazingLight) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(0);
     const Light grazing = Light::directional({1, -0.05f, 0.3f});
@@ -71,7 +71,7 @@ TEST(ShadowMap, flat_floor_under_grazing_light) {
     EXPECT_LT(lit({{"slope-bias", "0"}, {"constant-bias", "0"}}), 0.9);
 }
 
-TEST(ShadowMap, adaptive_bias_needs_less_than_slope_scaled_bias) {
+TEST(ShadowMap, AdaptiveBiasNeedsLessThanSlopeScaledBias) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(12);
     const auto truth = visibility_of(device, scene, sun, "frustum-traced");
@@ -84,7 +84,7 @@ TEST(ShadowMap, adaptive_bias_needs_less_than_slope_scaled_bias) {
 }
 
 // Every technique of the family: near the truth, within [0, 1], the same bits for every group size.
-TEST(ShadowMap, every_preset) {
+TEST(ShadowMap, EveryPreset) {
     const gnomon::Device devices[] = {device_with(3), device_with(64)};
     const LightScene scene = floor_and_slabs(12);
     for (const Light& light : {sun, point_light}) {
@@ -110,7 +110,7 @@ std::uint64_t memory_of(const gnomon::Device& device, const LightScene& scene, c
 }
 
 // Of four numbers a texel, stored and filtered: 64 bits of memory, or 128; and almost the same shadow.
-TEST(ShadowMap, moments_of_64_bits_take_64_bits) {
+TEST(ShadowMap, MomentsOf64BitsTake64Bits) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(12);
     constexpr std::uint64_t texels = 256 * 256;
@@ -125,7 +125,7 @@ TEST(ShadowMap, moments_of_64_bits_take_64_bits) {
 }
 
 // A box of one texel is the bilinear lookup itself.
-TEST(ShadowMap, summed_areas_of_one_texel_change_nothing) {
+TEST(ShadowMap, SummedAreasOfOneTexelChangeNothing) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(12);
     for (const auto& [store, bits] :
@@ -143,7 +143,7 @@ TEST(ShadowMap, summed_areas_of_one_texel_change_nothing) {
 // A line of points at one distance from a straight edge, across the border of two slices at camera depth 21, which has
 // an overlap of 0.1 x 20 before it. Texels of both lie along the edge, so each slice gives one visibility; blended, the
 // first turns into the second from depth 19 to 21, at an even rate.
-TEST(ShadowMap, slices_blend_evenly_within_the_overlap) {
+TEST(ShadowMap, SlicesBlendEvenlyWithinTheOverlap) {
     const gnomon::Device device;
     const auto depth_of = [](int i) { return 15 + 0.0123f * float(i); };
     constexpr int count = 700;
@@ -183,7 +183,7 @@ TEST(ShadowMap, slices_blend_evenly_within_the_overlap) {
     }
 }
 
-TEST(ShadowMap, nothing_to_do) {
+TEST(ShadowMap, NothingToDo) {
     const gnomon::Device device;
     LightScene scene = floor_and_slabs(1);
     for (const float value : visibility_of(device, {"", {}, scene.points, {}, scene.receivers}, sun, "shadow-map"))
@@ -193,7 +193,7 @@ TEST(ShadowMap, nothing_to_do) {
     for (const float value : visibility_of(device, scene, Light::directional({0, 1, 0}), "msm128")) ASSERT_EQ(value, 0);
 }
 
-TEST(ShadowMap, bad_settings_are_refused_in_one_sentence) {
+TEST(ShadowMap, BadSettingsAreRefusedInOneSentence) {
     const gnomon::Device device;
     const LightScene scene = floor_and_slabs(1);
     const auto expect_refused = [&](const Settings& settings, const std::string& part) {

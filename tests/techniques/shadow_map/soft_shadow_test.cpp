@@ -90,7 +90,7 @@ double measured_width(const std::vector<double>& visibility) {
 constexpr float heights[] = {0.5f, 1, 2};
 
 // The truth itself: n columns of lights make n steps of 1/n, each half a step or less from the ramp.
-TEST(SoftShadow, samples_of_the_light_follow_the_ramp) {
+TEST(SoftShadow, SamplesOfTheLightFollowTheRamp) {
     const gnomon::Device device;
     for (const AreaLight& light : area_lights())
         for (const float height : heights) {
@@ -106,7 +106,7 @@ TEST(SoftShadow, samples_of_the_light_follow_the_ramp) {
 }
 
 // The penumbra of pcss is as wide as the light's, and grows with the caster's height as it does.
-TEST(SoftShadow, pcss_is_nearer_to_the_area_light_than_a_hard_map) {
+TEST(SoftShadow, PcssIsNearerToTheAreaLightThanAHardMap) {
     const gnomon::Device device;
     for (const AreaLight& light : area_lights())
         for (const float height : heights) {

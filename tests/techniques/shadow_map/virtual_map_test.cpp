@@ -62,7 +62,7 @@ protected:
 
 // Without a camera all points ask for one level. On the finest, each finds in its page what the whole map of that size
 // holds.
-TEST_F(VirtualMap, finest_level_is_the_shadow_map_of_its_size) {
+TEST_F(VirtualMap, FinestLevelIsTheShadowMapOfItsSize) {
     for (const Light& light : {sun, point_light})
         for (const char* size : {"128", "512", "2048"}) {
             SCOPED_TRACE(size);
@@ -115,7 +115,7 @@ std::vector<float> whole_level(const gnomon::Device& device, const gnomon::Trian
 
 // So it is on every level, with a whole map of the level's texels over the same rectangle. On the finest the sheets
 // make more pairs than the first list has room for.
-TEST_F(VirtualMap, coarser_levels_are_coarser_maps) {
+TEST_F(VirtualMap, CoarserLevelsAreCoarserMaps) {
     const auto triangles = gnomon::Triangles::upload(device_, floor_slabs_and_sheets());
     Floats positions;
     Random random(5);
@@ -137,7 +137,7 @@ TEST_F(VirtualMap, coarser_levels_are_coarser_maps) {
 }
 
 // As fine as pixels ask for, the error is that of shadow edges within a pixel; coarser texels cost error.
-TEST_F(VirtualMap, error_falls_with_detail_and_size_towards_the_truth) {
+TEST_F(VirtualMap, ErrorFallsWithDetailAndSizeTowardsTheTruth) {
     for (const Light& light : {sun, point_light}) {
         const std::vector<float> truth = answer(light, true, "frustum-traced").visibility;
         const auto error = [&](const char* technique, const Settings& settings) {
@@ -159,7 +159,7 @@ TEST_F(VirtualMap, error_falls_with_detail_and_size_towards_the_truth) {
     }
 }
 
-TEST_F(VirtualMap, holds_what_is_asked_for_and_little_else) {
+TEST_F(VirtualMap, HoldsWhatIsAskedForAndLittleElse) {
     for (const Light& light : {sun, point_light}) {
         const gnomon::Statistics s = answer(light, true, "virtual-shadow-map").statistics;
         EXPECT_EQ(s.count("points_outside"), 0u);
@@ -173,7 +173,7 @@ TEST_F(VirtualMap, holds_what_is_asked_for_and_little_else) {
     }
 }
 
-TEST_F(VirtualMap, gives_the_same_bits_for_every_work_group_size) {
+TEST_F(VirtualMap, GivesTheSameBitsForEveryWorkGroupSize) {
     for (const Light& light : {sun, point_light}) {
         const Answer expected = answer(light, true, "virtual-shadow-map");
         for (const std::uint32_t size : {1u, 7u, 33u, 64u}) {
@@ -185,7 +185,7 @@ TEST_F(VirtualMap, gives_the_same_bits_for_every_work_group_size) {
     }
 }
 
-TEST_F(VirtualMap, runs_on_nothing_and_refuses_bad_settings) {
+TEST_F(VirtualMap, RunsOnNothingAndRefusesBadSettings) {
     const auto none = gnomon::Triangles::upload(device_, {});
     const auto points = gnomon::Points::upload(device_, Floats{0, 0, 0, NAN, 0, 0});
     const gnomon::Visibility visibility(device_, 2);
@@ -203,7 +203,7 @@ TEST_F(VirtualMap, runs_on_nothing_and_refuses_bad_settings) {
 }
 
 // Several lights share one pool of pages: each point gets the bits, and each light the counts, that it has alone.
-TEST_F(VirtualMap, lights_in_one_pool_are_as_each_alone) {
+TEST_F(VirtualMap, LightsInOnePoolAreAsEachAlone) {
     const auto triangles = gnomon::Triangles::upload(device_, floor_slabs_and_sheets());
     const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 60);
     const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);
@@ -249,7 +249,7 @@ int level_of(const std::uint8_t* rgba, bool& is_dark) {
 
 // Half the detail asks for texels twice as wide: every pixel's page lies one level up, as long as there is one. Without
 // a camera all lie on the level that is set.
-TEST_F(VirtualMap, page_diagnostic_shows_the_levels) {
+TEST_F(VirtualMap, PageDiagnosticShowsTheLevels) {
     const auto triangles = gnomon::Triangles::upload(device_, floor_slabs_and_sheets());
     const auto camera = gnomon::Camera::look_at({0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 60);
     const gnomon::View view = gnomon::look(device_, triangles, camera, width, height);

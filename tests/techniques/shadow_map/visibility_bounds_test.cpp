@@ -130,7 +130,7 @@ std::vector<Question> questions(std::size_t depths, bool at_a_depth) {
 }
 
 // The estimate is the largest share that the means allow, so never below the truth.
-TEST(VisibilityBounds, upper_bounds_hold) {
+TEST(VisibilityBounds, UpperBoundsHold) {
     for (StorePlan plan : {plan_of(STORE_VARIANCE, 2), plan_of(STORE_EVSM2, 2), plan_of(STORE_EVSM4, 4),
                            plan_of(STORE_LAYERED, 8), plan_of(STORE_MOMENTS, 4)}) {
         if (plan.store == STORE_LAYERED) plan.layers = 4;
@@ -151,7 +151,7 @@ TEST(VisibilityBounds, upper_bounds_hold) {
 
 // With two depths, one of them t, Chebyshev's bound is attained (Donnelly and Lauritzen 2006: a planar occluder over a
 // planar receiver). With three, t among them, the distribution itself attains Hamburger's.
-TEST(VisibilityBounds, exact_for_as_many_depths_as_the_moments_tell_apart) {
+TEST(VisibilityBounds, ExactForAsManyDepthsAsTheMomentsTellApart) {
     for (const auto& [plan, depths] : {std::pair{plan_of(STORE_VARIANCE, 2), 2}, {plan_of(STORE_MOMENTS, 4), 3}}) {
         const auto asked = questions(static_cast<std::size_t>(depths), true);
         const std::vector<float> lit = estimates(plan, asked);
@@ -160,7 +160,7 @@ TEST(VisibilityBounds, exact_for_as_many_depths_as_the_moments_tell_apart) {
     }
 }
 
-TEST(VisibilityBounds, more_moments_tell_more) {
+TEST(VisibilityBounds, MoreMomentsTellMore) {
     const auto asked = questions(3, false);
     const auto mean_of = [&](const StorePlan& plan) {
         double sum = 0;
@@ -176,13 +176,13 @@ TEST(VisibilityBounds, more_moments_tell_more) {
     EXPECT_LT(mean_of(layered), variance);
 }
 
-TEST(VisibilityBounds, one_layer_is_plain_variance) {
+TEST(VisibilityBounds, OneLayerIsPlainVariance) {
     const auto asked = questions(3, false);
     EXPECT_EQ(estimates(plan_of(STORE_LAYERED, 2), asked), estimates(plan_of(STORE_VARIANCE, 2), asked));
 }
 
 // exp(c (z - t)) for a single depth; a single depth tells [z >= t] as c grows.
-TEST(VisibilityBounds, exponential_limit) {
+TEST(VisibilityBounds, ExponentialLimit) {
     std::vector<Question> asked;
     for (int i = 0; i <= 50; ++i) asked.push_back({{{1.0, 0.5}}, 0.25 + 0.01 * i});
     for (const float exponent : {5.0f, 40.0f, 80.0f}) {
@@ -195,7 +195,7 @@ TEST(VisibilityBounds, exponential_limit) {
 }
 
 // The share of a Gaussian is below what any distribution may have, and 1 - Phi is known: doubled, 0.3173 at one sigma.
-TEST(VisibilityBounds, gaussian_share) {
+TEST(VisibilityBounds, GaussianShare) {
     const auto asked = questions(3, false);
     const auto gaussian = estimates(plan_of(STORE_EWGF, 2), asked), bound = estimates(plan_of(STORE_EVSM2, 2), asked);
     for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_LE(gaussian[i], bound[i] + 1e-5f);
@@ -205,7 +205,7 @@ TEST(VisibilityBounds, gaussian_share) {
 }
 
 // More terms, steeper step; means of steps are steps of means.
-TEST(VisibilityBounds, fourier_series_approaches_the_step) {
+TEST(VisibilityBounds, FourierSeriesApproachesTheStep) {
     for (const std::uint32_t terms : {4u, 16u}) {
         const StorePlan plan = plan_of(STORE_CONVOLUTION, 2 * terms);
         const double rise = 1.0 / terms;  // beyond this on both sides of the step it has settled
@@ -225,7 +225,7 @@ TEST(VisibilityBounds, fourier_series_approaches_the_step) {
     for (const float lit : estimates(plan_of(STORE_CONVOLUTION, 32), itself)) EXPECT_GT(lit, 0.9f);
 }
 
-TEST(VisibilityBounds, optimised_moments_come_back) {
+TEST(VisibilityBounds, OptimisedMomentsComeBack) {
     StorePlan plan = plan_of(STORE_MOMENTS, 4);
     const auto asked = questions(3, true);
     const std::vector<float> plain = estimates(plan, asked);
@@ -266,7 +266,7 @@ TEST(VisibilityBounds, optimised_moments_come_back) {
 }
 
 // Survey 113: [bleeding, 1] is stretched to [0, 1].
-TEST(VisibilityBounds, bleeding_is_cut_off) {
+TEST(VisibilityBounds, BleedingIsCutOff) {
     const auto asked = questions(3, false);
     StorePlan plan = plan_of(STORE_VARIANCE, 2);
     const std::vector<float> before = estimates(plan, asked);
