@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The cases of the stress suite: everything that is known to break shadows (../shared/design.md, 6), each an endless
-// row of questions that a seed makes the same on every machine.
+// The cases of the stress suite: everything that is known to break shadows, each an endless row of questions that a
+// seed makes the same on every machine.
 #pragma once
 
 #include <filesystem>
