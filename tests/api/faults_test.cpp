@@ -109,18 +109,18 @@ void expect_documented(const gnomon::OpenClError& error, cl_int code, const std:
 
 struct Case {
     gnomon::TechniqueDescription technique;
-    bool has_lamp;
+    bool has_point_light;
 };
 
 std::vector<Case> all_cases() {
     std::vector<Case> cases;
     for (const gnomon::TechniqueDescription& technique : all_techniques())
-        for (const bool has_lamp : {false, true}) cases.push_back({technique, has_lamp});
+        for (const bool has_point_light : {false, true}) cases.push_back({technique, has_point_light});
     return cases;
 }
 
 std::string case_name(const testing::TestParamInfo<Case>& info) {
-    std::string name = info.param.technique.name + (info.param.has_lamp ? "_lamp" : "_sun");
+    std::string name = info.param.technique.name + (info.param.has_point_light ? "_point_light" : "_sun");
     for (char& c : name)
         if (c == '-') c = '_';
     return name;
@@ -129,8 +129,8 @@ std::string case_name(const testing::TestParamInfo<Case>& info) {
 class EveryCall : public testing::TestWithParam<Case> {};
 
 TEST_P(EveryCall, FailsOnceWithAClearErrorAndNothingIsLost) {
-    const auto& [description, has_lamp] = GetParam();
-    const Light light = has_lamp ? Light::positional({0.1f, 1.5f, 0.2f}) : Light::directional({0.2f, -1, 0.1f});
+    const auto& [description, has_point_light] = GetParam();
+    const Light light = has_point_light ? Light::positional({0.1f, 1.5f, 0.2f}) : Light::directional({0.2f, -1, 0.1f});
     const bool is_for_anything = description.name == "frustum-traced";
     const Device device;
     gnomon::cl::Session& session = session_of(device);

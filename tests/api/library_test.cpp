@@ -604,7 +604,7 @@ TEST(Memory, WhatWasTakenIsGivenBack) {
 // much is enough.
 TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
     const Floats scene = support::soup(2000, 0.3f, 5), places = support::random_points(6000, -1, 1, 6);
-    const gnomon::Light lamp = gnomon::Light::positional({0.1f, 1.5f, 0.2f});
+    const gnomon::Light point_light = gnomon::Light::positional({0.1f, 1.5f, 0.2f});
     const auto technique_with_map = [](const Device& device) {
         auto technique = gnomon::make_technique("frustum-traced", device);
         technique->set("map-size", "1024");
@@ -619,7 +619,7 @@ TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
         const auto triangles = Triangles::upload(plenty, scene);
         const auto points = Points::upload(plenty, places);
         const Visibility visibility(plenty, points.count());
-        technique_with_map(plenty)->run(triangles, points, lamp, visibility);
+        technique_with_map(plenty)->run(triangles, points, point_light, visibility);
         needed = plenty.peak_memory_bytes();
         wanted = visibility.read();
     }
@@ -638,7 +638,7 @@ TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
                 const auto technique = technique_with_map(device);
                 bool has_failed = false;
                 try {
-                    technique->run(triangles, points, lamp, visibility);
+                    technique->run(triangles, points, point_light, visibility);
                 } catch (const gnomon::OutOfDeviceMemory& error) {
                     has_failed = true;
                     EXPECT_NE(std::string(error.what()).find("limit of " + std::to_string(limit)), std::string::npos)

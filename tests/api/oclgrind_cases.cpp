@@ -185,12 +185,12 @@ int main() try {
         trace(device, {"soup, no map", soup(20, 1.2f, 4), places, along(0.1f, -1, 0.2f)},
               {{"conservative-map", "off"}});
         look(device, blocks, 24);
-        const Light sun = along(-0.3f, -1, 0.2f), lamp = at(1.5f, 6, 1.5f);
+        const Light sun = along(-0.3f, -1, 0.2f), point_light = at(1.5f, 6, 1.5f);
         Floats on_floor = blocks;
         add(on_floor, {-9, -0.5f, -9}, {-9, -0.5f, 27}, {27, -0.5f, -9});
         for (const Approximation& a : std::vector<Approximation>{
                  {"conservative-map", {{"map-size", "64"}}, sun, 0.1, true},
-                 {"shadow-map", {{"size", "32"}, {"bias", "dual"}, {"lookup", "pcf"}}, lamp, 0.1},
+                 {"shadow-map", {{"size", "32"}, {"bias", "dual"}, {"lookup", "pcf"}}, point_light, 0.1},
                  {"shadow-map",
                   {{"size", "32"},
                    {"store", "moments"},

@@ -38,19 +38,20 @@ Float3 behind(const Light& light, const Floats& triangles, std::size_t triangle,
 }
 
 /// Triangles around a position, and points behind them and before them as seen from the point light.
-LightScene soup_around(const Light& lamp, float scale, std::size_t triangles, std::size_t points, Random& random) {
-    LightScene question{"soup around a lamp, " + std::to_string(std::log10(scale)), {}, {}, lamp};
+LightScene soup_around(const Light& point_light, float scale, std::size_t triangles, std::size_t points,
+                       Random& random) {
+    LightScene question{"soup around a point light, " + std::to_string(std::log10(scale)), {}, {}, point_light};
     for (std::size_t t = 0; t < triangles; ++t) {
         const Float3 centre = random_vector(random, -1, 1);
         for (int v = 0; v < 3; ++v) {
             Float3 at_vertex = random_vector(random, -0.6f, 0.6f);
-            for (int k = 0; k < 3; ++k) at_vertex[k] = lamp[k] + scale * (centre[k] + at_vertex[k]);
+            for (int k = 0; k < 3; ++k) at_vertex[k] = point_light[k] + scale * (centre[k] + at_vertex[k]);
             add(question.triangles, at_vertex);
         }
     }
     for (std::size_t i = 0; i < points; ++i)
         if (i % 2 == 0)
-            add(question.points, behind(lamp, question.triangles, random.below(std::uint32_t(triangles)), random,
+            add(question.points, behind(point_light, question.triangles, random.below(std::uint32_t(triangles)), random,
                                         random.between(-0.9f, 3)));
         else  // anywhere, so also just beside a triangle
             add(question.points, random_vector(random, -3 * scale, 3 * scale));
@@ -58,7 +59,7 @@ LightScene soup_around(const Light& lamp, float scale, std::size_t triangles, st
 }
 
 // Slopes of edges near a point light are so small that squares underflow; the map's circle test took its margin for 0.
-TEST(Regressions, MapByCirclesNearALampDrawsNoFalseShadows) {
+TEST(Regressions, MapByCirclesNearAPointLightDrawsNoFalseShadows) {
     AnswerTally tally;
     Random random(1);
     for (const float scale : {1e-10f, 3e-11f, 1e-11f, 4e-12f, 1e-12f, 1e-13f, 1e-14f})
@@ -70,13 +71,13 @@ TEST(Regressions, MapByCirclesNearALampDrawsNoFalseShadows) {
 }
 
 /// Triangles and points a few denormals apart, around a point light; 24 scenes, the map on and off.
-void expect_exact_within_denormals_of_a_lamp(const Device& on) {
+void expect_exact_within_denormals_of_a_point_light(const Device& on) {
     AnswerTally tally;
     Random random(2);
     const auto near = [&random](float from) { return from + std::ldexp(float(random.below(17)) - 8, -149); };
     for (int i = 0; i < 24; ++i) {
-        const Light lamps[] = {at(0, 0, 0), at(1e-40f, -3e-41f, 1e-44f), at(0x1p-126f, 0, 1e-43f)};
-        LightScene question{"within denormals of a lamp", {}, {}, lamps[i % 3]};
+        const Light point_lights[] = {at(0, 0, 0), at(1e-40f, -3e-41f, 1e-44f), at(0x1p-126f, 0, 1e-43f)};
+        LightScene question{"within denormals of a point light", {}, {}, point_lights[i % 3]};
         for (int v = 0; v < 12; ++v)
             for (int k = 0; k < 3; ++k) question.triangles.push_back(near(question.light[k]));
         for (int p = 0; p < 150; ++p)
@@ -89,7 +90,7 @@ void expect_exact_within_denormals_of_a_lamp(const Device& on) {
     EXPECT_GT(tally.shadowed, 200u);
 }
 
-TEST(Regressions, PointsWithinDenormalsOfALamp) { expect_exact_within_denormals_of_a_lamp(device()); }
+TEST(Regressions, PointsWithinDenormalsOfAPointLight) { expect_exact_within_denormals_of_a_point_light(device()); }
 
 /// A copy of the kernels in which one text is replaced; every Device opened in its lifetime uses it.
 class ChangedKernels {
@@ -114,21 +115,21 @@ private:
 
 // A device may flush denormals. If a point's difference to the point light vanished there, the point belonged to no
 // frame and stayed lit. This machine's devices flush nothing, so a copy of the kernels does.
-TEST(Regressions, PointsWithinFlushedDenormalsOfALamp) {
+TEST(Regressions, PointsWithinFlushedDenormalsOfAPointLight) {
     const std::string difference = "LaneFloat x = points.x - light_x, y = points.y - light_y, z = points.z - light_z;";
     std::string flush;
     for (const std::string v : {"x", "y", "z"})
         flush += " " + v + " = LANES_SELECT(" + v + ", (LaneFloat)(0.0f), LANE_COMPARE(fabs(" + v +
                  "), <, (LaneFloat)(FLT_MIN)));";
     const ChangedKernels kernels("receivers/light_frame.h", difference, difference + flush);
-    expect_exact_within_denormals_of_a_lamp(Device());
+    expect_exact_within_denormals_of_a_point_light(Device());
 }
 
 /// Small triangles in a box above many points, as wide as the box, all times `scale`; the light is directional from
 /// above or a point light. A pair is rarely within the float filter's error; else the filter decides it.
-LightScene wide_scene(float scale, bool has_lamp, Random& random) {
-    LightScene question{std::to_string(scale) + (has_lamp ? ", lamp" : "")};
-    question.light = has_lamp ? at(0.3f * scale, 0.2f * scale, 2 * scale) : along(0.1f, 0.2f, -1);
+LightScene wide_scene(float scale, bool has_point_light, Random& random) {
+    LightScene question{std::to_string(scale) + (has_point_light ? ", point light" : "")};
+    question.light = has_point_light ? at(0.3f * scale, 0.2f * scale, 2 * scale) : along(0.1f, 0.2f, -1);
     const auto scaled = [scale](Float3 v) {
         for (float& x : v) x *= scale;
         return v;
@@ -150,12 +151,12 @@ LightScene wide_scene(float scale, bool has_lamp, Random& random) {
 // undecided, whatever the size of the scene.
 TEST(Regressions, ScenesUpTo1e30DoNotLeaveEveryPairOpen) {
     Random random(3);
-    for (const bool has_lamp : {false, true})
+    for (const bool has_point_light : {false, true})
         for (const float scale : {1e10f, 1e16f, 1e22f, 2e29f}) {
-            if (has_lamp && scale > 1e28f) continue;
+            if (has_point_light && scale > 1e28f) continue;
             AnswerTally tally;
-            expect_exact(device(), wide_scene(scale, has_lamp, random), {}, tally);
-            EXPECT_LT(tally.uncertain, tally.pairs / 1000) << scale << (has_lamp ? ", lamp" : "");
+            expect_exact(device(), wide_scene(scale, has_point_light, random), {}, tally);
+            EXPECT_LT(tally.uncertain, tally.pairs / 1000) << scale << (has_point_light ? ", point light" : "");
             EXPECT_GT(tally.shadowed, 50u);
         }
 }
@@ -164,13 +165,13 @@ TEST(Regressions, ScenesUpTo1e30DoNotLeaveEveryPairOpen) {
 // hundred is then undecided, not all pairs.
 TEST(Regressions, OneStrayPointDoesNotLeaveEveryPairOpen) {
     Random random(4);
-    for (const bool has_lamp : {false, true})
+    for (const bool has_point_light : {false, true})
         for (const float scale : {1e14f, 1e20f, 1e25f}) {
-            LightScene question = wide_scene(scale, has_lamp, random);
+            LightScene question = wide_scene(scale, has_point_light, random);
             add(question.points, {20 * scale, 10 * scale, -100 * scale});
             AnswerTally tally;
             expect_exact(device(), question, {}, tally);
-            EXPECT_LT(tally.uncertain, tally.pairs / 100) << scale << (has_lamp ? ", lamp" : "");
+            EXPECT_LT(tally.uncertain, tally.pairs / 100) << scale << (has_point_light ? ", point light" : "");
         }
 }
 
@@ -238,16 +239,16 @@ std::uint64_t cells_on_face(const std::array<std::array<double, 3>, 3>& triangle
 
 // Triangles with a vertex in the plane through the point light that ends a face's pyramid (W = 0), or behind it: each
 // was given the whole grid.
-TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
+TEST(Regressions, TrianglesThatReachBehindAPointLightCoverNoMoreThanTheyMust) {
     constexpr int reach = 10;
-    const Float3 lamp = {3, 5, -2};
-    LightScene question{"behind a lamp", {}, {}, at(lamp[0], lamp[1], lamp[2])};
+    const Float3 point_light = {3, 5, -2};
+    LightScene question{"behind a point light", {}, {}, at(point_light[0], point_light[1], point_light[2])};
     // A floor and a wall, both through lattice points that share coordinates with the point light.
     for (int u = -reach; u < reach; ++u)
         for (int v = -reach; v < reach; ++v)
             for (const int axis : {0, 1}) {
                 const auto corner = [&](int du, int dv) {
-                    Float3 p = lamp;
+                    Float3 p = point_light;
                     p[axis] -= axis == 0 ? 3 : 2;
                     p[(axis + 1) % 3] += float(u + du);
                     p[(axis + 2) % 3] += float(v + dv);
@@ -261,7 +262,7 @@ TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
         Float3 point = random_vector(random, -12, 12);
         if (p % 4 == 0)  // on the lattice, where rays meet edges and corners
             for (float& x : point) x = std::round(x);
-        for (int k = 0; k < 3; ++k) point[k] += lamp[k];
+        for (int k = 0; k < 3; ++k) point[k] += point_light[k];
         add(question.points, point);
     }
     AnswerTally tally;
@@ -273,7 +274,7 @@ TEST(Regressions, TrianglesThatReachBehindALampCoverNoMoreThanTheyMust) {
     for (std::size_t t = 0; t < question.triangles.size() / 9; ++t) {
         std::array<std::array<double, 3>, 3> triangle;
         for (int v = 0; v < 3; ++v)
-            for (int k = 0; k < 3; ++k) triangle[v][k] = question.triangles[9 * t + 3 * v + k] - lamp[k];
+            for (int k = 0; k < 3; ++k) triangle[v][k] = question.triangles[9 * t + 3 * v + k] - point_light[k];
         for (int axis = 0; axis < 3; ++axis)
             for (const double sign : {-1.0, 1.0}) {
                 const std::uint64_t on_face = cells_on_face(triangle, axis, sign, 16);

@@ -582,16 +582,16 @@ Gltf light_file() {
 }
 
 /// A node with a light and other properties.
-std::string lamp(int light, const std::string& others) {
+std::string node_with_light(int light, const std::string& others) {
     return R"({"extensions": {"KHR_lights_punctual": {"light": )" + std::to_string(light) + "}}, " + others + "}";
 }
 
 TEST_F(SceneFile, Lights) {
     Gltf gltf = light_file();
     // A turn by -90 degrees about +X turns -Z into -Y: straight down, as long as the scale along z.
-    gltf.node(lamp(0, R"("matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 3, 0, 0, 5, 6, 7, 1])"));
-    gltf.node(lamp(1, R"("translation": [0.1, 2, 3])"));
-    gltf.node(lamp(2, R"("translation": [4, 5, 6], "name": "stage")"));
+    gltf.node(node_with_light(0, R"("matrix": [1, 0, 0, 0, 0, 0, -1, 0, 0, 3, 0, 0, 5, 6, 7, 1])"));
+    gltf.node(node_with_light(1, R"("translation": [0.1, 2, 3])"));
+    gltf.node(node_with_light(2, R"("translation": [4, 5, 6], "name": "stage")"));
     const Scene scene = load(gltf);
     ASSERT_EQ(scene.lights.size(), 3u);
     EXPECT_EQ(scene.lights[0].name, "sun");
@@ -608,7 +608,7 @@ TEST_F(SceneFile, Lights) {
 
 TEST_F(SceneFile, DegenerateLightIsNamed) {
     Gltf gltf = light_file();
-    gltf.node(lamp(0, R"("scale": [0, 0, 0])"));
+    gltf.node(node_with_light(0, R"("scale": [0, 0, 0])"));
     const Scene scene = load(gltf);
     EXPECT_TRUE(scene.lights.empty());
     expect_warning(scene, {"degenerate", "light 'sun'"});
@@ -812,7 +812,7 @@ Gltf full_file() {
     gltf.add("materials", R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 1]}})");
     gltf.add("cameras", R"({"type": "perspective", "perspective": {"yfov": 0.75, "znear": 0.1}})");
     gltf.set("/nodes/0/camera", "0");
-    gltf.node(lamp(2, R"("name": "lamp")"));
+    gltf.node(node_with_light(2, R"("name": "lamp")"));
     gltf.add("scenes", R"({"nodes": [0, 1]})");
     return gltf;
 }

@@ -353,7 +353,7 @@ TEST(Clusters, NoneIsDroppedWronglyInScenesOfTies) {
 }
 
 TEST(Clusters, NoneIsDroppedWronglyAroundAPointLight) {
-    const Tally tally = attack(point_light_plane_scenes(), "around a lamp");
+    const Tally tally = attack(point_light_plane_scenes(), "around a point light");
     EXPECT_GT(tally.outside, 100u);
 }
 

@@ -168,7 +168,7 @@ TEST(TriangleSetup, EqualsReferenceUnderHugeTriangles) {
 
 // Not vacuous: every second triangle has a vertex in the plane W = 0 of a face, or an ulp beside it.
 TEST(TriangleSetup, EqualsReferenceAroundAPointLight) {
-    const Tally tally = attack(point_light_plane_scenes(), "around a lamp");
+    const Tally tally = attack(point_light_plane_scenes(), "around a point light");
     EXPECT_GT(tally.behind, 1000u);
 }
 
@@ -308,7 +308,7 @@ TEST(TriangleSetup, EqualsReferenceForCameras) {
 std::vector<LightScene> comparison_scenes() {
     const Floats triangles = soup(300, 0.3f, 51);
     return {tie_scene("sun", triangles, along(0.3f, -1, 0.2f), 400, 2, 52),
-            tie_scene("lamp", triangles, at(0.05f, -0.1f, 0.2f), 400, 2, 53)};
+            tie_scene("point light", triangles, at(0.05f, -0.1f, 0.2f), 400, 2, 53)};
 }
 
 bool same(const SetUpTriangle& a, const SetUpTriangle& b) {

@@ -225,7 +225,7 @@ struct Still {
     Floats vertices = soup(300, 0.4f, 5);
     gnomon::Triangles triangles = gnomon::Triangles::upload(device, vertices);
     gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
-    Light sun = Light::directional({0.2f, -1, 0.1f}), lamp = Light::positional({0.1f, 3, 0.2f});
+    Light sun = Light::directional({0.2f, -1, 0.1f}), point_light = Light::positional({0.1f, 3, 0.2f});
     std::unique_ptr<gnomon::Technique> technique = gnomon::make_technique("frustum-traced", device);
 
     Answer run(const gnomon::Triangles& of, const Light& light) {
@@ -256,8 +256,8 @@ TEST(Prepared, IsUsedForItsOwnTrianglesAndLightAlone) {
                 << stage.name;
     };
     EXPECT_NE(bits(still.triangles, still.sun), bits(later, still.sun));
-    for (const Light& light : {still.sun, still.lamp}) {
-        const Light& other_light = light.is_directional() ? still.lamp : still.sun;
+    for (const Light& light : {still.sun, still.point_light}) {
+        const Light& other_light = light.is_directional() ? still.point_light : still.sun;
         const gnomon::Statistics statistics = still.technique->prepare(still.triangles, light);
         EXPECT_EQ(statistics.count("prepared"), 1u);
         EXPECT_GT(statistics.count("references"), 100u);
@@ -277,15 +277,15 @@ TEST(Prepared, IsUsedForItsOwnTrianglesAndLightAlone) {
     still.technique->set("map-size", "64");
     expect(still.triangles, still.sun, false);
     still.technique->prepare(still.triangles, still.sun);
-    still.technique->prepare(still.triangles, still.lamp);
+    still.technique->prepare(still.triangles, still.point_light);
     expect(still.triangles, still.sun, false);
-    expect(still.triangles, still.lamp, true);
+    expect(still.triangles, still.point_light, true);
 }
 
 TEST(Prepared, ServesEveryCameraOfOneLight) {
     Still still;
     std::uint64_t dark = 0;
-    for (const Light& light : {still.sun, still.lamp}) {
+    for (const Light& light : {still.sun, still.point_light}) {
         still.technique->prepare(still.triangles, light);
         const auto plain = gnomon::make_technique("frustum-traced", still.device);
         for (const gnomon::Float3& eye : {gnomon::Float3{0, 1, 4}, gnomon::Float3{3, 0, 0.5f},
@@ -421,7 +421,7 @@ TEST(Prepared, NothingToPrepareIsNoTrouble) {
     Still still;
     const auto none = gnomon::Triangles::upload(still.device, {}),
                bad = gnomon::Triangles::upload(still.device, Floats(90, not_a_number));
-    for (const Light& light : {still.sun, still.lamp})
+    for (const Light& light : {still.sun, still.point_light})
         for (const gnomon::Triangles& triangles : {none, bad}) {
             still.technique->prepare(triangles, light);
             EXPECT_EQ(still.run(triangles, light).visibility, std::vector<float>(still.points.count(), 1.0f));
@@ -449,7 +449,7 @@ TEST(Prepared, AnyTechniqueTakesIt) {
 
 TEST(PreparedMemory, IsCountedAndFreed) {
     Still still;
-    for (const Light& light : {still.sun, still.lamp}) {
+    for (const Light& light : {still.sun, still.point_light}) {
         still.run(still.triangles, light);
         const std::uint64_t before = still.device.memory_bytes();
         const std::uint64_t run_bytes = still.run(still.triangles, light).statistics.device_memory_bytes;
@@ -470,16 +470,16 @@ TEST(PreparedMemory, ALimitThatItDoesNotFitUnderLeavesRunsAlone) {
     const gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("first-capacity", "1000");
-    const Answer wanted = answer(device, *technique, triangles, points, still.lamp);
+    const Answer wanted = answer(device, *technique, triangles, points, still.point_light);
     technique->set("map-size", "1024");
     try {
-        technique->prepare(triangles, still.lamp);
+        technique->prepare(triangles, still.point_light);
         ADD_FAILURE() << "six maps of 1024 x 1024 texels do not fit under 8 MiB";
     } catch (const gnomon::OutOfDeviceMemory& error) {
         EXPECT_NE(std::string(error.what()).find("limit"), std::string::npos) << error.what();
     }
     technique->set("map-size", "auto");
-    const Answer after = answer(device, *technique, triangles, points, still.lamp);
+    const Answer after = answer(device, *technique, triangles, points, still.point_light);
     EXPECT_EQ(after.visibility, wanted.visibility);
     EXPECT_EQ(after.count("prepared"), 0u);
 }
@@ -491,8 +491,8 @@ struct PreparedAnew {
     const std::vector<float> wanted;
     gnomon::cl::Session& session;
 
-    PreparedAnew(bool has_lamp, const char* first_capacity)
-        : light(has_lamp ? still.lamp : still.sun),
+    PreparedAnew(bool has_point_light, const char* first_capacity)
+        : light(has_point_light ? still.point_light : still.sun),
           wanted((still.technique->set("map-size", "64"), still.technique->set("first-capacity", first_capacity),
                   still.run(still.triangles, light).visibility)),
           session(session_of(still.device)) {}
@@ -510,9 +510,9 @@ struct PreparedAnew {
 };
 
 TEST(PreparedFaults, EveryCallFailsOnceAndNothingIsLost) {
-    for (const bool has_lamp : {false, true}) {
+    for (const bool has_point_light : {false, true}) {
         // Lists that never grow, so that the calls are the same each time.
-        PreparedAnew anew(has_lamp, "262144");
+        PreparedAnew anew(has_point_light, "262144");
         EXPECT_EQ(anew.prepare_and_run().count("prepared"), 1u);
         std::size_t calls = 0;
         anew.session.inject_faults([&](std::string_view) { return ++calls, CL_SUCCESS; });
@@ -533,8 +533,8 @@ TEST(PreparedFaults, EveryCallFailsOnceAndNothingIsLost) {
 
 // How often tight lists grow depends on the order of the work-items: calls fail until a frame does not grow lists.
 TEST(PreparedFaults, CallsThatFailWhileListsGrowLoseNothing) {
-    for (const bool has_lamp : {false, true}) {
-        PreparedAnew anew(has_lamp, "16");
+    for (const bool has_point_light : {false, true}) {
+        PreparedAnew anew(has_point_light, "16");
         std::size_t failures = 0;
         bool has_failed = true;
         for (std::size_t failing = 1; has_failed; failing += 5) {
@@ -562,7 +562,7 @@ TEST_P(WorkGroups, OfAnySizeGiveTheSameBits) {
     const auto triangles = gnomon::Triangles::upload(device, still.vertices);
     const gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    for (const Light& light : {still.sun, still.lamp}) {
+    for (const Light& light : {still.sun, still.point_light}) {
         technique->prepare(triangles, light);
         const Answer asked = answer(device, *technique, triangles, points, light);
         EXPECT_EQ(asked.count("prepared"), 1u);

@@ -55,16 +55,17 @@ inline std::vector<LightScene> light_scenes() {
 /// beside these planes. A triangle then covers a part of a face that reaches to infinity on one side, or no part.
 inline std::vector<LightScene> point_light_plane_scenes() {
     std::vector<LightScene> scenes;
-    const Light lamp = at(0.05f, -0.1f, 0.2f);
+    const Light point_light = at(0.05f, -0.1f, 0.2f);
     for (const float size : {1e-4f, 0.01f, 0.1f, 1.0f, 30.0f}) {
         Random random(35);
         Floats triangles;
         for (int i = 0; i < 3 * 80; ++i) {
             Float3 v = random_vector(random, -size, size);
-            for (int c = 0; c < 3; ++c) v[c] = random.below(3) == 0 ? lamp[c] : lamp[c] + v[c];
+            for (int c = 0; c < 3; ++c) v[c] = random.below(3) == 0 ? point_light[c] : point_light[c] + v[c];
             add(triangles, random.below(2) == 0 ? v : nudged(random, v));
         }
-        scenes.push_back(tie_scene("around a lamp, " + std::to_string(size), triangles, lamp, 300, 2, 36));
+        scenes.push_back(
+            tie_scene("around a point light, " + std::to_string(size), triangles, point_light, 300, 2, 36));
         append(scenes.back().points, random_points(200, -1, 1, 37));
     }
     return scenes;
@@ -96,11 +97,11 @@ inline std::vector<LightScene> underflow_scenes() {
         scenes.push_back({"heights of " + std::to_string(std::log10(height)), triangles, points, along(0, -1, 0)});
     }
     for (const double scale : {1e-9, 1e-11, 1e-12, 1e-13, 1e-14}) {
-        const Light lamp = at(0, 0, 0);
+        const Light point_light = at(0, 0, 0);
         for (const float size : {1.0f, 0.2f, 0.02f}) {
             const Floats triangles = placed(soup(60, size, 33), scale, {0, 0, 0});
-            scenes.push_back(
-                tie_scene("lamp in a world of 1e" + std::to_string(std::log10(scale)), triangles, lamp, 200, 2, 34));
+            scenes.push_back(tie_scene("point light in a world of 1e" + std::to_string(std::log10(scale)), triangles,
+                                       point_light, 200, 2, 34));
         }
     }
     return scenes;

@@ -66,10 +66,13 @@ inline Light moved(const Light& light, double scale, const std::array<double, 3>
 
 /// Lights around and inside [-1, 1]^3; the inner ones have triangles on all six sides and across every face's W = 0.
 inline std::vector<std::pair<std::string, Light>> lights_of_every_kind() {
-    return {{"sun", along(0.3f, -1, 0.2f)},           {"sun along -y", along(0, -1, 0)},
-            {"sun along +x", along(5, 0, 0)},         {"sun along a diagonal", along(-1, -1, -1)},
-            {"grazing sun", along(1, -1e-4f, 3e-5f)}, {"lamp above", at(0.1f, 3, -0.2f)},
-            {"lamp inside", at(0.05f, -0.1f, 0.2f)}};
+    return {{"sun", along(0.3f, -1, 0.2f)},
+            {"sun along -y", along(0, -1, 0)},
+            {"sun along +x", along(5, 0, 0)},
+            {"sun along a diagonal", along(-1, -1, -1)},
+            {"grazing sun", along(1, -1e-4f, 3e-5f)},
+            {"point light above", at(0.1f, 3, -0.2f)},
+            {"point light inside", at(0.05f, -0.1f, 0.2f)}};
 }
 
 }  // namespace support

@@ -740,7 +740,7 @@ TEST(CommittedScenes, AreThere) { EXPECT_GE(committed_scenes().size(), 20u); }
 struct RealView {
     const char* file;
     reference::PinholeCamera camera;
-    Light grazing, lamp;
+    Light grazing, point_light;
 
     friend std::ostream& operator<<(std::ostream& out, const RealView& view) { return out << view.file; }
 };
@@ -748,7 +748,7 @@ struct RealView {
 class RealScene : public testing::TestWithParam<RealView> {};
 
 // Views and grazing lights of ../shared/scenes/views.json, smaller.
-TEST_P(RealScene, EveryPixelWithAGrazingLightAndALamp) {
+TEST_P(RealScene, EveryPixelWithAGrazingLightAndAPointLight) {
     const char* elsewhere = std::getenv("GNOMON_SHARED_SCENES");
     const auto file = std::filesystem::path(elsewhere ? elsewhere : GNOMON_SHARED_SCENES) / GetParam().file;
     if (!std::filesystem::exists(file))
@@ -756,7 +756,7 @@ TEST_P(RealScene, EveryPixelWithAGrazingLightAndALamp) {
     const gnomon::scene::Scene scene = gnomon::scene::load(file);
     const reference::PinholeCamera& from = GetParam().camera;
     const auto camera = gnomon::Camera::look_at(from.eye, from.target, from.up, from.fov_y_degrees);
-    for (const Light& light : {GetParam().grazing, GetParam().lamp}) {
+    for (const Light& light : {GetParam().grazing, GetParam().point_light}) {
         const AnswerTally tally =
             expect_exact_view(scene.triangles, camera, light, from.width, from.height, file.stem());
         EXPECT_GT(tally.lit, 1000u);

@@ -316,8 +316,7 @@ const std::vector<Experiment>& experiments() {
          errors},
         {"techniques", "Every technique in four scenes",
          "Run time against error of every technique; at full size with the settings worth comparing, and in Sponza "
-         "under "
-         "a sun and a lamp besides the three made scenes.",
+         "under a sun and a point light besides the three made scenes.",
          techniques_and_settings},
         {"bias", "Bias: acne against peter-panning",
          "The same map of 2048 x 2048 with constant, slope-scaled, adaptive and dual-layer bias of several strengths.",

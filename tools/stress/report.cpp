@@ -182,7 +182,7 @@ std::string markdown(const Report& report) {
     text +=
         "\n## Who decided\n\nShares of the points that face away or that the map decided, and of the pairs of a point "
         "and a triangle that were tested: by the float filter, and of those it left open by the exact predicate's "
-        "three levels (pairs that another triangle had settled meanwhile are in none). Times are wall clock, gnomon's "
+        "three levels (pairs that another triangle had decided meanwhile are in none). Times are wall clock, gnomon's "
         "with uploads";
     if (sum.has_embree) text += "; Embree's is the sum of six ways, without its builds";
     text += ".\n\n" + levels_table(report);
