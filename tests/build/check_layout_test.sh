@@ -89,7 +89,6 @@ must_catch tests/reference/truth.cpp '#include "trace/trace.hpp"'
 must_catch README.md 'The promise is in `kernels/missing.h`.'
 must_catch README.md '![a picture](docs/missing.png)'
 
-
 # The order of the wings: from kernels/, from host/, out of the order, and out of the wings.
 must_catch kernels/exact/sum.h '#include "trace/trace.h"'
 must_catch host/cl/session.cpp '#include "trace/trace.hpp"'
@@ -138,6 +137,10 @@ must_catch README.md "$(repeated 600 '123456789')"
 must_accept docs/numerics.md "$(repeated 14001 'word')"
 must_catch tests/trace/trace_test.cpp '    EXPECT_NEAR(a, b, 1e-6);'
 must_catch tests/trace/trace_test.cpp 'constexpr float epsilon = 1e-6f;'
+must_catch tests/trace/trace_test.cpp 'TEST(trace, EqualsReference) {'
+must_catch tests/trace/trace_test.cpp 'TEST_F(Trace, equals_reference) {'
+must_catch tests/trace/trace_test.cpp 'TEST_P(TraceTest, EqualsReference) {'
+must_accept tests/trace/trace_test.cpp 'TEST_P(Trace, EqualsReference) {'
 
 make_good_tree
 for i in $(seq 14); do printf '%s\n' "$licence" '// One more.' >"$tree/kernels/trace/stage_$i.cl"; done
