@@ -10,6 +10,7 @@
 #include <iostream>
 #include <limits>
 #include <random>
+#include <set>
 
 #include "reference/predicates.hpp"
 #include "reference/view.hpp"
@@ -343,6 +344,49 @@ TEST(Camera, SpecksBetweenSamples) {
     one.fit_lists(of_one);
     EXPECT_LT(of_one.count("references"), of_all.count("references") / 2);
     EXPECT_LE(of_all.count("references"), 4 * scene.triangles.size() / 9);
+}
+
+// Twenty thousand triangles within some eight pixels: the list of one tile is as long as the scene. Not vacuous: dozens
+// of pixels see them, each a different one.
+TEST(Camera, AllTrianglesInOneTile) {
+    const gnomon::Device device = device_with();
+    CameraScene scene{"one tile", {}, {0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 40, 64, 64};
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> at(-0.15f, 0.15f), depth(-1, 1), size(-0.03f, 0.03f);
+    for (int i = 0; i < 20000; ++i) {
+        const Float3 p{at(random) + 0.2f, at(random) + 0.2f, depth(random)};
+        for (int k = 0; k < 3; ++k)
+            for (const float c : p) scene.triangles.push_back(c + size(random));
+    }
+    Tally tally;
+    const auto seen = look(device, scene).receiver;
+    check_nearest(scene, seen, tally);
+    EXPECT_GT(std::set(seen.begin(), seen.end()).size(), 50u);
+    EXPECT_LT(tally.pixels - tally.sky, 400u);
+}
+
+// A million copies of one triangle: every comparison is a tie, and the first copy is seen.
+TEST(Camera, MillionCoincidentTriangles) {
+    const gnomon::Device device = device_with();
+    CameraScene scene{"copies", {}, {0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 50, 48, 48};
+    const Floats triangle{-0.9f, -0.8f, 0.1f, 0.9f, -0.7f, -0.2f, 0.05f, 0.85f, 0.3f};
+    scene.triangles = triangle;
+    const auto once = look(device, scene).receiver;
+    for (int i = 1; i < 1'000'000; ++i) append(scene.triangles, triangle);
+    EXPECT_EQ(look(device, scene).receiver, once);
+    EXPECT_GT(std::count(once.begin(), once.end(), 0u), 200);
+}
+
+// The last triangle stands before all others: whatever a tile's list has kept before is dropped.
+TEST(Camera, LastTriangleHidesAll) {
+    const gnomon::Device device = device_with();
+    CameraScene scene{"hidden", soup(50000, 0.2f, 44), {0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 30, 96, 96};
+    add(scene.triangles, {-9, -9, 3}, {9, -9, 3}, {0, 12, 3});
+    const auto seen = look(device, scene).receiver;
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), 50000u), 96 * 96);
+    scene.triangles.resize(9 * 50000);
+    const auto without = look(device, scene).receiver;
+    EXPECT_GT(std::set(without.begin(), without.end()).size(), 1000u);
 }
 
 // The kernels themselves, with canaries behind what they write. Not vacuous: sizes that leave part of a tile over.
