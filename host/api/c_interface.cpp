@@ -217,20 +217,14 @@ gnomon_status gnomon_device_kernel_builds(const gnomon_device* device, gnomon_ke
 
 gnomon_status gnomon_triangles_upload(const gnomon_device* device, const float* vertices, size_t count,
                                       gnomon_triangles** triangles_out) {
-    return guarded([&] {
-        gnomon_triangles*& out = result_at(triangles_out, "triangles_out");
-        const Device& on = at(device, "device").device;
-        out = new gnomon_triangles{on, Triangles::upload(on, array(vertices, count, 9, "vertices"))};
-    });
+    return made(device, triangles_out, "triangles_out",
+                [&](const Device& on) { return Triangles::upload(on, array(vertices, count, 9, "vertices")); });
 }
 
 gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t first_float, size_t count,
                                     gnomon_triangles** triangles_out) {
-    return guarded([&] {
-        gnomon_triangles*& out = result_at(triangles_out, "triangles_out");
-        const Device& on = at(device, "device").device;
-        out = new gnomon_triangles{on, Triangles::wrap(on, vertices, count, first_float)};
-    });
+    return made(device, triangles_out, "triangles_out",
+                [&](const Device& on) { return Triangles::wrap(on, vertices, count, first_float); });
 }
 
 void gnomon_triangles_destroy(gnomon_triangles* triangles) { delete triangles; }
@@ -264,22 +258,18 @@ gnomon_status gnomon_triangles_buffer(const gnomon_triangles* triangles, cl_mem*
 
 gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, const uint32_t* receivers,
                                    size_t count, gnomon_points** points_out) {
-    return guarded([&] {
-        gnomon_points*& out = result_at(points_out, "points_out");
-        const Device& on = at(device, "device").device;
+    return made(device, points_out, "points_out", [&](const Device& on) {
         const auto ids = array(receivers, receivers == nullptr ? 0 : count, 1, "receivers");
-        out = new gnomon_points{on, Points::upload(on, array(positions, count, 3, "positions"), ids)};
+        return Points::upload(on, array(positions, count, 3, "positions"), ids);
     });
 }
 
 gnomon_status gnomon_points_wrap(const gnomon_device* device, cl_mem positions, const gnomon_point_layout* layout,
                                  cl_mem receivers, size_t count, gnomon_points** points_out) {
-    return guarded([&] {
-        gnomon_points*& out = result_at(points_out, "points_out");
-        const Device& on = at(device, "device").device;
+    return made(device, points_out, "points_out", [&](const Device& on) {
         PointLayout where;
         if (layout != nullptr) where = {layout->first, layout->point_stride, layout->coordinate_stride};
-        out = new gnomon_points{on, Points::wrap(on, positions, where, count, receivers)};
+        return Points::wrap(on, positions, where, count, receivers);
     });
 }
 
@@ -342,20 +332,13 @@ gnomon_status gnomon_lift(const gnomon_triangles* triangles, const gnomon_points
 // ---- Visibility -----------------------------------------------------------------------------------------------------
 
 gnomon_status gnomon_visibility_create(const gnomon_device* device, size_t count, gnomon_visibility** visibility_out) {
-    return guarded([&] {
-        gnomon_visibility*& out = result_at(visibility_out, "visibility_out");
-        const Device& on = at(device, "device").device;
-        out = new gnomon_visibility{on, Visibility(on, count)};
-    });
+    return made(device, visibility_out, "visibility_out", [&](const Device& on) { return Visibility(on, count); });
 }
 
 gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer, size_t first_float, size_t count,
                                      gnomon_visibility** visibility_out) {
-    return guarded([&] {
-        gnomon_visibility*& out = result_at(visibility_out, "visibility_out");
-        const Device& on = at(device, "device").device;
-        out = new gnomon_visibility{on, Visibility(on, buffer, count, first_float)};
-    });
+    return made(device, visibility_out, "visibility_out",
+                [&](const Device& on) { return Visibility(on, buffer, count, first_float); });
 }
 
 void gnomon_visibility_destroy(gnomon_visibility* visibility) { delete visibility; }

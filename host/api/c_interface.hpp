@@ -71,6 +71,16 @@ T*& result_at(T** out, const char* argument) {
     return at(out, argument) = nullptr;
 }
 
+/// Makes an object of a device: a handle that has the device, and what `make` makes of it.
+template <typename Handle, typename Make>
+gnomon_status made(const gnomon_device* device, Handle** out, const char* argument, const Make& make) noexcept {
+    return guarded([&] {
+        Handle*& result = result_at(out, argument);
+        const Device& on = at(device, "device").device;
+        result = new Handle{on, make(on)};
+    });
+}
+
 /// Writes a result that the caller may not want.
 template <typename T>
 void give(T* out, T value) {

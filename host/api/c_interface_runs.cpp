@@ -30,11 +30,8 @@ std::unique_ptr<Technique> make_with_settings(const Device& device, const char* 
 // ---- Techniques -----------------------------------------------------------------------------------------------------
 
 gnomon_status gnomon_technique_create(const gnomon_device* device, const char* name, gnomon_technique** technique_out) {
-    return guarded([&] {
-        gnomon_technique*& out = result_at(technique_out, "technique_out");
-        const Device& on = at(device, "device").device;
-        out = new gnomon_technique{on, make_technique(&at(name, "name"), on)};
-    });
+    return made(device, technique_out, "technique_out",
+                [&](const Device& on) { return make_technique(&at(name, "name"), on); });
 }
 
 void gnomon_technique_destroy(gnomon_technique* technique) { delete technique; }
@@ -144,11 +141,7 @@ gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles*
 }
 
 gnomon_status gnomon_camera_pass_create(const gnomon_device* device, gnomon_camera_pass** pass_out) {
-    return guarded([&] {
-        gnomon_camera_pass*& out = result_at(pass_out, "pass_out");
-        const Device& on = at(device, "device").device;
-        out = new gnomon_camera_pass{on, CameraPass(on)};
-    });
+    return made(device, pass_out, "pass_out", [&](const Device& on) { return CameraPass(on); });
 }
 
 void gnomon_camera_pass_destroy(gnomon_camera_pass* pass) { delete pass; }
