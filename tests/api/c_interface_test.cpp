@@ -413,15 +413,18 @@ AssertionResult fails(gnomon_status status, gnomon_status wanted, const std::vec
 }
 
 TEST_F(BesideCpp, EveryStatusWithItsSentence) {
-    gnomon_device* device_out = nullptr;
-    gnomon_technique* technique_out = nullptr;
-    gnomon_triangles* triangles_out = nullptr;
+    // Not null, so that a failed call must make them so.
+    auto device_out = reinterpret_cast<gnomon_device*>(&lights);
+    auto technique_out = reinterpret_cast<gnomon_technique*>(&lights);
+    auto triangles_out = reinterpret_cast<gnomon_triangles*>(&lights);
     EXPECT_TRUE(fails(gnomon_technique_create(device.get(), "fristum", &technique_out), GNOMON_INVALID_ARGUMENT,
                       {"\"fristum\"", "frustum-traced"}));
+    EXPECT_EQ(technique_out, nullptr);
     EXPECT_EQ(gnomon_last_opencl_error(), CL_SUCCESS);
     const auto with = technique("frustum-traced");
     EXPECT_TRUE(fails(gnomon_technique_set(with.get(), "map-size", "15"), GNOMON_INVALID_ARGUMENT, {"16 to 8192"}));
     EXPECT_TRUE(fails(gnomon_device_open("abacus", nullptr, &device_out), GNOMON_DEVICE_NOT_FOUND, {"\"abacus\""}));
+    EXPECT_EQ(device_out, nullptr);
 
     gnomon_device_options options = GNOMON_DEVICE_OPTIONS_INIT;
     options.memory_limit_bytes = 64;
@@ -517,10 +520,13 @@ TEST_F(BesideCpp, WrongSizesOffsetsAndBuffers) {
                                            inside.get(), nullptr, nullptr),
                       invalid, {"overlaps the triangles"}));
     const gnomon_visibility* twice[2] = {inside.get(), inside.get()};
-    const gnomon_statistics* statistics[2] = {};
+    const auto not_null = reinterpret_cast<const gnomon_statistics*>(&lights);
+    const gnomon_statistics* statistics[2] = {not_null, not_null};
     EXPECT_EQ(gnomon_technique_run_lights(technique("frustum-traced").get(), triangles.get(), points.get(), lights,
                                           twice, 2, nullptr, statistics),
               invalid);
+    EXPECT_EQ(statistics[0], nullptr);
+    EXPECT_EQ(statistics[1], nullptr);
     EXPECT_EQ(t, nullptr);
     EXPECT_EQ(p, nullptr);
     EXPECT_EQ(v, nullptr);
