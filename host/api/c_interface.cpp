@@ -4,6 +4,7 @@
 
 #include <new>
 
+#include "cl/opencl.hpp"
 #include "cl/session.hpp"
 
 using namespace gnomon;
@@ -167,6 +168,10 @@ gnomon_status gnomon_camera_look_at(const float eye[3], const float target[3], c
 
 // ---- Devices --------------------------------------------------------------------------------------------------------
 
+gnomon_status gnomon_load_opencl(const char* library) {
+    return guarded([&] { load_opencl(library == nullptr ? "" : library); });
+}
+
 gnomon_status gnomon_device_open(const char* selector, const gnomon_device_options* options,
                                  gnomon_device** device_out) {
     return guarded([&] {
@@ -195,6 +200,10 @@ gnomon_status gnomon_device_context(const gnomon_device* device, cl_context* con
 
 gnomon_status gnomon_device_queue(const gnomon_device* device, cl_command_queue* queue_out) {
     return guarded([&] { result_at(queue_out, "queue_out") = at(device, "device").device.queue(); });
+}
+
+gnomon_status gnomon_device_finish(const gnomon_device* device) {
+    return guarded([&] { at(device, "device").device.finish(); });
 }
 
 gnomon_status gnomon_device_memory(const gnomon_device* device, uint64_t* bytes_out, uint64_t* peak_bytes_out) {
@@ -267,9 +276,7 @@ gnomon_status gnomon_points_upload(const gnomon_device* device, const float* pos
 gnomon_status gnomon_points_wrap(const gnomon_device* device, cl_mem positions, const gnomon_point_layout* layout,
                                  cl_mem receivers, size_t count, gnomon_points** points_out) {
     return made(device, points_out, "points_out", [&](const Device& on) {
-        PointLayout where;
-        if (layout != nullptr) where = {layout->first, layout->point_stride, layout->coordinate_stride};
-        return Points::wrap(on, positions, where, count, receivers);
+        return Points::wrap(on, positions, layout_or_packed(layout), count, receivers);
     });
 }
 

@@ -105,6 +105,10 @@ std::array<T, size> values_at(const T* values, const char* argument) {
 inline Float3 float3_at(const float* values, const char* argument) { return values_at<float, 3>(values, argument); }
 
 inline Light light_of(const gnomon_light& light) { return {values_at<float, 4>(light.xyzw, "light")}; }
+inline PointLayout layout_or_packed(const gnomon_point_layout* layout) {
+    if (layout == nullptr) return {};
+    return {layout->first, layout->point_stride, layout->coordinate_stride};
+}
 Camera camera_at(const gnomon_camera* camera);
 
 /// The objects behind an array of handles.

@@ -93,6 +93,42 @@ gnomon_status gnomon_technique_diagnose(gnomon_technique* technique, const char*
     });
 }
 
+// ---- Facing by a side that the caller gives -------------------------------------------------------------------------
+
+gnomon_status gnomon_face_by_normals(const gnomon_points* points, const float* normals, gnomon_light light,
+                                     const gnomon_visibility* visibility, cl_event* event_out) {
+    return guarded([&] {
+        WorkResults results(event_out);
+        const gnomon_points& of = at(points, "points");
+        face_by_normals(of.device, of.points, array(normals, of.points.count(), 3, "normals"), light_of(light),
+                        at(visibility, "visibility").visibility);
+        results.finish(of.device);
+    });
+}
+
+gnomon_status gnomon_face_by_normals_buffer(const gnomon_points* points, cl_mem normals,
+                                            const gnomon_point_layout* layout, gnomon_light light,
+                                            const gnomon_visibility* visibility, cl_event* event_out) {
+    return guarded([&] {
+        WorkResults results(event_out);
+        const gnomon_points& of = at(points, "points");
+        face_by_normals(of.device, of.points, normals, layout_or_packed(layout), light_of(light),
+                        at(visibility, "visibility").visibility);
+        results.finish(of.device);
+    });
+}
+
+gnomon_status gnomon_face_by_winding(const gnomon_triangles* triangles, const gnomon_points* points, gnomon_light light,
+                                     const gnomon_visibility* visibility, cl_event* event_out) {
+    return guarded([&] {
+        WorkResults results(event_out);
+        const gnomon_points& of = at(points, "points");
+        face_by_winding(of.device, at(triangles, "triangles").triangles, of.points, light_of(light),
+                        at(visibility, "visibility").visibility);
+        results.finish(of.device);
+    });
+}
+
 // ---- Views ----------------------------------------------------------------------------------------------------------
 
 gnomon_status gnomon_look(const gnomon_device* device, const gnomon_triangles* triangles, const gnomon_camera* camera,

@@ -147,6 +147,12 @@ void gnomon_statistics_destroy(const gnomon_statistics* statistics);
 
 // ---- Devices --------------------------------------------------------------------------------------------------------
 
+/// gnomon links no OpenCL library: it loads one when it first needs it, the file that the environment variable
+/// GNOMON_OPENCL_LIBRARY names, else `library`, else the library that the program itself links, else the system's
+/// libOpenCL.so.1. Only programs that must choose the file call this; after the first success it does nothing. NULL: no
+/// file of the caller's. Fails with GNOMON_DEVICE_NOT_FOUND.
+gnomon_status gnomon_load_opencl(const char* library);
+
 /// One OpenCL device of this machine.
 typedef struct gnomon_device_description {
     cl_platform_id platform_id;
@@ -207,6 +213,8 @@ void gnomon_device_destroy(gnomon_device* device);
 gnomon_status gnomon_device_describe(const gnomon_device* device, const gnomon_device_description** description_out);
 gnomon_status gnomon_device_context(const gnomon_device* device, cl_context* context_out);
 gnomon_status gnomon_device_queue(const gnomon_device* device, cl_command_queue* queue_out);
+/// Waits until the device has executed all that was enqueued.
+gnomon_status gnomon_device_finish(const gnomon_device* device);
 /// Bytes of device memory that gnomon's own buffers occupy now, and the largest number so far.
 gnomon_status gnomon_device_memory(const gnomon_device* device, uint64_t* bytes_out, uint64_t* peak_bytes_out);
 
@@ -247,7 +255,9 @@ gnomon_status gnomon_triangles_buffer(const gnomon_triangles* triangles, cl_mem*
 // ---- Points ---------------------------------------------------------------------------------------------------------
 
 /// Shading points on the device: position, and optionally the id of the triangle that the point lies on (its receiver,
-/// which never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work.
+/// which never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work. A receiver
+/// alone darkens no point: that a point faces away from the light needs a side, from gnomon_points_set_eye(),
+/// gnomon_face_by_normals() or gnomon_face_by_winding().
 typedef struct gnomon_points gnomon_points;
 
 /// Copies 3 * count floats, and `count` receivers (NULL: no point has one) to the device. `positions` may be NULL if
@@ -368,6 +378,23 @@ gnomon_status gnomon_technique_forget(gnomon_technique* technique);
 gnomon_status gnomon_technique_diagnose(gnomon_technique* technique, const char* name,
                                         const gnomon_triangles* triangles, const gnomon_points* points,
                                         gnomon_light light, uint8_t* rgba_out);
+
+// ---- Facing by a side that the caller gives -------------------------------------------------------------------------
+
+/// For points whose side the caller knows by a normal (3 floats each, of any length): a point whose normal n and light
+/// are not strictly on one side, n . D <= 0 with D towards the light, is backfacing, and its visibility becomes 0.
+/// Decided exactly. All other values stay, also those of points whose normal has a NaN or infinite coordinate. Call it
+/// after a technique's run with the same points and light. Fails as gnomon_technique_run() does.
+gnomon_status gnomon_face_by_normals(const gnomon_points* points, const float* normals, gnomon_light light,
+                                     const gnomon_visibility* visibility, cl_event* event_out);
+/// The same for normals in a buffer of the caller's. `layout` NULL: packed xyz triples from the buffer's beginning.
+gnomon_status gnomon_face_by_normals_buffer(const gnomon_points* points, cl_mem normals,
+                                            const gnomon_point_layout* layout, gnomon_light light,
+                                            const gnomon_visibility* visibility, cl_event* event_out);
+/// The same where the counter-clockwise side of each triangle is its front: a point is backfacing unless the light is
+/// strictly in front of its receiver. Points without a receiver keep their visibility.
+gnomon_status gnomon_face_by_winding(const gnomon_triangles* triangles, const gnomon_points* points, gnomon_light light,
+                                     const gnomon_visibility* visibility, cl_event* event_out);
 
 // ---- Views ----------------------------------------------------------------------------------------------------------
 

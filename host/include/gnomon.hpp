@@ -12,7 +12,8 @@
 // A point is "in shadow" by the visibility contract of docs/numerics.md, which is decided in exact real arithmetic on
 // the float32 inputs: the same bits on every device. Objects are cheap handles (shared ownership). One Device and the
 // objects made from it may be used from one thread at a time. A failure throws one of the exceptions below. The library
-// never prints, never exits, and has no global state but the OpenCL functions that it has loaded.
+// never prints, never exits, and has no global state but the OpenCL functions that it has loaded (and gnomon.h's error
+// texts, one per thread).
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION

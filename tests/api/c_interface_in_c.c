@@ -173,6 +173,22 @@ static void check_technique(const gnomon_device* device, const gnomon_triangles*
     gnomon_statistics_destroy(statistics[1]);
     DONE(gnomon_technique_diagnose(technique, "decided", triangles, points, lights[0], drawn));
     EXPECT(drawn[3] == 255);
+    const float normals[9] = {0, 1, 0, 0, 1, 0, 0, -1, 0};  // the lit point's is turned away
+    cl_mem positions;
+    float lit[3];
+    DONE(gnomon_face_by_winding(triangles, points, lights[0], visibility, &event));
+    wait_for(event);
+    expect_shadows(visibility);                               // no point has a receiver
+    DONE(gnomon_points_positions(points, &positions, NULL));  // as normals: 0, x and x, none of which faces the light
+    DONE(gnomon_face_by_normals_buffer(points, positions, NULL, lights[0], second, &event));
+    wait_for(event);
+    DONE(gnomon_visibility_read(second, lit));
+    EXPECT(lit[0] == 0 && lit[1] == 0 && lit[2] == 0);
+    DONE(gnomon_face_by_normals(points, normals, lights[0], visibility, &event));
+    wait_for(event);
+    DONE(gnomon_device_finish(device));
+    DONE(gnomon_visibility_read(visibility, lit));
+    EXPECT(lit[2] == 0);
     gnomon_visibility_destroy(second);
     gnomon_technique_destroy(technique);
 }
@@ -322,6 +338,7 @@ int main(void) {
     gnomon_light lights[2];
     gnomon_camera camera;
     check_values(lights, &camera);
+    DONE(gnomon_load_opencl(NULL));
     check_lists();
     DONE(gnomon_device_open(NULL, &options, &device));
     DONE(gnomon_triangles_upload(device, roof, 2, &triangles));

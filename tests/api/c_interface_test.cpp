@@ -181,6 +181,50 @@ TEST_F(BesideCpp, SeveralLightsAndTheirStatistics) {
     }
 }
 
+// By normals of the host and of a buffer, and by winding. Not vacuous: each changes some values of the run before.
+TEST_F(BesideCpp, SidesThatTheCallerGives) {
+    const Floats normals = support::random_points(points_count, -1, 1, 9);
+    const auto with = technique("frustum-traced");
+    const auto vectors = made<gnomon_points>(
+        [&](auto out) { return gnomon_points_upload(device.get(), normals.data(), nullptr, points_count, out); });
+    cl_mem buffer = nullptr;
+    gnomon_point_layout layout;
+    ASSERT_DONE(gnomon_points_positions(vectors.get(), &buffer, &layout));
+    for (int i = 0; i < 2; ++i) {
+        const auto faced = [&](const auto& face) {
+            const auto result = visibility(points_count);
+            EXPECT_DONE(gnomon_technique_run(with.get(), triangles.get(), points.get(), lights[i], result.get(),
+                                             nullptr, nullptr));
+            EXPECT_DONE(face(result.get()));
+            return values(result.get());
+        };
+        const auto cpp_faced = [&](const auto& face) {
+            const gnomon::Visibility result(cpp_device, points_count);
+            gnomon::make_technique("frustum-traced", cpp_device)->run(cpp_triangles, cpp_points, cpp_lights[i], result);
+            face(result);
+            return result.read();
+        };
+        const Floats before = cpp_faced([](const auto&) {});
+        const Floats by_normals = cpp_faced([&](const gnomon::Visibility& v) {
+            gnomon::face_by_normals(cpp_device, cpp_points, normals, cpp_lights[i], v);
+        });
+        const Floats by_winding = cpp_faced([&](const gnomon::Visibility& v) {
+            gnomon::face_by_winding(cpp_device, cpp_triangles, cpp_points, cpp_lights[i], v);
+        });
+        EXPECT_NE(by_normals, before);
+        EXPECT_NE(by_winding, before);
+        EXPECT_EQ(by_normals, faced([&](const gnomon_visibility* v) {
+                      return gnomon_face_by_normals(points.get(), normals.data(), lights[i], v, nullptr);
+                  }));
+        EXPECT_EQ(by_normals, faced([&](const gnomon_visibility* v) {
+                      return gnomon_face_by_normals_buffer(points.get(), buffer, &layout, lights[i], v, nullptr);
+                  }));
+        EXPECT_EQ(by_winding, faced([&](const gnomon_visibility* v) {
+                      return gnomon_face_by_winding(triangles.get(), points.get(), lights[i], v, nullptr);
+                  }));
+    }
+}
+
 TEST_F(BesideCpp, ViewsPicturesAndSamples) {
     const auto view = made<gnomon_view>([&](auto out) {
         return gnomon_look(device.get(), triangles.get(), &camera, width, height, out, nullptr, nullptr);
@@ -628,6 +672,11 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
         REFUSES("technique", gnomon_technique_forget(nullptr)),
         REFUSES("name", gnomon_technique_diagnose(k, nullptr, t, p, sun, bytes)),
         REFUSES("rgba_out", gnomon_technique_diagnose(k, "decided", t, p, sun, nullptr)),
+        REFUSES("device", gnomon_device_finish(nullptr)),
+        REFUSES("normals", gnomon_face_by_normals(p, nullptr, sun, v, nullptr)),
+        REFUSES("visibility", gnomon_face_by_normals(p, positions.data(), sun, nullptr, nullptr)),
+        REFUSES("points", gnomon_face_by_normals_buffer(nullptr, nullptr, nullptr, sun, v, nullptr)),
+        REFUSES("triangles", gnomon_face_by_winding(nullptr, p, sun, v, nullptr)),
         REFUSES("triangles", gnomon_look(d, nullptr, &camera, 1, 1, &view_out, nullptr, nullptr)),
         REFUSES("camera", gnomon_look(d, t, nullptr, 1, 1, &view_out, nullptr, nullptr)),
         REFUSES("view_out", gnomon_look(d, t, &camera, 1, 1, nullptr, nullptr, nullptr)),
