@@ -539,6 +539,30 @@ TEST_F(BesideCpp, EachThreadHasItsOwnSentence) {
     EXPECT_STRNE(gnomon_last_error(), "") << "a success keeps the last failure";
 }
 
+// Each thread opens a device of its own and casts shadows, while the others do.
+TEST_F(BesideCpp, ThreadsWithADeviceEach) {
+    const Floats wanted[2] = {cpp_run("frustum-traced", cpp_lights[0]), cpp_run("frustum-traced", cpp_lights[1])};
+    const auto work = [&](int which) {
+        const auto own = made<gnomon_device>([](auto out) { return gnomon_device_open(nullptr, nullptr, out); });
+        const auto t = made<gnomon_triangles>(
+            [&](auto out) { return gnomon_triangles_upload(own.get(), vertices.data(), triangle_count, out); });
+        const auto p = made<gnomon_points>([&](auto out) {
+            return gnomon_points_upload(own.get(), positions.data(), receivers().data(), points_count, out);
+        });
+        EXPECT_DONE(gnomon_points_set_eye(p.get(), eye.data()));
+        const auto v =
+            made<gnomon_visibility>([&](auto out) { return gnomon_visibility_create(own.get(), points_count, out); });
+        const auto with =
+            made<gnomon_technique>([&](auto out) { return gnomon_technique_create(own.get(), "frustum-traced", out); });
+        for (int repeat = 0; repeat < 5; ++repeat) {
+            EXPECT_DONE(gnomon_technique_run(with.get(), t.get(), p.get(), lights[which], v.get(), nullptr, nullptr));
+            EXPECT_EQ(values(v.get()), wanted[which]);
+        }
+    };
+    std::thread others[] = {std::thread(work, 0), std::thread(work, 1), std::thread(work, 0)};
+    for (std::thread& other : others) other.join();
+}
+
 TEST_F(BesideCpp, WrongSizesOffsetsAndBuffers) {
     gnomon_triangles* t = nullptr;
     gnomon_points* p = nullptr;
