@@ -174,32 +174,27 @@ gnomon_status gnomon_load_opencl(const char* library) {
 
 gnomon_status gnomon_device_open(const char* selector, const gnomon_device_options* options,
                                  gnomon_device** device_out) {
-    return guarded([&] {
-        gnomon_device*& out = result_at(device_out, "device_out");
-        out = new_device(Device(selector == nullptr ? "" : selector, options_of(options)));
-    });
+    return result_of(device_out, "device_out",
+                     [&] { return new_device(Device(selector == nullptr ? "" : selector, options_of(options))); });
 }
 
 gnomon_status gnomon_device_wrap(cl_context context, cl_command_queue queue, const gnomon_device_options* options,
                                  gnomon_device** device_out) {
-    return guarded([&] {
-        gnomon_device*& out = result_at(device_out, "device_out");
-        out = new_device(Device(context, queue, options_of(options)));
-    });
+    return result_of(device_out, "device_out", [&] { return new_device(Device(context, queue, options_of(options))); });
 }
 
 void gnomon_device_destroy(gnomon_device* device) { delete device; }
 
 gnomon_status gnomon_device_describe(const gnomon_device* device, const gnomon_device_description** description_out) {
-    return guarded([&] { result_at(description_out, "description_out") = &at(device, "device").description; });
+    return result_of(description_out, "description_out", [&] { return &at(device, "device").description; });
 }
 
 gnomon_status gnomon_device_context(const gnomon_device* device, cl_context* context_out) {
-    return guarded([&] { result_at(context_out, "context_out") = at(device, "device").device.context(); });
+    return result_of(context_out, "context_out", [&] { return at(device, "device").device.context(); });
 }
 
 gnomon_status gnomon_device_queue(const gnomon_device* device, cl_command_queue* queue_out) {
-    return guarded([&] { result_at(queue_out, "queue_out") = at(device, "device").device.queue(); });
+    return result_of(queue_out, "queue_out", [&] { return at(device, "device").device.queue(); });
 }
 
 gnomon_status gnomon_device_finish(const gnomon_device* device) {
@@ -310,7 +305,7 @@ gnomon_status gnomon_points_positions(const gnomon_points* points, cl_mem* buffe
 }
 
 gnomon_status gnomon_points_receivers(const gnomon_points* points, cl_mem* buffer_out) {
-    return guarded([&] { result_at(buffer_out, "buffer_out") = at(points, "points").points.receivers(); });
+    return result_of(buffer_out, "buffer_out", [&] { return at(points, "points").points.receivers(); });
 }
 
 gnomon_status gnomon_points_read(const gnomon_points* points, float* positions_out, uint32_t* receivers_out) {
@@ -355,7 +350,7 @@ gnomon_status gnomon_visibility_count(const gnomon_visibility* visibility, size_
 }
 
 gnomon_status gnomon_visibility_buffer(const gnomon_visibility* visibility, cl_mem* buffer_out) {
-    return guarded([&] { result_at(buffer_out, "buffer_out") = at(visibility, "visibility").visibility.buffer(); });
+    return result_of(buffer_out, "buffer_out", [&] { return at(visibility, "visibility").visibility.buffer(); });
 }
 
 gnomon_status gnomon_visibility_read(const gnomon_visibility* visibility, float* values_out) {

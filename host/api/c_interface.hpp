@@ -71,13 +71,21 @@ T*& result_at(T** out, const char* argument) {
     return at(out, argument) = nullptr;
 }
 
+/// A call whose only result is a pointer. It is set to null first, so that `value` is not made in vain.
+template <typename T, typename Value>
+gnomon_status result_of(T** out, const char* argument, const Value& value) noexcept {
+    return guarded([&] {
+        T*& result = result_at(out, argument);
+        result = value();
+    });
+}
+
 /// Makes an object of a device: a handle that has the device, and what `make` makes of it.
 template <typename Handle, typename Make>
 gnomon_status made(const gnomon_device* device, Handle** out, const char* argument, const Make& make) noexcept {
-    return guarded([&] {
-        Handle*& result = result_at(out, argument);
+    return result_of(out, argument, [&] {
         const Device& on = at(device, "device").device;
-        result = new Handle{on, make(on)};
+        return new Handle{on, make(on)};
     });
 }
 

@@ -158,13 +158,13 @@ void gnomon_statistics_destroy(const gnomon_statistics* statistics) {
 }
 
 gnomon_status gnomon_devices(const gnomon_device_list** list_out) {
-    return guarded([&] { result_at(list_out, "list_out") = new OwnedDevices; });
+    return result_of(list_out, "list_out", [&] { return new OwnedDevices; });
 }
 
 void gnomon_device_list_destroy(const gnomon_device_list* list) { delete static_cast<const OwnedDevices*>(list); }
 
 gnomon_status gnomon_techniques(const gnomon_technique_list** list_out) {
-    return guarded([&] { result_at(list_out, "list_out") = new OwnedTechniques; });
+    return result_of(list_out, "list_out", [&] { return new OwnedTechniques; });
 }
 
 void gnomon_technique_list_destroy(const gnomon_technique_list* list) {
@@ -173,10 +173,9 @@ void gnomon_technique_list_destroy(const gnomon_technique_list* list) {
 
 gnomon_status gnomon_explain(const gnomon_triangles* triangles, const gnomon_points* points, size_t index,
                              gnomon_light light, const gnomon_explanation** explanation_out) {
-    return guarded([&] {
-        const gnomon_explanation*& out = result_at(explanation_out, "explanation_out");
+    return result_of(explanation_out, "explanation_out", [&] {
         const gnomon_points& of = at(points, "points");
-        out = new OwnedExplanation(
+        return new OwnedExplanation(
             explain(of.device, at(triangles, "triangles").triangles, of.points, index, light_of(light)));
     });
 }
@@ -188,10 +187,9 @@ void gnomon_explanation_destroy(const gnomon_explanation* explanation) {
 gnomon_status gnomon_look_in_parts(const gnomon_device* device, const float* vertices, size_t count,
                                    const gnomon_camera* camera, uint32_t width, uint32_t height,
                                    const gnomon_view_of_parts** view_out) {
-    return guarded([&] {
-        const gnomon_view_of_parts*& out = result_at(view_out, "view_out");
+    return result_of(view_out, "view_out", [&] {
         const Device& on = at(device, "device").device;
-        out = new OwnedViewOfParts(
+        return new OwnedViewOfParts(
             on, look_in_parts(on, array(vertices, count, 9, "vertices"), camera_at(camera), width, height));
     });
 }

@@ -145,7 +145,7 @@ gnomon_status gnomon_look(const gnomon_device* device, const gnomon_triangles* t
 void gnomon_view_destroy(gnomon_view* view) { delete view; }
 
 gnomon_status gnomon_view_points(const gnomon_view* view, const gnomon_points** points_out) {
-    return guarded([&] { result_at(points_out, "points_out") = &at(view, "view").points; });
+    return result_of(points_out, "points_out", [&] { return &at(view, "view").points; });
 }
 
 gnomon_status gnomon_view_read(const gnomon_view* view, const gnomon_triangles* triangles, float* positions_out,

@@ -723,6 +723,10 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
                 gnomon_run_in_parts(d, "izb", &bad_setting, 1, xyz, 0, p, nullptr, 0, sun, v, nullptr)),
 #undef REFUSES
     };
+    // A getter that fails gives null, whatever was there.
+    cl_command_queue queue = cpp_device.queue();
+    EXPECT_EQ(gnomon_device_queue(nullptr, &queue), GNOMON_INVALID_ARGUMENT);
+    EXPECT_EQ(queue, nullptr);
     for (const auto& [status, argument, text] : refused) {
         EXPECT_EQ(status, GNOMON_INVALID_ARGUMENT) << argument << ": " << text;
         EXPECT_EQ(text, "the argument " + std::string(argument) + " must not be null");
