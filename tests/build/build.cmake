@@ -30,6 +30,9 @@ add_test(NAME layout_rules_bite COMMAND "${here}/check_layout_test.sh" "${PROJEC
 add_test(NAME readme_shows_the_example
          COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/README.md
                  -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/example.cpp -P "${here}/readme_shows_example.cmake")
+add_test(NAME embedding_md_shows_the_example
+         COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/docs/embedding.md -D LANGUAGE=c
+                 -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/embedding.c -P "${here}/readme_shows_example.cmake")
 
 # The example as a user builds it: against an installed static library, an installed shared one, and as a subproject.
 # A sanitized library is of no use to a program built without the sanitizers.

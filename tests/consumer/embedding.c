@@ -80,6 +80,7 @@ static cl_event cast_shadows(cl_context context, cl_command_queue queue, cl_mem 
                              cl_mem visibility) {
     const float down[3] = {0, -1, 0};
     const gnomon_point_layout layout = {0, 1, cells};
+    // README begins
     gnomon_device* device;
     gnomon_triangles* triangles;
     gnomon_points* points;
@@ -94,6 +95,7 @@ static cl_event cast_shadows(cl_context context, cl_command_queue queue, cl_mem 
     done(gnomon_technique_create(device, "frustum-traced", &technique));
     done(gnomon_light_directional(down, &sun));
     done(gnomon_technique_run(technique, triangles, points, sun, result, &event, NULL));
+    // README ends
     gnomon_technique_destroy(technique);
     gnomon_visibility_destroy(result);
     gnomon_points_destroy(points);
