@@ -118,6 +118,40 @@ typedef struct gnomon_point_layout {
     size_t first, point_stride, coordinate_stride;
 } gnomon_point_layout;
 
+// ---- World coordinates ----------------------------------------------------------------------------------------------
+
+/// float64 coordinates as float32 without loss: each is snapped once to a whole number of steps of 2^exponent,
+/// floor(x / step + 1/2), and stored as its distance from the origin, which is given in steps. One scene, cut into
+/// tiles with origins of their own, gives the same bits as a whole (docs/numerics.md, 13). A point light is snapped
+/// too.
+typedef struct gnomon_world_lattice {
+    int64_t origin[3];
+    int32_t exponent;  ///< from -100 to 100
+} gnomon_world_lattice;
+
+/// A lattice of this step with the origin nearest the centre of the finite positions (3 * count numbers).
+gnomon_status gnomon_world_lattice_around(const double* positions, size_t count, int32_t exponent,
+                                          gnomon_world_lattice* lattice_out);
+/// The finest step at which the positions lie within 2^23 steps of the origin, half of what fits.
+gnomon_status gnomon_world_lattice_fit(const double* positions, size_t count, gnomon_world_lattice* lattice_out);
+/// Snaps 3 * count numbers: positions relative to the origin, NaN where one is not finite. largest_move_out: of any
+/// coordinate, at most half a step; may be NULL. Fails with the first position that lies more than 2^24 steps from the
+/// origin, and the finest step that fits.
+gnomon_status gnomon_world_lattice_snap(const gnomon_world_lattice* lattice, const double* positions, size_t count,
+                                        float* snapped_out, double* largest_move_out);
+/// Snaps points on a surface so that this surface does not shadow them: each moves first by 2.625 steps along its
+/// normal (3 numbers, of any length, of the surface before snapping). Decide facing by the same normal. Fails as
+/// snapping does, or if a normal is zero or not finite.
+gnomon_status gnomon_world_lattice_lift(const gnomon_world_lattice* lattice, const double* positions,
+                                        const double* normals, size_t count, float* lifted_out);
+/// The world's coordinates of a snapped position, exactly.
+gnomon_status gnomon_world_lattice_world_of(const gnomon_world_lattice* lattice, const float position[3],
+                                            double world_out[3]);
+/// 3 * count snapped numbers relative to the origin of another lattice of the same step, exactly. Fails if the steps
+/// differ, or a position lies more than 2^24 steps from the new origin.
+gnomon_status gnomon_world_lattice_rebase(const gnomon_world_lattice* lattice, const float* positions, size_t count,
+                                          const gnomon_world_lattice* other, float* rebased_out);
+
 // ---- Statistics -----------------------------------------------------------------------------------------------------
 
 /// One stage of a run.

@@ -32,6 +32,7 @@ HAS_SIZE(gnomon_status, 4);
 HAS_SIZE(gnomon_light, 16);
 HAS_SIZE(gnomon_camera, 96);
 HAS_SIZE(gnomon_point_layout, 24);
+HAS_SIZE(gnomon_world_lattice, 32);
 HAS_SIZE(gnomon_stage, 32);
 HAS_SIZE(gnomon_count, 16);
 HAS_SIZE(gnomon_statistics, 48);
@@ -82,6 +83,29 @@ static void check_values(gnomon_light lights[2], gnomon_camera* camera) {
     EXPECT(camera->forward[1] == -1 && camera->eye[1] == 5);
     DONE(gnomon_sample_pattern(4, offsets));
     EXPECT(offsets[0].x == -8 && offsets[0].y == -24);  // Direct3D's
+}
+
+static void check_lattice(void) {
+    const double world[6] = {4500000.1, 6000000, 0, 4500001.1, 6000000, 1}, normals[6] = {0, 0, 1, 0, 0, 2};
+    gnomon_world_lattice lattice, other;
+    float snapped[6], lifted[6], rebased[6];
+    double back[3], move = 7;
+    DONE(gnomon_world_lattice_fit(world, 2, &lattice));
+    DONE(gnomon_world_lattice_around(world, 2, -10, &lattice));
+    EXPECT(lattice.exponent == -10);
+    DONE(gnomon_world_lattice_snap(&lattice, world, 2, snapped, &move));
+    EXPECT(move > 0 && move <= 1.0 / 2048);
+    DONE(gnomon_world_lattice_world_of(&lattice, snapped + 3, back));
+    EXPECT(back[1] == 6000000 && back[2] == 1);
+    DONE(gnomon_world_lattice_lift(&lattice, world, normals, 2, lifted));
+    EXPECT(lifted[0] == snapped[0] && lifted[2] == snapped[2] + 3.0f / 1024);
+    other = lattice;
+    other.origin[1] -= 1024;
+    DONE(gnomon_world_lattice_rebase(&lattice, snapped, 2, &other, rebased));
+    EXPECT(rebased[0] == snapped[0] && rebased[1] == snapped[1] + 1);
+    EXPECT(gnomon_world_lattice_around(world, 2, 101, &lattice) == GNOMON_INVALID_ARGUMENT);
+    EXPECT(gnomon_world_lattice_snap(NULL, world, 2, snapped, NULL) == GNOMON_INVALID_ARGUMENT);
+    EXPECT(gnomon_world_lattice_snap(&lattice, world, 2, NULL, NULL) == GNOMON_INVALID_ARGUMENT);
 }
 
 static void check_lists(void) {
@@ -338,6 +362,7 @@ int main(void) {
     gnomon_light lights[2];
     gnomon_camera camera;
     check_values(lights, &camera);
+    check_lattice();
     DONE(gnomon_load_opencl(NULL));
     check_lists();
     DONE(gnomon_device_open(NULL, &options, &device));
