@@ -45,7 +45,8 @@ gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_bl
 gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks decide_pair predicates self_check)
 gnomon_wing(lists append fill group_scan scan sort)
 gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
-            world_lattice library faults regressions)
+            world_lattice c_interface c_interface_lattice c_interface_results c_interface_runs
+            library faults regressions)
 
 gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_bounds facing_blocks
             facing_cpu facing_gpu given_sides

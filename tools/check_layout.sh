@@ -53,8 +53,8 @@ lines_matching '^kernels/' '^\s*#\s*define\s+\w+\([^)]*\.\.\.' |
     complain 'macros of any number of arguments are not OpenCL C'
 
 # One door to OpenCL.
-lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' | { grep -vE '^host/(cl/|include/gnomon\.hpp:)' || true; } |
-    complain 'only host/cl and host/include/gnomon.hpp include OpenCL headers'
+lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' | { grep -vE '^host/(cl/|include/gnomon\.(hpp|h):)' || true; } |
+    complain 'only host/cl, host/include/gnomon.hpp and gnomon.h include OpenCL headers'
 
 # One-way flow. The wings and their order stand in host/stages.cmake: a wing includes itself and the wings above it. The
 # files host/*.cpp and host/*.hpp come after all wings. host/include and kernels/prelude.h come before them. No wing
@@ -94,7 +94,7 @@ lines_matching '^(tests|tools)/.*\.cpp$' '^\s*TEST(_F|_P)?\((?![A-Z][A-Za-z0-9]*
     complain 'suites and tests have names in CamelCase, without the suffix Test'
 
 # Every file says its licence, and what it promises.
-files_matching '(\.(cpp|hpp|h|clh|cl|cmake|sh|awk)|(^|/)CMakeLists\.txt|^\.ci/run)$' | xargs -0 -r awk '
+files_matching '(\.(c|cpp|hpp|h|clh|cl|cmake|sh|awk)|(^|/)CMakeLists\.txt|^\.ci/run)$' | xargs -0 -r awk '
     function report() { if (file != "" && !has_licence) print file }
     FNR == 1 { report(); file = FILENAME; has_licence = 0 }
     FNR <= 2 && /^(\/\/|#) SPDX-License-Identifier: MIT$/ { has_licence = 1 }
@@ -109,7 +109,8 @@ lines_of '^kernels/.*\.(cl|clh)$' | awk '$1 > 450 { print $2 ": " $1 " lines" }'
     complain 'a .cl or .clh has at most 450 lines'
 product=$(lines_of "$kernel_or_host.*$source" | awk '{ sum += $1 } END { print sum + 0 }')
 # A ratchet: lower it whenever the product gets shorter. The aim is 27,105, what it had before explain and the contracts.
-product_limit=28650
+# The C interface takes 1,620 of the lines.
+product_limit=30270
 [ "$product" -le $product_limit ] ||
     echo "kernels and host: $product lines" | complain "the product has at most $product_limit lines"
 

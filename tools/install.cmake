@@ -10,7 +10,7 @@ install(TARGETS gnomon EXPORT gnomonTargets
         LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}"
         INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
-install(FILES "${PROJECT_SOURCE_DIR}/host/include/gnomon.hpp" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(FILES "${PROJECT_SOURCE_DIR}/host/include/gnomon.hpp" "${PROJECT_SOURCE_DIR}/host/include/gnomon.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
 install(EXPORT gnomonTargets NAMESPACE gnomon:: DESTINATION "${package_dir}")
 
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/gnomonConfig.cmake.in" "${PROJECT_BINARY_DIR}/gnomonConfig.cmake"
@@ -23,5 +23,11 @@ install(FILES "${PROJECT_BINARY_DIR}/gnomonConfig.cmake" "${PROJECT_BINARY_DIR}/
 # For other build systems: pkg-config gnomon. Its folders are relative to where it lies itself: what is installed
 # can be moved. OpenCL is named as it was found here, since not every vendor's has a file of its own for pkg-config.
 file(RELATIVE_PATH include_from_pc "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
+# A C compiler that links the static library is told the library of C++.
+set(cxx_libraries ${CMAKE_CXX_IMPLICIT_LINK_LIBRARIES})
+list(FILTER cxx_libraries INCLUDE REGEX "^(stdc\\+\\+|c\\+\\+|m)$")
+list(REMOVE_DUPLICATES cxx_libraries)
+list(TRANSFORM cxx_libraries PREPEND "-l")
+list(JOIN cxx_libraries " " cxx_libraries)
 configure_file("${CMAKE_CURRENT_LIST_DIR}/gnomon.pc.in" "${PROJECT_BINARY_DIR}/gnomon.pc" @ONLY)
 install(FILES "${PROJECT_BINARY_DIR}/gnomon.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")

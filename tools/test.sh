@@ -39,7 +39,7 @@ if $ci; then
     step "Packages"
     tools/install_packages.sh ci
     step "Format and layout"
-    git ls-files -z '*.cpp' '*.hpp' '*.h' '*.clh' '*.cl' | xargs -0 clang-format-14 --dry-run --Werror
+    git ls-files -z '*.c' '*.cpp' '*.hpp' '*.h' '*.clh' '*.cl' | xargs -0 clang-format-14 --dry-run --Werror
     tools/check_layout.sh
     step "Host code and tests under the sanitizers"
     configure build-sanitize -D CMAKE_BUILD_TYPE=RelWithDebInfo -D "CMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" \

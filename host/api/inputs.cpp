@@ -45,11 +45,6 @@ std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size
     return shared_buffer(device, std::move(buffer));
 }
 
-/// The end of the last point's floats; `count` is not 0.
-std::size_t end_of(const PointLayout& at, std::size_t count) {
-    return at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1;
-}
-
 /// Bytes [first, end) of a buffer that has no parent (a sub-buffer counts as part of its parent).
 struct Extent {
     cl_mem root;
@@ -66,6 +61,30 @@ Extent extent_of(cl_mem memory, std::size_t first_float, std::size_t end_float) 
     return {parent != nullptr ? parent : memory, offset + first_float * sizeof(float),
             offset + end_float * sizeof(float)};
 }
+
+/// A sub-buffer of `count` floats of the caller's buffer, which it keeps; `count` is not 0.
+std::shared_ptr<void> retained_part(const Device& device, cl_mem memory, std::size_t first_float, std::size_t count) {
+    cl_uint align_bits = 0;
+    cl::check(clGetDeviceInfo(device.description().device_id, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof(align_bits),
+                              &align_bits, nullptr),
+              "asking the device for the alignment of sub-buffers");
+    const std::size_t align = std::max<std::size_t>(align_bits / 8, sizeof(float));
+    if (first_float * sizeof(float) % align != 0)
+        throw InvalidArgument("the visibility's first float " + std::to_string(first_float) +
+                              " must be a multiple of " + std::to_string(align / sizeof(float)) + " on this device");
+    const Extent part = extent_of(memory, first_float, first_float + count);
+    const cl_buffer_region region{part.first, part.end - part.first};
+    cl_int code;
+    cl_mem made = clCreateSubBuffer(part.root, 0, CL_BUFFER_CREATE_TYPE_REGION, &region, &code);
+    cl::check(code, "making a sub-buffer of the visibility buffer");
+    return {made, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
+}
+
+/// The end of the last point's floats; `count` is not 0.
+std::size_t end_of(const PointLayout& at, std::size_t count) {
+    return at.first + (count - 1) * at.point_stride + 2 * at.coordinate_stride + 1;
+}
+
 bool overlap(const Extent& a, const Extent& b) { return a.root == b.root && a.first < b.end && b.first < a.end; }
 
 // The buffers that a run writes must not overlap the buffers that it reads.
@@ -189,9 +208,10 @@ Visibility::Visibility(const Device& device, std::size_t count)
       buffer_(shared_buffer(device, cl::Buffer(session_of(device), count * sizeof(float)))),
       count_(count) {}
 
-Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count)
+Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count, std::size_t first_float)
     : device_(device), buffer_(retained(device, buffer, "visibility")), count_(count) {
-    require_floats(buffer, count, "visibility");
+    require_floats(buffer, count, "visibility", first_float);
+    if (first_float != 0 && count != 0) buffer_ = retained_part(device, buffer, first_float, count);
 }
 
 cl_mem Visibility::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
@@ -237,7 +257,8 @@ void require_run_lights(const Triangles& triangles, const Points& points, std::s
     for (std::size_t i = 0; i < lights.size(); ++i) {
         require_run(triangles, points, lights[i], visibilities[i]);
         for (std::size_t j = 0; j < i; ++j)
-            if (visibilities[i].buffer() == visibilities[j].buffer())
+            if (overlap(extent_of(visibilities[i].buffer(), 0, points.count()),
+                        extent_of(visibilities[j].buffer(), 0, points.count())))
                 throw InvalidArgument("lights " + std::to_string(j) + " and " + std::to_string(i) +
                                       " have the same visibility: give each its own");
     }

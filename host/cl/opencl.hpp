@@ -11,7 +11,7 @@
 // Every OpenCL function that gnomon calls. All belong to OpenCL 1.2.
 #define GN_OPENCL_FUNCTIONS(use)                                                                                       \
     use(clBuildProgram) use(clCreateBuffer) use(clCreateCommandQueue) use(clCreateContext) use(clCreateKernel)         \
-        use(clCreateProgramWithBinary) use(clCreateProgramWithSource) use(clEnqueueCopyBuffer)                         \
+        use(clCreateProgramWithBinary) use(clCreateProgramWithSource) use(clCreateSubBuffer) use(clEnqueueCopyBuffer)  \
             use(clEnqueueFillBuffer) use(clEnqueueMarkerWithWaitList) use(clEnqueueNDRangeKernel)                      \
                 use(clEnqueueReadBuffer) use(clEnqueueWriteBuffer) use(clFinish) use(clGetCommandQueueInfo)            \
                     use(clGetDeviceIDs) use(clGetDeviceInfo) use(clGetEventProfilingInfo) use(clGetKernelInfo)         \

@@ -248,12 +248,14 @@ void Session::copy(const Buffer& from, std::size_t from_first, const Buffer& to,
 
 void Session::write(cl_mem buffer, const void* data, std::size_t bytes) {
     if (bytes == 0) return;
+    if (traces_) std::fprintf(stderr, "gnomon: trace: writing %zu bytes to the device\n", bytes);
     attempt("writing to the device",
             [&] { return clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr); });
 }
 
 void Session::read(cl_mem buffer, void* data, std::size_t bytes) {
     if (bytes == 0) return;
+    if (traces_) std::fprintf(stderr, "gnomon: trace: reading %zu bytes from the device\n", bytes);
     attempt("reading from the device",
             [&] { return clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr); });
 }

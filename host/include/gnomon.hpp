@@ -12,7 +12,8 @@
 // A point is "in shadow" by the visibility contract of docs/numerics.md, which is decided in exact real arithmetic on
 // the float32 inputs: the same bits on every device. Objects are cheap handles (shared ownership). One Device and the
 // objects made from it may be used from one thread at a time. A failure throws one of the exceptions below. The library
-// never prints, never exits, and has no global state but the OpenCL functions that it has loaded.
+// never prints, never exits, and has no global state but the OpenCL functions that it has loaded (and gnomon.h's error
+// texts, one per thread).
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION
@@ -316,9 +317,10 @@ PointsOnHost read(const Device& device, const Points& points);
 class Visibility {
 public:
     Visibility(const Device& device, std::size_t count);
-    /// Uses the caller's buffer (retained) of at least `count` floats: the device writes the result into this buffer,
-    /// and no copy goes through the host.
-    Visibility(const Device& device, cl_mem buffer, std::size_t count);
+    /// Uses `count` floats of the caller's buffer (retained) from `first_float` on: the device writes the result there,
+    /// and no copy goes through the host. first_float * 4 must be a multiple of the device's
+    /// CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8 (gnomon makes a sub-buffer), else the constructor throws InvalidArgument.
+    Visibility(const Device& device, cl_mem buffer, std::size_t count, std::size_t first_float = 0);
 
     std::size_t count() const { return count_; }
     cl_mem buffer() const;
@@ -510,7 +512,7 @@ public:
     virtual void forget() {}
     /// run() for several lights and the same points: visibilities[i] belongs to lights[i] and has the same bits as from
     /// run(). Work that all lights share is done once where the technique can. Returns the statistics of each light.
-    /// Throws InvalidArgument if the numbers of visibilities and lights differ, or two buffers are the same.
+    /// Throws InvalidArgument if the numbers of visibilities and lights differ, or two visibilities overlap.
     virtual std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points,
                                                std::span<const Light> lights, std::span<const Visibility> visibilities);
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.

@@ -193,6 +193,37 @@ TEST_F(Embedder, WrappedReceiversExcludeTheirTriangle) {
     EXPECT_EQ(trace(device, triangles, points), wanted);
 }
 
+// Every light's answers in one buffer of the caller's: a part of it each, as far apart as the device's alignment asks.
+TEST_F(Embedder, VisibilityInAPartOfABuffer) {
+    const Device device(context_, queue_);
+    cl_uint align_bits = 0;
+    clGetDeviceInfo(device_, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof(align_bits), &align_bits, nullptr);
+    const std::size_t step = std::max<std::size_t>(align_bits / 8 / sizeof(float), 128);
+    const cl_mem whole = buffer(Floats(3 * step, 42));
+    const std::vector<Visibility> parts{Visibility(device, whole, 81, step), Visibility(device, whole, 81, 2 * step)};
+    const auto triangles = Triangles::upload(device, roof);
+    const auto points = Points::upload(device, ground());
+    const std::vector<gnomon::Light> lights{noon, gnomon::Light::directional({0, 1, 0})};
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->run_lights(triangles, points, lights, parts);
+    Floats wanted(3 * step, 42);
+    const Floats truth = ground_truth();
+    std::copy(truth.begin(), truth.end(), wanted.begin() + std::ptrdiff_t(step));
+    std::fill_n(wanted.begin() + std::ptrdiff_t(2 * step), 81, 1.0f);
+    EXPECT_EQ(content(whole, 3 * step), wanted);
+    EXPECT_EQ(parts[0].read(), truth);
+
+    using gnomon::InvalidArgument;
+    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility(device, whole, 81, 1); }, {"first float 1", "multiple of"}));
+    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility(device, whole, step + 1, 2 * step); }, {"buffer holds"}));
+    const std::vector<Visibility> meeting{Visibility(device, whole, 2 * step, 0), parts[0]};
+    EXPECT_NO_THROW(technique->run_lights(triangles, points, lights, meeting)) << "81 of the first are written";
+    const auto many = Points::upload(device, Floats(3 * (step + 1)));
+    const std::vector<Visibility> both{meeting[0], Visibility(device, whole, 2 * step, step)};
+    EXPECT_TRUE(throws<InvalidArgument>([&] { technique->run_lights(triangles, many, lights, both); },
+                                        {"lights 0 and 1", "its own"}));
+}
+
 TEST_F(Embedder, BuffersThatAreNullOrTooSmall) {
     const Device device(context_, queue_);
     const cl_mem small = buffer(Floats(17));

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: MIT
-# The README's listing is a part of the example that the tests compile and run, to the letter, and at most 14 lines long:
+# A document's listing is a part of the example that the tests compile and run, to the letter, and at most 14 lines long:
 # the lines between "// README begins" and "// README ends".
-# cmake -D README=... -D EXAMPLE=... -P readme_shows_example.cmake
+# cmake -D README=... -D EXAMPLE=... [-D LANGUAGE=c] -P readme_shows_example.cmake
+if(NOT LANGUAGE)
+  set(LANGUAGE cpp)
+endif()
+string(HEX "${LANGUAGE}" language)
 file(READ "${README}" readme HEX)
 file(READ "${EXAMPLE}" example HEX)
 # Hex, because as text CMake would take semicolons and brackets for lists.
@@ -17,9 +21,9 @@ math(EXPR first "${first} + ${length}")
 math(EXPR length "${last} - ${first}")
 string(SUBSTRING "${example}" ${first} ${length} excerpt)
 # "```cpp\n", the excerpt, "```\n".
-string(FIND "${readme}" "6060606370700a${excerpt}6060600a" at)
+string(FIND "${readme}" "606060${language}0a${excerpt}6060600a" at)
 if(at EQUAL -1)
-  message(FATAL_ERROR "${README} does not show the lines that ${EXAMPLE} marks: copy them into the ```cpp block")
+  message(FATAL_ERROR "${README} does not show the lines that ${EXAMPLE} marks: copy them into the ```${LANGUAGE} block")
 endif()
 string(REGEX MATCHALL "0a" line_ends "${excerpt}")
 list(LENGTH line_ends line_count)

@@ -1,0 +1,563 @@
+// SPDX-License-Identifier: MIT
+// gnomon: exact hard shadows as OpenCL kernels. The library's C interface (C11 and C++); gnomon.hpp is the same in C++.
+//
+//   gnomon_device_wrap(context, queue, NULL, &device);                       // your own, or gnomon_device_open()
+//   gnomon_triangles_wrap(device, vertices, 0, triangle_count, &triangles);  // your cl_mem, or ..._upload()
+//   gnomon_points_wrap(device, positions, NULL, NULL, point_count, &points);
+//   gnomon_visibility_wrap(device, result, 0, point_count, &visibility);
+//   gnomon_technique_create(device, "frustum-traced", &technique);
+//   gnomon_light_directional(down, &light);
+//   gnomon_technique_run(technique, triangles, points, light, visibility, &event, NULL);
+//
+// A point is "in shadow" by the visibility contract of docs/numerics.md, which is decided in exact real arithmetic on
+// the float32 inputs: the same bits on every device, and the same as from C++.
+//
+// Status. Every function returns a gnomon_status, except gnomon_version(), gnomon_status_name(), gnomon_last_error(),
+//   gnomon_last_opencl_error() and the gnomon_*_destroy(), which cannot fail. No exception leaves the library, and it
+//   never prints or exits. Every function can return GNOMON_INVALID_ARGUMENT (also for a NULL where none is allowed),
+//   GNOMON_OUT_OF_HOST_MEMORY, and, where it uses the device, GNOMON_OUT_OF_DEVICE_MEMORY and GNOMON_OPENCL_ERROR; a
+//   comment below states the rest. After a failure all objects are as they were and stay usable.
+// Results. Pointers whose names end with _out come last. A function that fails sets its handle, event and result
+//   pointers to NULL and writes no other value. event_out and statistics_out may be NULL, and so may each of several
+//   results of a getter.
+// Ownership. Objects (gnomon_device, gnomon_points, ...) are destroyed by their gnomon_*_destroy(), in any order: an
+//   object keeps what it needs of the others. NULL is allowed there. gnomon retains each cl_context, cl_command_queue
+//   and cl_mem that it is given and keeps, and releases it with the last object that needs it: the caller keeps its own
+//   reference, and may release it at once. A cl_context, cl_command_queue or cl_mem that a getter returns is not
+//   retained for the caller. A cl_event that a function returns belongs to the caller: clReleaseEvent(). A struct that
+//   comes by pointer (gnomon_statistics, gnomon_device_list, ...) is read-only, and so are its strings and arrays: they
+//   are valid until its gnomon_*_destroy(). Host arrays that are passed in are not needed after the call.
+// Threads. One device and the objects made from it may be used by one thread at a time; different devices by different
+//   threads at once. gnomon_last_error() is per thread.
+// Queue. The device's queue is in-order. Work is enqueued there; event_out gives an event of this queue that completes
+//   when the results of the call are there. To wait for it in another queue, call clFlush() on the device's queue
+//   first. For inputs that another queue writes, enqueue clEnqueueBarrierWithWaitList() with its events on the device's
+//   queue.
+// Strings are UTF-8 and end with 0. Sizes of arrays and buffers are numbers of elements, not bytes.
+#ifndef GNOMON_H
+#define GNOMON_H
+
+#ifndef CL_TARGET_OPENCL_VERSION
+#define CL_TARGET_OPENCL_VERSION 120
+#endif
+#include <CL/cl.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+#ifdef __GNUC__
+#pragma GCC visibility push(default)
+#endif
+
+/// The version that this header belongs to. Before 1.0 every minor version may change the interface.
+#define GNOMON_C_VERSION_MAJOR 0
+#define GNOMON_C_VERSION_MINOR 1
+#define GNOMON_C_VERSION_PATCH 0
+#define GNOMON_C_VERSION (GNOMON_C_VERSION_MAJOR * 10000 + GNOMON_C_VERSION_MINOR * 100 + GNOMON_C_VERSION_PATCH)
+
+/// "MAJOR.MINOR.PATCH" of the library that the program runs with.
+const char* gnomon_version(void);
+
+// ---- Status ---------------------------------------------------------------------------------------------------------
+
+typedef enum gnomon_status {
+    GNOMON_SUCCESS = 0,
+    GNOMON_INVALID_ARGUMENT = 1,      ///< an argument outside its stated range, an unknown technique or setting
+    GNOMON_DEVICE_NOT_FOUND = 2,      ///< no device fits, or the named one lacks a feature that gnomon needs
+    GNOMON_OUT_OF_DEVICE_MEMORY = 3,  ///< of the device, or of the limit in gnomon_device_options
+    GNOMON_OUT_OF_HOST_MEMORY = 4,
+    GNOMON_OPENCL_ERROR = 5,     ///< an OpenCL call failed: gnomon_last_opencl_error() has its code
+    GNOMON_STOPPED = 6,          ///< the caller's gnomon_sample_sink stopped the run
+    GNOMON_UNEXPECTED_ERROR = 7  ///< anything else; the text says what
+} gnomon_status;
+
+/// "GNOMON_SUCCESS" and so on; "an unknown status" for another number.
+const char* gnomon_status_name(gnomon_status status);
+/// One sentence with the cause of the last failure in this thread and, where there is one, the remedy; for kernels that
+/// do not build the compiler's log follows. "" before the first failure. Valid until the thread's next failure.
+const char* gnomon_last_error(void);
+/// The OpenCL code of the last failure in this thread; CL_SUCCESS if no OpenCL call was its cause.
+cl_int gnomon_last_opencl_error(void);
+
+// ---- Values ---------------------------------------------------------------------------------------------------------
+
+/// The receiver of a point that lies on no triangle and, in a view, of a pixel that shows the sky.
+#define GNOMON_NO_RECEIVER 0xFFFFFFFFu
+
+/// A directional light (w = 0: xyz is minus the direction of travel) or a point light (w = 1: xyz is the position).
+typedef struct gnomon_light {
+    float xyzw[4];
+} gnomon_light;
+
+/// A light that travels along `direction` (need not have unit length). Fails if it is 0,0,0 or not finite.
+gnomon_status gnomon_light_directional(const float direction[3], gnomon_light* light_out);
+/// A point light, in the scene's unit. Fails if it is not finite.
+gnomon_status gnomon_light_positional(const float position[3], gnomon_light* light_out);
+
+/// A pinhole camera. Pixel (x, y), row 0 on top, looks along
+///   forward + (2 (x + 0.5) / width - 1) aspect t right + (1 - 2 (y + 0.5) / height) t up,  t = tan(fov_y_radians / 2).
+/// The axes are unit vectors that span space.
+typedef struct gnomon_camera {
+    float eye[3];
+    double right[3], up[3], forward[3];
+    double fov_y_radians;
+} gnomon_camera;
+
+/// Looks from `eye` at `target`; `up` is made orthogonal to the view. Fails if eye and target coincide, if `up` is
+/// parallel to the view, or if fov_y_degrees is not between 0 and 180 (both exclusive).
+gnomon_status gnomon_camera_look_at(const float eye[3], const float target[3], const float up[3], double fov_y_degrees,
+                                    gnomon_camera* camera_out);
+
+/// Coordinate c (0..2) of point i is float first + i * point_stride + c * coordinate_stride of its buffer. Packed xyz
+/// triples are {0, 3, 1}; a structure of arrays of n points is {0, 1, n}.
+typedef struct gnomon_point_layout {
+    size_t first, point_stride, coordinate_stride;
+} gnomon_point_layout;
+
+// ---- World coordinates ----------------------------------------------------------------------------------------------
+
+/// float64 coordinates as float32 without loss: each is snapped once to a whole number of steps of 2^exponent,
+/// floor(x / step + 1/2), and stored as its distance from the origin, which is given in steps. One scene, cut into
+/// tiles with origins of their own, gives the same bits as a whole (docs/numerics.md, 13). A point light is snapped
+/// too.
+typedef struct gnomon_world_lattice {
+    int64_t origin[3];
+    int32_t exponent;  ///< from -100 to 100
+} gnomon_world_lattice;
+
+/// A lattice of this step with the origin nearest the centre of the finite positions (3 * count numbers).
+gnomon_status gnomon_world_lattice_around(const double* positions, size_t count, int32_t exponent,
+                                          gnomon_world_lattice* lattice_out);
+/// The finest step at which the positions lie within 2^23 steps of the origin, half of what fits.
+gnomon_status gnomon_world_lattice_fit(const double* positions, size_t count, gnomon_world_lattice* lattice_out);
+/// Snaps 3 * count numbers: positions relative to the origin, NaN where one is not finite. largest_move_out: of any
+/// coordinate, at most half a step; may be NULL. Fails with the first position that lies more than 2^24 steps from the
+/// origin, and the finest step that fits.
+gnomon_status gnomon_world_lattice_snap(const gnomon_world_lattice* lattice, const double* positions, size_t count,
+                                        float* snapped_out, double* largest_move_out);
+/// Snaps points on a surface so that this surface does not shadow them: each moves first by 2.625 steps along its
+/// normal (3 numbers, of any length, of the surface before snapping). Decide facing by the same normal. Fails as
+/// snapping does, or if a normal is zero or not finite.
+gnomon_status gnomon_world_lattice_lift(const gnomon_world_lattice* lattice, const double* positions,
+                                        const double* normals, size_t count, float* lifted_out);
+/// The world's coordinates of a snapped position, exactly.
+gnomon_status gnomon_world_lattice_world_of(const gnomon_world_lattice* lattice, const float position[3],
+                                            double world_out[3]);
+/// 3 * count snapped numbers relative to the origin of another lattice of the same step, exactly. Fails if the steps
+/// differ, or a position lies more than 2^24 steps from the new origin.
+gnomon_status gnomon_world_lattice_rebase(const gnomon_world_lattice* lattice, const float* positions, size_t count,
+                                          const gnomon_world_lattice* other, float* rebased_out);
+
+// ---- Statistics -----------------------------------------------------------------------------------------------------
+
+/// One stage of a run.
+typedef struct gnomon_stage {
+    const char* name;
+    double device_ms;     ///< sum of its kernels; 0 unless the device profiles
+    double wall_ms;       ///< host time without the building of kernels
+    const char* skipped;  ///< why it did not run, "" if it did
+} gnomon_stage;
+
+typedef struct gnomon_count {
+    const char* name;  ///< in snake_case, stable
+    uint64_t value;
+} gnomon_count;
+
+/// The work of one run.
+typedef struct gnomon_statistics {
+    const gnomon_stage* stages;
+    size_t stage_count;
+    const gnomon_count* counts;
+    size_t count_count;
+    double total_wall_ms;          ///< host time of the whole run, the building of kernels included
+    uint64_t device_memory_bytes;  ///< gnomon's own buffers during the run, without the caller's
+} gnomon_statistics;
+
+void gnomon_statistics_destroy(const gnomon_statistics* statistics);
+
+// ---- Devices --------------------------------------------------------------------------------------------------------
+
+/// gnomon links no OpenCL library: it loads one when it first needs it, the file that the environment variable
+/// GNOMON_OPENCL_LIBRARY names, else `library`, else the library that the program itself links, else the system's
+/// libOpenCL.so.1. Only programs that must choose the file call this; after the first success it does nothing. NULL: no
+/// file of the caller's. Fails with GNOMON_DEVICE_NOT_FOUND.
+gnomon_status gnomon_load_opencl(const char* library);
+
+/// One OpenCL device of this machine.
+typedef struct gnomon_device_description {
+    cl_platform_id platform_id;
+    cl_device_id device_id;
+    const char* selector;  ///< "P:D", platform and device index: what gnomon_device_open() accepts
+    const char* platform;  ///< platform name
+    const char* name;
+    const char* vendor;
+    const char* driver_version;
+    const char* opencl_version;
+    const char* opencl_c_version;
+    const char* type;         ///< "CPU", "GPU", "accelerator" or "custom"
+    const char* lacks;        ///< "" if the device can be used, else the features that it lacks
+    const char* note;         ///< of an open device: features that its start-up check switched off, and why; else ""
+    const char* why_default;  ///< of the default: the rule that chose it
+    uint64_t global_memory_bytes, largest_allocation_bytes;
+    uint32_t compute_units;
+    bool has_fp64;
+    bool is_default;  ///< gnomon_device_open() without a selector opens this one
+} gnomon_device_description;
+
+typedef struct gnomon_device_list {
+    const gnomon_device_description* devices;
+    size_t count;
+} gnomon_device_list;
+
+/// All devices of all platforms; an empty list if there is no OpenCL at all.
+gnomon_status gnomon_devices(const gnomon_device_list** list_out);
+void gnomon_device_list_destroy(const gnomon_device_list* list);
+
+/// How a device is opened. Begin with GNOMON_DEVICE_OPTIONS_INIT, then change members.
+typedef struct gnomon_device_options {
+    size_t struct_size;           ///< sizeof(gnomon_device_options) as the program was compiled
+    uint64_t memory_limit_bytes;  ///< refuse to allocate more than this on the device; 0: no limit
+    uint32_t work_group_size;     ///< of every kernel, 0: chosen per device. Same bits for every size
+    bool profile;                 ///< time kernels by events. A wrapped queue decides that itself. Slows small launches
+    bool hide_fp64;               ///< use no double precision on the device. Same bits
+    bool gpu_kernels;             ///< use the kernels made for GPUs on a CPU as well, for tests. Same bits
+} gnomon_device_options;
+#define GNOMON_DEVICE_OPTIONS_INIT \
+    { sizeof(gnomon_device_options), 0, 0, false, false, false }
+
+/// A device, its context and in-order queue, and the compiled kernels (built when first used, cached on disk).
+typedef struct gnomon_device gnomon_device;
+
+/// Opens the device that `selector` names: "P:D", or a part of the device's or platform's name in any case; NULL or "":
+/// the environment variable GNOMON_DEVICE, else the first usable GPU, else the first usable CPU. `options` may be NULL.
+/// Fails with GNOMON_DEVICE_NOT_FOUND and the list of the devices.
+gnomon_status gnomon_device_open(const char* selector, const gnomon_device_options* options,
+                                 gnomon_device** device_out);
+/// Uses the caller's context and in-order queue (both are retained). `options` may be NULL. Fails if they do not belong
+/// together or the queue is out of order; with GNOMON_DEVICE_NOT_FOUND if the queue's device cannot be used.
+gnomon_status gnomon_device_wrap(cl_context context, cl_command_queue queue, const gnomon_device_options* options,
+                                 gnomon_device** device_out);
+void gnomon_device_destroy(gnomon_device* device);
+
+/// Valid until the device is destroyed.
+gnomon_status gnomon_device_describe(const gnomon_device* device, const gnomon_device_description** description_out);
+gnomon_status gnomon_device_context(const gnomon_device* device, cl_context* context_out);
+gnomon_status gnomon_device_queue(const gnomon_device* device, cl_command_queue* queue_out);
+/// Waits until the device has executed all that was enqueued.
+gnomon_status gnomon_device_finish(const gnomon_device* device);
+/// Bytes of device memory that gnomon's own buffers occupy now, and the largest number so far.
+gnomon_status gnomon_device_memory(const gnomon_device* device, uint64_t* bytes_out, uint64_t* peak_bytes_out);
+
+/// The builds of kernels that a device's runs waited for.
+typedef struct gnomon_kernel_builds {
+    uint32_t programs;    ///< compiled or loaded
+    uint32_t from_cache;  ///< loaded from gnomon's cache on disk
+    double ms;
+} gnomon_kernel_builds;
+/// Since the device was opened. May wait for the queue.
+gnomon_status gnomon_device_kernel_builds(const gnomon_device* device, gnomon_kernel_builds* builds_out);
+
+// ---- Triangles ------------------------------------------------------------------------------------------------------
+
+/// Triangles on the device: 9 consecutive float32 each, three vertices in world space. A triangle's id is its index. A
+/// triangle with a NaN or infinite vertex casts no shadow and is never seen.
+typedef struct gnomon_triangles gnomon_triangles;
+
+/// Copies 9 * count floats to the device. `vertices` may be NULL if count is 0.
+gnomon_status gnomon_triangles_upload(const gnomon_device* device, const float* vertices, size_t count,
+                                      gnomon_triangles** triangles_out);
+/// Uses 9 * count floats of the caller's buffer (retained) from `first_float` on. The caller must not write them during
+/// a run. Fails if the buffer is smaller or belongs to another context.
+gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t first_float, size_t count,
+                                    gnomon_triangles** triangles_out);
+void gnomon_triangles_destroy(gnomon_triangles* triangles);
+
+/// For a mesh that does not change: builds boxes around clusters of triangles on the device, so that stages skip
+/// clusters. Same bits. Worth it from about two views or lights on. The caller promises not to write the vertices from
+/// now on; after a change, call this again. gnomon_triangles_forget_clusters() restores the state from before.
+gnomon_status gnomon_triangles_keep_clusters(gnomon_triangles* triangles, cl_event* event_out);
+gnomon_status gnomon_triangles_forget_clusters(gnomon_triangles* triangles);
+
+gnomon_status gnomon_triangles_count(const gnomon_triangles* triangles, size_t* count_out);
+/// The buffer, and the float in it where the triangles begin.
+gnomon_status gnomon_triangles_buffer(const gnomon_triangles* triangles, cl_mem* buffer_out, size_t* first_float_out);
+
+// ---- Points ---------------------------------------------------------------------------------------------------------
+
+/// Shading points on the device: position, and optionally the id of the triangle that the point lies on (its receiver,
+/// which never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work. A receiver
+/// alone darkens no point: that a point faces away from the light needs a side, from gnomon_points_set_eye(),
+/// gnomon_face_by_normals() or gnomon_face_by_winding().
+typedef struct gnomon_points gnomon_points;
+
+/// Copies 3 * count floats, and `count` receivers (NULL: no point has one) to the device. `positions` may be NULL if
+/// count is 0.
+gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, const uint32_t* receivers,
+                                   size_t count, gnomon_points** points_out);
+/// Uses the caller's buffers (retained). `layout` NULL: packed xyz triples from the buffer's beginning. `receivers`:
+/// `count` uint32 from the buffer's beginning (a sub-buffer for another place), or NULL: no point has one. Fails if a
+/// buffer is smaller than that or belongs to another context.
+gnomon_status gnomon_points_wrap(const gnomon_device* device, cl_mem positions, const gnomon_point_layout* layout,
+                                 cl_mem receivers, size_t count, gnomon_points** points_out);
+void gnomon_points_destroy(gnomon_points* points);
+
+/// From here on, a point is backfacing, and its visibility 0, if its receiver's plane separates the light from this eye
+/// or contains the light.
+gnomon_status gnomon_points_set_eye(gnomon_points* points, const float eye[3]);
+/// Sets the camera of the picture of width x height pixels that the points belong to, and the eye. Shadow maps that are
+/// fitted to the view need it. A view's points have it set.
+gnomon_status gnomon_points_set_camera(gnomon_points* points, const gnomon_camera* camera, uint32_t width,
+                                       uint32_t height);
+/// The caller promises that no point lies on the far side of its receiver, a triangle of `triangles`, as the eye sees
+/// it. Saves time; lasts until an eye or a camera is set. A view's points have it set.
+gnomon_status gnomon_points_set_lifted_off(gnomon_points* points, const gnomon_triangles* triangles);
+
+gnomon_status gnomon_points_count(const gnomon_points* points, size_t* count_out);
+gnomon_status gnomon_points_positions(const gnomon_points* points, cl_mem* buffer_out, gnomon_point_layout* layout_out);
+/// NULL if no point has a receiver.
+gnomon_status gnomon_points_receivers(const gnomon_points* points, cl_mem* buffer_out);
+/// Waits for the queue and copies to the host: 3 floats and one uint32 per point. Either may be NULL.
+gnomon_status gnomon_points_read(const gnomon_points* points, float* positions_out, uint32_t* receivers_out);
+
+/// Lifts the points off their receivers as a view's points are: along the receiver's normal towards `eye`, by a proven
+/// bound of a few float32 ulps (docs/numerics.md, 9). The result shares the receivers and has the eye set. Fails if
+/// there are no receivers.
+gnomon_status gnomon_lift(const gnomon_triangles* triangles, const gnomon_points* points, const float eye[3],
+                          gnomon_points** lifted_out, cl_event* event_out);
+
+// ---- Visibility -----------------------------------------------------------------------------------------------------
+
+/// Visibility per point, one float32 each: 1 lit, 0 in shadow; filtered techniques write values between.
+typedef struct gnomon_visibility gnomon_visibility;
+
+gnomon_status gnomon_visibility_create(const gnomon_device* device, size_t count, gnomon_visibility** visibility_out);
+/// Uses `count` floats of the caller's buffer (retained) from `first_float` on: the device writes the result there.
+/// first_float * 4 must be a multiple of the device's CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8 (gnomon makes a sub-buffer).
+/// Fails if it is not, or if the buffer is smaller or belongs to another context.
+gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer, size_t first_float, size_t count,
+                                     gnomon_visibility** visibility_out);
+void gnomon_visibility_destroy(gnomon_visibility* visibility);
+gnomon_status gnomon_visibility_count(const gnomon_visibility* visibility, size_t* count_out);
+/// The buffer whose first `count` floats are the visibility: the caller's own, or gnomon's (sub-)buffer.
+gnomon_status gnomon_visibility_buffer(const gnomon_visibility* visibility, cl_mem* buffer_out);
+/// Waits for the queue and copies `count` floats to the host.
+gnomon_status gnomon_visibility_read(const gnomon_visibility* visibility, float* values_out);
+
+// ---- Techniques -----------------------------------------------------------------------------------------------------
+
+/// A setting of a technique, or a picture that gnomon_technique_diagnose() draws.
+typedef struct gnomon_setting_description {
+    const char* name;
+    const char* default_value;
+    const char* meaning;  ///< one line with range and unit
+} gnomon_setting_description;
+typedef struct gnomon_diagnostic_description {
+    const char* name;
+    const char* meaning;  ///< one line
+} gnomon_diagnostic_description;
+
+typedef struct gnomon_technique_description {
+    const char* name;
+    const char* summary;  ///< one line
+    const gnomon_setting_description* settings;
+    size_t setting_count;
+    const gnomon_diagnostic_description* diagnostics;
+    size_t diagnostic_count;
+    bool exact;
+} gnomon_technique_description;
+
+typedef struct gnomon_technique_list {
+    const gnomon_technique_description* techniques;
+    size_t count;
+} gnomon_technique_list;
+
+/// Every technique of this build; the first is the default, "frustum-traced".
+gnomon_status gnomon_techniques(const gnomon_technique_list** list_out);
+void gnomon_technique_list_destroy(const gnomon_technique_list* list);
+
+/// One way to compute visibility.
+typedef struct gnomon_technique gnomon_technique;
+
+/// Fails with the list of names if there is no technique of this name.
+gnomon_status gnomon_technique_create(const gnomon_device* device, const char* name, gnomon_technique** technique_out);
+void gnomon_technique_destroy(gnomon_technique* technique);
+/// Changes a setting. Fails with the setting and its range.
+gnomon_status gnomon_technique_set(gnomon_technique* technique, const char* name, const char* value);
+
+/// Enqueues a run: writes the visibility of every point. Waits only where a buffer must grow. Fails if visibility has
+/// fewer entries than there are points or overlaps an input, or if the light is none that its makers could have made.
+gnomon_status gnomon_technique_run(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                   const gnomon_points* points, gnomon_light light, const gnomon_visibility* visibility,
+                                   cl_event* event_out, const gnomon_statistics** statistics_out);
+/// gnomon_technique_run() for `count` lights and the same points: visibilities[i] belongs to lights[i] and has the same
+/// bits as from a run of its own; work that all lights share is done once. statistics_out: NULL, or an array of `count`
+/// pointers, each to be destroyed. Fails also if two visibilities overlap.
+gnomon_status gnomon_technique_run_lights(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                          const gnomon_points* points, const gnomon_light* lights,
+                                          const gnomon_visibility* const* visibilities, size_t count,
+                                          cl_event* event_out, const gnomon_statistics** statistics_out);
+/// Prepares the light: stores what depends on these triangles and this light alone, so that later runs with both do
+/// less work. Same bits. The caller promises not to change the triangles' buffer until gnomon_technique_forget(),
+/// gnomon_technique_set(), another prepare or the technique's end; each of these frees the memory.
+gnomon_status gnomon_technique_prepare(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                       gnomon_light light, cl_event* event_out,
+                                       const gnomon_statistics** statistics_out);
+gnomon_status gnomon_technique_forget(gnomon_technique* technique);
+/// Draws how the technique works for each point: 4 bytes (sRGB and alpha) per point to the host. Waits for the queue.
+/// Fails if there is no diagnostic of this name, or if it needs points that a camera made.
+gnomon_status gnomon_technique_diagnose(gnomon_technique* technique, const char* name,
+                                        const gnomon_triangles* triangles, const gnomon_points* points,
+                                        gnomon_light light, uint8_t* rgba_out);
+
+// ---- Facing by a side that the caller gives -------------------------------------------------------------------------
+
+/// For points whose side the caller knows by a normal (3 floats each, of any length): a point whose normal n and light
+/// are not strictly on one side, n . D <= 0 with D towards the light, is backfacing, and its visibility becomes 0.
+/// Decided exactly. All other values stay, also those of points whose normal has a NaN or infinite coordinate. Call it
+/// after a technique's run with the same points and light. Fails as gnomon_technique_run() does.
+gnomon_status gnomon_face_by_normals(const gnomon_points* points, const float* normals, gnomon_light light,
+                                     const gnomon_visibility* visibility, cl_event* event_out);
+/// The same for normals in a buffer of the caller's. `layout` NULL: packed xyz triples from the buffer's beginning.
+gnomon_status gnomon_face_by_normals_buffer(const gnomon_points* points, cl_mem normals,
+                                            const gnomon_point_layout* layout, gnomon_light light,
+                                            const gnomon_visibility* visibility, cl_event* event_out);
+/// The same where the counter-clockwise side of each triangle is its front: a point is backfacing unless the light is
+/// strictly in front of its receiver. Points without a receiver keep their visibility.
+gnomon_status gnomon_face_by_winding(const gnomon_triangles* triangles, const gnomon_points* points, gnomon_light light,
+                                     const gnomon_visibility* visibility, cl_event* event_out);
+
+// ---- Views ----------------------------------------------------------------------------------------------------------
+
+/// The view of a camera: per pixel (row by row from the top) the nearest triangle and the shading point on it.
+typedef struct gnomon_view gnomon_view;
+
+/// Enqueues the camera stages. Fails if width or height is 0 or over 16384, or if the camera breaks its rules.
+gnomon_status gnomon_look(const gnomon_device* device, const gnomon_triangles* triangles, const gnomon_camera* camera,
+                          uint32_t width, uint32_t height, gnomon_view** view_out, cl_event* event_out,
+                          const gnomon_statistics** statistics_out);
+void gnomon_view_destroy(gnomon_view* view);
+/// The view's width * height points; absent (NaN) where the pixel shows the sky. They belong to the view: valid until
+/// it is destroyed.
+gnomon_status gnomon_view_points(const gnomon_view* view, const gnomon_points** points_out);
+/// Waits for the queue and copies to the host: per pixel 3 floats of position, 3 of unit normal, and the receiver; sky:
+/// 0 and GNOMON_NO_RECEIVER. Each may be NULL. `triangles` are those of the view.
+gnomon_status gnomon_view_read(const gnomon_view* view, const gnomon_triangles* triangles, float* positions_out,
+                               float* normals_out, uint32_t* receivers_out);
+
+/// Base colours: one material id per triangle, and 3 floats of linear RGB per material.
+typedef struct gnomon_materials {
+    const uint32_t* triangle_material;
+    size_t triangle_count;
+    const float* base_color;
+    size_t material_count;
+} gnomon_materials;
+/// Shades the view: the sum of the lights' Lambert terms with visibility, plus ambient, as 4 bytes (8-bit sRGB and
+/// alpha) per pixel on the host. visibilities[i] belongs to lights[i]. Waits for the queue.
+gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles* triangles, const gnomon_light* lights,
+                                const gnomon_visibility* const* visibilities, size_t light_count,
+                                const gnomon_materials* materials, uint8_t* rgba_out);
+
+/// gnomon_look() for picture after picture: keeps lists and buffers, so that the next picture of the same size
+/// allocates nothing. Same bits. A view's buffers are used again when it is destroyed.
+typedef struct gnomon_camera_pass gnomon_camera_pass;
+gnomon_status gnomon_camera_pass_create(const gnomon_device* device, gnomon_camera_pass** pass_out);
+void gnomon_camera_pass_destroy(gnomon_camera_pass* pass);
+gnomon_status gnomon_camera_pass_look(gnomon_camera_pass* pass, const gnomon_triangles* triangles,
+                                      const gnomon_camera* camera, uint32_t width, uint32_t height,
+                                      gnomon_view** view_out, cl_event* event_out,
+                                      const gnomon_statistics** statistics_out);
+
+// ---- Several samples per pixel --------------------------------------------------------------------------------------
+
+/// The offset of a sample from its pixel's centre, in 1/64 pixel, x to the right and y down, each from -32 to 31.
+typedef struct gnomon_sample_offset {
+    int32_t x, y;
+} gnomon_sample_offset;
+/// Writes the pattern of `samples` = 1, 4, 8, 16 or 32 offsets. Fails for another number.
+gnomon_status gnomon_sample_pattern(uint32_t samples, gnomon_sample_offset* offsets_out);
+
+/// Receives the points of some samples before their visibility is computed: sample by sample in the pattern's order,
+/// each pixel by pixel. The points are valid during the call. A result other than 0 stops the run (GNOMON_STOPPED).
+typedef int (*gnomon_sample_sink)(const gnomon_points* points, void* user_data);
+/// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. `sink` may be NULL. Fails as
+/// gnomon_technique_run() and gnomon_sample_pattern() do.
+gnomon_status gnomon_run_samples(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                 const gnomon_view* view, gnomon_light light, uint32_t samples,
+                                 const gnomon_visibility* mean, gnomon_sample_sink sink, void* user_data,
+                                 cl_event* event_out, const gnomon_statistics** statistics_out);
+
+// ---- Why a point is lit or in shadow --------------------------------------------------------------------------------
+
+/// The exact signs (-1, 0 or 1) of a triangle for the shadow ray of a point. The triangle blocks the ray if point_side
+/// and light_side are opposite and no edge has the sign -light_side (docs/numerics.md, 1).
+typedef struct gnomon_triangle_signs {
+    uint32_t triangle;  ///< GNOMON_NO_RECEIVER: there is none
+    float vertices[9];
+    bool blocks;
+    int32_t point_side, light_side, edges[3];
+    const char* arithmetic;  ///< what the predicate needed to be certain: "float", "double" or "integers"
+    double distance;         ///< from the point along the ray, rounded; 0 unless it blocks
+} gnomon_triangle_signs;
+
+/// The facts by which "frustum-traced" found a point lit or in shadow.
+typedef struct gnomon_explanation {
+    float position[3];
+    uint32_t receiver;
+    gnomon_triangle_signs on_receiver;  ///< its receiver, which never blocks
+    int32_t eye_side;                   ///< the eye's side of the receiver; 0 without an eye
+    bool is_backfacing;
+    bool is_consistent;  ///< the visibility agrees with the signs; if not, gnomon is wrong
+    float visibility;
+    const gnomon_triangle_signs* occluders;  ///< all triangles that block the shadow ray, nearest first
+    size_t occluder_count;
+    const gnomon_triangle_signs* near_misses;  ///< all others for which floats were not certain
+    size_t near_miss_count;
+    const char* stage;       ///< the stage that decided
+    const char* arithmetic;  ///< the arithmetic that was certain: "none", "filter", "float", "double", "integers"
+} gnomon_explanation;
+
+/// Explains the point at `index`. Runs "frustum-traced" on all points, and waits. Fails if there is no such point.
+gnomon_status gnomon_explain(const gnomon_triangles* triangles, const gnomon_points* points, size_t index,
+                             gnomon_light light, const gnomon_explanation** explanation_out);
+void gnomon_explanation_destroy(const gnomon_explanation* explanation);
+
+// ---- Scenes larger than the device's memory -------------------------------------------------------------------------
+
+/// The view of a scene that stays on the host. The whole belongs to gnomon_view_of_parts_destroy().
+typedef struct gnomon_view_of_parts {
+    const gnomon_view* view;            ///< its receivers are indices in `ids`
+    const gnomon_triangles* triangles;  ///< the triangles of `ids`, on the device: for reading and shading this view
+    const uint32_t* ids;                ///< ids in the whole scene, ascending
+    size_t id_count;
+} gnomon_view_of_parts;
+
+/// gnomon_look() for 9 * count floats on the host, same bits: the device stores as many triangles at a time as fit.
+gnomon_status gnomon_look_in_parts(const gnomon_device* device, const float* vertices, size_t count,
+                                   const gnomon_camera* camera, uint32_t width, uint32_t height,
+                                   const gnomon_view_of_parts** view_out);
+void gnomon_view_of_parts_destroy(const gnomon_view_of_parts* view);
+
+typedef struct gnomon_setting {
+    const char* name;
+    const char* value;
+} gnomon_setting;
+/// A run of the technique of this name and settings for 9 * count floats on the host: the device stores as many
+/// triangles, and as many points, at a time as fit. Same bits for an exact technique. A receiver r of the points is
+/// triangle ids[r] of `vertices`, or r if `ids` is NULL. The visibility is there when the function returns.
+gnomon_status gnomon_run_in_parts(const gnomon_device* device, const char* technique, const gnomon_setting* settings,
+                                  size_t setting_count, const float* vertices, size_t count,
+                                  const gnomon_points* points, const uint32_t* ids, size_t id_count, gnomon_light light,
+                                  const gnomon_visibility* visibility, const gnomon_statistics** statistics_out);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,762 @@
+// SPDX-License-Identifier: MIT
+// The C interface beside the C++ library: the same bits and counts from every function, every status with its sentence,
+// references of the caller's objects, and what a failed call leaves. (c_interface_in_c.c is the same from C.)
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <new>
+#include <thread>
+
+#include <gnomon.h>
+#include <gnomon.hpp>
+#include "support/environment.hpp"
+#include "support/scene_makers.hpp"
+
+namespace {
+
+using support::Environment;
+using support::Floats;
+using testing::AssertionFailure;
+using testing::AssertionResult;
+using testing::AssertionSuccess;
+
+#define ASSERT_DONE(call) ASSERT_EQ(call, GNOMON_SUCCESS) << gnomon_last_error()
+#define EXPECT_DONE(call) EXPECT_EQ(call, GNOMON_SUCCESS) << gnomon_last_error()
+
+/// Frees what a C function made.
+struct Destroy {
+    void operator()(gnomon_device* d) const { gnomon_device_destroy(d); }
+    void operator()(gnomon_triangles* t) const { gnomon_triangles_destroy(t); }
+    void operator()(gnomon_points* p) const { gnomon_points_destroy(p); }
+    void operator()(gnomon_visibility* v) const { gnomon_visibility_destroy(v); }
+    void operator()(gnomon_technique* t) const { gnomon_technique_destroy(t); }
+    void operator()(gnomon_view* v) const { gnomon_view_destroy(v); }
+    void operator()(gnomon_camera_pass* p) const { gnomon_camera_pass_destroy(p); }
+    void operator()(const gnomon_statistics* s) const { gnomon_statistics_destroy(s); }
+    void operator()(const gnomon_explanation* e) const { gnomon_explanation_destroy(e); }
+    void operator()(const gnomon_view_of_parts* v) const { gnomon_view_of_parts_destroy(v); }
+    void operator()(const gnomon_device_list* l) const { gnomon_device_list_destroy(l); }
+    void operator()(const gnomon_technique_list* l) const { gnomon_technique_list_destroy(l); }
+};
+template <typename T>
+using Owned = std::unique_ptr<T, Destroy>;
+
+/// What a function writes through its last argument. A failure is the test's.
+template <typename T, typename Call>
+Owned<T> made(const Call& call) {
+    T* result = nullptr;
+    EXPECT_DONE(call(&result));
+    return Owned<T>(result);
+}
+
+constexpr std::uint32_t width = 24, height = 16, pixels = width * height;
+constexpr std::size_t points_count = 700;
+const Floats vertices = support::soup(400, 0.5f, 3);
+const std::size_t triangle_count = vertices.size() / 9;
+const Floats positions = support::random_points(points_count, -1.5f, 1.5f, 4);
+const gnomon::Float3 direction = {0.3f, -1, 0.2f}, lamp = {0.2f, 2, 0.1f}, eye = {0, 1, 4}, origin = {0, 0, 0},
+                     up = {0, 1, 0};
+
+std::vector<std::uint32_t> receivers() {
+    std::vector<std::uint32_t> ids(points_count);
+    for (std::size_t i = 0; i < points_count; ++i)
+        ids[i] = i % 5 == 0 ? gnomon::no_receiver : std::uint32_t(i * 7 % triangle_count);
+    return ids;
+}
+
+/// The scene twice: from C++ and from C, on two devices.
+class BesideCpp : public testing::Test {
+protected:
+    void SetUp() override {
+        device = made<gnomon_device>([](auto out) { return gnomon_device_open(nullptr, nullptr, out); });
+        triangles = made<gnomon_triangles>(
+            [&](auto out) { return gnomon_triangles_upload(device.get(), vertices.data(), triangle_count, out); });
+        points = made<gnomon_points>([&](auto out) {
+            return gnomon_points_upload(device.get(), positions.data(), receivers().data(), points_count, out);
+        });
+        EXPECT_DONE(gnomon_points_set_eye(points.get(), eye.data()));
+        cpp_points.set_eye(eye);
+        EXPECT_DONE(gnomon_light_directional(direction.data(), &lights[0]));
+        EXPECT_DONE(gnomon_light_positional(lamp.data(), &lights[1]));
+        EXPECT_DONE(gnomon_camera_look_at(eye.data(), origin.data(), up.data(), 40, &camera));
+    }
+
+    Owned<gnomon_technique> technique(const char* name) const {
+        return made<gnomon_technique>([&](auto out) { return gnomon_technique_create(device.get(), name, out); });
+    }
+    Owned<gnomon_visibility> visibility(std::size_t count) const {
+        return made<gnomon_visibility>([&](auto out) { return gnomon_visibility_create(device.get(), count, out); });
+    }
+    static Floats values(const gnomon_visibility* of) {
+        std::size_t count = 0;
+        EXPECT_DONE(gnomon_visibility_count(of, &count));
+        Floats values(count, 42);
+        EXPECT_DONE(gnomon_visibility_read(of, values.data()));
+        return values;
+    }
+    Floats run(gnomon_technique* with, const gnomon_light& light) const {
+        const auto result = visibility(points_count);
+        EXPECT_DONE(gnomon_technique_run(with, triangles.get(), points.get(), light, result.get(), nullptr, nullptr));
+        return values(result.get());
+    }
+    Floats cpp_run(const char* name, const gnomon::Light& light) const {
+        const gnomon::Visibility result(cpp_device, points_count);
+        gnomon::make_technique(name, cpp_device)->run(cpp_triangles, cpp_points, light, result);
+        return result.read();
+    }
+
+    Owned<gnomon_device> device;
+    Owned<gnomon_triangles> triangles;
+    Owned<gnomon_points> points;
+    gnomon_light lights[2];
+    gnomon_camera camera;
+    gnomon::Device cpp_device;
+    gnomon::Triangles cpp_triangles = gnomon::Triangles::upload(cpp_device, vertices);
+    gnomon::Points cpp_points = gnomon::Points::upload(cpp_device, positions, receivers());
+    const std::array<gnomon::Light, 2> cpp_lights = {gnomon::Light::directional(direction),
+                                                     gnomon::Light::positional(lamp)};
+    const gnomon::Camera cpp_camera = gnomon::Camera::look_at(eye, origin, up, 40);
+};
+
+// ---- The same answers -----------------------------------------------------------------------------------------------
+
+// Not vacuous: both values are frequent.
+TEST_F(BesideCpp, ShadowsOfBothKindsOfLight) {
+    for (const char* name : {"frustum-traced", "izb", "shadow-map"})
+        for (int i = 0; i < 2; ++i) {
+            SCOPED_TRACE(name + std::string(i == 0 ? ", directional" : ", point light"));
+            const auto with = technique(name);
+            const Floats wanted = cpp_run(name, cpp_lights[i]);
+            EXPECT_EQ(run(with.get(), lights[i]), wanted);
+            EXPECT_GT(std::count(wanted.begin(), wanted.end(), 0.0f), 50);
+            EXPECT_GT(std::count(wanted.begin(), wanted.end(), 1.0f), 50);
+            EXPECT_DONE(gnomon_technique_prepare(with.get(), triangles.get(), lights[i], nullptr, nullptr));
+            EXPECT_EQ(run(with.get(), lights[i]), wanted) << "prepared";
+        }
+}
+
+TEST_F(BesideCpp, SettingsReceiversAndClusters) {
+    const auto with = technique("shadow-map");
+    EXPECT_DONE(gnomon_technique_set(with.get(), "size", "64"));
+    const auto cpp_with = gnomon::make_technique("shadow-map", cpp_device);
+    cpp_with->set("size", "64");
+    const gnomon::Visibility wanted(cpp_device, points_count);
+    cpp_with->run(cpp_triangles, cpp_points, cpp_lights[0], wanted);
+    EXPECT_EQ(run(with.get(), lights[0]), wanted.read());
+    EXPECT_NE(wanted.read(), cpp_run("shadow-map", cpp_lights[0])) << "the setting has no effect";
+    EXPECT_DONE(gnomon_triangles_keep_clusters(triangles.get(), nullptr));
+    EXPECT_EQ(run(technique("frustum-traced").get(), lights[0]), cpp_run("frustum-traced", cpp_lights[0]));
+    std::vector<std::uint32_t> ids(points_count);
+    EXPECT_DONE(gnomon_points_read(points.get(), nullptr, ids.data()));
+    EXPECT_EQ(ids, receivers());
+}
+
+TEST_F(BesideCpp, SeveralLightsAndTheirStatistics) {
+    const auto first = visibility(points_count), second = visibility(points_count);
+    const gnomon_visibility* results[2] = {first.get(), second.get()};
+    const gnomon_statistics* statistics[2];
+    const auto with = technique("frustum-traced");
+    ASSERT_DONE(gnomon_technique_run_lights(with.get(), triangles.get(), points.get(), lights, results, 2, nullptr,
+                                            statistics));
+    const gnomon::Visibility cpp_first(cpp_device, points_count), cpp_second(cpp_device, points_count);
+    const auto wanted = gnomon::make_technique("frustum-traced", cpp_device)
+                            ->run_lights(cpp_triangles, cpp_points, cpp_lights, std::array{cpp_first, cpp_second});
+    EXPECT_EQ(values(first.get()), cpp_first.read());
+    EXPECT_EQ(values(second.get()), cpp_second.read());
+    EXPECT_NE(cpp_first.read(), cpp_second.read());
+    for (int i = 0; i < 2; ++i) {
+        const Owned<const gnomon_statistics> of(statistics[i]);
+        ASSERT_EQ(of->count_count, wanted[i].counts.size());
+        for (std::size_t k = 0; k < of->count_count; ++k) EXPECT_EQ(of->counts[k].name, wanted[i].counts[k].first);
+        EXPECT_EQ(of->counts[0].value, wanted[i].counts[0].second);
+        ASSERT_EQ(of->stage_count, wanted[i].stages.size());
+        for (std::size_t k = 0; k < of->stage_count; ++k) {
+            EXPECT_EQ(of->stages[k].name, wanted[i].stages[k].name);
+            EXPECT_EQ(of->stages[k].skipped, wanted[i].stages[k].skipped);
+        }
+        EXPECT_GT(of->total_wall_ms, 0);
+        EXPECT_GT(of->device_memory_bytes, 0u);
+    }
+}
+
+// By normals of the host and of a buffer, and by winding. Not vacuous: each changes some values of the run before.
+TEST_F(BesideCpp, SidesThatTheCallerGives) {
+    const Floats normals = support::random_points(points_count, -1, 1, 9);
+    const auto with = technique("frustum-traced");
+    const auto vectors = made<gnomon_points>(
+        [&](auto out) { return gnomon_points_upload(device.get(), normals.data(), nullptr, points_count, out); });
+    cl_mem buffer = nullptr;
+    gnomon_point_layout layout;
+    ASSERT_DONE(gnomon_points_positions(vectors.get(), &buffer, &layout));
+    for (int i = 0; i < 2; ++i) {
+        const auto faced = [&](const auto& face) {
+            const auto result = visibility(points_count);
+            EXPECT_DONE(gnomon_technique_run(with.get(), triangles.get(), points.get(), lights[i], result.get(),
+                                             nullptr, nullptr));
+            EXPECT_DONE(face(result.get()));
+            return values(result.get());
+        };
+        const auto cpp_faced = [&](const auto& face) {
+            const gnomon::Visibility result(cpp_device, points_count);
+            gnomon::make_technique("frustum-traced", cpp_device)->run(cpp_triangles, cpp_points, cpp_lights[i], result);
+            face(result);
+            return result.read();
+        };
+        const Floats before = cpp_faced([](const auto&) {});
+        const Floats by_normals = cpp_faced([&](const gnomon::Visibility& v) {
+            gnomon::face_by_normals(cpp_device, cpp_points, normals, cpp_lights[i], v);
+        });
+        const Floats by_winding = cpp_faced([&](const gnomon::Visibility& v) {
+            gnomon::face_by_winding(cpp_device, cpp_triangles, cpp_points, cpp_lights[i], v);
+        });
+        EXPECT_NE(by_normals, before);
+        EXPECT_NE(by_winding, before);
+        EXPECT_EQ(by_normals, faced([&](const gnomon_visibility* v) {
+                      return gnomon_face_by_normals(points.get(), normals.data(), lights[i], v, nullptr);
+                  }));
+        EXPECT_EQ(by_normals, faced([&](const gnomon_visibility* v) {
+                      return gnomon_face_by_normals_buffer(points.get(), buffer, &layout, lights[i], v, nullptr);
+                  }));
+        EXPECT_EQ(by_winding, faced([&](const gnomon_visibility* v) {
+                      return gnomon_face_by_winding(triangles.get(), points.get(), lights[i], v, nullptr);
+                  }));
+    }
+}
+
+TEST_F(BesideCpp, ViewsPicturesAndSamples) {
+    const auto view = made<gnomon_view>([&](auto out) {
+        return gnomon_look(device.get(), triangles.get(), &camera, width, height, out, nullptr, nullptr);
+    });
+    const auto cpp_view = gnomon::look(cpp_device, cpp_triangles, cpp_camera, width, height);
+    const auto wanted = gnomon::read(cpp_device, cpp_triangles, cpp_view);
+    Floats position(3 * pixels), normal(3 * pixels);
+    std::vector<std::uint32_t> receiver(pixels);
+    EXPECT_DONE(gnomon_view_read(view.get(), triangles.get(), position.data(), normal.data(), receiver.data()));
+    EXPECT_EQ(position, wanted.position);
+    EXPECT_EQ(normal, wanted.normal);
+    EXPECT_EQ(receiver, wanted.receiver);
+
+    const auto with = technique("frustum-traced");
+    const auto mean = visibility(pixels);
+    std::size_t seen = 0;
+    const auto sink = [](const gnomon_points* of, void* sum) {
+        std::size_t count = 0;
+        EXPECT_DONE(gnomon_points_count(of, &count));
+        *static_cast<std::size_t*>(sum) += count;
+        return 0;
+    };
+    EXPECT_DONE(gnomon_run_samples(with.get(), triangles.get(), view.get(), lights[0], 4, mean.get(), sink, &seen,
+                                   nullptr, nullptr));
+    EXPECT_EQ(seen, 4u * pixels);
+    const gnomon::Visibility cpp_mean(cpp_device, pixels);
+    gnomon::run_samples(*gnomon::make_technique("frustum-traced", cpp_device), cpp_device, cpp_triangles, cpp_view,
+                        cpp_lights[0], 4, cpp_mean);
+    EXPECT_EQ(values(mean.get()), cpp_mean.read());
+
+    const std::vector<std::uint32_t> material(triangle_count, 1);
+    const Floats colors = {1, 0, 0, 0.25f, 0.5f, 0.75f};
+    const gnomon_materials materials{material.data(), material.size(), colors.data(), 2};
+    const gnomon_visibility* means[1] = {mean.get()};
+    std::vector<std::uint8_t> picture(4 * pixels);
+    EXPECT_DONE(gnomon_view_shade(view.get(), triangles.get(), lights, means, 1, &materials, picture.data()));
+    EXPECT_EQ(picture, gnomon::shade(cpp_device, cpp_triangles, cpp_view, cpp_mean,
+                                     {material, {{1, 0, 0}, {0.25f, 0.5f, 0.75f}}}, cpp_lights[0]));
+}
+
+TEST_F(BesideCpp, CameraPassLiftAndDiagnostics) {
+    const auto pass = made<gnomon_camera_pass>([&](auto out) { return gnomon_camera_pass_create(device.get(), out); });
+    const auto cpp_view = gnomon::look(cpp_device, cpp_triangles, cpp_camera, width, height);
+    for (int picture = 0; picture < 2; ++picture) {
+        const gnomon_statistics* statistics = nullptr;
+        const auto view = made<gnomon_view>([&](auto out) {
+            return gnomon_camera_pass_look(pass.get(), triangles.get(), &camera, width, height, out, nullptr,
+                                           &statistics);
+        });
+        const Owned<const gnomon_statistics> of(statistics);
+        EXPECT_EQ(of->stages[0].name, cpp_view.statistics.stages[0].name);
+        const gnomon_points* seen = nullptr;
+        ASSERT_DONE(gnomon_view_points(view.get(), &seen));
+        Floats position(3 * pixels);
+        EXPECT_DONE(gnomon_points_read(seen, position.data(), nullptr));
+        const Floats wanted = gnomon::read(cpp_device, cpp_view.points).position;
+        EXPECT_EQ(0, std::memcmp(position.data(), wanted.data(), wanted.size() * sizeof(float)));
+
+        std::vector<std::uint8_t> drawn(4 * pixels);
+        const auto with = technique("shadow-map");
+        EXPECT_DONE(gnomon_technique_diagnose(with.get(), "aliasing", triangles.get(), seen, lights[0], drawn.data()));
+        EXPECT_EQ(drawn, gnomon::make_technique("shadow-map", cpp_device)
+                             ->diagnose("aliasing", cpp_triangles, cpp_view.points, cpp_lights[0]));
+    }
+    EXPECT_DONE(gnomon_points_set_camera(points.get(), &camera, width, height));
+    const auto lifted = made<gnomon_points>(
+        [&](auto out) { return gnomon_lift(triangles.get(), points.get(), eye.data(), out, nullptr); });
+    Floats position(3 * points_count);
+    EXPECT_DONE(gnomon_points_read(lifted.get(), position.data(), nullptr));
+    EXPECT_EQ(position, gnomon::read(cpp_device, lift(cpp_device, cpp_triangles, cpp_points, eye)).position);
+    EXPECT_NE(position, positions);
+}
+
+TEST_F(BesideCpp, ExplanationsAndParts) {
+    std::size_t blocked = 0;
+    for (const std::size_t index : {0u, 11u, 500u}) {
+        const auto why = made<const gnomon_explanation>(
+            [&](auto out) { return gnomon_explain(triangles.get(), points.get(), index, lights[1], out); });
+        const auto wanted = gnomon::explain(cpp_device, cpp_triangles, cpp_points, index, cpp_lights[1]);
+        EXPECT_EQ(why->receiver, wanted.receiver);
+        EXPECT_EQ(why->stage, wanted.stage);
+        EXPECT_EQ(why->arithmetic, wanted.arithmetic);
+        EXPECT_EQ(why->on_receiver.light_side, wanted.on_receiver.light_side);
+        EXPECT_EQ(why->is_backfacing, wanted.is_backfacing);
+        EXPECT_EQ(why->near_miss_count, wanted.near_misses.size());
+        ASSERT_EQ(why->occluder_count, wanted.occluders.size());
+        for (std::size_t i = 0; i < why->occluder_count; ++i) {
+            EXPECT_EQ(why->occluders[i].triangle, wanted.occluders[i].triangle);
+            EXPECT_EQ(why->occluders[i].distance, wanted.occluders[i].distance);
+            EXPECT_EQ(why->occluders[i].edges[2], wanted.occluders[i].edges[2]);
+        }
+        blocked += why->occluder_count;
+    }
+    EXPECT_GT(blocked, 0u);
+
+    const gnomon_setting settings[] = {{"map-size", "64"}};
+    const auto result = visibility(points_count);
+    EXPECT_DONE(gnomon_run_in_parts(device.get(), "frustum-traced", settings, 1, vertices.data(), triangle_count,
+                                    points.get(), nullptr, 0, lights[0], result.get(), nullptr));
+    EXPECT_EQ(values(result.get()), cpp_run("frustum-traced", cpp_lights[0]));
+
+    const auto view = made<const gnomon_view_of_parts>([&](auto out) {
+        return gnomon_look_in_parts(device.get(), vertices.data(), triangle_count, &camera, width, height, out);
+    });
+    std::vector<std::uint32_t> receiver(pixels);
+    EXPECT_DONE(gnomon_view_read(view->view, view->triangles, nullptr, nullptr, receiver.data()));
+    for (std::uint32_t& id : receiver)
+        if (id != GNOMON_NO_RECEIVER) id = view->ids[id];
+    const auto whole = gnomon::look(cpp_device, cpp_triangles, cpp_camera, width, height);
+    EXPECT_EQ(receiver, gnomon::read(cpp_device, cpp_triangles, whole).receiver);
+}
+
+TEST_F(BesideCpp, ListsOfDevicesAndTechniques) {
+    const auto devices = made<const gnomon_device_list>(gnomon_devices);
+    const auto wanted = gnomon::devices();
+    ASSERT_EQ(devices->count, wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        EXPECT_EQ(devices->devices[i].device_id, wanted[i].device_id);
+        EXPECT_EQ(devices->devices[i].name, wanted[i].name);
+        EXPECT_EQ(devices->devices[i].why_default, wanted[i].why_default);
+        EXPECT_EQ(devices->devices[i].global_memory_bytes, wanted[i].global_memory_bytes);
+        EXPECT_EQ(devices->devices[i].has_fp64, wanted[i].has_fp64);
+        EXPECT_EQ(devices->devices[i].is_default, wanted[i].is_default);
+    }
+    const auto list = made<const gnomon_technique_list>(gnomon_techniques);
+    const auto all = gnomon::techniques();
+    ASSERT_EQ(list->count, all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        EXPECT_EQ(list->techniques[i].name, all[i].name);
+        EXPECT_EQ(list->techniques[i].summary, all[i].summary);
+        EXPECT_EQ(list->techniques[i].exact, all[i].exact);
+        ASSERT_EQ(list->techniques[i].setting_count, all[i].settings.size());
+        for (std::size_t k = 0; k < all[i].settings.size(); ++k) {
+            EXPECT_EQ(list->techniques[i].settings[k].name, all[i].settings[k].name);
+            EXPECT_EQ(list->techniques[i].settings[k].default_value, all[i].settings[k].default_value);
+            EXPECT_EQ(list->techniques[i].settings[k].meaning, all[i].settings[k].meaning);
+        }
+        ASSERT_EQ(list->techniques[i].diagnostic_count, all[i].diagnostics.size());
+        for (std::size_t k = 0; k < all[i].diagnostics.size(); ++k)
+            EXPECT_EQ(list->techniques[i].diagnostics[k].name, all[i].diagnostics[k].name);
+    }
+    const gnomon_device_description* open = nullptr;
+    ASSERT_DONE(gnomon_device_describe(device.get(), &open));
+    EXPECT_EQ(open->device_id, cpp_device.description().device_id);
+    EXPECT_EQ(open->driver_version, cpp_device.description().driver_version);
+}
+
+// ---- The caller's own OpenCL objects --------------------------------------------------------------------------------
+
+cl_uint references(cl_mem memory) {
+    cl_uint count = 0;
+    clGetMemObjectInfo(memory, CL_MEM_REFERENCE_COUNT, sizeof(count), &count, nullptr);
+    return count;
+}
+
+TEST_F(BesideCpp, OwnBuffersWithOffsetsAreRetainedAndGivenBack) {
+    const cl_context context = cpp_device.context();
+    const cl_command_queue queue = cpp_device.queue();
+    const auto own = made<gnomon_device>([&](auto out) { return gnomon_device_wrap(context, queue, nullptr, out); });
+    cl_context kept = nullptr;
+    cl_command_queue kept_queue = nullptr;
+    EXPECT_DONE(gnomon_device_context(own.get(), &kept));
+    EXPECT_DONE(gnomon_device_queue(own.get(), &kept_queue));
+    EXPECT_EQ(kept, context);
+    EXPECT_EQ(kept_queue, queue);
+
+    constexpr std::size_t first = 5, answers_first = 1024;
+    Floats all(first, 7);
+    support::append(all, vertices);
+    const std::size_t points_first = all.size();
+    for (std::size_t c = 0; c < 3; ++c)  // a structure of arrays
+        for (std::size_t i = 0; i < points_count; ++i) all.push_back(positions[3 * i + c]);
+    cl_int code;
+    const cl_mem inputs = clCreateBuffer(context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR, all.size() * sizeof(float),
+                                         all.data(), &code);
+    Floats answers(answers_first + points_count + 3, 42);
+    const cl_mem output = clCreateBuffer(context, CL_MEM_READ_WRITE | CL_MEM_COPY_HOST_PTR,
+                                         answers.size() * sizeof(float), answers.data(), &code);
+    const gnomon_point_layout layout{points_first, 1, points_count};
+    auto t = made<gnomon_triangles>(
+        [&](auto out) { return gnomon_triangles_wrap(own.get(), inputs, first, triangle_count, out); });
+    auto p = made<gnomon_points>(
+        [&](auto out) { return gnomon_points_wrap(own.get(), inputs, &layout, nullptr, points_count, out); });
+    auto v = made<gnomon_visibility>(
+        [&](auto out) { return gnomon_visibility_wrap(own.get(), output, answers_first, points_count, out); });
+    EXPECT_EQ(references(inputs), 3u) << "the test's, the triangles' and the points'";
+    std::size_t first_float = 0;
+    cl_mem buffer = nullptr;
+    EXPECT_DONE(gnomon_triangles_buffer(t.get(), &buffer, &first_float));
+    EXPECT_EQ(buffer, inputs);
+    EXPECT_EQ(first_float, first);
+
+    cl_event event = nullptr;
+    const auto with =
+        made<gnomon_technique>([&](auto out) { return gnomon_technique_create(own.get(), "frustum-traced", out); });
+    ASSERT_DONE(gnomon_technique_run(with.get(), t.get(), p.get(), lights[0], v.get(), &event, nullptr));
+    cl_command_queue of_event = nullptr;
+    EXPECT_EQ(clGetEventInfo(event, CL_EVENT_COMMAND_QUEUE, sizeof(of_event), &of_event, nullptr), CL_SUCCESS);
+    EXPECT_EQ(of_event, queue);
+    EXPECT_EQ(clWaitForEvents(1, &event), CL_SUCCESS);
+    EXPECT_EQ(clReleaseEvent(event), CL_SUCCESS);
+    clEnqueueReadBuffer(queue, output, CL_TRUE, 0, answers.size() * sizeof(float), answers.data(), 0, nullptr, nullptr);
+
+    const gnomon::Points plain = gnomon::Points::upload(cpp_device, positions);
+    const gnomon::Visibility wanted(cpp_device, points_count);
+    gnomon::make_technique("frustum-traced", cpp_device)->run(cpp_triangles, plain, cpp_lights[0], wanted);
+    Floats expected(answers_first, 42);
+    support::append(expected, wanted.read());
+    expected.resize(answers.size(), 42);
+    EXPECT_EQ(answers, expected);
+    t.reset();
+    p.reset();
+    v.reset();
+    clFinish(queue);
+    EXPECT_EQ(references(inputs), 1u);
+    clReleaseMemObject(inputs);
+    clReleaseMemObject(output);
+}
+
+// ---- Failures -------------------------------------------------------------------------------------------------------
+
+/// The status is the wanted one, and the thread's sentence has these words.
+AssertionResult fails(gnomon_status status, gnomon_status wanted, const std::vector<std::string>& words) {
+    const std::string text = gnomon_last_error();
+    if (status != wanted) return AssertionFailure() << gnomon_status_name(status) << ": " << text;
+    if (text.empty()) return AssertionFailure() << "no text";
+    for (const std::string& word : words)
+        if (text.find(word) == std::string::npos) return AssertionFailure() << "no \"" << word << "\" in: " << text;
+    return AssertionSuccess();
+}
+
+TEST_F(BesideCpp, EveryStatusWithItsSentence) {
+    // Not null, so that a failed call must make them so.
+    auto device_out = reinterpret_cast<gnomon_device*>(&lights);
+    auto technique_out = reinterpret_cast<gnomon_technique*>(&lights);
+    auto triangles_out = reinterpret_cast<gnomon_triangles*>(&lights);
+    EXPECT_TRUE(fails(gnomon_technique_create(device.get(), "fristum", &technique_out), GNOMON_INVALID_ARGUMENT,
+                      {"\"fristum\"", "frustum-traced"}));
+    EXPECT_EQ(technique_out, nullptr);
+    EXPECT_EQ(gnomon_last_opencl_error(), CL_SUCCESS);
+    const auto with = technique("frustum-traced");
+    EXPECT_TRUE(fails(gnomon_technique_set(with.get(), "map-size", "15"), GNOMON_INVALID_ARGUMENT, {"16 to 8192"}));
+    EXPECT_TRUE(fails(gnomon_device_open("abacus", nullptr, &device_out), GNOMON_DEVICE_NOT_FOUND, {"\"abacus\""}));
+    EXPECT_EQ(device_out, nullptr);
+
+    gnomon_device_options options = GNOMON_DEVICE_OPTIONS_INIT;
+    options.memory_limit_bytes = 64;
+    const auto small = made<gnomon_device>([&](auto out) { return gnomon_device_open(nullptr, &options, out); });
+    EXPECT_TRUE(fails(gnomon_triangles_upload(small.get(), vertices.data(), triangle_count, &triangles_out),
+                      GNOMON_OUT_OF_DEVICE_MEMORY, {"limit of 64"}));
+    EXPECT_EQ(gnomon_last_opencl_error(), CL_MEM_OBJECT_ALLOCATION_FAILURE);
+    EXPECT_EQ(triangles_out, nullptr);
+
+    {
+        const Environment broken("GNOMON_BUILD_OPTIONS", "-no-such-option");
+        EXPECT_TRUE(fails(gnomon_device_open(nullptr, nullptr, &device_out), GNOMON_OPENCL_ERROR, {"failed with CL_"}));
+        EXPECT_NE(gnomon_last_opencl_error(), CL_SUCCESS);
+    }
+    {
+        const Environment nowhere("GNOMON_KERNELS_DIR", "/no/such/folder");
+        EXPECT_TRUE(fails(gnomon_device_open(nullptr, nullptr, &device_out), GNOMON_UNEXPECTED_ERROR, {"/no/such"}));
+    }
+    options = GNOMON_DEVICE_OPTIONS_INIT;
+    options.struct_size = 8;
+    EXPECT_TRUE(fails(gnomon_device_open(nullptr, &options, &device_out), GNOMON_INVALID_ARGUMENT, {"struct_size"}));
+    EXPECT_EQ(device_out, nullptr);
+    EXPECT_STREQ(gnomon_status_name(GNOMON_OUT_OF_HOST_MEMORY), "GNOMON_OUT_OF_HOST_MEMORY");
+    EXPECT_STREQ(gnomon_status_name(static_cast<gnomon_status>(99)), "an unknown status");
+}
+
+// A sink is the caller's code: it stops the run by a number, and an exception of C++ goes no further than gnomon.
+TEST_F(BesideCpp, SinksThatStopOrThrow) {
+    const auto view = made<gnomon_view>([&](auto out) {
+        return gnomon_look(device.get(), triangles.get(), &camera, width, height, out, nullptr, nullptr);
+    });
+    const auto with = technique("frustum-traced");
+    const auto mean = visibility(pixels);
+    const auto sampled = [&](gnomon_sample_sink sink, cl_event* event, const gnomon_statistics** statistics) {
+        return gnomon_run_samples(with.get(), triangles.get(), view.get(), lights[0], 4, mean.get(), sink, nullptr,
+                                  event, statistics);
+    };
+    cl_event event = reinterpret_cast<cl_event>(&event);
+    auto statistics = reinterpret_cast<const gnomon_statistics*>(&event);
+    EXPECT_TRUE(fails(sampled([](auto, auto) { return 1; }, &event, &statistics), GNOMON_STOPPED, {"stopped"}));
+    EXPECT_EQ(event, nullptr);
+    EXPECT_EQ(statistics, nullptr);
+    EXPECT_TRUE(fails(sampled([](auto, auto) -> int { throw std::bad_alloc(); }, nullptr, nullptr),
+                      GNOMON_OUT_OF_HOST_MEMORY, {"memory"}));
+    EXPECT_TRUE(
+        fails(sampled([](auto, auto) -> int { throw 7; }, nullptr, nullptr), GNOMON_UNEXPECTED_ERROR, {"exception"}));
+    EXPECT_DONE(sampled(nullptr, nullptr, nullptr));
+    const gnomon::Visibility cpp_mean(cpp_device, pixels);
+    gnomon::run_samples(*gnomon::make_technique("frustum-traced", cpp_device), cpp_device, cpp_triangles,
+                        gnomon::look(cpp_device, cpp_triangles, cpp_camera, width, height), cpp_lights[0], 4, cpp_mean);
+    EXPECT_EQ(values(mean.get()), cpp_mean.read()) << "after the failures";
+}
+
+TEST_F(BesideCpp, EachThreadHasItsOwnSentence) {
+    gnomon_light light;
+    const float zero[3] = {0, 0, 0};
+    EXPECT_TRUE(fails(gnomon_light_directional(zero, &light), GNOMON_INVALID_ARGUMENT, {"0,0,0"}));
+    std::string before, after;
+    std::thread([&] {
+        before = gnomon_last_error();
+        EXPECT_EQ(gnomon_light_directional(nullptr, &light), GNOMON_INVALID_ARGUMENT);
+        after = gnomon_last_error();
+    }).join();
+    EXPECT_EQ(before, "");
+    EXPECT_EQ(after, "the argument direction must not be null");
+    EXPECT_NE(std::string(gnomon_last_error()).find("0,0,0"), std::string::npos);
+    EXPECT_DONE(gnomon_light_directional(direction.data(), &light));
+    EXPECT_STRNE(gnomon_last_error(), "") << "a success keeps the last failure";
+}
+
+// Each thread opens a device of its own and casts shadows, while the others do.
+TEST_F(BesideCpp, ThreadsWithADeviceEach) {
+    const Floats wanted[2] = {cpp_run("frustum-traced", cpp_lights[0]), cpp_run("frustum-traced", cpp_lights[1])};
+    const auto work = [&](int which) {
+        const auto own = made<gnomon_device>([](auto out) { return gnomon_device_open(nullptr, nullptr, out); });
+        const auto t = made<gnomon_triangles>(
+            [&](auto out) { return gnomon_triangles_upload(own.get(), vertices.data(), triangle_count, out); });
+        const auto p = made<gnomon_points>([&](auto out) {
+            return gnomon_points_upload(own.get(), positions.data(), receivers().data(), points_count, out);
+        });
+        EXPECT_DONE(gnomon_points_set_eye(p.get(), eye.data()));
+        const auto v =
+            made<gnomon_visibility>([&](auto out) { return gnomon_visibility_create(own.get(), points_count, out); });
+        const auto with =
+            made<gnomon_technique>([&](auto out) { return gnomon_technique_create(own.get(), "frustum-traced", out); });
+        for (int repeat = 0; repeat < 5; ++repeat) {
+            EXPECT_DONE(gnomon_technique_run(with.get(), t.get(), p.get(), lights[which], v.get(), nullptr, nullptr));
+            EXPECT_EQ(values(v.get()), wanted[which]);
+        }
+    };
+    std::thread others[] = {std::thread(work, 0), std::thread(work, 1), std::thread(work, 0)};
+    for (std::thread& other : others) other.join();
+}
+
+TEST_F(BesideCpp, WrongSizesOffsetsAndBuffers) {
+    gnomon_triangles* t = nullptr;
+    gnomon_points* p = nullptr;
+    gnomon_visibility* v = nullptr;
+    constexpr std::size_t huge = std::numeric_limits<std::size_t>::max();
+    constexpr auto invalid = GNOMON_INVALID_ARGUMENT;
+    const gnomon_device* on = device.get();
+    EXPECT_TRUE(
+        fails(gnomon_triangles_upload(on, vertices.data(), huge / 9 + 2, &t), invalid, {"vertices", "32 bits"}));
+    EXPECT_TRUE(fails(gnomon_points_upload(on, positions.data(), nullptr, huge, &p), invalid, {"positions"}));
+    cl_mem buffer = nullptr;
+    EXPECT_DONE(gnomon_points_positions(points.get(), &buffer, nullptr));
+    EXPECT_TRUE(fails(gnomon_triangles_wrap(on, buffer, 4, points_count / 3, &t), invalid, {"triangle buffer holds"}));
+    EXPECT_TRUE(fails(gnomon_visibility_wrap(on, buffer, 1, 3, &v), invalid, {"first float 1", "multiple of"}));
+    EXPECT_TRUE(fails(gnomon_visibility_wrap(on, buffer, 1024, huge, &v), invalid, {"visibility buffer holds"}));
+    const gnomon_point_layout wide{0, huge, 1};
+    EXPECT_TRUE(fails(gnomon_points_wrap(on, buffer, &wide, nullptr, 1, &p), invalid, {"32 bits"}));
+    buffer = nullptr;
+    EXPECT_DONE(gnomon_triangles_buffer(triangles.get(), &buffer, nullptr));
+    Owned<gnomon_visibility> inside =
+        made<gnomon_visibility>([&](auto out) { return gnomon_visibility_wrap(on, buffer, 1024, points_count, out); });
+    EXPECT_TRUE(fails(gnomon_technique_run(technique("frustum-traced").get(), triangles.get(), points.get(), lights[0],
+                                           inside.get(), nullptr, nullptr),
+                      invalid, {"overlaps the triangles"}));
+    const gnomon_visibility* twice[2] = {inside.get(), inside.get()};
+    const auto not_null = reinterpret_cast<const gnomon_statistics*>(&lights);
+    const gnomon_statistics* statistics[2] = {not_null, not_null};
+    EXPECT_EQ(gnomon_technique_run_lights(technique("frustum-traced").get(), triangles.get(), points.get(), lights,
+                                          twice, 2, nullptr, statistics),
+              invalid);
+    EXPECT_EQ(statistics[0], nullptr);
+    EXPECT_EQ(statistics[1], nullptr);
+    EXPECT_EQ(t, nullptr);
+    EXPECT_EQ(p, nullptr);
+    EXPECT_EQ(v, nullptr);
+}
+
+// Every function, with a null for each of its arguments that must not be null, one at a time.
+TEST_F(BesideCpp, NullArgumentsAreNamed) {
+    const gnomon_device* const d = device.get();
+    gnomon_triangles* const t = triangles.get();
+    gnomon_points* const p = points.get();
+    const auto with = technique("frustum-traced");
+    gnomon_technique* const k = with.get();
+    const auto result = visibility(points_count);
+    const gnomon_visibility* const v = result.get();
+    const auto seen =
+        made<gnomon_view>([&](auto out) { return gnomon_look(d, t, &camera, width, height, out, nullptr, nullptr); });
+    const gnomon_view* const w = seen.get();
+    const auto camera_pass = made<gnomon_camera_pass>([&](auto out) { return gnomon_camera_pass_create(d, out); });
+    gnomon_camera_pass* const pass = camera_pass.get();
+    const float* const xyz = eye.data();
+    const gnomon_light sun = lights[0];
+    gnomon_light light;
+    gnomon_camera c;
+    float floats[3];
+    std::uint8_t bytes[4];
+    gnomon_triangles* triangles_out;
+    gnomon_points* points_out;
+    gnomon_visibility* visibility_out;
+    gnomon_technique* technique_out;
+    gnomon_view* view_out;
+    const gnomon_explanation* why;
+    const gnomon_view_of_parts* parts;
+    const gnomon_visibility* const one[1] = {nullptr};
+    const gnomon_materials no_ids{nullptr, 2, floats, 1};
+    const gnomon_setting bad_setting{"map-size", nullptr};
+    const struct {
+        gnomon_status status;
+        const char* argument;
+        std::string text;
+    } refused[] = {
+#define REFUSES(argument, call) {call, argument, gnomon_last_error()}
+        REFUSES("direction", gnomon_light_directional(nullptr, &light)),
+        REFUSES("light_out", gnomon_light_directional(xyz, nullptr)),
+        REFUSES("position", gnomon_light_positional(nullptr, &light)),
+        REFUSES("light_out", gnomon_light_positional(xyz, nullptr)),
+        REFUSES("eye", gnomon_camera_look_at(nullptr, xyz, xyz, 40, &c)),
+        REFUSES("target", gnomon_camera_look_at(xyz, nullptr, xyz, 40, &c)),
+        REFUSES("up", gnomon_camera_look_at(xyz, xyz, nullptr, 40, &c)),
+        REFUSES("camera_out", gnomon_camera_look_at(xyz, origin.data(), up.data(), 40, nullptr)),
+        REFUSES("list_out", gnomon_devices(nullptr)),
+        REFUSES("list_out", gnomon_techniques(nullptr)),
+        REFUSES("device_out", gnomon_device_open(nullptr, nullptr, nullptr)),
+        REFUSES("device_out", gnomon_device_wrap(cpp_device.context(), cpp_device.queue(), nullptr, nullptr)),
+        REFUSES("device", gnomon_device_memory(nullptr, nullptr, nullptr)),
+        REFUSES("builds_out", gnomon_device_kernel_builds(d, nullptr)),
+        REFUSES("description_out", gnomon_device_describe(d, nullptr)),
+        REFUSES("context_out", gnomon_device_context(d, nullptr)),
+        REFUSES("queue_out", gnomon_device_queue(d, nullptr)),
+        REFUSES("device", gnomon_triangles_upload(nullptr, xyz, 0, &triangles_out)),
+        REFUSES("vertices", gnomon_triangles_upload(d, nullptr, 1, &triangles_out)),
+        REFUSES("triangles_out", gnomon_triangles_upload(d, xyz, 0, nullptr)),
+        REFUSES("device", gnomon_triangles_wrap(nullptr, nullptr, 0, 0, &triangles_out)),
+        REFUSES("triangles", gnomon_triangles_keep_clusters(nullptr, nullptr)),
+        REFUSES("triangles", gnomon_triangles_forget_clusters(nullptr)),
+        REFUSES("count_out", gnomon_triangles_count(t, nullptr)),
+        REFUSES("triangles", gnomon_triangles_buffer(nullptr, nullptr, nullptr)),
+        REFUSES("positions", gnomon_points_upload(d, nullptr, nullptr, 1, &points_out)),
+        REFUSES("points_out", gnomon_points_wrap(d, nullptr, nullptr, nullptr, 0, nullptr)),
+        REFUSES("eye", gnomon_points_set_eye(p, nullptr)),
+        REFUSES("camera", gnomon_points_set_camera(p, nullptr, 1, 1)),
+        REFUSES("triangles", gnomon_points_set_lifted_off(p, nullptr)),
+        REFUSES("points", gnomon_points_positions(nullptr, nullptr, nullptr)),
+        REFUSES("buffer_out", gnomon_points_receivers(p, nullptr)),
+        REFUSES("count_out", gnomon_points_count(p, nullptr)),
+        REFUSES("points", gnomon_points_read(nullptr, floats, nullptr)),
+        REFUSES("triangles", gnomon_lift(nullptr, p, xyz, &points_out, nullptr)),
+        REFUSES("points", gnomon_lift(t, nullptr, xyz, &points_out, nullptr)),
+        REFUSES("eye", gnomon_lift(t, p, nullptr, &points_out, nullptr)),
+        REFUSES("lifted_out", gnomon_lift(t, p, xyz, nullptr, nullptr)),
+        REFUSES("visibility_out", gnomon_visibility_create(d, 1, nullptr)),
+        REFUSES("device", gnomon_visibility_wrap(nullptr, nullptr, 0, 1, &visibility_out)),
+        REFUSES("count_out", gnomon_visibility_count(v, nullptr)),
+        REFUSES("buffer_out", gnomon_visibility_buffer(v, nullptr)),
+        REFUSES("values_out", gnomon_visibility_read(v, nullptr)),
+        REFUSES("device", gnomon_technique_create(nullptr, "frustum-traced", &technique_out)),
+        REFUSES("name", gnomon_technique_create(d, nullptr, &technique_out)),
+        REFUSES("technique", gnomon_technique_set(nullptr, "map-size", "16")),
+        REFUSES("name", gnomon_technique_set(k, nullptr, "16")),
+        REFUSES("value", gnomon_technique_set(k, "map-size", nullptr)),
+        REFUSES("technique", gnomon_technique_run(nullptr, t, p, sun, v, nullptr, nullptr)),
+        REFUSES("triangles", gnomon_technique_run(k, nullptr, p, sun, v, nullptr, nullptr)),
+        REFUSES("points", gnomon_technique_run(k, t, nullptr, sun, v, nullptr, nullptr)),
+        REFUSES("visibility", gnomon_technique_run(k, t, p, sun, nullptr, nullptr, nullptr)),
+        REFUSES("lights", gnomon_technique_run_lights(k, t, p, nullptr, &v, 1, nullptr, nullptr)),
+        REFUSES("visibilities", gnomon_technique_run_lights(k, t, p, &sun, nullptr, 1, nullptr, nullptr)),
+        REFUSES("visibilities[i]", gnomon_technique_run_lights(k, t, p, &sun, one, 1, nullptr, nullptr)),
+        REFUSES("technique", gnomon_technique_prepare(nullptr, t, sun, nullptr, nullptr)),
+        REFUSES("triangles", gnomon_technique_prepare(k, nullptr, sun, nullptr, nullptr)),
+        REFUSES("technique", gnomon_technique_forget(nullptr)),
+        REFUSES("name", gnomon_technique_diagnose(k, nullptr, t, p, sun, bytes)),
+        REFUSES("rgba_out", gnomon_technique_diagnose(k, "decided", t, p, sun, nullptr)),
+        REFUSES("device", gnomon_device_finish(nullptr)),
+        REFUSES("normals", gnomon_face_by_normals(p, nullptr, sun, v, nullptr)),
+        REFUSES("visibility", gnomon_face_by_normals(p, positions.data(), sun, nullptr, nullptr)),
+        REFUSES("points", gnomon_face_by_normals_buffer(nullptr, nullptr, nullptr, sun, v, nullptr)),
+        REFUSES("triangles", gnomon_face_by_winding(nullptr, p, sun, v, nullptr)),
+        REFUSES("triangles", gnomon_look(d, nullptr, &camera, 1, 1, &view_out, nullptr, nullptr)),
+        REFUSES("camera", gnomon_look(d, t, nullptr, 1, 1, &view_out, nullptr, nullptr)),
+        REFUSES("view_out", gnomon_look(d, t, &camera, 1, 1, nullptr, nullptr, nullptr)),
+        REFUSES("points_out", gnomon_view_points(w, nullptr)),
+        REFUSES("view", gnomon_view_read(nullptr, t, nullptr, nullptr, nullptr)),
+        REFUSES("triangles", gnomon_view_read(w, nullptr, nullptr, nullptr, nullptr)),
+        REFUSES("materials", gnomon_view_shade(w, t, &sun, &v, 1, nullptr, bytes)),
+        REFUSES("materials.triangle_material", gnomon_view_shade(w, t, &sun, &v, 1, &no_ids, bytes)),
+        REFUSES("pass_out", gnomon_camera_pass_create(d, nullptr)),
+        REFUSES("pass", gnomon_camera_pass_look(nullptr, t, &camera, 1, 1, &view_out, nullptr, nullptr)),
+        REFUSES("camera", gnomon_camera_pass_look(pass, t, nullptr, 1, 1, &view_out, nullptr, nullptr)),
+        REFUSES("offsets_out", gnomon_sample_pattern(4, nullptr)),
+        REFUSES("view", gnomon_run_samples(k, t, nullptr, sun, 4, v, nullptr, nullptr, nullptr, nullptr)),
+        REFUSES("mean", gnomon_run_samples(k, t, w, sun, 4, nullptr, nullptr, nullptr, nullptr, nullptr)),
+        REFUSES("points", gnomon_explain(t, nullptr, 0, sun, &why)),
+        REFUSES("explanation_out", gnomon_explain(t, p, 0, sun, nullptr)),
+        REFUSES("vertices", gnomon_look_in_parts(d, nullptr, 1, &camera, 1, 1, &parts)),
+        REFUSES("technique", gnomon_run_in_parts(d, nullptr, nullptr, 0, xyz, 0, p, nullptr, 0, sun, v, nullptr)),
+        REFUSES("settings[i].value",
+                gnomon_run_in_parts(d, "izb", &bad_setting, 1, xyz, 0, p, nullptr, 0, sun, v, nullptr)),
+#undef REFUSES
+    };
+    // A getter that fails gives null, whatever was there.
+    cl_command_queue queue = cpp_device.queue();
+    EXPECT_EQ(gnomon_device_queue(nullptr, &queue), GNOMON_INVALID_ARGUMENT);
+    EXPECT_EQ(queue, nullptr);
+    for (const auto& [status, argument, text] : refused) {
+        EXPECT_EQ(status, GNOMON_INVALID_ARGUMENT) << argument << ": " << text;
+        EXPECT_EQ(text, "the argument " + std::string(argument) + " must not be null");
+    }
+}
+
+TEST(CInterface, HasTheVersionOfItsLibrary) {
+    const std::string version = std::to_string(GNOMON_C_VERSION_MAJOR) + "." + std::to_string(GNOMON_C_VERSION_MINOR) +
+                                "." + std::to_string(GNOMON_C_VERSION_PATCH);
+    EXPECT_EQ(gnomon_version(), version);
+}
+
+// ---- Memory ---------------------------------------------------------------------------------------------------------
+
+TEST_F(BesideCpp, NothingIsLostOnTheDevice) {
+    std::uint64_t before = 0, after = 0, peak = 0;
+    EXPECT_DONE(gnomon_device_memory(device.get(), &before, nullptr));
+    {
+        const auto view = made<gnomon_view>([&](auto out) {
+            return gnomon_look(device.get(), triangles.get(), &camera, width, height, out, nullptr, nullptr);
+        });
+        const auto with = technique("frustum-traced");
+        EXPECT_DONE(gnomon_technique_prepare(with.get(), triangles.get(), lights[0], nullptr, nullptr));
+        run(with.get(), lights[0]);
+        EXPECT_DONE(gnomon_device_memory(device.get(), &after, &peak));
+        EXPECT_GT(after, before);
+        EXPECT_GE(peak, after);
+    }
+    EXPECT_DONE(gnomon_device_memory(device.get(), &after, nullptr));
+    EXPECT_EQ(after, before);
+}
+
+}  // namespace
