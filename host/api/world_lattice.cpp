@@ -115,7 +115,7 @@ WorldLattice::Snapped WorldLattice::snap(std::span<const double> positions) cons
         if (std::isnan(at[0]) && !is_absent)
             throw InvalidArgument("row " + std::to_string(i / 3) + " " + text_of(p) +
                                   " lies more than 2^24 steps of 2^" + std::to_string(exponent) +
-                                  " from the lattice's origin: the finest step that fits " + "these positions is 2^" +
+                                  " from the lattice's origin: the finest step that fits these positions is 2^" +
                                   std::to_string(finest_exponent(bounds_of(positions), largest_steps)));
         std::copy(at.begin(), at.end(), &result.positions[i]);
         const std::array<double, 3> world = world_of(at);

@@ -149,10 +149,6 @@ std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibili
     return visible;
 }
 
-/// From this many triangles on, boxes around clusters cost less time than they save, even for one picture: the camera
-/// and every batch of samples skip the clusters that they do not need.
-constexpr std::size_t triangles_worth_clusters = 1u << 16;
-
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
          OutputFile* point_dump) {
     const auto [width, height] = report.options.size;

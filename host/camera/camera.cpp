@@ -211,10 +211,10 @@ void CameraStage::find_points(const CameraParams& params, cl_mem pixel_receivers
         session_.fill(counters_, 0, sizeof(FrameCounters));
     } else {
         cl::StageTimer timer(session_, statistics, "camera_visibility");
-        session_.launch("camera/camera.cl", "camera_visibility", cl::Range::items(pixels / session_.lanes() + 1),
-                        params, projection_, triangles_.vertices, rays_, setup().records(), setup().bounds(),
-                        bins().ranges(), bins().entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers,
-                        out.receivers, counters_);
+        session_.launch("camera/camera.cl", "camera_visibility", session_.blocks(pixels), params, projection_,
+                        triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(),
+                        bins().entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers, out.receivers,
+                        counters_);
     }
     cl::StageTimer timer(session_, statistics, "camera_points");
     session_.launch("camera/camera.cl", "camera_points", cl::Range::items(pixels), params, triangles_.vertices, rays_,

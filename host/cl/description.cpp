@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "opencl.hpp"
 #include "session.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
+
+#include "opencl.hpp"
 
 namespace gnomon {
 namespace cl {

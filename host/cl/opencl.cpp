@@ -33,8 +33,7 @@ std::string load_from(const std::string& file) {
     if (library == nullptr)
         return "no OpenCL library can be loaded (" + std::string(dlerror()) +
                "): install one (Debian and Ubuntu: ocl-icd-libopencl1 and a driver such as pocl-opencl-icd; Python: "
-               "pip "
-               "install gnomon[pocl]), or name its file in GNOMON_OPENCL_LIBRARY";
+               "pip install gnomon[pocl]), or name its file in GNOMON_OPENCL_LIBRARY";
     const std::string missing = load_functions(library);
     if (missing.empty()) return {};
     dlclose(library);

@@ -9,17 +9,17 @@
 #include "gnomon.hpp"
 
 // Every OpenCL function that gnomon calls. All belong to OpenCL 1.2.
-#define GN_OPENCL_FUNCTIONS(use)                                                                                       \
-    use(clBuildProgram) use(clCreateBuffer) use(clCreateCommandQueue) use(clCreateContext) use(clCreateKernel)         \
-        use(clCreateProgramWithBinary) use(clCreateProgramWithSource) use(clCreateSubBuffer) use(clEnqueueCopyBuffer)  \
-            use(clEnqueueFillBuffer) use(clEnqueueMarkerWithWaitList) use(clEnqueueNDRangeKernel)                      \
-                use(clEnqueueReadBuffer) use(clEnqueueWriteBuffer) use(clFinish) use(clGetCommandQueueInfo)            \
-                    use(clGetDeviceIDs) use(clGetDeviceInfo) use(clGetEventProfilingInfo) use(clGetKernelInfo)         \
-                        use(clGetMemObjectInfo) use(clGetPlatformIDs) use(clGetPlatformInfo)                           \
-                            use(clGetProgramBuildInfo) use(clGetProgramInfo) use(clReleaseCommandQueue)                \
-                                use(clReleaseContext) use(clReleaseEvent) use(clReleaseKernel) use(clReleaseMemObject) \
-                                    use(clReleaseProgram) use(clRetainCommandQueue) use(clRetainContext)               \
-                                        use(clRetainEvent) use(clRetainMemObject) use(clSetKernelArg)
+// clang-format off
+#define GN_OPENCL_FUNCTIONS(use) \
+    use(clBuildProgram) use(clCreateBuffer) use(clCreateCommandQueue) use(clCreateContext) use(clCreateKernel) \
+    use(clCreateProgramWithBinary) use(clCreateProgramWithSource) use(clCreateSubBuffer) use(clEnqueueCopyBuffer) \
+    use(clEnqueueFillBuffer) use(clEnqueueMarkerWithWaitList) use(clEnqueueNDRangeKernel) use(clEnqueueReadBuffer) \
+    use(clEnqueueWriteBuffer) use(clFinish) use(clGetCommandQueueInfo) use(clGetDeviceIDs) use(clGetDeviceInfo) \
+    use(clGetEventProfilingInfo) use(clGetKernelInfo) use(clGetMemObjectInfo) use(clGetPlatformIDs) \
+    use(clGetPlatformInfo) use(clGetProgramBuildInfo) use(clGetProgramInfo) use(clReleaseCommandQueue) \
+    use(clReleaseContext) use(clReleaseEvent) use(clReleaseKernel) use(clReleaseMemObject) use(clReleaseProgram) \
+    use(clRetainCommandQueue) use(clRetainContext) use(clRetainEvent) use(clRetainMemObject) use(clSetKernelArg)
+// clang-format on
 
 namespace gnomon {
 

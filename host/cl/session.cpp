@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "session.hpp"
 
-#include "opencl.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
+
+#include "opencl.hpp"
 
 namespace gnomon::cl {
 

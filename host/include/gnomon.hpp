@@ -213,6 +213,10 @@ struct PointsCamera {
     std::uint32_t width = 0, height = 0;
 };
 
+/// From this many triangles on, Triangles::keep_clusters() costs less time than it saves, even for one picture: the
+/// camera and every batch of samples skip the clusters that they do not need.
+inline constexpr std::size_t triangles_worth_clusters = 1u << 16;
+
 /// Triangles on the device: 9 consecutive float32 each (three world-space vertices). A triangle's id is its index. A
 /// triangle with a NaN or infinite vertex casts no shadow and is never seen; Statistics counts it.
 class Triangles {

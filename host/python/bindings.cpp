@@ -30,8 +30,10 @@ using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
 template <typename Value>
 using Numpy = nb::ndarray<nb::numpy, Value>;
 
-std::span<const float> span_of(const Floats& array) { return {array.data(), array.size()}; }
-std::span<const double> span_of(const Doubles& array) { return {array.data(), array.size()}; }
+template <typename Array>
+auto span_of(const Array& array) {
+    return std::span(array.data(), array.size());
+}
 
 // A numpy array that owns these values.
 template <typename Value>
@@ -41,14 +43,17 @@ Numpy<Value> numpy_of(std::vector<Value> values, std::vector<std::size_t> shape)
     return Numpy<Value>(owned->data(), shape.size(), shape.data(), owner);
 }
 
+// The result of a call for which the GIL is free. A call guard does the same where the result is no Python object.
+template <typename Call>
+auto released(const Call& call) {
+    const nb::gil_scoped_release free;
+    return call();
+}
+
 // OpenCL's handles travel as the integers that pyopencl's int_ptr gives.
 template <typename Handle>
 Handle handle_of(std::uintptr_t integer) {
     return reinterpret_cast<Handle>(integer);
-}
-template <typename Handle>
-std::uintptr_t integer_of(Handle handle) {
-    return reinterpret_cast<std::uintptr_t>(handle);
 }
 
 gnomon::Light light_of(const std::array<float, 4>& xyzw) { return gnomon::Light{xyzw}; }
@@ -89,8 +94,7 @@ void bind_devices(nb::module_& m) {
             },
             Released())
         .def_prop_ro("description", &gnomon::Device::description)
-        .def_prop_ro("memory_bytes", &gnomon::Device::memory_bytes)
-        .def("finish", &gnomon::Device::finish, Released());
+        .def_prop_ro("memory_bytes", &gnomon::Device::memory_bytes);
 }
 
 void bind_inputs(nb::module_& m) {
@@ -109,14 +113,15 @@ void bind_inputs(nb::module_& m) {
             Released())
         .def("keep_clusters", &Triangles::keep_clusters, Released())
         .def("__len__", &Triangles::count)
-        .def_prop_ro("buffer", [](const Triangles& t) { return integer_of(t.buffer()); });
+        .def_prop_ro("buffer", [](const Triangles& t) { return reinterpret_cast<std::uintptr_t>(t.buffer()); });
+    m.attr("TRIANGLES_WORTH_CLUSTERS") = gnomon::triangles_worth_clusters;
     nb::class_<gnomon::PointLayout>(m, "PointLayout")
         .def(nb::init<std::size_t, std::size_t, std::size_t>(), "first"_a, "point_stride"_a, "coordinate_stride"_a);
     nb::class_<Points>(m, "Points")
         .def_static(
             "upload",
             [](const gnomon::Device& device, const Floats& positions, const Ids& receivers) {
-                return Points::upload(device, span_of(positions), {receivers.data(), receivers.size()});
+                return Points::upload(device, span_of(positions), span_of(receivers));
             },
             Released())
         .def_static(
@@ -126,9 +131,7 @@ void bind_inputs(nb::module_& m) {
                 return Points::wrap(device, handle_of<cl_mem>(positions), layout, count, handle_of<cl_mem>(receivers));
             },
             Released())
-        .def("set_eye", &Points::set_eye)
-        .def("__len__", &Points::count)
-        .def_prop_ro("positions", [](const Points& p) { return integer_of(p.positions()); });
+        .def("set_eye", &Points::set_eye);
     nb::class_<gnomon::Visibility>(m, "Visibility")
         .def(nb::init<const gnomon::Device&, std::size_t>(), Released())
         .def_static(
@@ -137,26 +140,11 @@ void bind_inputs(nb::module_& m) {
                 return gnomon::Visibility(device, handle_of<cl_mem>(buffer), count);
             },
             Released())
-        .def_prop_ro("buffer", [](const gnomon::Visibility& v) { return integer_of(v.buffer()); })
         .def("read", [](const gnomon::Visibility& v) {
-            std::vector<float> values;
-            {
-                const nb::gil_scoped_release released;
-                values = v.read();
-            }
+            std::vector<float> values = released([&] { return v.read(); });
             const std::size_t count = values.size();
             return numpy_of(std::move(values), {count});
         });
-}
-
-nb::dict dictionary_of(const gnomon::Statistics& statistics) {
-    nb::dict counts;
-    for (const auto& [name, value] : statistics.counts) counts[name.c_str()] = value;
-    nb::dict all;
-    all["counts"] = counts;
-    all["total_wall_ms"] = statistics.total_wall_ms;
-    all["device_memory_bytes"] = statistics.device_memory_bytes;
-    return all;
 }
 
 void bind_techniques(nb::module_& m) {
@@ -179,23 +167,18 @@ void bind_techniques(nb::module_& m) {
     m.def("techniques", &gnomon::techniques);
     nb::class_<Technique>(m, "Technique")
         .def("set", &Technique::set)
-        .def("run",
-             [](Technique& technique, const gnomon::Triangles& triangles, const gnomon::Points& points,
-                const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
-                 gnomon::Statistics statistics;
-                 {
-                     const nb::gil_scoped_release released;
-                     statistics = technique.run(triangles, points, light_of(light), visibility);
-                 }
-                 return dictionary_of(statistics);
-             })
+        .def(
+            "run",
+            [](Technique& technique, const gnomon::Triangles& triangles, const gnomon::Points& points,
+               const std::array<float, 4>& light,
+               const gnomon::Visibility& visibility) { technique.run(triangles, points, light_of(light), visibility); },
+            Released())
         .def(
             "prepare",
             [](Technique& technique, const gnomon::Triangles& triangles, const std::array<float, 4>& light) {
                 technique.prepare(triangles, light_of(light));
             },
-            Released())
-        .def("forget", &Technique::forget, Released());
+            Released());
     m.def("make_technique", &gnomon::make_technique, "name"_a, "device"_a, Released());
     m.def(
         "face_by_normals",
@@ -205,7 +188,7 @@ void bind_techniques(nb::module_& m) {
         },
         Released());
     m.def(
-        "face_by_normals_on_device",
+        "face_by_normals",
         [](const gnomon::Device& device, const gnomon::Points& points, std::uintptr_t normals,
            const gnomon::PointLayout& layout, const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
             gnomon::face_by_normals(device, points, handle_of<cl_mem>(normals), layout, light_of(light), visibility);
@@ -252,11 +235,6 @@ void bind_views(nb::module_& m) {
     using gnomon::View;
     nb::class_<Camera>(m, "Camera")
         .def_static("look_at", &Camera::look_at)
-        .def("__init__",
-             [](Camera* self, const gnomon::Float3& eye, const std::array<double, 3>& right,
-                const std::array<double, 3>& up, const std::array<double, 3>& forward, double fov_y_radians) {
-                 new (self) Camera{eye, right, up, forward, fov_y_radians};
-             })
         .def_ro("eye", &Camera::eye)
         .def_ro("right", &Camera::right)
         .def_ro("up", &Camera::up)
@@ -265,35 +243,30 @@ void bind_views(nb::module_& m) {
     nb::class_<View>(m, "View").def_ro("points", &View::points);
     m.def("look", &gnomon::look, Released());
     m.def("read_view", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view) {
-        gnomon::ViewOnHost host;
-        {
-            const nb::gil_scoped_release released;
-            host = gnomon::read(device, triangles, view);
-        }
+        gnomon::ViewOnHost host = released([&] { return gnomon::read(device, triangles, view); });
         const std::size_t height = view.height, width = view.width;
         return nb::make_tuple(numpy_of(std::move(host.position), {height, width, 3}),
                               numpy_of(std::move(host.normal), {height, width, 3}),
                               numpy_of(std::move(host.receiver), {height, width}));
     });
-    m.def("run_samples", [](gnomon::Technique& technique, const gnomon::Device& device,
-                            const gnomon::Triangles& triangles, const View& view, const std::array<float, 4>& light,
-                            std::uint32_t samples, const gnomon::Visibility& mean) {
-        const nb::gil_scoped_release released;
-        gnomon::run_samples(technique, device, triangles, view, light_of(light), samples, mean);
-    });
+    m.def(
+        "run_samples",
+        [](gnomon::Technique& technique, const gnomon::Device& device, const gnomon::Triangles& triangles,
+           const View& view, const std::array<float, 4>& light, std::uint32_t samples, const gnomon::Visibility& mean) {
+            gnomon::run_samples(technique, device, triangles, view, light_of(light), samples, mean);
+        },
+        Released());
     m.def("shade", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view,
                       const std::vector<gnomon::Visibility>& visibilities, const Ids& triangle_material,
                       const std::vector<gnomon::Float3>& base_color, const std::vector<std::array<float, 4>>& lights) {
         const std::size_t height = view.height, width = view.width;
-        std::vector<std::uint8_t> rgba;
-        {
-            const nb::gil_scoped_release released;
-            gnomon::Materials materials{{triangle_material.data(), triangle_material.data() + triangle_material.size()},
-                                        base_color};
+        std::vector<std::uint8_t> rgba = released([&] {
+            const auto ids = span_of(triangle_material);
+            const gnomon::Materials materials{{ids.begin(), ids.end()}, base_color};
             std::vector<gnomon::Light> all;
             for (const auto& light : lights) all.push_back(light_of(light));
-            rgba = gnomon::shade(device, triangles, view, visibilities, materials, all);
-        }
+            return gnomon::shade(device, triangles, view, visibilities, materials, all);
+        });
         return numpy_of(std::move(rgba), {height, width, 4});
     });
 }

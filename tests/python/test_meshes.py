@@ -5,6 +5,7 @@ import gnomon
 import numpy as np
 import oracle
 import pytest
+from meshes import grid
 
 DOWN = (0, 0, -1)
 
@@ -22,14 +23,6 @@ def test_a_pyvista_mesh():
     scene = gnomon.Scene(pyvista.Cube(x_length=2, y_length=2, z_length=2))  # quads
     assert len(scene) == 12
     assert scene.lit(np.float32([[0, 0, -3], [3, 0, -3]]), direction=DOWN).tolist() == [False, True]
-
-
-def grid(n, height=lambda x, y: 0 * x):
-    """n x n squares of two triangles over whole numbers."""
-    x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0), indexing="ij")
-    vertices = np.stack([x, y, height(x, y)], axis=-1).reshape(-1, 3)
-    a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).reshape(-1)
-    return vertices, np.concatenate([np.stack([a, a + n + 1, a + n + 2], 1), np.stack([a, a + n + 2, a + 1], 1)])
 
 
 def test_rays_through_edges_and_vertices_do_not_pass():
@@ -78,7 +71,7 @@ def test_random_ties_on_a_height_field():
     """Points at the vertices of a height field, lights along its edges: each answer against the oracle."""
     rng = np.random.default_rng(9)
     heights = rng.integers(0, 3, (7, 7)).astype(float)
-    vertices, faces = grid(6, lambda x, y: heights[x.astype(int), y.astype(int)])
+    vertices, faces = grid(6, height=lambda x, y: heights[x.astype(int), y.astype(int)])
     triangles = vertices[faces].astype(np.float32)
     scene = gnomon.Scene(triangles)
     points = vertices.astype(np.float32)

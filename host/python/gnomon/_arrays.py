@@ -25,10 +25,10 @@ def on_host(array: Any, name: str) -> NDArray[Any]:
     return np.asarray(array)
 
 
-def is_float32(array: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which values float32 holds."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        return (array.astype(np.float32) == array) | np.isnan(array)
+def first_row(rows: NDArray[np.bool_]) -> int | None:
+    """The first row that is marked, if any is."""
+    found = np.flatnonzero(rows)
+    return int(found[0]) if found.size else None
 
 
 def require_real(array: NDArray[Any], name: str) -> None:
@@ -36,18 +36,29 @@ def require_real(array: NDArray[Any], name: str) -> None:
         raise ValueError(f"{name}: must be real numbers, not {array.dtype}")
 
 
+def require_integers(array: NDArray[Any], name: str) -> None:
+    if array.size and array.dtype.kind not in "iu":
+        raise ValueError(f"{name}: must be integers, not {array.dtype}")
+
+
+def not_float32(array: NDArray[Any]) -> int | None:
+    """The first row with a value that float32 does not hold, if there is one."""
+    if array.dtype == np.float32:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        held = (array.astype(np.float32) == array) | np.isnan(array)
+    return first_row(~held.all(axis=tuple(range(1, array.ndim))))
+
+
 def float32_of(array: NDArray[Any], name: str) -> NDArray[np.float32]:
     """The values as float32, C-contiguous. Nothing is rounded: float64 values must be float32 values."""
-    if array.dtype != np.float32:
-        require_real(array, name)
-        same = is_float32(array)
-        if not same.all():
-            row = int(np.argwhere(~same.reshape(len(array), -1).all(axis=1))[0, 0])
-            raise ValueError(
-                f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding would "
-                "move it: make the scene with lattice=, to which float64 coordinates are snapped, or round them "
-                "yourself with astype(numpy.float32)"
-            )
+    row = not_float32(array)
+    if row is not None:
+        raise ValueError(
+            f"{name}: row {row} {array[row].tolist()} has a value that float32 does not hold, and rounding would "
+            "move it: make the scene with lattice=, to which float64 coordinates are snapped, or round them "
+            "yourself with astype(numpy.float32)"
+        )
     return np.ascontiguousarray(array, dtype=np.float32)
 
 
@@ -61,15 +72,15 @@ def rows_of_triples(array: Any, name: str) -> NDArray[Any]:
 
 
 def all_finite(array: NDArray[Any]) -> bool:
-    """Whether no value is NaN or infinite: the sum, which one of them makes NaN or infinite, takes a tenth of the time
-    of looking at each. A sum that overflows without them is looked at."""
+    """Whether no value is NaN or infinite. One such value makes the sum NaN or infinite, and the sum takes a tenth of
+    the time of a test of each value. Finite values can make it infinite, too: then each value is tested."""
     with np.errstate(over="ignore", invalid="ignore"):
         return bool(np.isfinite(array.sum(dtype=np.float64))) or bool(np.isfinite(array).all())
 
 
 def require_finite(array: NDArray[Any], name: str) -> None:
     if not all_finite(array):
-        row = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+        row = first_row(~np.isfinite(array).all(axis=1))
         raise ValueError(f"{name}: row {row} {array[row].tolist()} is not finite")
 
 
@@ -83,18 +94,6 @@ def triple(value: Any, name: str) -> tuple[float, float, float]:
     if not np.isfinite(rounded).all():
         raise ValueError(f"{name}: {values.tolist()} is not finite in float32")
     return float(rounded[0]), float(rounded[1]), float(rounded[2])
-
-
-def light_of(direction: Any, position: Any) -> tuple[float, float, float, float]:
-    """The homogeneous light: minus the direction of travel with w = 0, or the position with w = 1."""
-    if (direction is None) == (position is None):
-        raise ValueError("give either direction= (that the light travels along) or position= (of a point light)")
-    if position is not None:
-        return (*triple(position, "position"), 1.0)
-    x, y, z = triple(direction, "direction")
-    if x == y == z == 0:
-        raise ValueError("direction: must not be zero")
-    return (-x, -y, -z, 0.0)
 
 
 def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
@@ -113,11 +112,9 @@ def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
     indices = on_host(faces, "faces")
     if indices.ndim != 2 or indices.shape[1] != 3:
         raise ValueError(f"faces: shape {indices.shape} is not (F, 3)")
-    if indices.size and indices.dtype.kind not in "iu":
-        raise ValueError(f"faces: must be integers, not {indices.dtype}")
-    bad = np.flatnonzero(((indices < 0) | (indices >= len(values))).any(axis=1))
-    if bad.size:
-        row = int(bad[0])
+    require_integers(indices, "faces")
+    row = first_row(((indices < 0) | (indices >= len(values))).any(axis=1))
+    if row is not None:
         raise ValueError(f"faces: row {row} {indices[row].tolist()} names a vertex that is not in 0..{len(values) - 1}")
     return values[indices.astype(np.intp)].reshape(-1, 3, 3)
 
@@ -127,12 +124,10 @@ def receivers_of(receivers: Any, shape: tuple[int, ...], triangle_count: int) ->
     ids = on_host(receivers, "receivers")
     if ids.shape != shape:
         raise ValueError(f"receivers: shape {ids.shape} is not the points' {shape}")
-    if ids.size and ids.dtype.kind not in "iu":
-        raise ValueError(f"receivers: must be integers, not {ids.dtype}")
+    require_integers(ids, "receivers")
     flat = ids.reshape(-1)
-    bad = np.flatnonzero((flat >= triangle_count) & (flat != NO_RECEIVER))
-    if bad.size:
-        row = int(bad[0])
+    row = first_row((flat >= triangle_count) & (flat != NO_RECEIVER))
+    if row is not None:
         raise ValueError(f"receivers: row {row} names triangle {int(flat[row])} of {triangle_count}")
     return np.where(flat < 0, NO_RECEIVER, flat).astype(np.uint32)
 
@@ -144,9 +139,9 @@ def normals_of(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
         raise ValueError(f"normals: shape {values.shape} is not the points' {shape}")
     flat = values.reshape(-1, 3).astype(np.float64)
     require_finite(flat, "normals")
-    zero = np.flatnonzero((flat == 0).all(axis=1))
-    if zero.size:
-        raise ValueError(f"normals: row {int(zero[0])} is zero, which is no side")
+    row = first_row((flat == 0).all(axis=1))
+    if row is not None:
+        raise ValueError(f"normals: row {row} is zero, which is no side")
     return scaled(flat)
 
 

@@ -41,18 +41,9 @@ class Lattice:
     def origin(self) -> NDArray[np.float64]:
         return np.array(self.native.world_of((0.0, 0.0, 0.0)))
 
-    def snap(self, values: NDArray[np.float64], name: str) -> NDArray[np.float32]:
-        try:
-            return self.native.snap(values)[0]
-        except ValueError as error:
-            raise ValueError(f"{name}: {error}") from None
-
-    def snapped_triple(self, value: Any, name: str) -> tuple[float, float, float]:
-        values = float64_of(value, name)
-        if values.shape != (3,) or not np.isfinite(values).all():
-            raise ValueError(f"{name}: must be three finite numbers, not {value!r}")
-        x, y, z = self.snap(values.reshape(1, 3), name)[0]
-        return float(x), float(y), float(z)
+    def snap(self, values: NDArray[Any], name: str, normals: NDArray[np.float64] | None = None) -> NDArray[np.float32]:
+        """Rows of coordinates relative to the origin; first lifted along the normals, if they are given."""
+        return _snapped(self.native, np.ascontiguousarray(values, dtype=np.float64), name, normals)
 
     def __repr__(self) -> str:
         changed = len(self.zero_area) + len(self.turned_over) + len(self.tilted)
@@ -61,11 +52,42 @@ class Lattice:
         return f"<gnomon.Lattice of step {step}, moved by at most {self.largest_move:g}{note}>"
 
 
-def float64_of(array: Any, name: str) -> NDArray[np.float64]:
-    values = _arrays.on_host(array, name)
-    if values.dtype.kind not in "iuf":
-        raise ValueError(f"{name}: must be real numbers, not {values.dtype}")
-    return np.ascontiguousarray(values, dtype=np.float64)
+def _snapped(
+    native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str, normals: NDArray[np.float64] | None = None
+) -> NDArray[np.float32]:
+    try:
+        return native.snap(world)[0] if normals is None else native.lift(world, normals)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def world_triple(value: Any, name: str) -> NDArray[np.float64]:
+    """Three finite numbers as a row (1, 3)."""
+    values = _arrays.on_host(value, name)
+    _arrays.require_real(values, name)
+    if values.shape != (3,) or not np.isfinite(values).all():
+        raise ValueError(f"{name}: must be three finite numbers, not {value!r}")
+    return values.astype(np.float64).reshape(1, 3)
+
+
+def snapped_triple(native: _gnomon.WorldLattice | None, value: Any, name: str) -> tuple[float, float, float]:
+    """Three numbers relative to the lattice's origin; without a lattice rounded once to float32."""
+    if native is None:
+        return _arrays.triple(value, name)
+    x, y, z = _snapped(native, world_triple(value, name), name)[0]
+    return float(x), float(y), float(z)
+
+
+def light_of(native: _gnomon.WorldLattice | None, direction: Any, position: Any) -> tuple[float, float, float, float]:
+    """The homogeneous light: minus the direction of travel with w = 0, or the snapped position with w = 1."""
+    if (direction is None) == (position is None):
+        raise ValueError("give either direction= (that the light travels along) or position= (of a point light)")
+    if position is not None:
+        return (*snapped_triple(native, position, "position"), 1.0)
+    x, y, z = _arrays.triple(direction, "direction")
+    if x == y == z == 0:
+        raise ValueError("direction: must not be zero")
+    return (-x, -y, -z, 0.0)
 
 
 def lattice_of(world: NDArray[np.float64], step: float | None) -> Lattice:

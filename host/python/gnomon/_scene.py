@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,6 +42,14 @@ class _OnDevice:
         return self._techniques[name, chosen]
 
 
+class _Sides(NamedTuple):
+    """What decides facing, as the library takes it: `normals` are the arguments of face_by_normals()."""
+
+    eye: tuple[float, float, float] | None
+    normals: tuple[Any, ...] | None
+    is_front: bool
+
+
 def _setting_text(value: object) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
@@ -67,12 +75,12 @@ class Scene:
     vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
         trimesh.Trimesh, or a pyvista mesh. Any unit. A triangle's id is its row. A pyopencl array of float32
         triangles is used where it lies, without a copy: do not write it while the scene is used.
-    lattice: a step, a power of two such as 2**-10, in the unit of the coordinates. float64 coordinates, of the mesh,
-        of points and lamps, are then snapped once to whole steps, floor(x / step + 1/2), and stay exact from there on,
-        wherever the origin lies: a scene cut into tiles gives the same bits as a whole, if all tiles have the same
-        step. All coordinates must lie within 2^24 steps of the scene's centre. Without it, vertices that are float32
-        values are taken as they are, and others get the finest step that leaves room for points twice as far out as
-        the scene. Scene.lattice says which step it is, and what changed.
+    lattice: a step, a power of two such as 2**-10, in the unit of the coordinates. float64 coordinates, of the mesh, of
+        points and of point lights, are then snapped once to whole steps, floor(x / step + 1/2), and stay exact from
+        there on, wherever the origin lies: a scene cut into tiles gives the same bits as a whole, if all tiles have the
+        same step. All coordinates must lie within 2^24 steps of the scene's centre. Without it, vertices that are
+        float32 values are taken as they are, and others get the finest step that leaves room for points twice as far
+        out as the scene. Scene.lattice says which step it is, and what changed.
     device: a name as in gnomon.use(), or a Device; None: the default device.
 
     Raises ValueError for a wrong shape or dtype, a coordinate that is not finite, or a face that names no vertex.
@@ -85,7 +93,7 @@ class Scene:
         self._host: NDArray[np.float32] | None = None
         self.lattice: _world.Lattice | None = None
         self._count = 0
-        self._places: dict[Device, _OnDevice] = {}
+        self._uploads: dict[Device, _OnDevice] = {}
         self._moved: dict[tuple[int, ...], _OnDevice] = {}  # for the views of the last eye, on a lattice
         self._is_closed = False
         self.cameras: dict[str, _gnomon.Camera] = {}
@@ -99,7 +107,7 @@ class Scene:
             self._device = self._wrap(vertices, faces)
             return
         triangles = _arrays.triangles_of(vertices, faces)
-        if lattice is None and bool(_arrays.is_float32(triangles).all()):
+        if lattice is None and _arrays.not_float32(triangles) is None:
             self._host = np.ascontiguousarray(triangles, dtype=np.float32)
         else:
             self.lattice = _world.lattice_of(np.ascontiguousarray(triangles, dtype=np.float64), lattice)
@@ -119,7 +127,7 @@ class Scene:
         triangles = device.call(
             _gnomon.Triangles.wrap, device.native, array.base_data.int_ptr, self._count, array.offset // 4
         )
-        self._places[device] = _OnDevice(device, triangles)
+        self._uploads[device] = _OnDevice(device, triangles)
         return device
 
     @classmethod
@@ -155,6 +163,7 @@ class Scene:
     def triangles(self) -> NDArray[np.float32]:
         """The triangles on the host, (F, 3, 3), read-only; relative to the lattice's origin if there is a lattice.
         ValueError if they lie in a pyopencl array."""
+        self._require_open()
         if self._host is None:
             raise ValueError("the triangles of this scene lie in a pyopencl array: read that one")
         view = self._host.view()
@@ -177,7 +186,7 @@ class Scene:
     def close(self) -> None:
         """Frees the device's memory. The scene cannot be used any more."""
         self._is_closed = True
-        self._places.clear()
+        self._uploads.clear()
         self._moved.clear()
         self._host = None
 
@@ -192,19 +201,23 @@ class Scene:
         lattice = "" if self.lattice is None else f", {self.lattice!r}"
         return f"<gnomon.Scene of {self._count:,} triangles, {state}{lattice}>"
 
-    def _on(self, device: Device) -> _OnDevice:
+    def _require_open(self) -> None:
         if self._is_closed:
             raise ValueError("the scene is closed")
-        if device not in self._places:
+
+    @property
+    def _native_lattice(self) -> _gnomon.WorldLattice | None:
+        return None if self.lattice is None else self.lattice.native
+
+    def _on(self, device: Device) -> _OnDevice:
+        self._require_open()
+        if device not in self._uploads:
             if self._host is None:
                 raise ValueError(
                     "the scene's triangles lie on another OpenCL queue than the points: give both one queue"
                 )
-            triangles = device.call(_gnomon.Triangles.upload, device.native, self._host)
-            if self._count >= 1 << 16:
-                device.call(triangles.keep_clusters, device.native)
-            self._places[device] = _OnDevice(device, triangles)
-        return self._places[device]
+            self._uploads[device] = _uploaded(device, self._host)
+        return self._uploads[device]
 
     # ---- Points ------------------------------------------------------------------------------------------------------
 
@@ -245,9 +258,9 @@ class Scene:
         a triangle that the light sees edge-on, or without area, blocks nothing (docs/numerics.md has the contract).
 
         Points in a pyopencl array (N, 3) of float32, relative to the lattice's origin if there is a lattice, are read
-        where they lie, on that array's queue, and the result is a pyopencl
-        array (N,) of float32, 1 lit and 0 not; receivers (uint32) and normals (float32) are pyopencl arrays, too.
-        Nothing is checked there: a point that is not finite is 1.
+        where they lie, on that array's queue, and the result is a pyopencl array (N,) of float32, 1 lit and 0 not;
+        receivers (uint32) and normals (float32) are pyopencl arrays, too. Nothing is checked there: a point that is not
+        finite is 1.
 
         Raises ValueError with the argument's name and the first bad row, MemoryError, DeviceNotFoundError.
         """
@@ -255,13 +268,13 @@ class Scene:
             raise ValueError("out: only for points in a pyopencl array")
         if lift and _arrays.is_on_device(points):
             raise ValueError("lift: only for points on the host, in float64")
-        sides = {"normals": normals, "side": side, "eye": eye}
         if _arrays.is_on_device(points):
-            on_device: Any = self._lit_on_device(points, self._light_of(direction, position), receivers, sides, out)
+            light = _world.light_of(self._native_lattice, direction, position)
+            on_device: Any = self._lit_on_device(points, light, receivers, normals, side, eye, out)
             return on_device  # type: ignore[no-any-return]
         values = self.visibility(
-            points, direction=direction, position=position, receivers=receivers, lift=lift, nan=nan,
-            **sides,  # type: ignore[arg-type]
+            points, direction=direction, position=position, receivers=receivers, normals=normals, side=side, eye=eye,
+            lift=lift, nan=nan,
         )  # fmt: skip
         if isinstance(values, np.ma.MaskedArray):
             return np.ma.MaskedArray(values.data != 0, values.mask, fill_value=False)
@@ -286,7 +299,7 @@ class Scene:
         shadow maps answer values between. Points on the host only. Raises ValueError for an unknown name."""
         if nan not in ("error", "absent"):
             raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
-        light = self._light_of(direction, position)
+        light = _world.light_of(self._native_lattice, direction, position)
         at = _arrays.rows_of_triples(points, "points")
         shape = at.shape[:-1]
         flat = at.reshape(-1, 3)
@@ -299,28 +312,26 @@ class Scene:
         if lift:
             n = self._normals_to_lift_along(n, ids, is_front)
             is_front = False  # the normals are those of the triangles before snapping
-        here = self._snapped(flat, n if lift else None)
+        here = (
+            _arrays.float32_of(flat, "points")
+            if self.lattice is None
+            else self.lattice.snap(flat, "points", n if lift else None)
+        )
         n32 = None if n is None else n.astype(np.float32)
-        place = self._on(self._device)
+        upload = self._on(self._device)
         result = np.ones(len(flat), np.float32)
         for first in range(0, len(flat), POINTS_AT_ONCE):
             part = slice(first, first + POINTS_AT_ONCE)
-            result[part] = place.device.call(
+            sides = _Sides(towards, None if n32 is None else (n32[part],), is_front)
+            result[part] = upload.device.call(
                 _visibility_of_part,
-                place, here[part], None if ids is None else ids[part], None if n32 is None else n32[part],
-                is_front, towards, light, technique, settings,
+                upload, here[part], None if ids is None else ids[part], sides, light, technique, settings,
             )  # fmt: skip
         if nan == "absent":
             absent = ~np.isfinite(flat).all(axis=1)
             result[absent] = 0
             return np.ma.MaskedArray(result.reshape(shape), absent.reshape(shape), fill_value=0)
         return result.reshape(shape)
-
-    def _light_of(self, direction: Any, position: Any) -> tuple[float, float, float, float]:
-        light = _arrays.light_of(direction, position)
-        if position is None or self.lattice is None:
-            return light
-        return (*self.lattice.snapped_triple(position, "position"), 1.0)
 
     def _normals_to_lift_along(
         self, normals: NDArray[np.float64] | None, ids: NDArray[np.uint32] | None, is_front: bool
@@ -331,24 +342,14 @@ class Scene:
             return normals
         if not is_front or ids is None:
             raise ValueError("lift: needs normals=, or receivers= and side='front': a side to lift to")
-        if (ids == _arrays.NO_RECEIVER).any():
-            raise ValueError(
-                f"receivers: row {int(np.argmax(ids == _arrays.NO_RECEIVER))} names no triangle to lift off"
-            )
+        row = _arrays.first_row(ids == _arrays.NO_RECEIVER)
+        if row is not None:
+            raise ValueError(f"receivers: row {row} names no triangle to lift off")
         found = _arrays.scaled(_world.normals_of_triangles(self.lattice.world[ids]))
-        zero = np.flatnonzero((found == 0).all(axis=1))
-        if zero.size:
-            raise ValueError(f"receivers: row {int(zero[0])} names triangle {int(ids[zero[0]])}, which has no area")
+        row = _arrays.first_row((found == 0).all(axis=1))
+        if row is not None:
+            raise ValueError(f"receivers: row {row} names triangle {int(ids[row])}, which has no area")
         return found
-
-    def _snapped(self, flat: NDArray[Any], normals: NDArray[np.float64] | None) -> NDArray[np.float32]:
-        """The points as float32, relative to the lattice's origin; lifted along the normals, if any."""
-        if self.lattice is None:
-            return _arrays.float32_of(flat, "points")
-        world = np.ascontiguousarray(flat, dtype=np.float64)
-        if normals is None:
-            return self.lattice.snap(world, "points")
-        return self.lattice.native.lift(world, np.ascontiguousarray(normals))
 
     def _eye_of(self, side: Any, eye: Any, has_receivers: bool) -> tuple[float, float, float] | None:
         if side not in (None, "front"):
@@ -357,11 +358,11 @@ class Scene:
             raise ValueError(
                 f"{'side' if eye is None else 'eye'}: needs receivers=, the triangles that the points lie on"
             )
-        if eye is None:
-            return None
-        return _arrays.triple(eye, "eye") if self.lattice is None else self.lattice.snapped_triple(eye, "eye")
+        return None if eye is None else _world.snapped_triple(self._native_lattice, eye, "eye")
 
-    def _lit_on_device(self, points: Any, light: Any, receivers: Any, sides: dict[str, Any], out: Any) -> Any:
+    def _lit_on_device(
+        self, points: Any, light: Any, receivers: Any, normals: Any, side: Any, eye: Any, out: Any
+    ) -> Any:
         import pyopencl.array
 
         count = points.shape[0]
@@ -370,27 +371,26 @@ class Scene:
             _require_on_device(receivers, "receivers", (count,), np.uint32)
             if receivers.offset:
                 raise ValueError("receivers: must begin where its buffer begins")
-        normals = sides["normals"]
         if normals is not None:
             _require_on_device(normals, "normals", (count, 3), np.float32)
-        towards = self._eye_of(sides["side"], sides["eye"], receivers is not None)
-        place = self._on(device_of_queue(points.queue))
+        towards = self._eye_of(side, eye, receivers is not None)
+        at_normals = None if normals is None else (normals.base_data.int_ptr, _packed_from(normals))
+        upload = self._on(device_of_queue(points.queue))
         result = pyopencl.array.empty(points.queue, (count,), np.float32) if out is None else out
         _require_on_device(result, "out", (count,), np.float32)
         if result.offset:
             raise ValueError("out: must begin where its buffer begins")
         if count:
-            place.device.call(
-                _enqueue_on_device, place, points, receivers, normals, sides["side"] == "front", towards, light, result
-            )
+            sides = _Sides(towards, at_normals, side == "front")
+            upload.device.call(_enqueue_on_device, upload, points, receivers, sides, light, result)
         return result
 
     def prepare(self, *, direction: ArrayLike | None = None, position: ArrayLike | None = None) -> None:
         """Stores what depends on this light and these triangles alone: later calls with the same light do less work,
         with the same bits. Worth it from some calls per light on. Preparing another light frees the memory."""
-        light = self._light_of(direction, position)
-        place = self._on(self._device)
-        place.device.call(lambda: place.technique(EXACT, None).prepare(place.triangles, light))
+        light = _world.light_of(self._native_lattice, direction, position)
+        upload = self._on(self._device)
+        upload.device.call(lambda: upload.technique(EXACT, None).prepare(upload.triangles, light))
 
     # ---- Views -------------------------------------------------------------------------------------------------------
 
@@ -416,31 +416,37 @@ class Scene:
         if camera is not None:
             if camera not in self.cameras:
                 raise ValueError(f"camera: there is no {camera!r}; there are {', '.join(self.cameras) or 'none'}")
-            chosen, origin, place = self.cameras[camera], None, self._on(self._device)
+            chosen, origin, upload = self.cameras[camera], None, self._on(self._device)
         else:
-            at, to, origin, place = self._camera_place(eye, target)
+            at, to, origin, upload = self._at_eye(eye, target)
             chosen = _gnomon.Camera.look_at(at, to, _arrays.triple(up, "up"), float(fov))
-        seen = place.device.call(_gnomon.look, place.device.native, place.triangles, chosen, width, height)
-        return View(self, place, seen, (width, height), origin)
+        seen = upload.device.call(_gnomon.look, upload.device.native, upload.triangles, chosen, width, height)
+        return View(self, upload, seen, (width, height), origin)
 
-    def _camera_place(self, eye: Any, target: Any) -> tuple[Any, Any, _gnomon.WorldLattice | None, _OnDevice]:
+    def _at_eye(self, eye: Any, target: Any) -> tuple[Any, Any, _gnomon.WorldLattice | None, _OnDevice]:
         """Eye and target near an origin, and the triangles moved there. On a lattice this origin is the lattice's point
         nearest the eye, since what a camera sees must not depend on the origin of the scene."""
         if self.lattice is None:
             return _arrays.triple(eye, "eye"), _arrays.triple(target, "target"), None, self._on(self._device)
-        world = [_world.float64_of(value, name) for value, name in ((eye, "eye"), (target, "target"))]
-        for values, name in zip(world, ("eye", "target"), strict=True):
-            if values.shape != (3,) or not np.isfinite(values).all():
-                raise ValueError(f"{name}: must be three finite numbers")
-        here = _gnomon.WorldLattice.around(world[0].reshape(1, 3), self.lattice.native.exponent)
-        self._on(self._device)  # refuses a closed scene
+        here = _gnomon.WorldLattice.around(_world.world_triple(eye, "eye"), self.lattice.native.exponent)
+        to = _arrays.triple(_world.world_triple(target, "target")[0] - here.world_of((0.0, 0.0, 0.0)), "target")
         key = tuple(here.origin)
         if key not in self._moved:
             moved = self.lattice.native.rebased(np.ascontiguousarray(self.triangles.reshape(-1, 3)), here)
-            device = self._device
-            self._moved = {key: _OnDevice(device, device.call(_gnomon.Triangles.upload, device.native, moved))}
-        to = _arrays.triple(world[1] - here.world_of((0.0, 0.0, 0.0)), "target")
+            self._moved = {key: _uploaded(self._device, moved)}
         return (0.0, 0.0, 0.0), to, here, self._moved[key]
+
+
+def _uploaded(device: Device, triangles: NDArray[np.float32]) -> _OnDevice:
+    on_device = device.call(_gnomon.Triangles.upload, device.native, triangles)
+    if len(on_device) >= _gnomon.TRIANGLES_WORTH_CLUSTERS:
+        device.call(on_device.keep_clusters, device.native)
+    return _OnDevice(device, on_device)
+
+
+def _packed_from(array: Any) -> _gnomon.PointLayout:
+    """Packed xyz from the array's offset in its buffer on."""
+    return _gnomon.PointLayout(array.offset // 4, 3, 1)
 
 
 def _require_on_device(array: Any, name: str, shape: tuple[int, ...], dtype: type) -> None:
@@ -450,50 +456,48 @@ def _require_on_device(array: Any, name: str, shape: tuple[int, ...], dtype: typ
         raise ValueError(f"{name}: must be C-contiguous {np.dtype(dtype)} of shape {shape}")
 
 
+def _run(
+    upload: _OnDevice,
+    points: _gnomon.Points,
+    visibility: _gnomon.Visibility,
+    sides: _Sides,
+    light: tuple[float, float, float, float],
+    technique: str = EXACT,
+    settings: Settings | None = None,
+) -> None:
+    """Computes the points' visibility, then darkens those whose given side is turned away from the light."""
+    device = upload.device.native
+    if sides.eye is not None:
+        points.set_eye(sides.eye)
+    upload.technique(technique, settings).run(upload.triangles, points, light, visibility)
+    if sides.normals is not None:
+        _gnomon.face_by_normals(device, points, *sides.normals, light, visibility)
+    if sides.is_front:
+        _gnomon.face_by_winding(device, upload.triangles, points, light, visibility)
+
+
 def _visibility_of_part(
-    place: _OnDevice,
+    upload: _OnDevice,
     flat: NDArray[np.float32],
     ids: NDArray[np.uint32] | None,
-    normals: NDArray[np.float32] | None,
-    is_front: bool,
-    eye: tuple[float, float, float] | None,
+    sides: _Sides,
     light: tuple[float, float, float, float],
     technique: str,
     settings: Settings | None,
 ) -> NDArray[np.float32]:
-    device = place.device.native
+    device = upload.device.native
     points = _gnomon.Points.upload(device, flat, ids if ids is not None else np.empty(0, np.uint32))
-    if eye is not None:
-        points.set_eye(eye)
     visibility = _gnomon.Visibility(device, len(flat))
-    place.technique(technique, settings).run(place.triangles, points, light, visibility)
-    if normals is not None:
-        _gnomon.face_by_normals(device, points, normals, light, visibility)
-    if is_front:
-        _gnomon.face_by_winding(device, place.triangles, points, light, visibility)
+    _run(upload, points, visibility, sides, light, technique, settings)
     return visibility.read()
 
 
-def _enqueue_on_device(
-    place: _OnDevice, at: Any, receivers: Any, normals: Any, is_front: bool, eye: Any, light: Any, result: Any
-) -> None:
-    device = place.device.native
-    points = _gnomon.Points.wrap(
-        device,
-        at.base_data.int_ptr,
-        _gnomon.PointLayout(at.offset // 4, 3, 1),
-        at.shape[0],
-        0 if receivers is None else receivers.base_data.int_ptr,
-    )
-    if eye is not None:
-        points.set_eye(eye)
+def _enqueue_on_device(upload: _OnDevice, at: Any, receivers: Any, sides: _Sides, light: Any, result: Any) -> None:
+    device = upload.device.native
+    ids = 0 if receivers is None else receivers.base_data.int_ptr
+    points = _gnomon.Points.wrap(device, at.base_data.int_ptr, _packed_from(at), at.shape[0], ids)
     visibility = _gnomon.Visibility.wrap(device, result.base_data.int_ptr, at.shape[0])
-    place.technique(EXACT, None).run(place.triangles, points, light, visibility)
-    if normals is not None:
-        layout = _gnomon.PointLayout(normals.offset // 4, 3, 1)
-        _gnomon.face_by_normals_on_device(device, points, normals.base_data.int_ptr, layout, light, visibility)
-    if is_front:
-        _gnomon.face_by_winding(device, place.triangles, points, light, visibility)
+    _run(upload, points, visibility, sides, light)
 
 
 class View:
@@ -502,7 +506,7 @@ class View:
     def __init__(
         self,
         scene: Scene,
-        place: _OnDevice,
+        upload: _OnDevice,
         seen: _gnomon.View,
         size: tuple[int, int],
         origin: _gnomon.WorldLattice | None,
@@ -510,7 +514,7 @@ class View:
         self._material = scene._material
         self._base_color = scene._base_color
         self._count = len(scene)
-        self._place = place
+        self._upload = upload
         self._seen = seen
         self._origin = origin
         self._host: tuple[Any, Any, Any] | None = None
@@ -518,9 +522,9 @@ class View:
 
     def _read(self) -> tuple[Any, Any, Any]:
         if self._host is None:
-            device = self._place.device
+            device = self._upload.device
             points, normals, receivers = device.call(
-                _gnomon.read_view, device.native, self._place.triangles, self._seen
+                _gnomon.read_view, device.native, self._upload.triangles, self._seen
             )
             points[receivers == _arrays.NO_RECEIVER] = np.nan
             self._host = points, normals, receivers.astype(np.int64)
@@ -545,28 +549,21 @@ class View:
         """(H, W) ids of the triangles; -1 where the sky is."""
         return self._read()[2]
 
-    def _light_of(self, direction: Any, position: Any) -> tuple[float, float, float, float]:
-        light = _arrays.light_of(direction, position)
-        if position is None or self._origin is None:
-            return light
-        x, y, z = self._origin.snap(_world.float64_of(position, "position").reshape(1, 3))[0][0]
-        return float(x), float(y), float(z), 1.0
-
     def _values(self, light: Any, samples: int, technique: str, settings: Settings | None) -> _gnomon.Visibility:
-        place = self._place
+        upload = self._upload
 
         def run() -> _gnomon.Visibility:
-            result = _gnomon.Visibility(place.device.native, self.width * self.height)
-            chosen = place.technique(technique, settings)
+            result = _gnomon.Visibility(upload.device.native, self.width * self.height)
+            chosen = upload.technique(technique, settings)
             if samples == 1:
-                chosen.run(place.triangles, self._seen.points, light, result)
+                chosen.run(upload.triangles, self._seen.points, light, result)
             else:
                 _gnomon.run_samples(
-                    chosen, place.device.native, place.triangles, self._seen, light, int(samples), result
+                    chosen, upload.device.native, upload.triangles, self._seen, light, int(samples), result
                 )
             return result
 
-        return place.device.call(run)
+        return upload.device.call(run)
 
     def visibility(
         self,
@@ -579,8 +576,8 @@ class View:
     ) -> NDArray[np.float32]:
         """(H, W) float32: 1 where the light reaches the pixel's point, 0 in shadow or on a side that faces away; the
         sky is 1. samples: 1, 4, 8, 16 or 32 per pixel; the result is their mean."""
-        values = self._values(self._light_of(direction, position), samples, technique, settings)
-        return self._place.device.call(values.read).reshape(self.height, self.width)
+        values = self._values(_world.light_of(self._origin, direction, position), samples, technique, settings)
+        return self._upload.device.call(values.read).reshape(self.height, self.width)
 
     def image(
         self,
@@ -592,13 +589,13 @@ class View:
         settings: Settings | None = None,
     ) -> NDArray[np.uint8]:
         """(H, W, 4) RGBA: Lambert's law with the shadows, and ambient light, in sRGB."""
-        light = self._light_of(direction, position)
+        light = _world.light_of(self._origin, direction, position)
         values = self._values(light, samples, technique, settings)
         material = self._material if self._material is not None else np.zeros(self._count, np.uint32)
-        place = self._place
-        return place.device.call(
+        upload = self._upload
+        return upload.device.call(
             _gnomon.shade,
-            place.device.native, place.triangles, self._seen, [values], material, self._base_color, [light],
+            upload.device.native, upload.triangles, self._seen, [values], material, self._base_color, [light],
         )  # fmt: skip
 
     def __repr__(self) -> str:
