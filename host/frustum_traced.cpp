@@ -65,6 +65,9 @@ namespace {
 // In the order of MapMode.
 constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
 
+// In the order of ManyLights.
+constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts"};
+
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
 // Gives stages that had no work the reason.
@@ -88,6 +91,10 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
          setting::whole_or_auto(&S::map_size, smallest_map_size, largest_map_size)},
         {{"first-capacity", "auto", "entries that growing lists start with, from 1, or auto: for tests"},
          setting::whole_or_auto(&S::first_capacity, 1, std::numeric_limits<std::uint32_t>::max())},
+        {{"many-lights", "auto", "auto, one-by-one or shafts: how a run over many lights decides them"},
+         setting::choice(&S::many_lights, many_lights_names)},
+        {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
+         setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
     };
     return table;
 }
@@ -295,6 +302,21 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
     clear(session_, counters_);
     decide(frame_inputs(in, 0, footprint_lists_->map), measured.stages, read);
     return measured.finish();
+}
+
+Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Lights& lights,
+                              const LightsOutputs& outputs, const LightsOptions& options) {
+    const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
+    if (settings_.many_lights == ManyLights::one_by_one || is_empty)
+        return Technique::run(triangles, points, lights, outputs, options);
+    require_lights_run(device_, triangles, points, lights, outputs, options);
+    MeasuredRun measured(session_, kept_bytes_);
+    tree_ = std::make_unique<BuiltShaftTree>(device_, triangle_inputs(triangles));
+    const ShaftRun run{device_, triangles, points, lights, outputs, options, *tree_, settings_.bundle_lights};
+    if (run_shafts(run, measured.stages)) return measured.finish(measured.stages.counts);
+    if (settings_.many_lights == ManyLights::shafts)
+        throw InvalidArgument("shafts decide directional lights, and coordinates up to 2^19: use many-lights=auto");
+    return Technique::run(triangles, points, lights, outputs, options);
 }
 
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,

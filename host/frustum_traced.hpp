@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "api/settings_table.hpp"
+#include "lights/many_lights.hpp"
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
 #include "samples/classify_footprints.hpp"
@@ -17,8 +18,11 @@ namespace gnomon {
 class FrustumTraced final : public Technique, public ClassifiesFootprints {
 public:
     explicit FrustumTraced(const Device& device) : device_(device), session_(session_of(device)) {}
+    const Device& device() const override { return device_; }
     Statistics run(const Triangles& triangles, const Points& points, const Light& light,
                    const Visibility& visibility) override;
+    Statistics run(const Triangles& triangles, const Points& points, const Lights& lights, const LightsOutputs& outputs,
+                   const LightsOptions& options) override;
     Statistics classify_footprints(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
                                    const Light& light, const Visibility& answers) override;
     Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
@@ -41,11 +45,14 @@ public:
 
 private:
     enum class MapMode { on, off, automatic };
+    enum class ManyLights { automatic, one_by_one, shafts };
     struct Settings {
         MapMode map_mode;
         CoverTest cover_test;
         std::uint32_t map_size;        ///< 0: chosen by the device and the scene
         std::uint32_t first_capacity;  ///< 0: the lists' default
+        ManyLights many_lights;
+        std::uint32_t bundle_lights;
     };
     struct FrameResult;
     struct RunResult;
@@ -93,6 +100,7 @@ private:
     std::optional<FootprintLists> footprint_lists_;
     std::optional<Provenance> provenance_;  ///< while a run records provenance
     std::unique_ptr<PreparedLight> prepared_;
+    std::unique_ptr<BuiltShaftTree> tree_;
 };
 
 }  // namespace gnomon

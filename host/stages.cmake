@@ -42,8 +42,8 @@ endmacro()
 # The ground: OpenCL, and what implements gnomon.hpp.
 gnomon_wing(cl description opencl program session)
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
-gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks decide_pair predicates self_check)
-gnomon_wing(lists append fill group_scan scan sort)
+gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks decide_pair normal_side predicates self_check)
+gnomon_wing(lists append fill group_scan scan sort morton whole_to_float)
 gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
             world_lattice c_interface c_interface_lattice c_interface_results c_interface_runs
             library faults regressions)
@@ -58,6 +58,8 @@ gnomon_wing(trace trace coarse_test filter trace_points walk_cpu walk_gpu trace_
             explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)
 gnomon_wing(samples samples fragments footprints neighbour_receivers find_receivers_gpu clearance classify_footprints)
+gnomon_wing(lights lights light_bundles light_sides light_sums point_order shaft shaft_lanes shaft_test shaft_tree
+            shaft_trace many_lights)
 gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb frustum_traced)
 gnomon_wing(techniques/shadow_map map_view map_projection homography partition texel_footprint
             depth_pass caster lookup depth_lookup moments mip_chain moment_lookup visibility_bounds prefilter

@@ -219,9 +219,9 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     }
 }
 
-void Session::fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) {
+void Session::fill(cl_mem buffer, std::uint32_t word, std::size_t bytes) {
     attempt_timed("filling a buffer", [&](cl_event* event) {
-        return clEnqueueFillBuffer(queue_, buffer.get(), &word, sizeof(word), 0, bytes, 0, nullptr, event);
+        return clEnqueueFillBuffer(queue_, buffer, &word, sizeof(word), 0, bytes, 0, nullptr, event);
     });
 }
 

@@ -137,7 +137,8 @@ public:
         launch(Kernel{file, name}, range, arguments...);
     }
 
-    void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes);
+    void fill(cl_mem buffer, std::uint32_t word, std::size_t bytes);
+    void fill(const Buffer& buffer, std::uint32_t word, std::size_t bytes) { fill(buffer.get(), word, bytes); }
     /// Several buffers, which a GPU fills by one launch.
     template <std::size_t count>
     void fill(const Fill (&fills)[count]) {

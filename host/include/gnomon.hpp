@@ -484,6 +484,103 @@ std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles
                                 std::span<const Visibility> visibilities, const Materials& materials,
                                 std::span<const Light> lights);
 
+// ---- Many lights ----------------------------------------------------------------------------------------------------
+
+/// Index of no light.
+inline constexpr std::uint32_t no_light = 0xFFFFFFFFu;
+
+/// A table of lights, each with a weight. Sums of weights are exact: each weight is rounded once to a whole number
+/// times 2^exponent(), where the exponent depends on the largest weight and the number of lights alone, and whole
+/// numbers are added. So a sum does not depend on the order of the lights, on the device, or on how the work was
+/// divided.
+class Lights {
+public:
+    Lights() = default;
+    /// `weights`: one per light, negative ones too, or none at all: 1 each. Throws InvalidArgument with the index of
+    /// the first light that no maker of Light could have made, or of the first weight that is NaN or infinite, or if
+    /// the numbers differ.
+    explicit Lights(std::vector<Light> lights, std::vector<float> weights = {});
+
+    std::size_t count() const { return lights_.size(); }
+    std::span<const Light> lights() const { return lights_; }
+    std::span<const float> weights() const { return weights_; }
+    std::span<const std::int64_t> whole_weights() const { return whole_; }
+    int exponent() const { return exponent_; }
+    /// The most by which a weight was rounded.
+    double largest_rounding() const { return largest_rounding_; }
+
+private:
+    std::vector<Light> lights_;
+    std::vector<float> weights_;
+    std::vector<std::int64_t> whole_;
+    int exponent_ = 0;
+    double largest_rounding_ = 0;
+};
+
+/// A disk in the sky, such as the sun's (0.533 degrees across): directional lights around the one that travels along
+/// `direction`, weight 1 each. Light i of n lies at sqrt((i + 1/2) / n) of the disk's radius, i golden angles around
+/// its centre (Vogel, "A better way to construct the sunflower head", 1979). Throws InvalidArgument if the direction is
+/// zero or not finite, the angle not between 0 and 90 degrees (exclusive), or `samples` 0.
+Lights sun_disk(const Float3& direction, double angle_degrees, std::uint32_t samples);
+/// A parallelogram that shines: point lights at corner + a edge_a + b edge_b, weight 1 each, where (a, b) for light i
+/// of n is ((i + 1/2) / n, the i-th number of van der Corput's sequence in base 2) (Hammersley's points). Throws
+/// InvalidArgument if a coordinate is not finite, or `samples` 0.
+Lights area_light(const Float3& corner, const Float3& edge_a, const Float3& edge_b, std::uint32_t samples);
+/// The sky's hemisphere around `up` in `division`^2 times as many patches as Tregenza's 145 ("Subdivision of the sky
+/// hemisphere for luminance measurements", 1987), as Reinhart divides each: 145, 577, 1297 ... directional lights from
+/// the patches' centres. A weight is the patch's solid angle times the cosine of its angle to `up`, over pi: the
+/// weights' sum is nearly 1. The first patch of each row lies at the azimuth of `north`. Throws InvalidArgument if `up`
+/// or `north` is zero or not finite, the two are parallel, or the division is not from 1 to 16.
+Lights sky_patches(const Float3& up, const Float3& north, std::uint32_t division = 1);
+
+/// What a run over many lights writes; all buffers are the caller's, and one that is null is not written. For n points
+/// and m lights:
+struct LightsOutputs {
+    cl_mem bits = nullptr;       ///< uint32, n rows of ceil(m / 32): light l is bit l % 32 of word l / 32; 1 lit
+    cl_mem counts = nullptr;     ///< uint32, n: the number of lights that reach the point
+    cl_mem sums = nullptr;       ///< float64, n: the sum of their weights, exact before this one rounding
+    cl_mem first_lit = nullptr;  ///< uint32, n: the smallest index of these, or no_light
+    cl_mem last_lit = nullptr;   ///< uint32, n: the largest
+};
+
+/// How a run over many lights goes. A point that has a side of a surface is backfacing for each light that is not
+/// strictly on it, decided exactly: the side of points.eye(), or else, where given, of its normal, or the front of its
+/// receiver. A receiver alone only excludes its triangle: without a side, a point behind its surface may be lit.
+struct LightsOptions {
+    bool front = false;        ///< counter-clockwise vertices show a receiver's front (as face_by_winding)
+    cl_mem normals = nullptr;  ///< a normal per point (as face_by_normals)
+    PointLayout normals_layout{};
+    /// `sums` adds each weight times max(0, n . l), at most 1, with the light's unit direction l and the normal n as it
+    /// is, in float32: x + y + z of the three products, each operation rounded once; times the weight, rounded once;
+    /// and that rounded once to a whole number times 2^exponent(). Needs normals and directional lights.
+    bool cosines = false;
+    /// Called now and then with the part that is done, 0 to 1, after the device has finished it. False ends the run
+    /// early: it throws Cancelled.
+    std::function<bool(double)> progress{};
+};
+
+/// A progress function ended the run. The outputs' contents are not defined.
+class Cancelled : public Error {
+public:
+    using Error::Error;
+};
+
+/// The outputs on the host.
+struct LightsOnHost {
+    std::vector<std::uint32_t> bits, counts, first_lit, last_lit;
+    std::vector<double> sums;
+    Statistics statistics;
+};
+/// Which outputs run_lights_to_host() returns.
+struct LightsWanted {
+    bool bits = false, counts = false, sums = false, first_lit = false, last_lit = false;
+};
+class Technique;
+/// Technique::run() over many lights, with outputs on the host.
+LightsOnHost run_lights_to_host(Technique& technique, const Device& device, const Triangles& triangles,
+                                const Points& points, const Lights& lights, const LightsWanted& wanted,
+                                const LightsOptions& options = {});
+
 // ---- Techniques -----------------------------------------------------------------------------------------------------
 
 /// A setting of a technique, as `gnomon techniques` lists it and --set changes it.
@@ -497,6 +594,8 @@ struct SettingDescription {
 class Technique {
 public:
     virtual ~Technique() = default;
+    /// The device that it was made for.
+    virtual const Device& device() const = 0;
     /// Writes visibility (points.count() floats) and returns the statistics. Waits only where a buffer must grow; the
     /// visibility is complete when the device's queue has executed the run. Throws InvalidArgument if visibility has
     /// fewer entries than there are points or overlaps an input, or if the light is neither directional nor a point
@@ -519,6 +618,13 @@ public:
     /// Throws InvalidArgument if the numbers of visibilities and lights differ, or two visibilities overlap.
     virtual std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points,
                                                std::span<const Light> lights, std::span<const Visibility> visibilities);
+    /// Answers all lights of a table for all points at once. Each bit is that of run() for the one light (a technique
+    /// with values between 0 and 1: at least 1/2), and of face_by_normals() or face_by_winding() where a side is given.
+    /// frustum-traced takes the faster of several ways (its setting many-lights). Never stores points x lights values:
+    /// the points pass in parts. Waits for the device. Throws as run() does, or if a buffer is too small,
+    /// InvalidArgument.
+    virtual Statistics run(const Triangles& triangles, const Points& points, const Lights& lights,
+                           const LightsOutputs& outputs, const LightsOptions& options = {});
     /// Changes a setting. Throws InvalidArgument, naming the setting and its range.
     virtual void set(std::string_view name, std::string_view value) = 0;
     /// Draws how the technique works for each point: RGBA, 4 bytes per point (sRGB). Shadow maps, for a camera's

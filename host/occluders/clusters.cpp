@@ -63,7 +63,7 @@ ClusterGrid grid_of(const Box& whole) {
         grid.origin[c] = static_cast<float>(whole.low[c] / 2);
         extent = std::max(extent, (whole.high[c] - whole.low[c]) / 2);
     }
-    const double scale = (1u << CLUSTER_CODE_BITS) / extent;
+    const double scale = (1u << MORTON_BITS) / extent;
     grid.scale = scale < std::numeric_limits<float>::max() ? static_cast<float>(scale) : 0.0f;
     return grid;
 }

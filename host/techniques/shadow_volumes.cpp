@@ -42,6 +42,7 @@ const SettingsTable<Settings>& settings_table() {
 class ShadowVolumes final : public Technique {
 public:
     explicit ShadowVolumes(const Device& device) : device_(device), session_(session_of(device)) {}
+    const Device& device() const override { return device_; }
 
     static TechniqueDescription describe() {
         return {"shadow-volumes",

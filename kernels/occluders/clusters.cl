@@ -3,6 +3,7 @@
 // projection (in every run). The cull is that of triangle_bounds, applied to a box (cluster_boxes.clh): it drops only
 // clusters behind the light, outside the grid, or farther from the light than every point that they could cover.
 #include "lists/group_scan.clh"
+#include "lists/morton.h"
 #include "occluders/cluster_boxes.clh"
 
 __kernel void make_clusters(ClusterParams params, __global const float* vertices, __global ClusterBoxes* boxes) {
@@ -15,20 +16,10 @@ __kernel void make_clusters(ClusterParams params, __global const float* vertices
 
 // ---- Order ----------------------------------------------------------------------------------------------------------
 
-// Puts two zeros between each two bits.
-static uint spread_bits(uint x) {
-    x = (x | x << 16) & 0x030000FFu;
-    x = (x | x << 8) & 0x0300F00Fu;
-    x = (x | x << 4) & 0x030C30C3u;
-    return (x | x << 2) & 0x09249249u;
-}
-
 // The code of the middle of the triangle's box. No sum here can overflow.
 static uint code_of_middle(Triangle t, ClusterGrid grid) {
     float3 half_low = fmin(fmin(t.a, t.b), t.c) * 0.5f, half_high = fmax(fmax(t.a, t.b), t.c) * 0.5f;
-    float3 position = ((half_low + half_high) * 0.5f - vload3(0, grid.origin)) * grid.scale;
-    uint3 cell = convert_uint3(clamp(position, 0.0f, (float)((1u << CLUSTER_CODE_BITS) - 1u)));
-    return spread_bits(cell.x) | spread_bits(cell.y) << 1 | spread_bits(cell.z) << 2;
+    return morton_code(((half_low + half_high) * 0.5f - vload3(0, grid.origin)) * grid.scale);
 }
 
 __kernel void cluster_codes(ClusterGrid grid, ClusterParams params, __global const float* vertices,

@@ -5,14 +5,14 @@
 // projection then lists the clusters that survive its cull, and the vertices of all others are never read.
 #pragma once
 
+#include "lists/morton.h"
 #include "simd/points.h"
 
 #define CLUSTER_TRIANGLES 64u
 #define CLUSTER_BOX_BYTES 28
 
-// The order of the triangles: by the Morton code of the middles of their boxes, CLUSTER_CODE_BITS of each coordinate,
+// The order of the triangles: by the Morton code of the middles of their boxes, MORTON_BITS of each coordinate,
 // as (x / 2 - origin) scale. The order affects speed alone. Triangles that are not finite come last.
-#define CLUSTER_CODE_BITS 10u
 GN_STRUCT_BEGIN(ClusterGrid)
     float origin[3];
     float scale;

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Darkens the points whose given side is turned away from the light (given_sides.h), exactly.
-#include "exact/accumulator.clh"
+#include "exact/normal_side.clh"
 #include "receivers/facing.clh"
 #include "receivers/given_sides.h"
-
-// sum += n . v, exactly; minus that if `negate`.
-static void accumulator_add_dot(Accumulator* sum, float3 n, float3 v, bool negate) {
-    accumulator_add_product(sum, n.x, v.x, 1.0f, negate);
-    accumulator_add_product(sum, n.y, v.y, 1.0f, negate);
-    accumulator_add_product(sum, n.z, v.z, 1.0f, negate);
-}
 
 // n . D > 0, for certain, where D is the light's direction, or light - P for a point light.
 //

@@ -272,6 +272,7 @@ TEST(Samples, MeanEqualsOracle) {
 class EverySample final : public gnomon::Technique {
 public:
     explicit EverySample(const gnomon::Device& device) : technique_(gnomon::make_technique("frustum-traced", device)) {}
+    const gnomon::Device& device() const override { return technique_->device(); }
     gnomon::Statistics run(const gnomon::Triangles& triangles, const gnomon::Points& points, const gnomon::Light& light,
                            const gnomon::Visibility& visibility) override {
         return technique_->run(triangles, points, light, visibility);

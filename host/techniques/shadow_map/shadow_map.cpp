@@ -106,6 +106,7 @@ public:
     /// `name`: of the preset, for the texts of errors.
     explicit ShadowMap(const Device& device, std::string_view name = "shadow-map")
         : device_(device), session_(session_of(device)), name_(name) {}
+    const Device& device() const override { return device_; }
 
     static TechniqueDescription describe() {
         TechniqueDescription description{

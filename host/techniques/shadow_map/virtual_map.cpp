@@ -61,6 +61,7 @@ const SettingsTable<Settings>& settings_table() {
 class VirtualShadowMap final : public Technique {
 public:
     explicit VirtualShadowMap(const Device& device) : device_(device), session_(session_of(device)) {}
+    const Device& device() const override { return device_; }
 
     static TechniqueDescription describe() {
         return {

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "lights/light_bundles.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "api/vectors.hpp"
+
+namespace gnomon {
+namespace {
+
+// The directions of one light: as the kernels compare it, and of length 1.
+struct Direction {
+    Float3 scaled;
+    Double3 unit;
+};
+
+Double3 sum(const Double3& a, const Double3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
+// No value if a coordinate would lose bits.
+std::optional<Direction> direction_of(const Light& light) {
+    const float* d = light.xyzw.data();
+    int exponent = 0;
+    std::frexp(std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])}), &exponent);
+    Direction made{};
+    for (int c = 0; c < 3; ++c) {
+        made.scaled[c] = std::ldexp(d[c], -exponent);
+        if (std::ldexp(double(made.scaled[c]), exponent) != double(d[c])) return {};
+        made.unit[c] = made.scaled[c];
+    }
+    normalize(made.unit);
+    return made;
+}
+
+// ---- Order ----------------------------------------------------------------------------------------------------------
+
+// Directions of one hour on many days lie along thin curves, and bundles along a curve have thin cones. A chain that
+// goes on to the nearest light left finds such curves in any table. Each step searches all lights that are left, so a
+// large table is first cut into parts along a coarse curve.
+constexpr std::size_t most_in_chain = 4096;
+
+std::uint32_t spread(std::uint32_t x) {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 10; ++i) bits |= (x >> i & 1u) << (3 * i);
+    return bits;
+}
+
+std::vector<std::uint32_t> coarse_order(const std::vector<Direction>& directions) {
+    std::vector<std::uint32_t> order(directions.size()), codes(directions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    if (directions.size() <= most_in_chain) return order;
+    for (std::size_t i = 0; i < directions.size(); ++i)
+        for (int c = 0; c < 3; ++c)
+            codes[i] |= spread(static_cast<std::uint32_t>((directions[i].unit[c] + 1) * 511.5)) << c;
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return codes[i]; });
+    return order;
+}
+
+void chain(std::span<std::uint32_t> part, const std::vector<Direction>& directions) {
+    for (std::size_t i = 0; i + 1 < part.size(); ++i) {
+        std::size_t nearest = i + 1;
+        double greatest = -2;
+        for (std::size_t j = i + 1; j < part.size(); ++j) {
+            const double cosine = dot(directions[part[i]].unit, directions[part[j]].unit);
+            if (cosine > greatest) {
+                greatest = cosine;
+                nearest = j;
+            }
+        }
+        std::swap(part[i + 1], part[nearest]);
+    }
+}
+
+double chord(const Direction& a, const Direction& b) {
+    const Double3 d = sum(a.unit, scaled(b.unit, -1));
+    return std::sqrt(dot(d, d));
+}
+
+// The first light of each bundle: at a step far longer than most, and where a bundle is full.
+std::vector<std::size_t> cut(const std::vector<std::uint32_t>& order, const std::vector<Direction>& directions,
+                             std::uint32_t most) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < order.size(); ++i)
+        steps.push_back(chord(directions[order[i - 1]], directions[order[i]]));
+    std::vector<double> sorted = steps;
+    std::ranges::sort(sorted);
+    const double longest = sorted.empty() ? 0 : std::min(0.5, 6 * sorted[sorted.size() / 2]);
+    std::vector<std::size_t> starts{0};
+    for (std::size_t i = 1; i < order.size(); ++i)
+        if (i - starts.back() == most || steps[i - 1] > longest) starts.push_back(i);
+    return starts;
+}
+
+// ---- Cone -----------------------------------------------------------------------------------------------------------
+
+struct Axes {
+    Double3 middle, across, along;
+};
+
+// Unit axes with `along` where the directions spread most, and the directions' extents.
+Axes axes_of(std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
+    Axes axes{};
+    for (const std::uint32_t i : part) axes.middle = sum(axes.middle, directions[i].unit);
+    normalize(axes.middle);
+    const Double3 helper = std::abs(axes.middle[0]) < 0.6 ? Double3{1, 0, 0} : Double3{0, 1, 0};
+    Double3 u = cross(axes.middle, helper);
+    normalize(u);
+    const Double3 v = cross(axes.middle, u);
+    double uu = 0, uv = 0, vv = 0;
+    for (const std::uint32_t i : part) {
+        const double x = dot(directions[i].unit, u), y = dot(directions[i].unit, v);
+        uu += x * x, uv += x * y, vv += y * y;
+    }
+    const double angle = 0.5 * std::atan2(2 * uv, uu - vv);
+    axes.along = sum(scaled(u, std::cos(angle)), scaled(v, std::sin(angle)));
+    axes.across = cross(axes.middle, axes.along);
+    return axes;
+}
+
+Double3 loaded(const float* from) { return {from[0], from[1], from[2]}; }
+double determinant(const Double3& a, const Double3& b, const Double3& c) { return dot(a, cross(b, c)); }
+
+// s D = middle + u across + v along with |u|, |v| <= 1 and s > 0, and D strictly inside of all planes.
+bool contains(const LightBundle& bundle, const Double3& unit) {
+    const Double3 middle = loaded(bundle.middle), across = loaded(bundle.across), along = loaded(bundle.along);
+    const double det = determinant(across, along, unit);
+    const double u = -determinant(middle, along, unit) / det, v = -determinant(across, middle, unit) / det;
+    if (!(std::abs(u) < 1 - 1e-6 && std::abs(v) < 1 - 1e-6 && dot(unit, middle) > 0.1)) return false;
+    return std::ranges::all_of(bundle.planes, [&](const auto& plane) { return dot(loaded(plane), unit) < -2e-7; });
+}
+
+void store_planes(LightBundle& bundle, float largest_coordinate) {
+    const Double3 middle = loaded(bundle.middle), across = loaded(bundle.across), along = loaded(bundle.along);
+    const Double3 normals[] = {cross(sum(middle, across), along), cross(sum(middle, scaled(across, -1)), along),
+                               cross(sum(middle, along), across), cross(sum(middle, scaled(along, -1)), across),
+                               middle};
+    for (int k = 0; k < 5; ++k) {
+        Double3 normal = normals[k];
+        normalize(normal);
+        if (dot(normal, middle) > 0) normal = scaled(normal, -1);
+        store(bundle.planes[k], normal);
+        // n . X rounds five times: at most 5 * 2^-24 of the sum of magnitudes, for a triangle and for a point.
+        const double size = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
+        bundle.planes[k][3] = static_cast<float>(1e-6 * size * largest_coordinate) + 1e-30f;
+    }
+}
+
+// No cone of less than some 80 degrees holds them: false.
+bool fit_cone(LightBundle& bundle, std::span<const std::uint32_t> part, const std::vector<Direction>& directions,
+              float largest_coordinate) {
+    const Axes axes = axes_of(part, directions);
+    double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
+    for (const std::uint32_t i : part) {
+        const double height = dot(directions[i].unit, axes.middle);
+        if (height < 0.3) return false;
+        const double at[2] = {dot(directions[i].unit, axes.across) / height,
+                              dot(directions[i].unit, axes.along) / height};
+        for (int k = 0; k < 2; ++k) {
+            low[k] = std::min(low[k], at[k]);
+            high[k] = std::max(high[k], at[k]);
+        }
+    }
+    const Double3 middle =
+        sum(axes.middle, sum(scaled(axes.across, (low[0] + high[0]) / 2), scaled(axes.along, (low[1] + high[1]) / 2)));
+    const double length = std::sqrt(dot(middle, middle));
+    for (double more = 3e-6; more < 0.1; more *= 4) {
+        store(bundle.middle, scaled(middle, 1 / length));
+        store(bundle.across, scaled(axes.across, ((high[0] - low[0]) / 2 * (1 + 1e-5) + more) / length));
+        store(bundle.along, scaled(axes.along, ((high[1] - low[1]) / 2 * (1 + 1e-5) + more) / length));
+        store_planes(bundle, largest_coordinate);
+        if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(bundle, directions[i].unit); }))
+            return true;
+    }
+    return false;
+}
+
+void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const std::vector<Direction>& directions,
+                float largest_coordinate) {
+    LightBundle bundle{};
+    if (!fit_cone(bundle, part, directions, largest_coordinate)) {
+        add_bundle(made, part.first(part.size() / 2), directions, largest_coordinate);
+        add_bundle(made, part.subspan(part.size() / 2), directions, largest_coordinate);
+        return;
+    }
+    bundle.light_count = static_cast<std::uint32_t>(part.size());
+    for (std::size_t l = 0; l < part.size(); ++l)
+        for (int c = 0; c < 3; ++c) bundle.directions[c][l] = directions[part[l]].scaled[c];
+    made.bundles.push_back(bundle);
+    for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) made.lights.push_back(l < part.size() ? part[l] : no_light);
+}
+
+}  // namespace
+
+std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most,
+                                               float largest_coordinate) {
+    std::vector<Direction> directions;
+    for (const Light& light : lights) {
+        if (!light.is_directional()) return {};
+        const auto direction = direction_of(light);
+        if (!direction) return {};
+        directions.push_back(*direction);
+    }
+    std::vector<std::uint32_t> order = coarse_order(directions);
+    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
+        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
+    LightBundles made;
+    if (order.empty()) return made;
+    std::vector<std::size_t> starts = cut(order, directions, most);
+    starts.push_back(order.size());
+    for (std::size_t b = 0; b + 1 < starts.size(); ++b)
+        add_bundle(made, std::span(order).subspan(starts[b], starts[b + 1] - starts[b]), directions,
+                   largest_coordinate);
+    return made;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// Bundles of neighbouring directional lights, each with a cone that contains their directions (kernels/lights/shaft.h).
+#pragma once
+
+#include <gnomon.hpp>
+#include <optional>
+#include <vector>
+
+#include "kernels/lights/shaft.h"
+
+namespace gnomon {
+
+struct LightBundles {
+    std::vector<LightBundle> bundles;
+    std::vector<std::uint32_t> lights;  ///< MOST_BUNDLE_LIGHTS per bundle: the index of each slot's light, or no_light
+};
+
+/// Divides lights into bundles of at most `most` lights. `largest_coordinate`: of all triangles and points. No value if
+/// a light is a point light, or its direction cannot be scaled exactly.
+std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most,
+                                               float largest_coordinate);
+
+}  // namespace gnomon

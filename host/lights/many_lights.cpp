@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// A run over many lights, one light at a time, as every technique can; and what all such runs share.
+#include "lights/many_lights.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "api/statistics.hpp"
+#include "cl/opencl.hpp"
+
+namespace gnomon {
+namespace {
+
+struct Output {
+    cl_mem buffer;
+    std::size_t bytes;
+    const char* name;
+};
+
+std::array<Output, 5> outputs_of(const LightsOutputs& outputs, std::size_t points, std::size_t lights) {
+    return {{{outputs.bits, points * ((lights + 31) / 32) * 4, "bits"},
+             {outputs.counts, points * 4, "counts"},
+             {outputs.sums, points * 8, "sums"},
+             {outputs.first_lit, points * 4, "first_lit"},
+             {outputs.last_lit, points * 4, "last_lit"}}};
+}
+
+std::size_t size_of(cl_mem memory) {
+    std::size_t bytes = 0;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr), "asking a buffer for its size");
+    return bytes;
+}
+
+void run_light(Technique& technique, const Device& device, const Triangles& triangles, const Points& points,
+               const Light& light, const LightsOptions& options, const Visibility& visibility, Statistics& total) {
+    add_stages(total, technique.run(triangles, points, light, visibility));
+    if (options.normals != nullptr)
+        face_by_normals(device, points, options.normals, options.normals_layout, light, visibility);
+    else if (options.front)
+        face_by_winding(device, triangles, points, light, visibility);
+}
+
+}  // namespace
+
+void require_lights_run(const Device& device, const Triangles& triangles, const Points& points, const Lights& lights,
+                        const LightsOutputs& outputs, const LightsOptions& options) {
+    for (const Output& output : outputs_of(outputs, points.count(), lights.count())) {
+        if (output.buffer == nullptr || size_of(output.buffer) >= output.bytes) continue;
+        throw InvalidArgument(std::string("the buffer of ") + output.name + " holds " +
+                              std::to_string(size_of(output.buffer)) + " bytes, and " + std::to_string(output.bytes) +
+                              " are needed");
+    }
+    // The checks of one run: points, triangles and eye.
+    require_run(triangles, points, Light::directional({0, -1, 0}), Visibility(device, points.count()));
+    if (options.normals != nullptr) Points::wrap(device, options.normals, options.normals_layout, points.count());
+    if (int(options.front) + int(options.normals != nullptr) + int(points.eye().has_value()) > 1)
+        throw InvalidArgument("the side of points is given twice: choose the eye, `front` or `normals`");
+    if (!options.cosines) return;
+    if (options.normals == nullptr) throw InvalidArgument("cosines need a normal per point");
+    if (!std::ranges::all_of(lights.lights(), &Light::is_directional))
+        throw InvalidArgument("cosines need directional lights");
+}
+
+void report_progress(const LightsOptions& options, double done) {
+    if (options.progress && !options.progress(done)) throw Cancelled("the run over many lights was cancelled");
+}
+
+Statistics Technique::run(const Triangles& triangles, const Points& points, const Lights& lights,
+                          const LightsOutputs& outputs, const LightsOptions& options) {
+    const Device& device = this->device();
+    require_lights_run(device, triangles, points, lights, outputs, options);
+    cl::Session& session = session_of(device);
+    std::uint64_t kept = 0;
+    MeasuredRun measured(session, kept);
+    std::vector<std::uint32_t> slots((lights.count() + 31) / 32 * 32, no_light);
+    std::iota(slots.begin(), slots.begin() + std::ptrdiff_t(lights.count()), 0u);
+    LightSums sums(session, lights, slots, outputs, options, points.count());
+    if (points.count() == 0) return measured.finish();
+    const Visibility visibility(device, points.count());
+    cl::Buffer masks(session, points.count() * sizeof(cl_uint));
+    for (std::size_t l = 0; l < lights.count(); ++l) {
+        run_light(*this, device, triangles, points, lights.lights()[l], options, visibility, measured.stages);
+        LightSumsParams params{};
+        params.point_count = static_cast<cl_uint>(points.count());
+        session.launch("lights/light_sums.cl", "light_bits", cl::Range::items(points.count()), params,
+                       visibility.buffer(), static_cast<cl_uint>(l % 32), masks);
+        if (l % 32 == 31 || l + 1 == lights.count())
+            sums.add(masks, points.count(), 0, points.count(), static_cast<cl_uint>(l / 32), 1, nullptr,
+                     options.normals, options.normals_layout);
+        if (options.progress) session.finish();
+        report_progress(options, double(l + 1) / double(lights.count()));
+    }
+    sums.finish();
+    merge_stages(measured.stages);
+    return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
+}
+
+LightsOnHost run_lights_to_host(Technique& technique, const Device& device, const Triangles& triangles,
+                                const Points& points, const Lights& lights, const LightsWanted& wanted,
+                                const LightsOptions& options) {
+    cl::Session& session = session_of(device);
+    const std::size_t count = points.count();
+    std::array<cl::Buffer, 5> buffers;
+    const bool wants[] = {wanted.bits, wanted.counts, wanted.sums, wanted.first_lit, wanted.last_lit};
+    std::array<Output, 5> described = outputs_of({}, count, lights.count());
+    for (std::size_t i = 0; i < buffers.size(); ++i)
+        if (wants[i]) buffers[i].reserve(session, described[i].bytes);
+    LightsOnHost made;
+    made.statistics = technique.run(
+        triangles, points, lights,
+        {buffers[0].get(), buffers[1].get(), buffers[2].get(), buffers[3].get(), buffers[4].get()}, options);
+    const auto read = [&]<typename T>(std::size_t i, std::vector<T>& to) {
+        if (!wants[i]) return;
+        to.resize(described[i].bytes / sizeof(T));
+        if (!to.empty()) session.read(buffers[i].get(), to.data(), described[i].bytes);
+    };
+    read(0, made.bits);
+    read(1, made.counts);
+    read(2, made.sums);
+    read(3, made.first_lit);
+    read(4, made.last_lit);
+    return made;
+}
+
+}  // namespace gnomon

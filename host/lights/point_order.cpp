@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "lights/point_order.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "kernels/lights/point_order.h"
+#include "lists/sort.hpp"
+
+namespace gnomon {
+namespace {
+
+float float_of_key(cl_uint key) { return std::bit_cast<float>((key & 0x80000000u) != 0 ? key & 0x7FFFFFFFu : ~key); }
+
+// A grid of 2^(2 POINT_CODE_BITS) cells per axis over the present points. Returns the largest magnitude of a
+// coordinate.
+float fit_grid(cl::Session& session, PointOrderParams& params, const PointInputs& points) {
+    cl::Buffer bounds(session, POINT_BOUNDS_WORDS * sizeof(cl_uint));
+    const cl_uint none[POINT_BOUNDS_WORDS] = {GN_NO_ID, GN_NO_ID, GN_NO_ID, 0, 0, 0};
+    session.write(bounds.get(), none, sizeof(none));
+    session.launch("lights/point_order.cl", "point_bounds", cl::Range::items(points.layout.count), params,
+                   points.positions, bounds);
+    const auto keys = session.read_values<cl_uint>(bounds.get(), POINT_BOUNDS_WORDS);
+    float largest = 0;
+    double extent = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (keys[c] > keys[3 + c]) continue;
+        const float low = float_of_key(keys[c]), high = float_of_key(keys[3 + c]);
+        largest = std::max({largest, std::abs(low), std::abs(high)});
+        params.origin[c] = low / 2;
+        extent = std::max(extent, (double(high) - low) / 2);
+    }
+    const double scale = (1u << 2 * POINT_CODE_BITS) / extent;
+    params.scale = scale < std::numeric_limits<float>::max() ? static_cast<float>(scale) : 0.0f;
+    return largest;
+}
+
+}  // namespace
+
+SortedPoints::SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
+                           const PointLayout& normals_at)
+    : layout_(point_inputs(points).layout) {
+    cl::Session& session = session_of(device);
+    const PointInputs in = point_inputs(points);
+    const TriangleInputs scene = triangle_inputs(triangles);
+    const std::size_t count = points.count(), words = count * sizeof(cl_uint);
+    layout_.picture_width = 0;
+    layout_.point_stride = 3;
+    layout_.coordinate_stride = 1;
+    PointOrderParams params{};
+    params.triangles = scene;
+    params.points = params.normals = in.layout;
+    params.has_normals = normals != nullptr;
+    if (normals != nullptr)
+        params.normals = point_inputs(Points::wrap(device, normals, normals_at, count)).layout;
+    else
+        normals = in.positions;
+    largest_coordinate_ = fit_grid(session, params, in);
+    sort(session, params, in, scene.vertices, normals);
+    // A block of lanes is read whole, also where it has fewer points.
+    constexpr std::size_t room = 32 * sizeof(cl_uint);
+    positions_.reserve(session, 3 * words + room);
+    receivers_.reserve(session, in.layout.has_receivers != 0 ? words + room : 0);
+    normals_.reserve(session, params.has_normals != 0 ? 3 * words + room : 0);
+    surface_normals_.reserve(session, 3 * words + room);
+    session.launch("lights/point_order.cl", "point_gather", cl::Range::items(count), params, scene.vertices,
+                   in.positions, in.receivers, normals, order_, positions_, receivers_, normals_, surface_normals_);
+}
+
+void SortedPoints::sort(cl::Session& session, const PointOrderParams& params, const PointInputs& in, cl_mem vertices,
+                        cl_mem normals) {
+    const cl_uint count = in.layout.count;
+    const std::size_t words = count * sizeof(cl_uint);
+    cl::Buffer low(session, words), high(session, words), sorted_high(session, words);
+    order_.reserve(session, words);
+    session.launch("lights/point_order.cl", "point_codes", cl::Range::items(count), params, vertices, in.positions,
+                   in.receivers, normals, low, high, order_);
+    // The sort keeps the order of equal keys, so the lower half goes first.
+    Sort sort;
+    sort.run(session, count, low, order_);
+    session.launch("lights/point_order.cl", "point_reorder", cl::Range::items(count), count, high, order_, sorted_high);
+    sort.run(session, count, sorted_high, order_);
+}
+
+PointsLayout SortedPoints::part(std::size_t first, std::size_t count) const {
+    PointsLayout layout = layout_;
+    layout.first = static_cast<cl_uint>(3 * first);
+    layout.count = static_cast<cl_uint>(count);
+    return layout;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Stage point_order: a copy of points, sorted along a space-filling curve (kernels/lights/point_order.h).
+#pragma once
+
+#include "api/inputs.hpp"
+#include "kernels/lights/point_order.h"
+
+namespace gnomon {
+
+class SortedPoints {
+public:
+    /// `normals`: one per point as `normals_at` describes, or null.
+    SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
+                 const PointLayout& normals_at);
+
+    /// Points [first, first + count) as packed triples.
+    PointsLayout part(std::size_t first, std::size_t count) const;
+    const cl::Buffer& positions() const { return positions_; }
+    const cl::Buffer& receivers() const { return receivers_; }
+    const cl::Buffer& normals() const { return normals_; }
+    /// For speed alone: the surface's normal of each point, coordinates at most 1, or zero.
+    const cl::Buffer& surface_normals() const { return surface_normals_; }
+    /// The number of each sorted point.
+    const cl::Buffer& order() const { return order_; }
+    float largest_coordinate() const { return largest_coordinate_; }
+
+private:
+    void sort(cl::Session& session, const PointOrderParams& params, const PointInputs& in, cl_mem vertices,
+              cl_mem normals);
+
+    PointsLayout layout_;
+    cl::Buffer positions_, receivers_, normals_, surface_normals_, order_;
+    float largest_coordinate_ = 0;
+};
+
+}  // namespace gnomon

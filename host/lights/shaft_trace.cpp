@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+// Stage shaft_trace: a run over many lights by shafts. Parts of the sorted points pass through facing (light_sides),
+// the trace, the exact predicate and the sums, each part with all bundles of lights.
+#include <algorithm>
+
+#include "api/statistics.hpp"
+#include "kernels/lights/light_sides.h"
+#include "kernels/lights/shaft.h"
+#include "lights/many_lights.hpp"
+#include "lights/point_order.hpp"
+
+namespace gnomon {
+namespace {
+
+constexpr float largest_in_range = 0x1p19f;  // differences up to 2^20: the filter's range (shaft_test.clh)
+constexpr std::size_t first_queue = std::size_t(1) << 16;
+
+struct Part {
+    std::size_t first, count;
+};
+
+class ShaftPasses {
+public:
+    ShaftPasses(const ShaftRun& run, const LightBundles& bundles, const SortedPoints& points, Statistics& statistics)
+        : run_(run),
+          session_(session_of(run.device)),
+          points_(points),
+          statistics_(statistics),
+          bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
+          sums_(session_, run.lights, bundles.lights, run.outputs, run.options, run.points.count()),
+          bundles_(session_, bundle_count_ * sizeof(LightBundle)),
+          counters_(session_, sizeof(ShaftCounters)) {
+        session_.write(bundles_.get(), bundles.bundles.data(), bundle_count_ * sizeof(LightBundle));
+        queue_.reserve(session_, first_queue * sizeof(ShaftPairs));
+        part_points_ = reserve_masks();
+    }
+
+    void run() {
+        const std::size_t count = run_.points.count();
+        for (std::size_t first = 0; first < count; first += part_points_) {
+            run_part({first, std::min(part_points_, count - first)});
+            session_.finish();
+            report_progress(run_.options, double(std::min(first + part_points_, count)) / double(count));
+        }
+        sums_.finish();
+        statistics_.counts = {{"points", count},
+                              {"lights", run_.lights.count()},
+                              {"bundles", bundle_count_},
+                              {"queued_pairs", queued_},
+                              {"decided_by_float", by_level_[0]},
+                              {"decided_by_double", by_level_[1]},
+                              {"decided_by_integers", by_level_[2]}};
+    }
+
+private:
+    // Masks for as many points as fit: at most all.
+    std::size_t reserve_masks() {
+        const std::size_t most_bytes = session_.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
+        const std::size_t width = 64, per_point = bundle_count_ * sizeof(cl_uint);
+        std::size_t points = std::max(most_bytes / per_point, width);
+        points = std::min((points + width - 1) / width, (run_.points.count() + width - 1) / width) * width;
+        for (;; points = (points / 2 + width - 1) / width * width) {
+            try {
+                masks_.reserve(session_, points * per_point);
+                return points;
+            } catch (const OutOfDeviceMemory&) {
+                if (points <= width) throw;
+            }
+        }
+    }
+
+    void run_part(const Part& part) {
+        cl::StageTimer timer(session_, statistics_, "light_sides");
+        decide_sides(part);
+        timer.next("shaft_trace");
+        ShaftCounters counted;
+        while (counted = trace(part), counted.queued > capacity())
+            queue_.reserve(session_, (counted.queued + counted.queued / 4) * sizeof(ShaftPairs));
+        timer.next("shaft_exact");
+        if (counted.queued != 0) decide_queue(part);
+        timer.next("light_sums");
+        const bool has_normals = run_.options.normals != nullptr;
+        sums_.add(masks_, part_points_, part.first, part.count, 0, bundle_count_, &points_.order(),
+                  has_normals ? points_.normals().get() : nullptr);
+    }
+
+    cl_uint side() const {
+        if (run_.options.normals != nullptr) return SIDE_NORMALS;
+        if (run_.points.receivers() == nullptr) return SIDE_NONE;
+        if (run_.options.front) return SIDE_WINDING;
+        return run_.points.eye() ? SIDE_EYE : SIDE_NONE;
+    }
+
+    void decide_sides(const Part& part) {
+        const TriangleInputs triangles = triangle_inputs(run_.triangles);
+        const LightSidesParams params{.triangles = triangles,
+                                      .points = points_.part(part.first, part.count),
+                                      .bundle_count = bundle_count_,
+                                      .mask_stride = static_cast<cl_uint>(part_points_),
+                                      .side = side(),
+                                      .padding = 0};
+        session_.launch("lights/light_sides.cl", "light_sides", session_.blocks(part.count), params, bundles_,
+                        triangles.vertices, points_.positions(), points_.receivers(), points_.normals(), masks_);
+    }
+
+    cl_uint capacity() const { return static_cast<cl_uint>(queue_.bytes() / sizeof(ShaftPairs)); }
+
+    ShaftParams params_of(const Part& part) const {
+        return {.tree = run_.tree.layout(),
+                .triangles = triangle_inputs(run_.triangles),
+                .points = points_.part(part.first, part.count),
+                .bundle_count = bundle_count_,
+                .mask_stride = static_cast<cl_uint>(part_points_),
+                .queue_capacity = capacity(),
+                .has_receivers = run_.points.receivers() != nullptr,
+                .rounding = rounding(),
+                .padding = {}};
+    }
+
+    ShaftCounters trace(const Part& part) {
+        session_.fill(counters_, 0, sizeof(ShaftCounters));
+        if (run_.triangles.count() == 0) return {};
+        const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
+        const std::size_t tasks = blocks * bundle_count_;
+        const cl::Range range = session_.is_cpu() && session_.lanes() > 1
+                                    ? session_.uneven_items(tasks, 1)
+                                    : cl::Range::groups(std::min<std::size_t>(tasks, 65536), width);
+        session_.launch("lights/shaft_trace.cl", "shaft_trace", range, params_of(part), bundles_, run_.tree.nodes(),
+                        run_.tree.leaves(), run_.tree.ids(), points_.positions(), points_.receivers(),
+                        points_.surface_normals(), masks_, queue_, counters_,
+                        cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+        return session_.read_value<ShaftCounters>(counters_);
+    }
+
+    void decide_queue(const Part& part) {
+        session_.launch("lights/shaft_trace.cl", "shaft_exact", cl::Range::items(capacity()), params_of(part), bundles_,
+                        triangle_inputs(run_.triangles).vertices, points_.positions(), queue_, masks_, counters_);
+        const auto counted = session_.read_value<ShaftCounters>(counters_);
+        queued_ += counted.queued;
+        for (int level = 0; level < 3; ++level) by_level_[level] += counted.by_level[level];
+    }
+
+    // n . X rounds five times, for a triangle and for a point; the sum of sizes is at most 3 times the largest.
+    float rounding() const {
+        return 4e-6f * std::max(run_.tree.largest_coordinate(), points_.largest_coordinate()) + 1e-30f;
+    }
+
+    const ShaftRun& run_;
+    cl::Session& session_;
+    const SortedPoints& points_;
+    Statistics& statistics_;
+    cl_uint bundle_count_;
+    LightSums sums_;
+    cl::Buffer bundles_, counters_, queue_, masks_;
+    std::size_t part_points_ = 0;
+    std::uint64_t queued_ = 0, by_level_[3] = {};
+};
+
+}  // namespace
+
+bool run_shafts(const ShaftRun& run, Statistics& statistics) {
+    cl::StageTimer timer(session_of(run.device), statistics, "point_order");
+    const SortedPoints points(run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout);
+    const float largest = std::max(run.tree.largest_coordinate(), points.largest_coordinate());
+    if (!(largest <= largest_in_range)) return false;
+    const auto bundles = make_light_bundles(run.lights.lights(), run.bundle_lights, largest);
+    if (!bundles) return false;
+    timer.next(nullptr);
+    ShaftPasses(run, *bundles, points, statistics).run();
+    merge_stages(statistics);
+    return true;
+}
+
+}  // namespace gnomon

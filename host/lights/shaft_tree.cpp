@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "lights/shaft_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "kernels/occluders/clusters.h"
+#include "lists/sort.hpp"
+
+namespace gnomon {
+namespace {
+
+std::uint32_t divided_up(std::uint32_t count, std::uint32_t by) { return count / by + (count % by != 0); }
+
+ShaftTree layout_of(std::uint32_t triangles, std::uint32_t width) {
+    ShaftTree tree{};
+    tree.triangle_count = triangles;
+    tree.leaf_count = divided_up(triangles, width);
+    std::uint32_t boxes = tree.leaf_count, nodes = 0;
+    do {
+        tree.first_node[tree.level_count++] = nodes;
+        boxes = divided_up(boxes, width);
+        nodes += boxes;
+    } while (boxes > 1);
+    return tree;
+}
+
+}  // namespace
+
+BuiltShaftTree::BuiltShaftTree(const Device& device, const TriangleInputs& triangles)
+    : device_(device), width_(shaft_width(session_of(device))), layout_(layout_of(triangles.count, width_)) {
+    cl::Session& session = session_of(device_);
+    const std::size_t slots = std::size_t(layout_.leaf_count) * width_;
+    std::uint32_t nodes = layout_.first_node[layout_.level_count - 1] + 1;
+    leaves_.reserve(session, slots * SHAFT_LEAF_ROWS * sizeof(float));
+    nodes_.reserve(session, std::size_t(nodes) * SHAFT_NODE_ROWS * width_ * sizeof(float));
+    ids_.reserve(session, slots * sizeof(cl_uint));
+    if (triangles.count == 0) return;
+    std::vector<cl_uint> identity(triangles.count);
+    std::iota(identity.begin(), identity.end(), 0u);
+    cl::Buffer numbers(session, triangles.count * sizeof(cl_uint));
+    session.write(numbers.get(), identity.data(), identity.size() * sizeof(cl_uint));
+    build(triangles, numbers);
+    sort(triangles, numbers);
+    build(triangles, numbers);
+}
+
+void BuiltShaftTree::build(const TriangleInputs& triangles, const cl::Buffer& numbers) {
+    cl::Session& session = session_of(device_);
+    const TrianglesLayout& layout = triangles;
+    session.launch("lights/shaft_tree.cl", "shaft_leaves", cl::Range::items(std::size_t(layout_.leaf_count) * width_),
+                   layout_, layout, triangles.vertices, numbers, leaves_, ids_);
+    std::uint32_t boxes = layout_.leaf_count;
+    for (std::uint32_t level = 0; level < layout_.level_count; ++level) {
+        session.launch("lights/shaft_tree.cl", "shaft_boxes", cl::Range::items(boxes + width_), layout_, level, leaves_,
+                       nodes_);
+        boxes = divided_up(boxes, width_);
+    }
+}
+
+// Orders the triangles along a curve through the box around all of them: the root of the tree so far.
+void BuiltShaftTree::sort(const TriangleInputs& triangles, cl::Buffer& numbers) {
+    cl::Session& session = session_of(device_);
+    const std::size_t row = width_, root = layout_.first_node[layout_.level_count - 1] * SHAFT_NODE_ROWS * row;
+    const auto all = session.read_values<float>(nodes_.get(), root + SHAFT_NODE_ROWS * row);
+    ClusterGrid grid{};
+    double extent = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto low = all.begin() + root + c * row, high = low + 3 * row;
+        const double least = *std::min_element(low, low + row), most = *std::max_element(high, high + row);
+        if (least > most) return;  // no finite triangle
+        largest_coordinate_ = std::max(largest_coordinate_, float(std::max(std::abs(least), std::abs(most))));
+        grid.origin[c] = static_cast<float>(least / 2);
+        extent = std::max(extent, (most - least) / 2);
+    }
+    const double scale = (1u << MORTON_BITS) / extent;
+    grid.scale = scale < std::numeric_limits<float>::max() ? static_cast<float>(scale) : 0.0f;
+    cl::Buffer codes(session, triangles.count * sizeof(cl_uint));
+    session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(triangles.count), grid,
+                   ClusterParams{.triangles = triangles, .cluster_count = 0, .has_pyramid = 0}, triangles.vertices,
+                   codes, numbers);
+    Sort().run(session, triangles.count, codes, numbers);
+}
+
+}  // namespace gnomon

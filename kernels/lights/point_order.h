@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Contract of the point order: points sorted so that neighbours in memory are neighbours in space on surfaces that face
+// the same way: by the axis that their surface's normal follows most, then along a space-filling curve. Absent points
+// come last. The order, and the surface normals, affect speed alone.
+#pragma once
+
+#include "simd/points.h"
+
+GN_STRUCT_BEGIN(PointOrderParams)
+    TrianglesLayout triangles;  // of the receivers
+    PointsLayout points;
+    PointsLayout normals;  // `first` and the strides
+    float origin[3];
+    float scale;
+    uint has_normals;
+    uint padding[3];
+GN_STRUCT_END(PointOrderParams, 144)
+
+// Bounds of the points' coordinates as keys (float_to_key): three minima, three maxima.
+#define POINT_BOUNDS_WORDS 6u
+
+// Cells per axis of the curve: 2^(2 * POINT_CODE_BITS). The code's lower and upper halves are sorted one after the
+// other.
+#define POINT_CODE_BITS 8u

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: MIT
+// The trace of shafts (shaft.h): for each block of points and each bundle of lights, the tree's triangles, near ones
+// first, until no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
+#include "exact/decide_pair.clh"
+#include "lights/shaft_test.clh"
+#include "lists/append.h"
+
+// A box of the tree: of level 0, a leaf; of another level, a node of the level below.
+static uint entry_of(uint level, uint index) { return level << 28 | index; }
+
+// What one work-item, or group, works on.
+typedef struct ShaftWork {
+    PointBlock points;
+    LaneInt receivers;
+    LaneInt open;   // the lights of the bundle that are not yet dark
+    float3 normal;  // of the surface, nearly, coordinates at most 1; zero if there is none
+    size_t block;
+    uint bundle;
+} ShaftWork;
+
+// All arguments of the launch that the functions below need.
+typedef struct ShaftScene {
+    ShaftTree tree;
+    __global const float* nodes;
+    __global const float* leaves;
+    __global const uint* ids;
+    __global ShaftPairs* queue;
+    uint queue_capacity;
+    float rounding;
+    __global ShaftCounters* counters;
+} ShaftScene;
+
+static void queue_pairs(const ShaftWork* work, uint lane, uint undecided, uint triangle, const ShaftScene* scene,
+                        Reservation* mine) {
+    uint slot = reservation(mine, &scene->counters->queued);
+    if (slot < scene->queue_capacity)
+        scene->queue[slot] = (ShaftPairs){(uint)(work->block * SHAFT_WIDTH) + lane, work->bundle, triangle, undecided};
+}
+
+// From so many points on, the triangle is first tested against the cones of 16 points at once.
+#define POINTS_WORTH_CONES 8u
+
+// Tests triangle i of a leaf against all open pairs of the block and the bundle. `lanes`: the points whose rays it may
+// meet.
+GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle* bundle, __global const float* leaf,
+                                    uint triangle, uint i, LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
+    ShaftTriangle t = shaft_triangle(leaf, i);
+    uint bits = lane_bits(lanes);
+    if (GN_LANES == 1 || popcount(bits) >= POINTS_WORTH_CONES) {
+        ShaftEdges edges = edges_of(&t, &work->points);
+        ShaftDecision cone = decide_cone(&edges, bundle);
+        work->open &= ~(cone.blocked & lanes);
+        bits = lane_bits(lanes & ~(cone.blocked | cone.missed));
+    }
+    while (bits != 0u) {
+        int lane = take_lane(&bits);
+        PointEdges edges = edges_of_point(&t, lane_point(work->points, lane));
+        uint open = (uint)LANE_OF_INT(work->open, lane);
+        LightDecision decision = decide_lights(&edges, bundle, open);
+        LANE_OF_INT(work->open, lane) = (int)(open & ~decision.dark);
+        if (decision.undecided != 0u) queue_pairs(work, SHAFT_LANE(lane), decision.undecided, triangle, scene, mine);
+    }
+}
+
+// Tests the triangles of a leaf that the shaft may meet.
+GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bundle, const Shaft* shaft, uint leaf,
+                                const ShaftScene* scene, Reservation* mine SHARED_PARAMETER) {
+    __global const float* rows = scene->leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
+    __global const uint* ids = scene->ids + (size_t)leaf * SHAFT_WIDTH;
+    ShaftHits hits = triangles_in_shaft(rows, bundle, shaft);
+    SHARE_LEAST(hits);
+    for (uint bits = SHAFT_BITS(hits.some); bits != 0u;) {
+        uint i = take_lowest_bit(&bits);
+        LaneInt lanes =
+            LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)ids[i]));
+        for (uint k = 0; k < 6u; ++k)
+            lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, i)), <=, shaft->point_limits[k]);
+        if (LANES_ANY(lanes)) test_triangle(work, bundle, rows, ids[i], i, lanes, scene, mine);
+    }
+}
+
+#if GN_LANES > 1
+#define ANY_OPEN(work) LANES_ANY((work)->open)
+
+// Pushes the children in `bits`, the nearest last.
+static uint push_boxes(uint* stack, uint top, uint level, uint first, uint bits, LaneFloat nearness) {
+    float key[16];
+    vstore16(nearness, 0, key);
+    uint bottom = top;
+    while (bits != 0u) {
+        uint child = take_lowest_bit(&bits), at = top++;
+        for (; at > bottom && key[stack[at - 1u] & 15u] < key[child]; --at) stack[at] = stack[at - 1u];
+        stack[at] = child;
+    }
+    for (uint at = bottom; at < top; ++at) stack[at] = entry_of(level, first + stack[at]);
+    return top;
+}
+#else
+#define ANY_OPEN(work) (group_bits((work)->open != 0, shared) != 0u)
+
+// The same, each child by its own item: its slot is the number of children that are farther.
+static uint push_boxes(__local uint* stack, uint top, uint level, uint first, uint bits, float nearness,
+                       __local uint* shared) {
+    uint item = get_local_id(0), key = float_to_key(nearness);
+    shared[SHAFT_KEYS + item] = key;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if ((bits >> item & 1u) != 0u) {
+        uint farther = 0;
+        for (uint rest = bits; rest != 0u;) {
+            uint other = take_lowest_bit(&rest);
+            uint its_key = shared[SHAFT_KEYS + other];
+            farther += its_key > key || (its_key == key && other > item);
+        }
+        stack[top + farther] = entry_of(level, first + item);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return top + popcount(bits);
+}
+#endif
+
+GN_INLINE_ON_CPU void trace_shaft(ShaftWork* work, __global const LightBundle* bundle, const ShaftScene* scene,
+                                  Reservation* mine SHARED_PARAMETER) {
+    Shaft shaft = shaft_of_points(&work->points, LANE_COMPARE(work->open, !=, (LaneInt)(0)), work->normal,
+                                  scene->rounding, bundle SHARED);
+#if GN_LANES > 1
+    uint stack[MOST_SHAFT_ENTRIES];
+#else
+    __local uint* stack = shared + SHAFT_STACK;
+    if (get_local_id(0) == 0)
+#endif
+    stack[0] = entry_of(scene->tree.level_count, 0u);
+    uint top = 1u, open_points = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
+#if GN_LANES == 1
+    barrier(CLK_LOCAL_MEM_FENCE);
+#endif
+    while (top != 0u) {
+        uint entry = stack[--top], level = entry >> 28, index = entry & 0x0FFFFFFFu;
+        if (level != 0u) {
+            __global const float* node =
+                scene->nodes + (size_t)(scene->tree.first_node[level - 1u] + index) * (SHAFT_NODE_ROWS * SHAFT_WIDTH);
+            LaneFloat nearness;
+            uint bits = SHAFT_BITS(boxes_in_shaft(node, bundle, &shaft, &nearness));
+            top = push_boxes(stack, top, level - 1u, index * SHAFT_WIDTH, bits, nearness SHARED);
+            continue;
+        }
+        test_leaf(work, bundle, &shaft, index, scene, mine SHARED);
+        // A shaft of fewer points is thinner.
+        uint still_open = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
+        if (still_open == 0u) return;
+        if (2u * popcount(still_open) > popcount(open_points)) continue;
+        open_points = still_open;
+        shaft = shaft_of_points(&work->points, LANE_COMPARE(work->open, !=, (LaneInt)(0)), work->normal,
+                                scene->rounding, bundle SHARED);
+    }
+}
+
+// The points of a block, in the order of the lanes, and their open lights.
+static ShaftWork load_work(const ShaftParams params, size_t block, uint bundle, __global const float* positions,
+                           __global const uint* receivers, __global const float* surface_normals,
+                           __global const uint* masks) {
+    ShaftWork work;
+    work.block = block;
+    work.bundle = bundle;
+    size_t first = block * SHAFT_WIDTH;
+#if GN_LANES > 1
+    LaneInt valid = valid_lanes(params.points, block);
+    work.points = load_block(positions, params.points, block);
+    work.open = (LaneInt)(0);
+    work.receivers = (LaneInt)(-1);
+    __global const uint* mask = masks + bundle * (size_t)params.mask_stride + first;
+    work.open = as_int16(vload16(0, mask));
+    if (params.has_receivers != 0u) work.receivers = as_int16(vload16(0, receivers + params.points.first / 3u + first));
+#else
+    uint i = (uint)first + get_local_id(0);
+    bool is_valid = i < params.points.count;
+    LaneInt valid = is_valid ? -1 : 0;
+    float3 p = load_point(positions, params.points, is_valid ? i : 0u);
+    work.points = (PointBlock){p.x, p.y, p.z};
+    work.open = (int)masks[bundle * (size_t)params.mask_stride + i];
+    work.receivers = params.has_receivers != 0u && is_valid ? (int)receivers[params.points.first / 3u + i] : -1;
+#endif
+    work.open &= valid & present_lanes(work.points);
+    // Of the block's middle point.
+    work.normal = vload3(params.points.first / 3u + min((uint)first + SHAFT_WIDTH / 2u, params.points.count - 1u),
+                         surface_normals);
+    return work;
+}
+
+__kernel void shaft_trace(const ShaftParams params, __global const LightBundle* bundles, __global const float* nodes,
+                          __global const float* leaves, __global const uint* ids, __global const float* positions,
+                          __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
+                          __global ShaftPairs* queue, __global ShaftCounters* counters, __local uint* shared) {
+    ShaftScene scene = {params.tree, nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
+    Reservation mine = no_reservation();
+    uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
+#if GN_LANES > 1
+    GN_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
+#else
+    for (size_t task = get_group_id(0); task < (size_t)blocks * params.bundle_count; task += get_num_groups(0)) {
+#endif
+        uint bundle = (uint)(task / blocks);
+        ShaftWork work = load_work(params, task % blocks, bundle, positions, receivers, surface_normals, masks);
+        LaneInt before = work.open;
+        if (!ANY_OPEN(&work)) continue;
+        trace_shaft(&work, &bundles[bundle], &scene, &mine SHARED);
+        LaneInt dark = before & ~work.open;
+        __global uint* mask = masks + bundle * (size_t)params.mask_stride + work.block * SHAFT_WIDTH;
+#if GN_LANES > 1
+        vstore16(vload16(0, mask) & ~as_uint16(dark), 0, mask);
+#else
+        mask[get_local_id(0)] &= ~(uint)dark;
+#endif
+    }
+#if GN_LANES > 1
+    for (; mine.next != mine.end; ++mine.next)
+        if (mine.next < params.queue_capacity) queue[mine.next].lights = 0u;
+#endif
+}
+
+// Decides the queued pairs on the triangles' own vertices. Several entries may name one point and bundle.
+__kernel void shaft_exact(const ShaftParams params, __global const LightBundle* bundles, __global const float* vertices,
+                          __global const float* positions, __global const ShaftPairs* queue,
+                          volatile __global uint* masks, __global ShaftCounters* counters) {
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    uint by_level[3] = {0, 0, 0};
+    GN_FOR_EACH(i, min(counters->queued, params.queue_capacity)) {
+        ShaftPairs pairs = queue[i];
+        if (pairs.lights == 0u) continue;
+        volatile __global uint* mask = &masks[pairs.bundle * (size_t)params.mask_stride + pairs.point];
+        float3 p = load_point(positions, params.points, pairs.point);
+        uint dark = 0u;
+        for (uint lights = pairs.lights & GN_RELAXED_LOAD(mask); lights != 0u;) {
+            uint l = take_lowest_bit(&lights);
+            float4 light = (float4)(light_direction(&bundles[pairs.bundle], l), 0.0f);
+            int level;
+            if (decide_pair(triangles, pairs.triangle, p, light, &level)) dark |= 1u << l;
+            ++by_level[level];
+        }
+        if (dark != 0u) atomic_and(mask, ~dark);
+    }
+    for (uint level = 0; level < 3u; ++level)
+        if (by_level[level] != 0u) atomic_add(&counters->by_level[level], by_level[level]);
+}

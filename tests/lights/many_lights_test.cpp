@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: MIT
+// Many lights at once. Bits are compared with the oracle, light by light, for tables in which rays of neighbouring
+// lights pass exactly through edges and vertices; sums with integers of the tests' own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "support/device.hpp"
+#include "support/light_scenes.hpp"
+
+namespace {
+
+using namespace support;
+using gnomon::Lights;
+
+constexpr gnomon::LightsWanted EVERYTHING{true, true, true, true, true};
+
+gnomon::LightsOnHost run(const gnomon::Device& device, const LightScene& scene, const Lights& lights,
+                         const std::string& way, const gnomon::LightsOptions& options = {},
+                         const std::string& bundle_lights = "32") {
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("many-lights", way);
+    technique->set("bundle-lights", bundle_lights);
+    return gnomon::run_lights_to_host(*technique, device, gnomon::Triangles::upload(device, scene.triangles),
+                                      upload_points(device, scene), lights, EVERYTHING, options);
+}
+
+bool is_lit(const gnomon::LightsOnHost& answers, std::size_t lights, std::size_t point, std::size_t light) {
+    return (answers.bits.at(point * ((lights + 31) / 32) + light / 32) >> (light % 32) & 1u) != 0;
+}
+
+/// Lights around the scene's own: itself, twice, others an ulp and a degree beside it, and scaled by powers of two.
+Lights table_around(const LightScene& scene, std::size_t count, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<gnomon::Light> lights;
+    std::vector<float> weights;
+    for (std::size_t i = 0; i < count; ++i) {
+        gnomon::Light light{scene.light};
+        Float3 d{light.xyzw[0], light.xyzw[1], light.xyzw[2]};
+        const float size = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+        if (i % 4 == 1) d = nudged(random, d);
+        if (i % 4 >= 2)
+            for (float& c : d) c += size * (i % 4 == 2 ? 0.02f : 0.7f) * (float(random.below(201)) / 100 - 1);
+        const float scale = i % 5 == 4 ? 0x1p-20f : 1.0f;
+        for (int c = 0; c < 3; ++c) light.xyzw[c] = d[c] * scale;
+        lights.push_back(light);
+        weights.push_back(i % 7 == 3 ? 0.0f : float(random.below(1000)) / 64 - 3);
+    }
+    return Lights(lights, weights);
+}
+
+/// The oracle's bits, light by light.
+std::vector<std::vector<float>> truth_of_each(LightScene scene, const Lights& lights) {
+    std::vector<std::vector<float>> truth;
+    for (const gnomon::Light& light : lights.lights()) {
+        scene.light = light.xyzw;
+        truth.push_back(truth_of(scene));
+    }
+    return truth;
+}
+
+/// Compares all outputs with the truth; returns the number of lit pairs.
+std::size_t expect_outputs(const gnomon::LightsOnHost& answers, const std::vector<std::vector<float>>& truth,
+                           const Lights& lights, const std::string& what) {
+    SCOPED_TRACE(what);
+    std::size_t lit_pairs = 0;
+    const std::size_t m = lights.count();
+    for (std::size_t p = 0; p < answers.counts.size(); ++p) {
+        std::uint32_t count = 0, first = gnomon::no_light, last = gnomon::no_light;
+        std::int64_t whole = 0;
+        for (std::size_t l = 0; l < m; ++l) {
+            const bool lit = truth[l][p] != 0;
+            EXPECT_EQ(is_lit(answers, m, p, l), lit) << "point " << p << ", light " << l;
+            if (!lit) continue;
+            ++count;
+            whole += lights.whole_weights()[l];
+            if (first == gnomon::no_light) first = std::uint32_t(l);
+            last = std::uint32_t(l);
+        }
+        EXPECT_EQ(answers.counts[p], count);
+        EXPECT_EQ(answers.first_lit[p], first);
+        EXPECT_EQ(answers.last_lit[p], last);
+        EXPECT_EQ(answers.sums[p], std::ldexp(double(whole), lights.exponent()));
+        lit_pairs += count;
+        if (testing::Test::HasFailure()) return lit_pairs;
+    }
+    return lit_pairs;
+}
+
+TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShafts) {
+    const gnomon::Device device = device_with();
+    std::size_t pairs = 0, lit = 0, by_shafts = 0, undecided = 0, seed = 0;
+    for (LightScene scene : light_scenes()) {
+        if (++seed % 3 != 0) continue;
+        scene.points.resize(std::min<std::size_t>(scene.points.size(), 3 * 75));
+        const std::size_t counts[] = {1, 31, 32, 33, 70};
+        const Lights lights = table_around(scene, counts[seed % 5], seed);
+        const auto truth = truth_of_each(scene, lights);
+        const auto one = run(device, scene, lights, "one-by-one");
+        lit += expect_outputs(one, truth, lights, scene.name + ", one by one");
+        pairs += lights.count() * scene.points.size() / 3;
+        const auto shafts = run(device, scene, lights, "auto", {}, seed % 2 == 0 ? "32" : "5");
+        expect_outputs(shafts, truth, lights, scene.name + ", by shafts");
+        by_shafts += shafts.statistics.count("bundles") != 0;
+        undecided += shafts.statistics.count("queued_pairs");
+        if (HasFailure()) return;
+    }
+    std::cout << pairs << " pairs, " << lit << " lit; " << by_shafts << " scenes by shafts, " << undecided
+              << " entries queued\n";
+    EXPECT_GT(lit, pairs / 20);
+    EXPECT_LT(lit, pairs - pairs / 20);
+    EXPECT_GT(by_shafts, 20u);
+    EXPECT_GT(undecided, 1000u);  // ties reach the exact predicate
+}
+
+/// Boxes on a floor, with points on their faces and the faces' normals; receivers.
+struct FacedScene : LightScene {
+    std::vector<float> normals;
+};
+FacedScene boxes_on_floor(std::size_t points, std::uint64_t seed) {
+    FacedScene scene;
+    scene.name = "boxes on a floor";
+    scene.triangles = lattice_blocks(6, 3, seed);
+    Random random(seed);
+    const std::size_t triangles = scene.triangles.size() / 9;
+    for (std::size_t i = 0; i < points; ++i) {
+        const std::uint32_t t = std::uint32_t(random.below(triangles));
+        const float* v = scene.triangles.data() + 9 * t;
+        const float a = float(random.below(9)) / 16, b = float(random.below(8)) / 16;
+        Float3 e{}, f{};
+        for (int c = 0; c < 3; ++c) {
+            e[c] = v[3 + c] - v[c];
+            f[c] = v[6 + c] - v[c];
+            scene.points.push_back(v[c] + a * e[c] + b * f[c]);
+        }
+        for (int c = 0; c < 3; ++c)
+            scene.normals.push_back(e[(c + 1) % 3] * f[(c + 2) % 3] - e[(c + 2) % 3] * f[(c + 1) % 3]);
+        scene.receivers.push_back(t);
+    }
+    return scene;
+}
+
+Lights lights_all_around(std::size_t count, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<gnomon::Light> lights;
+    while (lights.size() < count) {
+        // Many lie in planes of the faces.
+        const Float3 d{float(random.below(9)) - 4, float(random.below(9)) - 4, float(random.below(9)) - 4};
+        if (d != Float3{0, 0, 0}) lights.push_back(gnomon::Light::directional(d));
+    }
+    return Lights(lights);
+}
+
+TEST(ManyLights, SidesAreThoseOfOneLight) {
+    const gnomon::Device device = device_with();
+    FacedScene scene = boxes_on_floor(700, 3);
+    const Lights lights = lights_all_around(90, 5);
+    const gnomon::Points normals = gnomon::Points::upload(device, scene.normals);
+    for (int side = 0; side < 4; ++side) {
+        SCOPED_TRACE("side " + std::to_string(side));
+        gnomon::LightsOptions options;
+        scene.eye.reset();
+        if (side == 1) scene.eye = Float3{20.5f, 31, -7};
+        if (side == 2) options.front = true;
+        if (side == 3) options.normals = normals.positions();
+        const auto one = run(device, scene, lights, "one-by-one", options);
+        const auto shafts = run(device, scene, lights, "shafts", options);
+        EXPECT_EQ(one.bits, shafts.bits);
+        EXPECT_EQ(one.sums, shafts.sums);
+        std::size_t lit = 0;
+        for (const std::uint32_t count : one.counts) lit += count;
+        EXPECT_GT(lit, 2000u);
+        if (side > 1) continue;
+        const auto truth = truth_of_each(scene, lights);
+        expect_outputs(shafts, truth, lights, "by shafts");
+    }
+}
+
+TEST(ManyLights, NoDeviceSettingChangesABit) {
+    FacedScene scene = boxes_on_floor(500, 4);
+    const Lights lights = table_around({"", {}, {}, along(-0.3f, -1, 0.2f)}, 100, 9);
+    const auto usual = run(device_with(), scene, lights, "one-by-one");
+    for (int kind = 0; kind < 4; ++kind) {
+        gnomon::DeviceOptions options;
+        if (kind == 0) options.gpu_kernels = true;
+        if (kind == 1) options.hide_fp64 = true;
+        if (kind == 2) options.work_group_size = 3;
+        if (kind == 3) options.memory_limit_bytes = 12 << 20;
+        const gnomon::Device device({}, options);
+        for (const char* bundle_lights : {"1", "16", "32"}) {
+            const auto got = run(device, scene, lights, "shafts", {}, bundle_lights);
+            EXPECT_EQ(got.bits, usual.bits) << "kind " << kind << ", bundles of " << bundle_lights;
+            EXPECT_EQ(got.sums, usual.sums);
+        }
+    }
+}
+
+TEST(ManyLights, OrderOfLightsChangesNoSum) {
+    const gnomon::Device device = device_with();
+    const FacedScene scene = boxes_on_floor(300, 6);
+    Random random(8);
+    std::vector<gnomon::Light> lights;
+    std::vector<float> weights;
+    std::mt19937 engine(3);
+    for (int i = 0; i < 257; ++i) {
+        lights.push_back(lights_all_around(1, 100 + i).lights()[0]);
+        weights.push_back(std::ldexp(float(random.below(1 << 24)) - 0x1p23f, -int(random.below(40))));
+    }
+    const auto usual = run(device, scene, Lights(lights, weights), "shafts");
+    std::vector<std::size_t> order(lights.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::shuffle(order.begin(), order.end(), engine);
+    std::vector<gnomon::Light> shuffled;
+    std::vector<float> shuffled_weights;
+    for (const std::size_t i : order) {
+        shuffled.push_back(lights[i]);
+        shuffled_weights.push_back(weights[i]);
+    }
+    EXPECT_EQ(run(device, scene, Lights(shuffled, shuffled_weights), "shafts").sums, usual.sums);
+    EXPECT_EQ(run(device, scene, Lights(shuffled, shuffled_weights), "one-by-one").sums, usual.sums);
+    EXPECT_GT(*std::ranges::max_element(usual.sums), 0);
+}
+
+// A wall of height 3 over a floor, 4 to the side of a point: light i comes from the elevation with slope i / 40, and
+// the wall's edge blocks too, so the slopes up to 3/4 are blocked exactly.
+TEST(ManyLights, HoursBehindAWall) {
+    LightScene scene{"wall", {4, -1, -1e4f, 4, -1, 1e4f, 4, 3, 0, 4, -1, 1e4f, 4, 3, -1e4f, 4, 3, 1e4f}, {0, 0, 0}, {}};
+    std::vector<gnomon::Light> lights;
+    for (int i = 1; i <= 80; ++i) lights.push_back(gnomon::Light::directional({-40, float(-i), 0}));
+    const auto answers = run(device_with(), scene, Lights(lights), "shafts");
+    EXPECT_EQ(answers.counts[0], 50u);
+    EXPECT_EQ(answers.first_lit[0], 30u);  // slope 31 / 40
+    EXPECT_EQ(answers.last_lit[0], 79u);
+}
+
+// In the middle between two endless walls, an upward point sees sin(a) of the sky by cosine weight, where a is the
+// angle between the vertical and the edge of a wall: here tan(a) = 1/2.
+TEST(ManyLights, SkyOfACanyonHasItsClosedForm) {
+    LightScene scene{"canyon", {}, {0, 0, 0}, {}};
+    for (const float x : {-1.0f, 1.0f})
+        append(scene.triangles, {x, -1, -1e4f, x, -1, 1e4f, x, 2, 1e4f, x, -1, -1e4f, x, 2, 1e4f, x, 2, -1e4f});
+    const Lights sky = gnomon::sky_patches({0, 1, 0}, {0, 0, -1}, 16);
+    const auto answers = run(device_with(), scene, sky, "shafts");
+    EXPECT_NEAR(answers.sums[0], std::sin(std::atan(1 / 2.0)), 2e-3);
+    double all = 0;
+    for (const float weight : sky.weights()) all += weight;
+    EXPECT_NEAR(all, 1, 1e-5);
+    EXPECT_EQ(gnomon::sky_patches({0, 1, 0}, {0, 0, -1}).count(), 145u);
+    EXPECT_EQ(gnomon::sky_patches({0, 1, 0}, {0, 0, -1}, 2).count(), 577u);
+}
+
+TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
+    const gnomon::Device device = device_with();
+    FacedScene scene = boxes_on_floor(200, 7);
+    for (std::size_t i = 0; i < scene.normals.size(); i += 3) {
+        const double length = std::hypot(scene.normals[i], scene.normals[i + 1], scene.normals[i + 2]);
+        for (int c = 0; c < 3; ++c) scene.normals[i + c] = float(scene.normals[i + c] / length);
+    }
+    const gnomon::Points normals = gnomon::Points::upload(device, scene.normals);
+    gnomon::LightsOptions options;
+    options.normals = normals.positions();
+    options.cosines = true;
+    const Lights lights = table_around({"", {}, {}, along(-0.3f, -1, 0.2f)}, 60, 9);
+    const auto shafts = run(device, scene, lights, "shafts", options);
+    EXPECT_EQ(run(device, scene, lights, "one-by-one", options).sums, shafts.sums);
+    for (std::size_t p = 0; p < scene.receivers.size(); ++p) {
+        const float* n = scene.normals.data() + 3 * p;
+        std::int64_t whole = 0;
+        for (std::size_t l = 0; l < lights.count(); ++l) {
+            if (!is_lit(shafts, lights.count(), p, l)) continue;
+            const auto& d = lights.lights()[l].xyzw;
+            const double largest = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+            double unit[3] = {d[0] / largest, d[1] / largest, d[2] / largest};
+            const double length = std::sqrt(unit[0] * unit[0] + unit[1] * unit[1] + unit[2] * unit[2]);
+            volatile float x = n[0] * float(unit[0] / length), y = n[1] * float(unit[1] / length);
+            volatile float z = n[2] * float(unit[2] / length), xy = x + y, cosine = xy + z;
+            volatile float term = std::clamp(float(cosine), 0.0f, 1.0f) * lights.weights()[l];
+            whole += std::int64_t(std::nearbyint(std::ldexp(double(term), -lights.exponent())));
+        }
+        ASSERT_EQ(shafts.sums[p], std::ldexp(double(whole), lights.exponent())) << "point " << p;
+    }
+}
+
+TEST(ManyLights, EmptyAndLargeTables) {
+    const gnomon::Device device = device_with();
+    FacedScene scene = boxes_on_floor(40, 2);
+    const auto none = run(device, scene, Lights(std::vector<gnomon::Light>{}), "shafts");
+    EXPECT_EQ(none.counts, std::vector<std::uint32_t>(40, 0));
+    EXPECT_EQ(none.first_lit, std::vector<std::uint32_t>(40, gnomon::no_light));
+    const LightScene without_points{"no points", scene.triangles, {}, {}};
+    EXPECT_TRUE(run(device, without_points, lights_all_around(3, 1), "shafts").counts.empty());
+    const LightScene without_triangles{"no triangles", {}, {0, 0, 0, 1, 1, 1}, {}};
+    EXPECT_EQ(run(device, without_triangles, lights_all_around(33, 1), "shafts").counts,
+              std::vector<std::uint32_t>(2, 33));
+    scene.triangles[4] = std::numeric_limits<float>::quiet_NaN();
+    scene.points[0] = std::numeric_limits<float>::infinity();
+    const Lights many = lights_all_around(100'000, 1);
+    const auto shafts = run(device, scene, many, "shafts");
+    EXPECT_EQ(shafts.counts[0], many.count());  // absent points are lit
+    LightScene one = scene;
+    for (const std::size_t l : {0u, 31u, 32u, 50'000u, 99'999u}) {
+        one.light = many.lights()[l].xyzw;
+        const auto truth = truth_of(one);
+        for (std::size_t p = 0; p < truth.size(); ++p) EXPECT_EQ(is_lit(shafts, many.count(), p, l), truth[p] != 0);
+    }
+}
+
+TEST(ManyLights, RefusesWhatHasNoMeaning) {
+    const gnomon::Device device = device_with();
+    const gnomon::Light sun = gnomon::Light::directional({0, -1, 0});
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const auto message_of = [](const auto& act) -> std::string {
+        try {
+            act();
+        } catch (const gnomon::Error& error) {
+            return error.what();
+        }
+        return "nothing was thrown";
+    };
+    EXPECT_EQ(message_of([&] { Lights({sun, sun}, {1, nan}); }), "the weight of light 1 is not a finite number");
+    EXPECT_NE(message_of([&] { Lights({sun, gnomon::Light{{nan, 0, 0, 0}}}); }).find("light 1: "), std::string::npos);
+    EXPECT_EQ(message_of([&] { Lights({sun, sun}, {1}); }), "there are 1 weights for 2 lights");
+    const FacedScene scene = boxes_on_floor(40, 2);
+    gnomon::LightsOptions options;
+    options.cosines = true;
+    EXPECT_EQ(message_of([&] { run(device, scene, Lights({sun}), "auto", options); }),
+              "cosines need a normal per point");
+    const Lights lamp({gnomon::Light::positional({1, 2, 3})});
+    EXPECT_NE(message_of([&] { run(device, scene, lamp, "shafts"); }).find("many-lights=auto"), std::string::npos);
+    options = {};
+    options.progress = [](double) { return false; };
+    EXPECT_THROW(run(device, scene, Lights({sun}), "shafts", options), gnomon::Cancelled);
+    EXPECT_THROW(run(device, scene, Lights({sun}), "one-by-one", options), gnomon::Cancelled);
+    double done = 0;
+    options.progress = [&](double part) {
+        EXPECT_GE(part, done);
+        done = part;
+        return true;
+    };
+    run(device, scene, lights_all_around(40, 1), "one-by-one", options);
+    EXPECT_EQ(done, 1);
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const gnomon::Visibility small(device, 3);
+    EXPECT_THROW(technique->run(gnomon::Triangles::upload(device, scene.triangles), upload_points(device, scene),
+                                Lights({sun}), {.counts = small.buffer()}),
+                 gnomon::InvalidArgument);
+}
+
+TEST(ManyLights, PointLightsAndOtherTechniquesGoOneByOne) {
+    const gnomon::Device device = device_with();
+    const FacedScene scene = boxes_on_floor(120, 2);
+    const Lights lamp = gnomon::area_light({2, 9, 1}, {3, 0, 0}, {0, 0, 2}, 40);
+    expect_outputs(run(device, scene, lamp, "auto"), truth_of_each(scene, lamp), lamp, "an area light");
+    const auto technique = gnomon::make_technique("izb", device);
+    const Lights suns = gnomon::sun_disk({-0.3f, -1, 0.2f}, 20, 33);
+    const auto answers =
+        gnomon::run_lights_to_host(*technique, device, gnomon::Triangles::upload(device, scene.triangles),
+                                   upload_points(device, scene), suns, EVERYTHING);
+    EXPECT_EQ(answers.counts.size(), 120u);
+    EXPECT_GT(*std::ranges::max_element(answers.counts), 20u);
+}
+
+}  // namespace
