@@ -304,19 +304,35 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
     return measured.finish();
 }
 
+// Shafts share the work of neighbouring points and lights; one light at a time shares that of all points. Which takes
+// less time depends on how large triangles are beside the points' distances, so `auto` measures both where that pays.
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Lights& lights,
                               const LightsOutputs& outputs, const LightsOptions& options) {
+    constexpr std::size_t few_lights = 4, pairs_worth_measuring = std::size_t(1) << 25;
+    const bool is_auto = settings_.many_lights == ManyLights::automatic;
     const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
-    if (settings_.many_lights == ManyLights::one_by_one || is_empty)
+    if (settings_.many_lights == ManyLights::one_by_one || is_empty || (is_auto && lights.count() < few_lights))
         return Technique::run(triangles, points, lights, outputs, options);
     require_lights_run(device_, triangles, points, lights, outputs, options);
     MeasuredRun measured(session_, kept_bytes_);
-    tree_ = std::make_unique<BuiltShaftTree>(device_, triangle_inputs(triangles));
-    const ShaftRun run{device_, triangles, points, lights, outputs, options, *tree_, settings_.bundle_lights};
+    const Triangles clustered = is_auto ? with_clusters(device_, triangles) : triangles;
+    ShaftRun run{device_, triangles, points, lights, outputs, options, shaft_tree(triangles), settings_.bundle_lights};
+    if (is_auto && points.count() * lights.count() >= pairs_worth_measuring)
+        run.one_light_ms = time_of_one_light(*this, clustered, points, lights);
     if (run_shafts(run, measured.stages)) return measured.finish(measured.stages.counts);
     if (settings_.many_lights == ManyLights::shafts)
         throw InvalidArgument("shafts decide directional lights, and coordinates up to 2^19: use many-lights=auto");
-    return Technique::run(triangles, points, lights, outputs, options);
+    return Technique::run(clustered, points, lights, outputs, options);
+}
+
+// Kept as long as the caller keeps the clusters of the same triangles: the promise not to write the vertices lasts so
+// long.
+const BuiltShaftTree& FrustumTraced::shaft_tree(const Triangles& triangles) {
+    const Clusters* clusters = Internals::clusters(triangles);
+    if (tree_ && clusters != nullptr && clusters == Internals::clusters(tree_->triangles())) return *tree_;
+    tree_.reset();
+    tree_ = std::make_unique<BuiltShaftTree>(device_, triangles);
+    return *tree_;
 }
 
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
@@ -455,6 +471,7 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
 void FrustumTraced::forget() {
     const MeasuredRun freed(session_, kept_bytes_);
     prepared_.reset();
+    tree_.reset();
 }
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {

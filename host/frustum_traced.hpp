@@ -59,6 +59,7 @@ private:
 
     static const SettingsTable<Settings>& settings_table();
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
+    const BuiltShaftTree& shaft_tree(const Triangles& triangles);
     bool run_prepared(const FramedInputs& in, RunResult& result);
     void run_unprepared(const FramedInputs& in, RunResult& result);
     void run_one_frame(const FramedInputs& in, RunResult& result);

@@ -35,6 +35,13 @@ private:
     cl::Buffer slots_, tables_, none_;
 };
 
+/// The time of one light of the table, for all points, in ms: the second of two runs, since the first may wait for
+/// kernels' builds.
+double time_of_one_light(Technique& technique, const Triangles& triangles, const Points& points, const Lights& lights);
+
+/// `triangles` with clusters, if they are worth it for a run over many lights and the caller keeps none.
+Triangles with_clusters(const Device& device, const Triangles& triangles);
+
 /// Calls the progress function, if there is one; throws Cancelled if it returns false.
 void report_progress(const LightsOptions& options, double done);
 
@@ -48,9 +55,10 @@ struct ShaftRun {
     const LightsOptions& options;
     const BuiltShaftTree& tree;
     std::uint32_t bundle_lights;
+    std::optional<double> one_light_ms{};  ///< if given, the run is refused where one light at a time takes less time
 };
-/// False, and nothing is done, if shafts cannot decide these lights: a point light among them, or coordinates out of
-/// the filter's range. Adds its stages and counts to `statistics`.
+/// False, and no output is written, if shafts cannot decide these lights (a point light among them, or coordinates out
+/// of the filter's range), or would take longer than one light at a time. Adds its stages and counts to `statistics`.
 bool run_shafts(const ShaftRun& run, Statistics& statistics);
 
 }  // namespace gnomon

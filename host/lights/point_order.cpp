@@ -84,6 +84,14 @@ void SortedPoints::sort(cl::Session& session, const PointOrderParams& params, co
     sort.run(session, count, sorted_high, order_);
 }
 
+Points SortedPoints::as_points(const Device& device, const Points& given) const {
+    const bool has_receivers = given.receivers() != nullptr;
+    Points points =
+        Points::wrap(device, positions_.get(), {}, given.count(), has_receivers ? receivers_.get() : nullptr);
+    if (given.eye()) points.set_eye(*given.eye());
+    return points;
+}
+
 PointsLayout SortedPoints::part(std::size_t first, std::size_t count) const {
     PointsLayout layout = layout_;
     layout.first = static_cast<cl_uint>(3 * first);

@@ -13,6 +13,8 @@ public:
     SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
                  const PointLayout& normals_at);
 
+    /// These points, with the receivers and the eye of the given ones.
+    Points as_points(const Device& device, const Points& given) const;
     /// Points [first, first + count) as packed triples.
     PointsLayout part(std::size_t first, std::size_t count) const;
     const cl::Buffer& positions() const { return positions_; }

@@ -35,10 +35,25 @@ public:
         part_points_ = reserve_masks();
     }
 
+    // The time that all points may take, from a part in their middle. A part without time for the kernels' builds goes
+    // first.
+    double estimated_ms() {
+        constexpr std::size_t pairs = std::size_t(1) << 22;
+        const std::size_t count = run_.points.count();
+        const std::size_t sample =
+            std::min({count, part_points_, std::max<std::size_t>(pairs / run_.lights.count(), 512)});
+        run_part({count / 2, std::min<std::size_t>(count - count / 2, 64)}, false);
+        session_.finish();
+        const auto start = cl::Clock::now();
+        run_part({(count - sample) / 2, sample}, false);
+        session_.finish();
+        return cl::ms_since(start) * (double(count) / double(sample));
+    }
+
     void run() {
         const std::size_t count = run_.points.count();
         for (std::size_t first = 0; first < count; first += part_points_) {
-            run_part({first, std::min(part_points_, count - first)});
+            run_part({first, std::min(part_points_, count - first)}, true);
             session_.finish();
             report_progress(run_.options, double(std::min(first + part_points_, count)) / double(count));
         }
@@ -69,7 +84,7 @@ private:
         }
     }
 
-    void run_part(const Part& part) {
+    void run_part(const Part& part, bool adds_sums) {
         cl::StageTimer timer(session_, statistics_, "light_sides");
         decide_sides(part);
         timer.next("shaft_trace");
@@ -78,6 +93,7 @@ private:
             queue_.reserve(session_, (counted.queued + counted.queued / 4) * sizeof(ShaftPairs));
         timer.next("shaft_exact");
         if (counted.queued != 0) decide_queue(part);
+        if (!adds_sums) return;
         timer.next("light_sums");
         const bool has_normals = run_.options.normals != nullptr;
         sums_.add(masks_, part_points_, part.first, part.count, 0, bundle_count_, &points_.order(),
@@ -166,7 +182,9 @@ bool run_shafts(const ShaftRun& run, Statistics& statistics) {
     const auto bundles = make_light_bundles(run.lights.lights(), run.bundle_lights, largest);
     if (!bundles) return false;
     timer.next(nullptr);
-    ShaftPasses(run, *bundles, points, statistics).run();
+    ShaftPasses passes(run, *bundles, points, statistics);
+    if (run.one_light_ms && passes.estimated_ms() > *run.one_light_ms * double(run.lights.count())) return false;
+    passes.run();
     merge_stages(statistics);
     return true;
 }

@@ -29,8 +29,12 @@ ShaftTree layout_of(std::uint32_t triangles, std::uint32_t width) {
 
 }  // namespace
 
-BuiltShaftTree::BuiltShaftTree(const Device& device, const TriangleInputs& triangles)
-    : device_(device), width_(shaft_width(session_of(device))), layout_(layout_of(triangles.count, width_)) {
+BuiltShaftTree::BuiltShaftTree(const Device& device, const Triangles& given)
+    : device_(device),
+      triangles_(given),
+      width_(shaft_width(session_of(device))),
+      layout_(layout_of(static_cast<std::uint32_t>(given.count()), width_)) {
+    const TriangleInputs triangles = triangle_inputs(given);
     cl::Session& session = session_of(device_);
     const std::size_t slots = std::size_t(layout_.leaf_count) * width_;
     std::uint32_t nodes = layout_.first_node[layout_.level_count - 1] + 1;

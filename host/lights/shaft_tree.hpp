@@ -9,7 +9,9 @@ namespace gnomon {
 
 class BuiltShaftTree {
 public:
-    BuiltShaftTree(const Device& device, const TriangleInputs& triangles);
+    BuiltShaftTree(const Device& device, const Triangles& triangles);
+
+    const Triangles& triangles() const { return triangles_; }
 
     const ShaftTree& layout() const { return layout_; }
     const cl::Buffer& leaves() const { return leaves_; }
@@ -23,6 +25,7 @@ private:
     void sort(const TriangleInputs& triangles, cl::Buffer& numbers);
 
     Device device_;
+    Triangles triangles_;  ///< its clusters, if it has some, live as long as the tree
     std::uint32_t width_;
     ShaftTree layout_{};
     cl::Buffer leaves_, nodes_, ids_;
