@@ -267,6 +267,54 @@ TEST_F(VertexFans, OpenFansNeedTheLightInFrontOfAllPlanes) {
     }
 }
 
+TEST(VertexFansSigns, TheSumOfTwoDeterminantsIsSignedExactly) {
+    // Per case u, v, a and b, each an end and a start. The second sum cancels the first up to the last bits, or wholly.
+    std::mt19937 random(5);
+    std::vector<float> vectors;
+    constexpr std::size_t count = 4000;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float scales[] = {1, 0x1p-60f, 0x1p30f, 0x1p-10f};
+        const auto value = [&] {
+            return std::ldexp(float(int(random() % 0x1000000) - 0x800000), int(random() % 30) - 30) * scales[i % 4];
+        };
+        std::array<float, 24> c{};
+        for (int k = 0; k < 18; ++k) c[k] = value();
+        for (int k = 0; k < 3; ++k) c[18 + k] = c[15 + k], c[21 + k] = c[12 + k];  // b = -a
+        if (i % 3 != 0) c[18 + i % 3] = std::nextafter(c[18 + i % 3], i % 2 == 0 ? 1e30f : -1e30f);
+        if (i % 5 == 0) std::copy_n(c.begin(), 3, c.begin() + 6);  // u and v share an end
+        vectors.insert(vectors.end(), c.begin(), c.end());
+    }
+    for (const bool hide_fp64 : {false, true}) {
+        const gnomon::Device device({}, {.hide_fp64 = hide_fp64});
+        gnomon::cl::Session& session = session_of(device);
+        session.add_source("vertex_fans_test.cl", R"(
+#include "receivers/given_sides.cl"
+static Arrow arrow_at(__global const float* v) { return (Arrow){(float3)(v[0], v[1], v[2]), (float3)(v[3], v[4], v[5])}; }
+__kernel void sign_sums(uint count, __global const float* vectors, __global int* signs) {
+    GN_FOR_EACH(i, count) {
+        __global const float* v = vectors + 24 * i;
+        signs[i] = det_pair_sign(arrow_at(v), arrow_at(v + 6), (Sector){arrow_at(v + 12), arrow_at(v + 18)});
+    }
+})");
+        const gnomon::cl::Buffer signs(session, count * sizeof(int));
+        session.launch("vertex_fans_test.cl", "sign_sums", gnomon::cl::Range::items(count), cl_uint(count),
+                       uploaded(session, vectors), signs);
+        const std::vector<int> found = downloaded<int>(session, signs.get(), count);
+        std::size_t zeros = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto arrow = [&](int k) {
+                const float* v = &vectors[24 * i + 6 * k];
+                return minus(exact({v[0], v[1], v[2]}), exact({v[3], v[4], v[5]}));
+            };
+            const Rational value = dot(cross(arrow(0), arrow(1)), sum(1, arrow(2), 1, arrow(3)));
+            ASSERT_EQ(found[i], value.sign()) << "case " << i;
+            zeros += value == 0;
+        }
+        EXPECT_GT(zeros, count / 4);
+        EXPECT_LT(zeros, count / 2);
+    }
+}
+
 TEST_F(VertexFans, BigAndTinyCoordinatesAreDecidedByIntegers) {
     // The pit of a pyramid turned upside down, far from zero; lights within an ulp of its faces' planes.
     const float p = 0x1p22f, h = 0x1p-20f;
