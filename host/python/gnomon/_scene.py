@@ -617,7 +617,10 @@ def _run(
         points.set_eye(sides.eye)
     upload.technique(technique, settings).run(upload.triangles, points, light, visibility)
     if sides.normals is not None:
-        _gnomon.face_by_normals(device, points, *sides.normals, light, visibility)
+        if len(sides.normals) == 1:
+            _gnomon.face_by_normals(device, points, sides.normals[0], light, visibility)
+        else:
+            _gnomon.face_by_normals(device, points, sides.normals[0], sides.normals[1], light, visibility)
     if sides.is_front:
         _gnomon.face_by_winding(device, upload.triangles, points, light, visibility)
     if sides.fans is not None:
