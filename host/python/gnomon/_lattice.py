@@ -22,6 +22,7 @@ class Lattice:
     step: of the lattice, a power of two, in the unit of the coordinates.
     origin: (3,) the lattice point that the stored float32 coordinates count from.
     largest_move: the largest distance by which a coordinate of a vertex was rounded, at most half a step.
+    largest_move_of_points: the same for the points of the last call, before any lift.
     zero_area, turned_over, tilted: ids of the triangles that snapping left without area, turned over, or tilted by
         more than 1 degree. Facing of points on them (Scene.lit with side="front", eye= or lift=True) is decided by the
         triangle before snapping.
@@ -34,6 +35,7 @@ class Lattice:
         self.native = native
         self.world = world
         snapped, self.largest_move = native.snap(world.reshape(-1, 3))
+        self.largest_move_of_points = 0.0
         self.triangles = snapped.reshape(-1, 3, 3)
         change = native.changes(world.reshape(-1, 9), TILT_LIMIT)
         self.is_changed: NDArray[np.bool_] = change != 0
@@ -49,7 +51,9 @@ class Lattice:
 
     def snap(self, values: NDArray[Any], name: str, normals: NDArray[np.float64] | None = None) -> NDArray[np.float32]:
         """Rows of coordinates relative to the origin; first lifted along the normals, if they are given."""
-        return _snapped(self.native, np.ascontiguousarray(values, dtype=np.float64), name, normals)
+        world = np.ascontiguousarray(values, dtype=np.float64)
+        snapped, self.largest_move_of_points = _snapped(self.native, world, name)
+        return snapped if normals is None else lifted(self.native, world, name, normals)
 
     @functools.cached_property
     def touched(self) -> NDArray[np.int64]:
@@ -85,11 +89,19 @@ class Lattice:
         return f"<gnomon.Lattice of step {step}, moved by at most {self.largest_move:g}{note}>"
 
 
-def _snapped(
-    native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str, normals: NDArray[np.float64] | None = None
+def _snapped(native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str) -> tuple[NDArray[np.float32], float]:
+    try:
+        snapped, largest_move = native.snap(world)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+    return snapped, largest_move
+
+
+def lifted(
+    native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str, normals: NDArray[np.float64]
 ) -> NDArray[np.float32]:
     try:
-        return native.snap(world)[0] if normals is None else native.lift(world, normals)
+        return native.lift(world, normals)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
 
@@ -107,7 +119,7 @@ def snapped_triple(native: _gnomon.WorldLattice | None, value: Any, name: str) -
     """Three numbers relative to the lattice's origin; without a lattice rounded once to float32."""
     if native is None:
         return _arrays.triple(value, name)
-    x, y, z = _snapped(native, world_triple(value, name), name)[0]
+    x, y, z = _snapped(native, world_triple(value, name), name)[0][0]
     return float(x), float(y), float(z)
 
 

@@ -271,7 +271,7 @@ class Scene:
         """Whether the light reaches each point: what ray tracing would answer in exact arithmetic.
 
         points: (..., 3) coordinates in the scene's unit.
-        direction: (3,) along which a directional light travels (of any length); or
+        direction: (3,) along which a directional light travels (of any length, rounded once to float32); or
         position: (3,) of a point light.
         receivers: (...) ids of the triangles that the points lie on, negative for none. A receiver never shadows its
             own points; it excludes that triangle and does nothing else. A point exactly on a triangle's plane is not
@@ -476,9 +476,9 @@ class Scene:
                 raise ValueError(f"points: row {row} {flat[row].tolist()} is no vertex of the scene's triangles")
         rows, normals = np.empty(0, np.int64), None
         if self.lattice is not None:
-            rows, along = self.lattice.normals_where_touching(here, up)
+            rows, along = upload.device.call(self.lattice.normals_where_touching, here, up)
             if rows.size:
-                here[rows] = self.lattice.snap(flat[rows], "points", along)
+                here[rows] = _world.lifted(self.lattice.native, flat[rows].astype(np.float64), "points", along)
                 normals = np.full(here.shape, np.nan, np.float32)
                 normals[rows] = along
         return _Vertices(np.array(flat), up, here, normals, rows, fans)
