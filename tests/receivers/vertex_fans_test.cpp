@@ -275,8 +275,7 @@ TEST(VertexFansSigns, TheSumOfTwoDeterminantsIsSignedExactly) {
     for (std::size_t i = 0; i < count; ++i) {
         const float scales[] = {1, 0x1p-60f, 0x1p30f, 0x1p-10f};
         const auto value = [&] {
-            const int exponent = i % 4 == 1 ? -24 : int(random() % 30) - 30;
-            return std::ldexp(float(int(random() % 0x1000000) - 0x800000), exponent) * scales[i / 8 % 4];
+            return std::ldexp(float(int(random() % 0x1000000) - 0x800000), int(random() % 30) - 30) * scales[i / 8 % 4];
         };
         std::array<float, 24> c{};
         for (int k = 0; k < 18; ++k) c[k] = value();
@@ -294,13 +293,16 @@ TEST(VertexFansSigns, TheSumOfTwoDeterminantsIsSignedExactly) {
                 if (i % 8 != 0) c[21 + n] = tiny * small();
             }
         }
-        if (i % 4 == 1) {  // b = -a but for a start about as small as the roundings of double precision
+        if (i % 4 ==
+            1) {  // The same with more digits, and a start about as small as the roundings of double precision.
             c.fill(0);
-            const float tiny = std::ldexp(1.0f, -20 - int(random() % 24));
+            const auto long_value = [&] { return float(int(random() % 0x400000) - 0x200000); };
+            const float k = float(random() % 3) - 1, l = float(random() % 3) - 1;
+            const float tiny = std::ldexp(1.0f, -20 - int(random() % 30));
             for (int n = 0; n < 3; ++n) {
-                c[n] = value(), c[6 + n] = value(), c[12 + n] = value();
-                c[18 + n] = -c[12 + n];
-                c[21 + n] = tiny * value();
+                c[n] = long_value(), c[6 + n] = long_value(), c[12 + n] = long_value();
+                c[18 + n] = k * c[n] + l * c[6 + n] - c[12 + n];
+                c[21 + n] = tiny * long_value();
             }
         }
         vectors.insert(vectors.end(), c.begin(), c.end());
