@@ -300,7 +300,8 @@ class Scene:
         Points in a pyopencl array (N, 3) of float32, relative to the lattice's origin if there is a lattice, are read
         where they lie, on that array's queue, and the result is a pyopencl array (N,) of float32, 1 lit and 0 not;
         receivers (uint32) and normals (float32) are pyopencl arrays, too. Nothing is checked there: a point that is not
-        finite is 1.
+        finite is 1. side and eye read the triangles after snapping there: those that Scene.lattice names as changed are
+        decided rightly by normals, or by points on the host.
 
         Raises ValueError with the argument's name and the first bad row, MemoryError, DeviceNotFoundError.
         """
