@@ -19,6 +19,10 @@ struct gnomon_points {
     gnomon::Device device;
     gnomon::Points points;
 };
+struct gnomon_vertex_fans {
+    gnomon::Device device;
+    gnomon::VertexFans fans;
+};
 struct gnomon_visibility {
     gnomon::Device device;
     gnomon::Visibility visibility;

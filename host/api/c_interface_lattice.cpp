@@ -18,7 +18,8 @@ void give_lattice(const WorldLattice& lattice, gnomon_world_lattice* lattice_out
     out.exponent = lattice.exponent;
 }
 
-void give_array(const std::vector<float>& values, float* out, const char* argument) {
+template <typename Value>
+void give_array(const std::vector<Value>& values, Value* out, const char* argument) {
     if (!values.empty()) std::copy(values.begin(), values.end(), &at(out, argument));
 }
 
@@ -49,6 +50,25 @@ gnomon_status gnomon_world_lattice_lift(const gnomon_world_lattice* lattice, con
         give_array(
             lattice_at(lattice).lift(array(positions, count, 3, "positions"), array(normals, count, 3, "normals")),
             lifted_out, "lifted_out");
+    });
+}
+
+gnomon_status gnomon_world_lattice_changes(const gnomon_world_lattice* lattice, const double* triangles, size_t count,
+                                           double degrees, gnomon_change* changes_out) {
+    return guarded([&] {
+        std::vector<gnomon_change> values;
+        for (const WorldLattice::Change change :
+             lattice_at(lattice).changes(array(triangles, count, 9, "triangles"), degrees))
+            values.push_back(static_cast<gnomon_change>(change));
+        give_array(values, changes_out, "changes_out");
+    });
+}
+
+gnomon_status gnomon_world_lattice_touched_triangles(const gnomon_world_lattice* lattice, const double* triangles,
+                                                     size_t count, uint32_t* touched_out) {
+    return guarded([&] {
+        give_array(lattice_at(lattice).touched_triangles(array(triangles, count, 9, "triangles")), touched_out,
+                   "touched_out");
     });
 }
 

@@ -25,6 +25,18 @@ std::unique_ptr<Technique> make_with_settings(const Device& device, const char* 
     return technique;
 }
 
+/// Lends one of the fans' lists.
+gnomon_status ids_of(const gnomon_vertex_fans* fans, const std::vector<std::uint32_t>& (VertexFans::*list)() const,
+                     const uint32_t** points_out, size_t* count_out) {
+    return guarded([&] {
+        const uint32_t*& ids = result_at(points_out, "points_out");
+        size_t& count = at(count_out, "count_out");
+        const std::vector<std::uint32_t>& found = (at(fans, "fans").fans.*list)();
+        ids = found.data();
+        count = found.size();
+    });
+}
+
 }  // namespace
 
 // ---- Techniques -----------------------------------------------------------------------------------------------------
@@ -126,6 +138,39 @@ gnomon_status gnomon_face_by_winding(const gnomon_triangles* triangles, const gn
         face_by_winding(of.device, at(triangles, "triangles").triangles, of.points, light_of(light),
                         at(visibility, "visibility").visibility);
         results.finish(of.device);
+    });
+}
+
+gnomon_status gnomon_vertex_fans_find(const gnomon_device* device, const float* vertices, size_t triangle_count,
+                                      const float* points, size_t count, gnomon_vertex_fans** fans_out) {
+    return made(device, fans_out, "fans_out", [&](const Device& on) {
+        return VertexFans::find(on, array(vertices, triangle_count, 9, "vertices"), array(points, count, 3, "points"));
+    });
+}
+
+void gnomon_vertex_fans_destroy(gnomon_vertex_fans* fans) { delete fans; }
+
+gnomon_status gnomon_vertex_fans_alone(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out) {
+    return ids_of(fans, &VertexFans::alone, points_out, count_out);
+}
+
+gnomon_status gnomon_vertex_fans_open(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out) {
+    return ids_of(fans, &VertexFans::open, points_out, count_out);
+}
+
+gnomon_status gnomon_vertex_fans_extended(const gnomon_vertex_fans* fans, uint64_t* count_out) {
+    return guarded([&] { at(count_out, "count_out") = at(fans, "fans").fans.extended(); });
+}
+
+gnomon_status gnomon_face_by_fans(const gnomon_triangles* triangles, const gnomon_vertex_fans* fans, gnomon_light light,
+                                  const float* up, const gnomon_visibility* visibility, cl_event* event_out) {
+    return guarded([&] {
+        WorkResults results(event_out);
+        const gnomon_triangles& mesh = at(triangles, "triangles");
+        face_by_fans(mesh.device, mesh.triangles, at(fans, "fans").fans, light_of(light),
+                     at(visibility, "visibility").visibility,
+                     up == nullptr ? std::nullopt : std::optional(float3_at(up, "up")));
+        results.finish(mesh.device);
     });
 }
 

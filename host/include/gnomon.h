@@ -144,6 +144,23 @@ gnomon_status gnomon_world_lattice_snap(const gnomon_world_lattice* lattice, con
 /// snapping does, or if a normal is zero or not finite.
 gnomon_status gnomon_world_lattice_lift(const gnomon_world_lattice* lattice, const double* positions,
                                         const double* normals, size_t count, float* lifted_out);
+/// What snapping does to a triangle.
+typedef uint8_t gnomon_change;
+enum {
+    GNOMON_CHANGE_NONE = 0,
+    GNOMON_CHANGE_ZERO_AREA = 1,
+    GNOMON_CHANGE_TURNED_OVER = 2,  ///< by more than a right angle
+    GNOMON_CHANGE_TILTED = 3        ///< by more than the given angle
+};
+/// What snapping does to each of `count` triangles (9 numbers each): one value each. `degrees`, 0 to 90: the angle from
+/// which on a triangle is tilted. Triangles without area before, or not finite: GNOMON_CHANGE_NONE. Fails as snapping.
+gnomon_status gnomon_world_lattice_changes(const gnomon_world_lattice* lattice, const double* triangles, size_t count,
+                                           double degrees, gnomon_change* changes_out);
+/// For each corner of `count` triangles (9 numbers each) the nearest other triangle that it touches, 3 * count values:
+/// one within a step of the corner, before snapping, that has no corner there, after snapping; GNOMON_NO_RECEIVER if
+/// there is none. Snapping may have put such a corner below that triangle: lift it as a point on its surface.
+gnomon_status gnomon_world_lattice_touched_triangles(const gnomon_world_lattice* lattice, const double* triangles,
+                                                     size_t count, uint32_t* touched_out);
 /// The world's coordinates of a snapped position, exactly.
 gnomon_status gnomon_world_lattice_world_of(const gnomon_world_lattice* lattice, const float position[3],
                                             double world_out[3]);
@@ -429,6 +446,31 @@ gnomon_status gnomon_face_by_normals_buffer(const gnomon_points* points, cl_mem 
 /// strictly in front of its receiver. Points without a receiver keep their visibility.
 gnomon_status gnomon_face_by_winding(const gnomon_triangles* triangles, const gnomon_points* points, gnomon_light light,
                                      const gnomon_visibility* visibility, cl_event* event_out);
+
+/// Points that are vertices of a mesh, and the fan of each: the triangles that have the point as a corner. By contract
+/// none of these shadows the point, and gnomon_face_by_fans() decides facing.
+typedef struct gnomon_vertex_fans gnomon_vertex_fans;
+
+/// Finds the fans of `count` points (3 floats each) among triangles (9 floats each), by equal coordinates. Triangles
+/// with a vertex that is not finite are left out.
+gnomon_status gnomon_vertex_fans_find(const gnomon_device* device, const float* vertices, size_t triangle_count,
+                                      const float* points, size_t count, gnomon_vertex_fans** fans_out);
+void gnomon_vertex_fans_destroy(gnomon_vertex_fans* fans);
+/// The points that no triangle has as a corner, ascending: facing leaves their visibility. The array is the fans'.
+gnomon_status gnomon_vertex_fans_alone(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out);
+/// The points with triangles that do not close around them, ascending: at a border or a hole, or where windings
+/// disagree or more than two triangles share an edge. The array is the fans'.
+gnomon_status gnomon_vertex_fans_open(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out);
+/// The number of points for which the last gnomon_face_by_fans() used the extension. Waits for the queue.
+gnomon_status gnomon_vertex_fans_extended(const gnomon_vertex_fans* fans, uint64_t* count_out);
+/// A point becomes dark if the light, seen from the vertex, is not strictly in front of its fan, whose front is where
+/// corners run counter-clockwise; the extension for an open fan: in front of the planes of all its triangles. With `up`
+/// (3 floats, else NULL) the mesh is a height field in that direction, whatever its winding: the light must be strictly
+/// above the one or two triangles over which the ray leaves; the extension where it leaves over none: above the planes
+/// of all. Decided exactly (docs/numerics.md, 14). `triangles` are those that the fans were found among. Call it after
+/// a technique's run for the same points and light.
+gnomon_status gnomon_face_by_fans(const gnomon_triangles* triangles, const gnomon_vertex_fans* fans, gnomon_light light,
+                                  const float* up, const gnomon_visibility* visibility, cl_event* event_out);
 
 // ---- Views ----------------------------------------------------------------------------------------------------------
 

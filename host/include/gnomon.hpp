@@ -37,8 +37,9 @@
 // Private types of the library.
 namespace gnomon {
 namespace cl {
+class Buffer;
 class Session;
-}
+}  // namespace cl
 class Clusters;
 struct Internals;
 }  // namespace gnomon
@@ -381,6 +382,17 @@ struct WorldLattice {
     /// flat, and the point within sqrt(3)/2 steps of it, no snapped triangle of it meets a ray from the point to the
     /// normal's side. Decide facing by the same normal. Throws as snap() does, or if a normal is zero or not finite.
     std::vector<float> lift(std::span<const double> positions, std::span<const double> normals) const;
+    /// What snapping does to each of these triangles (9 numbers each): it leaves them without area, turns them over (by
+    /// more than a right angle), or tilts them by more than `degrees`, 0 to 90. Triangles that have no area before, or
+    /// are not finite, are `none`. Throws as snap() does.
+    enum class Change : std::uint8_t { none, zero_area, turned_over, tilted };
+    std::vector<Change> changes(std::span<const double> triangles, double degrees = 1) const;
+    /// For each corner of these triangles (9 numbers each) another triangle that it touches: one within a step of the
+    /// corner, before snapping, that has no corner there, after snapping (a T-junction, a wall that stands on terrain,
+    /// tiles of two triangulations); no_receiver if there is none, the nearest if there are several. Such a corner is
+    /// to be lifted off that triangle as a point on its surface, since snapping may have put the corner below it. Some
+    /// seconds for a million triangles. Throws as snap() does.
+    std::vector<std::uint32_t> touched_triangles(std::span<const double> triangles) const;
     /// The world's coordinates of a snapped position, exactly.
     std::array<double, 3> world_of(const Float3& position) const;
     /// Snapped positions relative to the origin of another lattice of the same step, exactly. Throws InvalidArgument if
@@ -650,6 +662,45 @@ void face_by_normals(const Device& device, const Points& points, cl_mem normals,
 /// strictly in front of its receiver. Points without a receiver keep their visibility.
 void face_by_winding(const Device& device, const Triangles& triangles, const Points& points, const Light& light,
                      const Visibility& visibility);
+
+/// Points that are vertices of a mesh, and the fan of each: the triangles that have the point as a corner. By contract
+/// none of these shadows the point, so the point needs no lift, and face_by_fans() decides facing. Copies share
+/// buffers.
+class VertexFans {
+public:
+    /// Finds the fans of `points` (3 floats each) among the triangles of `vertices` (9 floats each), by equal
+    /// coordinates, and copies them to the device. Triangles with a NaN or infinite vertex are left out. Takes time in
+    /// proportion to both numbers. Throws InvalidArgument if a size is no multiple, or for 2^31 corners or more.
+    static VertexFans find(const Device& device, std::span<const float> vertices, std::span<const float> points);
+
+    std::size_t count() const { return count_; }  ///< of points
+    /// The points that no triangle has as a corner, ascending: face_by_fans() leaves their visibility.
+    const std::vector<std::uint32_t>& alone() const { return alone_; }
+    /// The points with triangles that do not close around them, ascending: at a border or a hole, or where windings
+    /// disagree or more than two triangles share an edge.
+    const std::vector<std::uint32_t>& open() const { return open_; }
+    /// The points for which the last face_by_fans() with these fans used the extension. Waits for the queue.
+    std::uint64_t extended() const;
+
+private:
+    friend void face_by_fans(const Device& device, const Triangles& triangles, const VertexFans& fans,
+                             const Light& light, const Visibility& visibility, const std::optional<Float3>& up);
+
+    std::optional<Device> device_;
+    std::shared_ptr<const cl::Buffer> fans_, corners_, extended_;
+    std::vector<std::uint32_t> alone_, open_;
+    std::size_t count_ = 0, triangles_ = 0;
+};
+/// Facing at the vertices of a mesh, decided exactly (docs/numerics.md, 14): a point becomes dark if the light, seen
+/// from the vertex, is not strictly in front of its fan, whose front is where corners run counter-clockwise. The
+/// extension for an open fan: the light must be strictly in front of the planes of all its triangles.
+/// With `up`, the mesh is a height field in that direction, whatever its winding: the light must be strictly above the
+/// one or two triangles over which the ray leaves. The extension where it leaves over none of them: it must be strictly
+/// above the planes of all. Vertical triangles are left out; a fan with one counts as extended.
+/// `triangles` are those that `fans` were found among. Call it after a technique's run for the same points and light.
+/// Throws InvalidArgument as run() does, or if `up` is zero or not finite.
+void face_by_fans(const Device& device, const Triangles& triangles, const VertexFans& fans, const Light& light,
+                  const Visibility& visibility, const std::optional<Float3>& up = {});
 
 /// The pattern of 1, 4, 8, 16 or 32 samples per pixel. 1: the centre. 4, 8, 16: Direct3D's standard patterns. 32:
 /// Hammersley's points in base 2, x = (i + 1/2) / 32 and y = (i's five bits in reverse + 1/2) / 32 from the pixel's

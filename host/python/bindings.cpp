@@ -43,6 +43,11 @@ Numpy<Value> numpy_of(std::vector<Value> values, std::vector<std::size_t> shape)
     return Numpy<Value>(owned->data(), shape.size(), shape.data(), owner);
 }
 
+Numpy<std::uint32_t> ids_of(std::vector<std::uint32_t> ids) {
+    const std::size_t count = ids.size();
+    return numpy_of(std::move(ids), {count});
+}
+
 // The result of a call for which the GIL is free. A call guard does the same where the result is no Python object.
 template <typename Call>
 auto released(const Call& call) {
@@ -136,8 +141,8 @@ void bind_inputs(nb::module_& m) {
         .def(nb::init<const gnomon::Device&, std::size_t>(), Released())
         .def_static(
             "wrap",
-            [](const gnomon::Device& device, std::uintptr_t buffer, std::size_t count) {
-                return gnomon::Visibility(device, handle_of<cl_mem>(buffer), count);
+            [](const gnomon::Device& device, std::uintptr_t buffer, std::size_t count, std::size_t first_float) {
+                return gnomon::Visibility(device, handle_of<cl_mem>(buffer), count, first_float);
             },
             Released())
         .def("read", [](const gnomon::Visibility& v) {
@@ -203,6 +208,28 @@ void bind_techniques(nb::module_& m) {
         Released());
 }
 
+void bind_fans(nb::module_& m) {
+    using gnomon::VertexFans;
+    nb::class_<VertexFans>(m, "VertexFans")
+        .def_static(
+            "find",
+            [](const gnomon::Device& device, const Floats& vertices, const Floats& points) {
+                return VertexFans::find(device, span_of(vertices), span_of(points));
+            },
+            Released())
+        .def("alone", [](const VertexFans& fans) { return ids_of(fans.alone()); })
+        .def("open", [](const VertexFans& fans) { return ids_of(fans.open()); })
+        .def("extended", &VertexFans::extended, Released());
+    m.def(
+        "face_by_fans",
+        [](const gnomon::Device& device, const gnomon::Triangles& triangles, const VertexFans& fans,
+           const std::array<float, 4>& light, const gnomon::Visibility& visibility,
+           const std::optional<gnomon::Float3>& up) {
+            gnomon::face_by_fans(device, triangles, fans, light_of(light), visibility, up);
+        },
+        "device"_a, "triangles"_a, "fans"_a, "light"_a, "visibility"_a, "up"_a.none(), Released());
+}
+
 // Positions as an array (N, 3).
 Numpy<float> triples_of(std::vector<float> positions) {
     const std::size_t count = positions.size() / 3;
@@ -224,6 +251,21 @@ void bind_lattice(nb::module_& m) {
              })
         .def("lift", [](const WorldLattice& lattice, const Doubles& p,
                         const Doubles& normals) { return triples_of(lattice.lift(span_of(p), span_of(normals))); })
+        .def("changes",
+             [](const WorldLattice& lattice, const Doubles& triangles, double degrees) {
+                 std::vector<std::uint8_t> values;
+                 for (const WorldLattice::Change change : lattice.changes(span_of(triangles), degrees))
+                     values.push_back(static_cast<std::uint8_t>(change));
+                 const std::size_t count = values.size();
+                 return numpy_of(std::move(values), {count});
+             })
+        .def("touched_triangles",
+             [](const WorldLattice& lattice, const Doubles& triangles) {
+                 const auto values = span_of(triangles);
+                 std::vector<std::uint32_t> touched = released([&] { return lattice.touched_triangles(values); });
+                 const std::size_t count = touched.size() / 3;
+                 return numpy_of(std::move(touched), {count, 3});
+             })
         .def("world_of", &WorldLattice::world_of)
         .def("rebased", [](const WorldLattice& lattice, const Floats& p, const WorldLattice& other) {
             return triples_of(lattice.rebased(span_of(p), other));
@@ -335,6 +377,7 @@ NB_MODULE(_gnomon, m) {
     bind_devices(m);
     bind_inputs(m);
     bind_techniques(m);
+    bind_fans(m);
     bind_lattice(m);
     bind_views(m);
     bind_scenes(m);

@@ -103,6 +103,14 @@ static void check_lattice(void) {
     other.origin[1] -= 1024;
     DONE(gnomon_world_lattice_rebase(&lattice, snapped, 2, &other, rebased));
     EXPECT(rebased[0] == snapped[0] && rebased[1] == snapped[1] + 1);
+    const double triangles[18] = {0, 0, 0, 8, 0, 0, 0, 8, 0, 1, 1, 0, 1, 1.0004, 0, 1.0004, 1, 0};
+    gnomon_change changes[2];
+    uint32_t touched[6];
+    DONE(gnomon_world_lattice_around(triangles, 6, -10, &other));
+    DONE(gnomon_world_lattice_changes(&other, triangles, 2, 1, changes));
+    EXPECT(changes[0] == GNOMON_CHANGE_NONE && changes[1] == GNOMON_CHANGE_ZERO_AREA);
+    DONE(gnomon_world_lattice_touched_triangles(&other, triangles, 2, touched));
+    EXPECT(touched[0] == GNOMON_NO_RECEIVER && touched[2] == GNOMON_NO_RECEIVER && touched[3] == 0 && touched[5] == 0);
     EXPECT(gnomon_world_lattice_around(world, 2, 101, &lattice) == GNOMON_INVALID_ARGUMENT);
     EXPECT(gnomon_world_lattice_snap(NULL, world, 2, snapped, NULL) == GNOMON_INVALID_ARGUMENT);
     EXPECT(gnomon_world_lattice_snap(&lattice, world, 2, NULL, NULL) == GNOMON_INVALID_ARGUMENT);
@@ -338,6 +346,46 @@ static void check_wrapping(const gnomon_device* device, gnomon_light light) {
     clReleaseMemObject(output);
 }
 
+// Two of the roof's corners as points. It is seen from above as a height field, and its windings' front is below.
+static void check_fans(const gnomon_device* device, const gnomon_triangles* triangles, const gnomon_light lights[2]) {
+    const float corners[9] = {roof[0], roof[1], roof[2], 99, 99, 99, roof[3], roof[4], roof[5]}, up[3] = {0, 1, 0};
+    gnomon_vertex_fans* fans;
+    gnomon_points* points;
+    gnomon_visibility* visibility;
+    gnomon_technique* technique;
+    const uint32_t* ids;
+    size_t count;
+    uint64_t extended;
+    float lit[3];
+    cl_event event;
+    DONE(gnomon_points_upload(device, corners, NULL, 3, &points));
+    DONE(gnomon_visibility_create(device, 3, &visibility));
+    DONE(gnomon_vertex_fans_find(device, roof, 2, corners, 3, &fans));
+    DONE(gnomon_vertex_fans_alone(fans, &ids, &count));
+    EXPECT(count == 1 && ids[0] == 1);
+    DONE(gnomon_vertex_fans_open(fans, &ids, &count));
+    EXPECT(count == 2 && ids[0] == 0 && ids[1] == 2);
+    DONE(gnomon_technique_create(device, "frustum-traced", &technique));
+    DONE(gnomon_technique_run(technique, triangles, points, lights[0], visibility, NULL, NULL));
+    DONE(gnomon_face_by_fans(triangles, fans, lights[0], up, visibility, &event));
+    wait_for(event);
+    DONE(gnomon_visibility_read(visibility, lit));
+    EXPECT(lit[0] == 1 && lit[1] == 1 && lit[2] == 1);
+    DONE(gnomon_vertex_fans_extended(fans, &extended));
+    EXPECT(extended == 0);  // a vertical ray leaves over all triangles
+    const float down_too[3] = {0, -1, 0};
+    DONE(gnomon_face_by_fans(triangles, fans, lights[0], down_too, visibility, NULL));
+    DONE(gnomon_visibility_read(visibility, lit));
+    EXPECT(lit[0] == 0 && lit[1] == 1 && lit[2] == 0);
+    DONE(gnomon_face_by_fans(triangles, fans, lights[0], NULL, visibility, NULL));
+    DONE(gnomon_vertex_fans_extended(fans, &extended));
+    EXPECT(extended == 2);
+    gnomon_vertex_fans_destroy(fans);
+    gnomon_technique_destroy(technique);
+    gnomon_visibility_destroy(visibility);
+    gnomon_points_destroy(points);
+}
+
 static void destroy_nothing(void) {
     gnomon_device_list_destroy(NULL);
     gnomon_technique_list_destroy(NULL);
@@ -348,6 +396,7 @@ static void destroy_nothing(void) {
     gnomon_triangles_destroy(NULL);
     gnomon_points_destroy(NULL);
     gnomon_visibility_destroy(NULL);
+    gnomon_vertex_fans_destroy(NULL);
     gnomon_technique_destroy(NULL);
     gnomon_view_destroy(NULL);
     gnomon_camera_pass_destroy(NULL);
@@ -371,6 +420,7 @@ int main(void) {
     DONE(gnomon_visibility_create(device, 3, &visibility));
     check_inputs(triangles, points, visibility);
     check_technique(device, triangles, points, visibility, lights);
+    check_fans(device, triangles, lights);
     check_views(device, triangles, &camera, lights[0]);
     check_parts_and_reasons(device, triangles, points, &camera, lights[0]);
     check_wrapping(device, lights[0]);

@@ -31,6 +31,7 @@ struct Destroy {
     void operator()(gnomon_triangles* t) const { gnomon_triangles_destroy(t); }
     void operator()(gnomon_points* p) const { gnomon_points_destroy(p); }
     void operator()(gnomon_visibility* v) const { gnomon_visibility_destroy(v); }
+    void operator()(gnomon_vertex_fans* f) const { gnomon_vertex_fans_destroy(f); }
     void operator()(gnomon_technique* t) const { gnomon_technique_destroy(t); }
     void operator()(gnomon_view* v) const { gnomon_view_destroy(v); }
     void operator()(gnomon_camera_pass* p) const { gnomon_camera_pass_destroy(p); }
@@ -222,6 +223,26 @@ TEST_F(BesideCpp, SidesThatTheCallerGives) {
         EXPECT_EQ(by_winding, faced([&](const gnomon_visibility* v) {
                       return gnomon_face_by_winding(triangles.get(), points.get(), lights[i], v, nullptr);
                   }));
+        // The points have no fans but the first, which is at the first triangle's first corner.
+        Floats corners(3 * points_count, 1e9f);
+        std::copy_n(vertices.begin(), 3, corners.begin());
+        const auto cpp_fans = gnomon::VertexFans::find(cpp_device, vertices, corners);
+        const auto fans = made<gnomon_vertex_fans>([&](auto out) {
+            return gnomon_vertex_fans_find(device.get(), vertices.data(), triangle_count, corners.data(), points_count,
+                                           out);
+        });
+        const gnomon::Float3 upwards{0, 1, 0}, downwards{0, -1, 0};
+        for (const gnomon::Float3* way : {&upwards, &downwards}) {
+            EXPECT_EQ(cpp_faced([&](const gnomon::Visibility& v) {
+                          gnomon::face_by_fans(cpp_device, cpp_triangles, cpp_fans, cpp_lights[i], v, *way);
+                      }),
+                      faced([&](const gnomon_visibility* v) {
+                          return gnomon_face_by_fans(triangles.get(), fans.get(), lights[i], way->data(), v, nullptr);
+                      }));
+            std::uint64_t extended = 99;
+            EXPECT_DONE(gnomon_vertex_fans_extended(fans.get(), &extended));
+            EXPECT_EQ(extended, cpp_fans.extended());
+        }
     }
 }
 
@@ -625,6 +646,11 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
     gnomon_visibility* visibility_out;
     gnomon_technique* technique_out;
     gnomon_view* view_out;
+    gnomon_vertex_fans* fans_out;
+    const std::uint32_t* ids_out;
+    std::size_t count_out;
+    const auto fans = made<gnomon_vertex_fans>(
+        [&](auto out) { return gnomon_vertex_fans_find(d, vertices.data(), 1, vertices.data(), 1, out); });
     const gnomon_explanation* why;
     const gnomon_view_of_parts* parts;
     const gnomon_visibility* const one[1] = {nullptr};
@@ -701,6 +727,16 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
         REFUSES("visibility", gnomon_face_by_normals(p, positions.data(), sun, nullptr, nullptr)),
         REFUSES("points", gnomon_face_by_normals_buffer(nullptr, nullptr, nullptr, sun, v, nullptr)),
         REFUSES("triangles", gnomon_face_by_winding(nullptr, p, sun, v, nullptr)),
+        REFUSES("device", gnomon_vertex_fans_find(nullptr, xyz, 0, xyz, 0, &fans_out)),
+        REFUSES("vertices", gnomon_vertex_fans_find(d, nullptr, 1, xyz, 0, &fans_out)),
+        REFUSES("points", gnomon_vertex_fans_find(d, xyz, 0, nullptr, 1, &fans_out)),
+        REFUSES("fans_out", gnomon_vertex_fans_find(d, xyz, 0, xyz, 0, nullptr)),
+        REFUSES("fans", gnomon_vertex_fans_alone(nullptr, &ids_out, &count_out)),
+        REFUSES("points_out", gnomon_vertex_fans_open(fans.get(), nullptr, &count_out)),
+        REFUSES("count_out", gnomon_vertex_fans_open(fans.get(), &ids_out, nullptr)),
+        REFUSES("count_out", gnomon_vertex_fans_extended(fans.get(), nullptr)),
+        REFUSES("fans", gnomon_face_by_fans(t, nullptr, sun, nullptr, v, nullptr)),
+        REFUSES("visibility", gnomon_face_by_fans(t, fans.get(), sun, nullptr, nullptr, nullptr)),
         REFUSES("triangles", gnomon_look(d, nullptr, &camera, 1, 1, &view_out, nullptr, nullptr)),
         REFUSES("camera", gnomon_look(d, t, nullptr, 1, 1, &view_out, nullptr, nullptr)),
         REFUSES("view_out", gnomon_look(d, t, &camera, 1, 1, nullptr, nullptr, nullptr)),

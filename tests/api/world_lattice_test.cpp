@@ -152,6 +152,128 @@ TEST(WorldLattice, LiftedPointsLieAboveTheSnappedSurface) {
     EXPECT_GT(below_without_lift, 1000u);
 }
 
+using RationalVector = std::array<Rational, 3>;
+
+RationalVector operator-(const RationalVector& a, const RationalVector& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+Rational dot(const RationalVector& a, const RationalVector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+RationalVector cross(const RationalVector& a, const RationalVector& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+RationalVector corner_of(const auto& triangles, std::size_t i) {
+    return {Rational(double(triangles[3 * i])), Rational(double(triangles[3 * i + 1])),
+            Rational(double(triangles[3 * i + 2]))};
+}
+
+/// The squared distance of p from the closed triangle t.
+Rational squared_distance(const RationalVector& p, const std::array<RationalVector, 3>& t) {
+    const RationalVector n = cross(t[1] - t[0], t[2] - t[0]);
+    Rational nearest = dot(p - t[0], p - t[0]);
+    bool is_over = true;
+    for (int i = 0; i < 3; ++i) {
+        const RationalVector from = t[i], along = t[(i + 1) % 3] - t[i], to = p - from;
+        is_over &= dot(cross(along, to), n) >= 0;
+        Rational at = dot(to, along) / dot(along, along);
+        at = at < 0 ? Rational(0) : at > 1 ? Rational(1) : at;
+        const RationalVector rest{to[0] - at * along[0], to[1] - at * along[1], to[2] - at * along[2]};
+        if (dot(rest, rest) < nearest) nearest = dot(rest, rest);
+    }
+    return is_over ? Rational(dot(p - t[0], n) * dot(p - t[0], n) / dot(n, n)) : nearest;
+}
+
+// Triangulations of one slope that do not fit each other, at national coordinates, and triangles at random beside them.
+TEST(WorldLattice, TouchedTrianglesAreThoseWithinAStep) {
+    std::mt19937_64 random(8);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const WorldLattice lattice{-10, {4'607'999'001, 6'143'999'003, 102'401}};
+    const std::array<double, 3> centre = lattice.world_of({});
+    std::vector<double> triangles;
+    const auto add = [&](double x, double y, double off) {
+        triangles.insert(triangles.end(), {centre[0] + x, centre[1] + y, centre[2] + 0.37 * x + off * lattice.step()});
+    };
+    const auto add_square = [&](double x, double y, double size, double off) {
+        add(x, y, off), add(x + size, y, off), add(x + size, y + size, off);
+        add(x, y, off), add(x + size, y + size, off), add(x, y + size, off);
+    };
+    for (int i = 0; i < 4; ++i) add_square(i, 0, 1, 0);
+    for (int i = 0; i < 6; ++i) add_square(i * 0.65, 1, 0.65, 0);     // T-junctions along y = 1
+    for (int i = 0; i < 6; ++i) add_square(i * 0.65, -1, 1, i / 3.);  // overlaps, up to two steps higher
+    for (int i = 0; i < 10; ++i)
+        for (int c = 0; c < 3; ++c) add(4 * unit(random), 2 * unit(random), 1000 * unit(random));
+    // A corner each near a sharp tip and over the inside of a triangle, up to two steps away.
+    const double s = lattice.step();
+    add(6, 0, 0), add(7, 0.05, 0), add(7, -0.05, 0);
+    for (int i = 0; i < 60; ++i) {
+        const double x = i % 2 == 0 ? 6 - 2 * s * unit(random) : 6.3 + 0.6 * unit(random);
+        add(x, (i % 2 == 0 ? 2 * s : 0.02) * (unit(random) - 0.5), i % 2 == 0 ? 0 : 4 * unit(random) - 2);
+        add(6 - unit(random), unit(random), 3000), add(6 - unit(random), unit(random), 3000);
+    }
+    const std::vector<float> snapped = lattice.snap(triangles).positions;
+    const std::vector<std::uint32_t> touched = lattice.touched_triangles(triangles);
+    ASSERT_EQ(touched.size(), triangles.size() / 3);
+    std::size_t found = 0;
+    for (std::size_t corner = 0; corner < touched.size(); ++corner) {
+        Rational nearest = step_of(lattice) * step_of(lattice);
+        bool is_touched = false;
+        std::vector<Rational> distance;
+        for (std::size_t t = 0; t < triangles.size() / 9; ++t) {
+            bool has_it = false;
+            for (std::size_t k = 0; k < 3; ++k)
+                has_it |= std::equal(&snapped[3 * corner], &snapped[3 * corner] + 3, &snapped[9 * t + 3 * k]);
+            const Rational d = squared_distance(
+                corner_of(triangles, corner),
+                {corner_of(triangles, 3 * t), corner_of(triangles, 3 * t + 1), corner_of(triangles, 3 * t + 2)});
+            distance.push_back(has_it ? Rational(1) : d);
+            if (!has_it && d <= nearest) nearest = d, is_touched = true;
+        }
+        ASSERT_EQ(touched[corner] != gnomon::no_receiver, is_touched) << "corner " << corner;
+        if (!is_touched) continue;
+        ++found;
+        EXPECT_LE(double(distance[touched[corner]]), double(nearest) + 1e-6 * std::pow(lattice.step(), 2));
+    }
+    EXPECT_GT(found, 50u);
+    EXPECT_LT(found, touched.size() - 20);
+}
+
+TEST(WorldLattice, TheRoofsVertexSnapsUnderItsNeighbour) {
+    const WorldLattice lattice{-10, {}};
+    const std::vector<double> roof{0, 0,  0, 10,  0, 3.7,   10, 5, 3.7,  // the vertex (3.3, 0, 1.221) lies on its edge
+                                   0, -5, 0, 3.3, 0, 1.221, 0,  0, 0};
+    EXPECT_EQ(lattice.touched_triangles(roof),
+              (std::vector<std::uint32_t>{gnomon::no_receiver, gnomon::no_receiver, gnomon::no_receiver,
+                                          gnomon::no_receiver, 0, gnomon::no_receiver}));
+    const auto q = lattice.snap(roof).positions;
+    const RationalVector a = corner_of(q, 0), n = cross(corner_of(q, 1) - a, corner_of(q, 2) - a);
+    const Rational below = dot(corner_of(q, 4) - a, n);
+    EXPECT_LT(below, 0);
+    EXPECT_NEAR(std::sqrt(double(Rational(below * below / dot(n, n)))) / lattice.step(), 0.27, 0.03);
+}
+
+TEST(WorldLattice, ChangedTrianglesAreNamed) {
+    using Change = WorldLattice::Change;
+    const WorldLattice lattice{-10, {}};
+    const double s = lattice.step(), nan = std::nan("");
+    const std::vector<double> triangles{
+        0, 0, 0, 10,      0,       3, 5.001, .0004,   1.5003,   // becomes vertical
+        0, 0, 0, 0.4 * s, 0,       0, 0,     0.4 * s, 0,        // becomes a point
+        0, 0, 0, 10 * s,  0.6 * s, 0, 5 * s, 0.4 * s, 0,        // turns over
+        0, 0, 0, 1,       0,       0, 0,     1,       0,        // stays
+        0, 0, 0, 40 * s,  0,       0, 0,     40 * s,  0.6 * s,  // tilts by half a degree
+        0, 0, 0, 1,       1,       1, 2,     2,       2,        // had no area
+        0, 0, 0, 1,       0,       0, 0,     nan,     0};
+    EXPECT_EQ(lattice.changes(triangles),
+              (std::vector<Change>{Change::tilted, Change::zero_area, Change::turned_over, Change::none, Change::none,
+                                   Change::none, Change::none}));
+    EXPECT_EQ(lattice.changes(triangles, 0.25)[4], Change::tilted);
+    EXPECT_THROW(lattice.changes(triangles, 91), InvalidArgument);
+    EXPECT_THROW(lattice.changes(triangles, nan), InvalidArgument);
+    EXPECT_THROW(lattice.changes(std::vector<double>(10)), InvalidArgument);
+    EXPECT_THROW(lattice.touched_triangles(std::vector<double>(10)), InvalidArgument);
+    EXPECT_EQ(lattice.touched_triangles(triangles).size(), 21u);
+    EXPECT_TRUE(lattice.touched_triangles({}).empty() && lattice.changes({}).empty());
+}
+
 TEST(WorldLattice, LiftRefusesNormalsThatAreNone) {
     const WorldLattice lattice{-10, {}};
     const std::vector<double> p{1, 2, 3};

@@ -63,3 +63,32 @@ def lit(triangles, points, *, direction=None, position=None, receivers=None, nor
             and not any(k != own and blocks(t, point, towards, position is not None) for k, t in enumerate(triangles))
         )
     return np.array(result, bool)
+
+
+def above_height_field(triangles, vertex, towards, is_position=False):
+    """Whether the light is strictly above the surface around a vertex, with z up, and whether the surface had to be
+    extended: the surface's height where the ray leaves, from the triangles that have the vertex as a corner."""
+    p = _vector(vertex)
+    d = _minus(_vector(towards), p) if is_position else _vector(towards)
+    over, planes = [], []
+    for triangle in triangles:
+        corners = [_vector(v) for v in triangle]
+        if p not in corners:
+            continue
+        at = corners.index(p)
+        a, b = _minus(corners[(at + 1) % 3], p), _minus(corners[(at + 2) % 3], p)
+        area = a[0] * b[1] - a[1] * b[0]
+        k, m = (d[0] * b[1] - d[1] * b[0]) / area, (a[0] * d[1] - a[1] * d[0]) / area  # d = k a + m b in x and y
+        is_higher = d[2] > k * a[2] + m * b[2]
+        planes.append(is_higher)
+        if k >= 0 and m >= 0:
+            over.append(is_higher)
+    return all(over or planes), not over
+
+
+def lit_at_vertices(triangles, points, direction):
+    """bool per vertex of a height field, and how many needed the extension."""
+    towards = -np.float32(direction)
+    facing = [above_height_field(triangles, point, towards) for point in points]
+    free = lit(triangles, points, direction=direction)
+    return free & np.array([above for above, _ in facing]), sum(extended for _, extended in facing)

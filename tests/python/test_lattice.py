@@ -138,6 +138,15 @@ def test_the_step_is_chosen_and_shown():
     assert large.lattice.step == 2.0**-9
 
 
+def test_the_rounding_of_points_is_reported():
+    scene = gnomon.Scene(np.array([[[0, 0, 0], [4, 0, 0], [0, 4, 0.0]]]), lattice=STEP)
+    assert scene.lattice.largest_move == scene.lattice.largest_move_of_points == 0
+    scene.lit(np.array([[1, 1, 1], [1, 1 + STEP / 4, 1]]), direction=SUN)
+    assert scene.lattice.largest_move_of_points == STEP / 4
+    scene.lit(np.array([[1, 1, 1 + STEP / 2]]), direction=SUN, normals=[[0, 0, 1]], lift=True)
+    assert scene.lattice.largest_move_of_points == STEP / 2
+
+
 def test_what_does_not_fit():
     triangle = np.array([[[0, 0, 0.1], [30_000, 0, 0], [0, 40_000, 0]]])
     with pytest.raises(ValueError, match=r"row 0 .* the finest step that fits these positions is 2\^-9"):

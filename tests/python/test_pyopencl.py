@@ -60,6 +60,33 @@ def test_slices_with_an_offset(queue):
     assert (got != 0).tolist() == scene.lit(points[50:], direction=(0, -1, 0)).tolist()
 
 
+@pytest.mark.parametrize("offset", [1, 7, 32, 4096])
+def test_results_and_receivers_with_any_offset(queue, offset):
+    """OpenCL makes sub-buffers at multiples of an alignment alone; other offsets cost a copy on the device."""
+    triangles, points, receivers = made()
+    normals = np.random.default_rng(4).normal(size=points.shape).astype(np.float32)
+    scene = gnomon.Scene(
+        cl.array.to_device(queue, np.concatenate([triangles[: offset % 30], triangles]))[offset % 30 :]
+    )
+    expected = gnomon.Scene(triangles).lit(points, direction=(0, -1, 0), receivers=receivers, normals=normals)
+
+    def part(array, fill):
+        whole = np.concatenate([np.full((offset, *array.shape[1:]), fill, array.dtype), array])
+        return cl.array.to_device(queue, whole)[offset:]
+
+    kept = cl.array.to_device(queue, np.full(offset + len(points) + 3, 0.25, np.float32))
+    out = kept[offset : offset + len(points)]
+    assert out.offset == 4 * offset
+    result = scene.lit(
+        part(points, 9), direction=(0, -1, 0), out=out, receivers=part(receivers.astype(np.uint32), 3),
+        normals=part(normals, 1),
+    )  # fmt: skip
+    assert result is out
+    after = kept.get()
+    assert (after[offset:-3] != 0).tolist() == expected.tolist() and 0 < expected.sum() < len(expected)
+    assert (after[:offset] == 0.25).all() and (after[-3:] == 0.25).all(), "nothing beside `out` is written"
+
+
 def test_what_does_not_fit(queue):
     triangles, points, receivers = made()
     scene = gnomon.Scene(triangles)
@@ -70,6 +97,8 @@ def test_what_does_not_fit(queue):
         scene.lit(cl.array.to_device(queue, points.astype(np.float64)), direction=(0, 0, 1))
     with pytest.raises(ValueError, match="out: must be C-contiguous float32"):
         scene.lit(array, direction=(0, 0, 1), out=cl.array.empty(queue, 3, np.float32))
+    with pytest.raises(ValueError, match="receivers: .vertices. is only for points on the host"):
+        scene.lit(array, direction=(0, 0, 1), receivers="vertices")
     with pytest.raises(TypeError, match="normals: a pyopencl array does not fit"):
         scene.lit(points, direction=(0, 0, 1), normals=array)
     with pytest.raises(ValueError, match="another OpenCL queue"):

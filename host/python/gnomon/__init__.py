@@ -22,7 +22,7 @@ from ._gnomon import (
     techniques,
 )
 from ._lattice import Lattice
-from ._scene import Scene, View
+from ._scene import Scene, VertexReport, View
 
 __version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out
 
@@ -35,6 +35,7 @@ __all__ = [
     "Scene",
     "SettingDescription",
     "TechniqueDescription",
+    "VertexReport",
     "View",
     "__version__",
     "devices",

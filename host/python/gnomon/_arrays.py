@@ -113,7 +113,7 @@ def triangles_of(vertices: Any, faces: Any) -> NDArray[Any]:
     if indices.ndim != 2 or indices.shape[1] != 3:
         raise ValueError(f"faces: shape {indices.shape} is not (F, 3)")
     require_integers(indices, "faces")
-    row = first_row(((indices < 0) | (indices >= len(values))).any(axis=1))
+    row = first_row(np.asarray(((indices < 0) | (indices >= len(values))).any(axis=1)))
     if row is not None:
         raise ValueError(f"faces: row {row} {indices[row].tolist()} names a vertex that is not in 0..{len(values) - 1}")
     return values[indices.astype(np.intp)].reshape(-1, 3, 3)

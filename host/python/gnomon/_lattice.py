@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any
 
@@ -21,17 +22,24 @@ class Lattice:
     step: of the lattice, a power of two, in the unit of the coordinates.
     origin: (3,) the lattice point that the stored float32 coordinates count from.
     largest_move: the largest distance by which a coordinate of a vertex was rounded, at most half a step.
+    largest_move_of_points: the same for the points of the last call, before any lift.
     zero_area, turned_over, tilted: ids of the triangles that snapping left without area, turned over, or tilted by
-        more than 1 degree. Points on them should be lifted (Scene.lit(lift=True)): their facing is then decided by the
+        more than 1 degree. Facing of points on them (Scene.lit with side="front", eye= or lift=True) is decided by the
         triangle before snapping.
+    touched: (F, 3) for each corner the nearest triangle that it touches without being its corner, -1 for none: a
+        triangle within a step of the corner (a T-junction, a wall that stands on terrain, tiles of two triangulations).
+        Found at the first use of the property, in some seconds for a million triangles.
     """
 
     def __init__(self, native: _gnomon.WorldLattice, world: NDArray[np.float64]) -> None:
         self.native = native
         self.world = world
         snapped, self.largest_move = native.snap(world.reshape(-1, 3))
+        self.largest_move_of_points = 0.0
         self.triangles = snapped.reshape(-1, 3, 3)
-        self.zero_area, self.turned_over, self.tilted = _changes(world, self.triangles)
+        change = native.changes(world.reshape(-1, 9), TILT_LIMIT)
+        self.is_changed: NDArray[np.bool_] = change != 0
+        self.zero_area, self.turned_over, self.tilted = (np.flatnonzero(change == kind) for kind in (1, 2, 3))
 
     @property
     def step(self) -> float:
@@ -43,7 +51,36 @@ class Lattice:
 
     def snap(self, values: NDArray[Any], name: str, normals: NDArray[np.float64] | None = None) -> NDArray[np.float32]:
         """Rows of coordinates relative to the origin; first lifted along the normals, if they are given."""
-        return _snapped(self.native, np.ascontiguousarray(values, dtype=np.float64), name, normals)
+        world = np.ascontiguousarray(values, dtype=np.float64)
+        snapped, self.largest_move_of_points = _snapped(self.native, world, name)
+        return snapped if normals is None else lifted(self.native, world, name, normals)
+
+    @functools.cached_property
+    def touched(self) -> NDArray[np.int64]:
+        ids = self.native.touched_triangles(self.world.reshape(-1, 9))
+        return np.where(ids == _arrays.NO_RECEIVER, -1, ids.astype(np.int64))
+
+    def normals_where_touching(
+        self, snapped: NDArray[np.float32], up: tuple[float, float, float] | None
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The rows of snapped vertices that touch a triangle which they are no corner of, and the normal of each one's
+        triangle before snapping, on its front, or upwards."""
+        triangle, corner = np.nonzero(self.touched >= 0)
+        if triangle.size == 0:
+            return np.empty(0, np.int64), np.empty((0, 3))
+        normals = _arrays.scaled(normals_of_triangles(self.world[self.touched[triangle, corner]]))
+        if up is not None:
+            normals[normals @ np.array(up, np.float64) < 0] *= -1
+        # Corners that become one may touch triangles of unlike normals: the choice does not depend on any order of ids.
+        order = np.lexsort(normals.T)
+        corners = self.triangles[triangle[order], corner[order]]
+        _, found = np.unique(np.concatenate([corners, snapped]) + np.float32(0), axis=0, return_inverse=True)
+        found = found.reshape(-1)
+        normal_of = np.full(found.max() + 1, -1)
+        normal_of[found[: len(corners)]] = order
+        chosen = normal_of[found[len(corners) :]]
+        rows = np.flatnonzero(chosen >= 0)
+        return rows, normals[chosen[rows]]
 
     def __repr__(self) -> str:
         changed = len(self.zero_area) + len(self.turned_over) + len(self.tilted)
@@ -52,11 +89,19 @@ class Lattice:
         return f"<gnomon.Lattice of step {step}, moved by at most {self.largest_move:g}{note}>"
 
 
-def _snapped(
-    native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str, normals: NDArray[np.float64] | None = None
+def _snapped(native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str) -> tuple[NDArray[np.float32], float]:
+    try:
+        snapped, largest_move = native.snap(world)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+    return snapped, largest_move
+
+
+def lifted(
+    native: _gnomon.WorldLattice, world: NDArray[np.float64], name: str, normals: NDArray[np.float64]
 ) -> NDArray[np.float32]:
     try:
-        return native.snap(world)[0] if normals is None else native.lift(world, normals)
+        return native.lift(world, normals)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
 
@@ -74,7 +119,7 @@ def snapped_triple(native: _gnomon.WorldLattice | None, value: Any, name: str) -
     """Three numbers relative to the lattice's origin; without a lattice rounded once to float32."""
     if native is None:
         return _arrays.triple(value, name)
-    x, y, z = _snapped(native, world_triple(value, name), name)[0]
+    x, y, z = _snapped(native, world_triple(value, name), name)[0][0]
     return float(x), float(y), float(z)
 
 
@@ -108,14 +153,3 @@ def normals_of_triangles(triangles: NDArray[Any]) -> NDArray[np.float64]:
     """Along which corners run counter-clockwise, of the length of twice the area."""
     corners = triangles.astype(np.float64)
     return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-
-
-def _changes(world: NDArray[np.float64], snapped: NDArray[np.float32]) -> tuple[NDArray[np.intp], ...]:
-    before, after = normals_of_triangles(world), normals_of_triangles(snapped)
-    lengths = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
-    along = (before * after).sum(axis=1)
-    has_area = (before != 0).any(axis=1)
-    zero = has_area & (after == 0).all(axis=1)
-    turned = has_area & (along < 0)
-    tilted = has_area & ~zero & ~turned & (along < math.cos(math.radians(TILT_LIMIT)) * lengths)
-    return np.flatnonzero(zero), np.flatnonzero(turned), np.flatnonzero(tilted)

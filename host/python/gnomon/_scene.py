@@ -43,11 +43,40 @@ class _OnDevice:
 
 
 class _Sides(NamedTuple):
-    """What decides facing, as the library takes it: `normals` are the arguments of face_by_normals()."""
+    """What decides facing, as the library takes it: `normals` are the arguments of face_by_normals(), `fans` those of
+    face_by_fans()."""
 
-    eye: tuple[float, float, float] | None
-    normals: tuple[Any, ...] | None
-    is_front: bool
+    eye: tuple[float, float, float] | None = None
+    normals: tuple[Any, ...] | None = None
+    is_front: bool = False
+    fans: _gnomon.VertexFans | None = None
+    up: tuple[float, float, float] | None = None
+
+
+class VertexReport(NamedTuple):
+    """What the last call with receivers="vertices" met: Scene.at_vertices. Rows count points, flattened.
+
+    open: rows of points whose triangles do not close around them: at a border or a hole of the mesh, or where windings
+        disagree or more than two triangles share an edge.
+    touching: rows of points that touch a triangle which they are no corner of. They were lifted off that triangle, and
+        are also dark where the light is not strictly on its front.
+    extended: the number of points that an extension of the mesh decided (Scene.lit).
+    """
+
+    open: NDArray[np.int64]
+    touching: NDArray[np.int64]
+    extended: int
+
+
+class _Vertices(NamedTuple):
+    """Points at vertices, ready for the device: lifted where they touch a triangle, along `normals`; NaN elsewhere."""
+
+    world: NDArray[Any]
+    up: tuple[float, float, float] | None
+    here: NDArray[np.float32]
+    normals: NDArray[np.float32] | None
+    touching: NDArray[np.int64]
+    fans: list[_gnomon.VertexFans]  # of POINTS_AT_ONCE points each
 
 
 def _setting_text(value: object) -> str:
@@ -99,6 +128,8 @@ class Scene:
         self.cameras: dict[str, _gnomon.Camera] = {}
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
         self.warnings: list[str] = []
+        self._vertices: _Vertices | None = None  # of the last points
+        self.at_vertices: VertexReport | None = None
         self._material: NDArray[np.uint32] | None = None
         self._base_color: list[tuple[float, float, float]] = [GREY]
         if _arrays.is_on_device(vertices):
@@ -188,6 +219,7 @@ class Scene:
         self._is_closed = True
         self._uploads.clear()
         self._moved.clear()
+        self._vertices = None
         self._host = None
 
     def __enter__(self) -> Scene:
@@ -227,10 +259,11 @@ class Scene:
         *,
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
-        receivers: ArrayLike | None = None,
+        receivers: ArrayLike | Literal["vertices"] | None = None,
         normals: ArrayLike | None = None,
         side: Literal["front"] | None = None,
         eye: ArrayLike | None = None,
+        up: ArrayLike | None = None,
         lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         out: Any = None,
@@ -238,11 +271,18 @@ class Scene:
         """Whether the light reaches each point: what ray tracing would answer in exact arithmetic.
 
         points: (..., 3) coordinates in the scene's unit.
-        direction: (3,) along which a directional light travels (of any length); or
+        direction: (3,) along which a directional light travels (of any length, rounded once to float32); or
         position: (3,) of a point light.
         receivers: (...) ids of the triangles that the points lie on, negative for none. A receiver never shadows its
             own points; it excludes that triangle and does nothing else. A point exactly on a triangle's plane is not
-            shadowed by this triangle in any case.
+            shadowed by this triangle in any case. Or "vertices": each point is a vertex of the mesh, which no triangle
+            around it shadows. It is dark unless the light is strictly in front of these triangles (their corners run
+            counter-clockwise there); where they do not close around it, in front of the planes of all of them. On a
+            lattice, a vertex within a step of a triangle that lacks it as a corner is lifted off that triangle.
+            Scene.at_vertices says for which points what was done.
+        up: (3,) with receivers="vertices": the mesh is a height field in this direction. A point is dark unless the
+            light is strictly above the one or two triangles over which its ray leaves; where it leaves over none, at a
+            border or beside nodata, strictly above the planes of all triangles around the point.
         A side decides facing, exactly. Without one a point on the far side of its own surface may be lit:
         normals: (..., 3), of any length: a point is dark unless the light is strictly on the normal's side.
         side: "front": dark unless the light is strictly on the side of the receiver from which its corners run
@@ -260,7 +300,8 @@ class Scene:
         Points in a pyopencl array (N, 3) of float32, relative to the lattice's origin if there is a lattice, are read
         where they lie, on that array's queue, and the result is a pyopencl array (N,) of float32, 1 lit and 0 not;
         receivers (uint32) and normals (float32) are pyopencl arrays, too. Nothing is checked there: a point that is not
-        finite is 1.
+        finite is 1. side and eye read the triangles after snapping there: those that Scene.lattice names as changed are
+        decided rightly by normals, or by points on the host.
 
         Raises ValueError with the argument's name and the first bad row, MemoryError, DeviceNotFoundError.
         """
@@ -268,13 +309,15 @@ class Scene:
             raise ValueError("out: only for points in a pyopencl array")
         if lift and _arrays.is_on_device(points):
             raise ValueError("lift: only for points on the host, in float64")
+        if isinstance(receivers, str) and _arrays.is_on_device(points):
+            raise ValueError('receivers: "vertices" is only for points on the host')
         if _arrays.is_on_device(points):
             light = _world.light_of(self._native_lattice, direction, position)
             on_device: Any = self._lit_on_device(points, light, receivers, normals, side, eye, out)
             return on_device  # type: ignore[no-any-return]
         values = self.visibility(
             points, direction=direction, position=position, receivers=receivers, normals=normals, side=side, eye=eye,
-            lift=lift, nan=nan,
+            up=up, lift=lift, nan=nan,
         )  # fmt: skip
         if isinstance(values, np.ma.MaskedArray):
             return np.ma.MaskedArray(values.data != 0, values.mask, fill_value=False)
@@ -286,10 +329,11 @@ class Scene:
         *,
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
-        receivers: ArrayLike | None = None,
+        receivers: ArrayLike | Literal["vertices"] | None = None,
         normals: ArrayLike | None = None,
         side: Literal["front"] | None = None,
         eye: ArrayLike | None = None,
+        up: ArrayLike | None = None,
         lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         technique: str = EXACT,
@@ -305,10 +349,37 @@ class Scene:
         flat = at.reshape(-1, 3)
         if nan == "error":
             _arrays.require_finite(flat, "points")
-        ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
-        n = None if normals is None else _arrays.normals_of(normals, at.shape)
-        towards = self._eye_of(side, eye, ids is not None)
-        is_front = side == "front"
+        upload = self._on(self._device)
+        if isinstance(receivers, str):
+            if receivers != "vertices" or normals is not None or side is not None or eye is not None or lift:
+                raise ValueError('receivers: must be ids, or "vertices" without normals=, side=, eye= and lift=')
+            result = self._at_vertices(upload, flat, up, light, technique, settings)
+        elif up is not None:
+            raise ValueError('up: only with receivers="vertices"')
+        else:
+            ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
+            n = None if normals is None else _arrays.normals_of(normals, at.shape)
+            towards = self._eye_of(side, eye, ids is not None)
+            result = self._on_surfaces(upload, flat, ids, n, towards, side == "front", lift, light, technique, settings)
+        if nan == "absent":
+            absent = ~np.isfinite(flat).all(axis=1)
+            result[absent] = 0
+            return np.ma.MaskedArray(result.reshape(shape), absent.reshape(shape), fill_value=0)
+        return result.reshape(shape)
+
+    def _on_surfaces(
+        self,
+        upload: _OnDevice,
+        flat: NDArray[Any],
+        ids: NDArray[np.uint32] | None,
+        n: NDArray[np.float64] | None,
+        towards: tuple[float, float, float] | None,
+        is_front: bool,
+        lift: bool,
+        light: tuple[float, float, float, float],
+        technique: str,
+        settings: Settings | None,
+    ) -> NDArray[np.float32]:
         if lift:
             n = self._normals_to_lift_along(n, ids, is_front)
             is_front = False  # the normals are those of the triangles before snapping
@@ -318,7 +389,6 @@ class Scene:
             else self.lattice.snap(flat, "points", n if lift else None)
         )
         n32 = None if n is None else n.astype(np.float32)
-        upload = self._on(self._device)
         result = np.ones(len(flat), np.float32)
         for first in range(0, len(flat), POINTS_AT_ONCE):
             part = slice(first, first + POINTS_AT_ONCE)
@@ -327,11 +397,92 @@ class Scene:
                 _visibility_of_part,
                 upload, here[part], None if ids is None else ids[part], sides, light, technique, settings,
             )  # fmt: skip
-        if nan == "absent":
-            absent = ~np.isfinite(flat).all(axis=1)
-            result[absent] = 0
-            return np.ma.MaskedArray(result.reshape(shape), absent.reshape(shape), fill_value=0)
-        return result.reshape(shape)
+        if self.lattice is not None and ids is not None and (is_front or towards is not None):
+            self._face_changed(result, ids, towards, is_front, here, upload, light, technique, settings)
+        return result
+
+    def _face_changed(
+        self,
+        result: NDArray[np.float32],
+        ids: NDArray[np.uint32],
+        towards: tuple[float, float, float] | None,
+        is_front: bool,
+        here: NDArray[np.float32],
+        upload: _OnDevice,
+        light: tuple[float, float, float, float],
+        technique: str,
+        settings: Settings | None,
+    ) -> None:
+        """Decides the points on triangles that snapping changes anew, by the triangles before snapping."""
+        assert self.lattice is not None
+        rows = np.flatnonzero(np.append(self.lattice.is_changed, False)[np.minimum(ids, self._count)])
+        if rows.size == 0:
+            return
+        world = self.lattice.world[ids[rows]]
+        normals = _arrays.scaled(_world.normals_of_triangles(world))
+        sides = [normals] if is_front else []
+        if towards is not None:
+            eye = np.array(self.lattice.native.world_of(towards))
+            seen = np.sign(((eye - world[:, 0]) * normals).sum(axis=1, keepdims=True))
+            sides.append(normals * seen)  # an eye in the plane sees no side: a normal of zero faces no light
+        values = np.ones(len(rows), np.float32)
+        for side in sides:
+            faced = upload.device.call(
+                _visibility_of_part,
+                upload, here[rows], ids[rows], _Sides(normals=(side.astype(np.float32),)), light, technique, settings,
+            )  # fmt: skip
+            values = np.minimum(values, faced)
+        result[rows] = values
+
+    def _at_vertices(
+        self,
+        upload: _OnDevice,
+        flat: NDArray[Any],
+        up: Any,
+        light: tuple[float, float, float, float],
+        technique: str,
+        settings: Settings | None,
+    ) -> NDArray[np.float32]:
+        upwards = None if up is None else _arrays.triple(up, "up")
+        if upwards is not None and not any(upwards):
+            raise ValueError("up: must not be zero")
+        kept = self._vertices
+        if kept is None or kept.up != upwards or not np.array_equal(kept.world, flat, equal_nan=True):
+            kept = self._vertices = self._vertices_of(upload, flat, upwards)
+        result = np.ones(len(flat), np.float32)
+        extended = 0
+        for fans, first in zip(kept.fans, range(0, len(flat), POINTS_AT_ONCE), strict=True):
+            part = slice(first, first + POINTS_AT_ONCE)
+            normals = None if kept.normals is None else (kept.normals[part],)
+            sides = _Sides(normals=normals, fans=fans, up=upwards)
+            result[part] = upload.device.call(
+                _visibility_of_part, upload, kept.here[part], None, sides, light, technique, settings
+            )
+            extended += upload.device.call(fans.extended)
+        opened = [fans.open().astype(np.int64) + i * POINTS_AT_ONCE for i, fans in enumerate(kept.fans)]
+        self.at_vertices = VertexReport(np.concatenate([*opened, np.empty(0, np.int64)]), kept.touching, extended)
+        return result
+
+    def _vertices_of(self, upload: _OnDevice, flat: NDArray[Any], up: tuple[float, float, float] | None) -> _Vertices:
+        triangles = self.triangles
+        here = _arrays.float32_of(flat, "points") if self.lattice is None else self.lattice.snap(flat, "points")
+        fans = []
+        for first in range(0, len(flat), POINTS_AT_ONCE):
+            part = here[first : first + POINTS_AT_ONCE]
+            fans.append(upload.device.call(_gnomon.VertexFans.find, upload.device.native, triangles, part))
+            alone = fans[-1].alone()
+            alone = alone[np.isfinite(part[alone]).all(axis=1)]
+            if alone.size:
+                row = first + int(alone[0])
+                raise ValueError(f"points: row {row} {flat[row].tolist()} is no vertex of the scene's triangles")
+        rows, normals = np.empty(0, np.int64), None
+        if self.lattice is not None:
+            rows, along = upload.device.call(self.lattice.normals_where_touching, here, up)
+            if rows.size:
+                here[rows] = _world.lifted(self.lattice.native, flat[rows].astype(np.float64), "points", along)
+                normals = np.full(here.shape, np.nan, np.float32)
+                normals[rows] = along
+        return _Vertices(np.array(flat), up, here, normals, rows, fans)
 
     def _normals_to_lift_along(
         self, normals: NDArray[np.float64] | None, ids: NDArray[np.uint32] | None, is_front: bool
@@ -369,8 +520,6 @@ class Scene:
         _require_on_device(points, "points", (count, 3), np.float32)
         if receivers is not None:
             _require_on_device(receivers, "receivers", (count,), np.uint32)
-            if receivers.offset:
-                raise ValueError("receivers: must begin where its buffer begins")
         if normals is not None:
             _require_on_device(normals, "normals", (count, 3), np.float32)
         towards = self._eye_of(side, eye, receivers is not None)
@@ -378,8 +527,6 @@ class Scene:
         upload = self._on(device_of_queue(points.queue))
         result = pyopencl.array.empty(points.queue, (count,), np.float32) if out is None else out
         _require_on_device(result, "out", (count,), np.float32)
-        if result.offset:
-            raise ValueError("out: must begin where its buffer begins")
         if count:
             sides = _Sides(towards, at_normals, side == "front")
             upload.device.call(_enqueue_on_device, upload, points, receivers, sides, light, result)
@@ -471,9 +618,14 @@ def _run(
         points.set_eye(sides.eye)
     upload.technique(technique, settings).run(upload.triangles, points, light, visibility)
     if sides.normals is not None:
-        _gnomon.face_by_normals(device, points, *sides.normals, light, visibility)
+        if len(sides.normals) == 1:
+            _gnomon.face_by_normals(device, points, sides.normals[0], light, visibility)
+        else:
+            _gnomon.face_by_normals(device, points, sides.normals[0], sides.normals[1], light, visibility)
     if sides.is_front:
         _gnomon.face_by_winding(device, upload.triangles, points, light, visibility)
+    if sides.fans is not None:
+        _gnomon.face_by_fans(device, upload.triangles, sides.fans, light, visibility, sides.up)
 
 
 def _visibility_of_part(
@@ -494,10 +646,38 @@ def _visibility_of_part(
 
 def _enqueue_on_device(upload: _OnDevice, at: Any, receivers: Any, sides: _Sides, light: Any, result: Any) -> None:
     device = upload.device.native
-    ids = 0 if receivers is None else receivers.base_data.int_ptr
-    points = _gnomon.Points.wrap(device, at.base_data.int_ptr, _packed_from(at), at.shape[0], ids)
-    visibility = _gnomon.Visibility.wrap(device, result.base_data.int_ptr, at.shape[0])
+    ids = None if receivers is None else _from_the_beginning(receivers)
+    points = _gnomon.Points.wrap(
+        device, at.base_data.int_ptr, _packed_from(at), at.shape[0], 0 if ids is None else ids.base_data.int_ptr
+    )
+    whole = result if _is_aligned(result) else type(result)(result.queue, result.shape, result.dtype)
+    visibility = _gnomon.Visibility.wrap(device, whole.base_data.int_ptr, at.shape[0], whole.offset // 4)
     _run(upload, points, visibility, sides, light)
+    if whole is not result:
+        _copy_on_device(whole, result)
+
+
+def _is_aligned(array: Any) -> bool:
+    """Whether OpenCL can make a buffer of its own of an array's part of its buffer."""
+    return array.offset % (array.queue.device.mem_base_addr_align // 8) == 0
+
+
+def _from_the_beginning(array: Any) -> Any:
+    """The array, or its copy on the device, so that its buffer begins with it."""
+    if array.offset == 0:
+        return array
+    copied = type(array)(array.queue, array.shape, array.dtype)
+    _copy_on_device(array, copied)
+    return copied
+
+
+def _copy_on_device(source: Any, target: Any) -> None:
+    import pyopencl
+
+    pyopencl.enqueue_copy(
+        target.queue, target.base_data, source.base_data,
+        byte_count=source.nbytes, src_offset=source.offset, dst_offset=target.offset,
+    )  # fmt: skip
 
 
 class View:
