@@ -191,7 +191,7 @@ protected:
     void expect_error(const std::filesystem::path& file, const std::vector<std::string>& words,
                       std::uint64_t memory_bytes = 0) const {
         try {
-            gnomon::scene::load(file, memory_bytes);
+            gnomon::scene::load(file, {.memory_bytes = memory_bytes});
             ADD_FAILURE() << "no error; expected one about " << words.front();
         } catch (const SceneError& error) {
             const std::string what = error.what();
