@@ -201,6 +201,8 @@ private:
         const tinygltf::Node& node = model_.nodes[std::size_t(visit.node)];
         if (const auto it = node.extensions.find(instancing); it != node.extensions.end())
             visit.count = check_instances(visit.node, it->second.Get("attributes"));
+        if (visit.count != 1 && node.skin >= 0)
+            work_.not_supported.insert("instances of a skinned mesh (all stand where its joints are)");
         work_.instances.push_back(visit);
     }
 
@@ -432,6 +434,11 @@ private:
         return bytes;
     }
 
+    bool is_plain(const VertexAccessors& vertices) const {
+        const int type = model_.accessors[std::size_t(vertices.positions)].componentType;
+        return vertices.targets.empty() && vertices.joints.empty() && type == TINYGLTF_COMPONENT_TYPE_FLOAT;
+    }
+
     /// A few hundred bytes of JSON can describe terabytes (instances of instances). So all elements are counted before
     /// the first allocation.
     void check_amount() const {
@@ -440,7 +447,8 @@ private:
         for (const auto& [mesh, parts] : parts_)
             for (const Part& part : parts) {
                 triangles_of_mesh[mesh] = plus(triangles_of_mesh[mesh], part.triangle_count);
-                largest_shape = std::max<std::uint64_t>(largest_shape, accessors_.count(part.vertices.positions));
+                if (!is_plain(part.vertices))
+                    largest_shape = std::max<std::uint64_t>(largest_shape, accessors_.count(part.vertices.positions));
             }
         for (const Instance& instance : work_.instances)
             if (const auto it = triangles_of_mesh.find(model_.nodes[instance.node].mesh); it != triangles_of_mesh.end())

@@ -56,9 +56,9 @@ struct Scene {
 /// What of a file is loaded. A name that none has is read as an index from 0.
 struct LoadOptions {
     std::uint64_t memory_bytes = 0;        ///< that the triangles may take; 0: the machine's memory
-    std::optional<std::string> scene;      ///< none: the file's default scene
-    std::optional<std::string> animation;  ///< none: the first, if there is a time
-    std::optional<double> time_s;          ///< none: the pose at rest, or an animation's start if one is named
+    std::optional<std::string> scene{};      ///< none: the file's default scene
+    std::optional<std::string> animation{};  ///< none: the first, if there is a time
+    std::optional<double> time_s{};        ///< none: the pose at rest, or an animation's start if one is named
 };
 
 /// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than they may take.
