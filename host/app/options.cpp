@@ -119,10 +119,12 @@ void add_sequence_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Sequence (one picture for each time, from --time on)"};
     add("--frames", "N", "Pictures, up to 1000000: NAME.png becomes NAME_0000.png, NAME_0001.png, ...",
         into(options.frames, parse_count, 1u, 1000000u));
-    add("--fps", "F", "Frames per second, above 0 (default 24)", [&](const std::string& option, const std::string& text) {
-        options.frames_per_s = parse_double(option, text);
-        if (!(*options.frames_per_s > 0)) throw UsageError(option + " needs a number above 0, not \"" + text + "\"");
-    });
+    add("--fps", "F", "Frames per second, above 0 (default 24)",
+        [&](const std::string& option, const std::string& text) {
+            options.frames_per_s = parse_double(option, text);
+            if (!(*options.frames_per_s > 0))
+                throw UsageError(option + " needs a number above 0, not \"" + text + "\"");
+        });
 }
 
 void add_output_options(CLI::App& app, RenderOptions& options) {
@@ -236,7 +238,8 @@ void check_scene_options(const ViewOptions& options) {
                               : options.time_s     ? "--time"
                                                    : nullptr;
     if (given && !options.scene)
-        throw UsageError(std::string(given) + " needs a SCENE file: the built-in sundial has one scene and stands still");
+        throw UsageError(std::string(given) +
+                         " needs a SCENE file: the built-in sundial has one scene and stands still");
 }
 
 void check_sequence(const RenderOptions& options) {

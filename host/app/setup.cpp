@@ -77,8 +77,7 @@ SceneSource::SceneSource(const ViewOptions& options) : strict_(options.strict), 
 
 scene::Scene SceneSource::at(std::optional<double> time_s) {
     scene::Scene loaded = file_ ? file_->at(time_s) : scene::sundial();
-    if (strict_ && !loaded.warnings.empty())
-        throw Error(loaded.warnings.front() + " (an error because of --strict)");
+    if (strict_ && !loaded.warnings.empty()) throw Error(loaded.warnings.front() + " (an error because of --strict)");
     for (const std::string& warning : loaded.warnings)
         if (printed_.insert(warning).second) print_warning(warning);
     for (const std::string& note : loaded.notes)

@@ -63,7 +63,8 @@ std::vector<double> AnimationReader::sample(const tinygltf::AnimationSampler& sa
     const auto value = [&](std::size_t keyframe, std::size_t part) {
         const std::size_t begin = (keyframe * (is_cubic ? 3 : 1) + part) * components;
         std::vector<double> v(components);
-        for (std::size_t i = 0; i < components; ++i) v[i] = output.number((begin + i) / width, int((begin + i) % width));
+        for (std::size_t i = 0; i < components; ++i)
+            v[i] = output.number((begin + i) / width, int((begin + i) % width));
         return v;
     };
     const std::vector<double> from = value(at.first, is_cubic ? 1 : 0);
@@ -95,16 +96,16 @@ std::map<int, AnimatedNode> AnimationReader::at(int index, double time_s, std::s
             continue;
         }
         if (channel.target_node < 0) continue;  // glTF says: ignore it
-        const std::string what =
-            "animations[" + std::to_string(index) + "].channels[" + std::to_string(i) + "]";
+        const std::string what = "animations[" + std::to_string(index) + "].channels[" + std::to_string(i) + "]";
         if (!is_weights && !model_.nodes[std::size_t(channel.target_node)].matrix.empty())
             fail(file_, what + " moves nodes[" + std::to_string(channel.target_node) +
                             "], which has a matrix; glTF allows this only for translation, rotation and scale");
-        const std::size_t components =
-            is_weights ? morph_target_count(model_, channel.target_node) : is_rotation ? 4 : 3;
+        const std::size_t components = is_weights    ? morph_target_count(model_, channel.target_node)
+                                       : is_rotation ? 4
+                                                     : 3;
         if (components == 0) continue;
-        std::vector<double> value = sample(animation.samplers[std::size_t(channel.sampler)], time_s, components,
-                                           is_rotation, what);
+        std::vector<double> value =
+            sample(animation.samplers[std::size_t(channel.sampler)], time_s, components, is_rotation, what);
         AnimatedNode& node = nodes[channel.target_node];
         if (is_rotation)
             node.rotation = unit(quaternion(value));

@@ -27,7 +27,8 @@ public:
         : file_(file), model_(model), accessors_(accessors) {}
 
     /// The nodes that this animation moves, at this time. Before the first keyframe the first one holds, after the last
-    /// the last. Throws SceneError if keyframes are unusable. Adds to `not_supported` what a channel asks beyond glTF 2.0.
+    /// the last. Throws SceneError if keyframes are unusable. Adds to `not_supported` what a channel asks beyond
+    /// glTF 2.0.
     std::map<int, AnimatedNode> at(int animation, double time_s, std::set<std::string>& not_supported);
 
 private:

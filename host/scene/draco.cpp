@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// KHR_draco_mesh_compression by libdraco. A stream of a few bytes can promise 2^32 faces or attributes of any width, and
-// libdraco reserves memory for them; so its decoders are derived here and charge the budget once the counts are known.
+// KHR_draco_mesh_compression by libdraco. A stream of a few bytes can promise 2^32 faces or attributes of any width,
+// and libdraco reserves memory for them; so its decoders are derived here and charge the budget once the counts are
+// known.
 #include "gltf.hpp"
 
 #ifdef GNOMON_HAS_DRACO
@@ -180,7 +181,8 @@ void unpack(tinygltf::Model& model, tinygltf::Primitive& primitive, DecodingBudg
     primitive.indices = add_accessor(model, std::move(indices), indices_of(*mesh));
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     if (!other_counts.empty())
-        warnings.push_back(what + " has other counts in its Draco stream than the file declares, and the stream's are " +
+        warnings.push_back(what +
+                           " has other counts in its Draco stream than the file declares, and the stream's are " +
                            "taken: " + listed(other_counts));
 }
 

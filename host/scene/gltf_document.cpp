@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The order of the loading: container -> JSON -> gnomon's checks -> tinygltf -> gnomon's checks of the references.
 // tinygltf gets a JSON without images and textures (gnomon uses none of them; image files need not exist and are never
-// decoded). Compressed meshes are unpacked before the references are checked. tinygltf reads every buffer through a callback, under a name that gnomon chose: a .glb's
-// chunk is read from the file directly into its buffer, a buffer file may be longer than byteLength (as glTF allows and
-// tinygltf does not), and each failure gets a sentence.
+// decoded). Compressed meshes are unpacked before the references are checked. tinygltf reads every buffer through a
+// callback, under a name that gnomon chose: a .glb's chunk is read from the file directly into its buffer, a buffer
+// file may be longer than byteLength (as glTF allows and tinygltf does not), and each failure gets a sentence.
 #include "gltf.hpp"
 
 #include <algorithm>
@@ -185,12 +185,26 @@ std::vector<KeptIndices> take_indices_without_view(json& root) {
     return kept;
 }
 
+/// tinygltf refuses skins without inverse bind matrices, which glTF allows (each is the identity): they get some
+/// accessor for it to read, and lose it afterwards.
+std::vector<std::size_t> fill_skins_without_matrices(json& root) {
+    std::vector<std::size_t> filled;
+    if (!root.contains("skins")) return filled;
+    for (std::size_t i = 0; i < root["skins"].size(); ++i) {
+        if (root["skins"][i].contains("inverseBindMatrices")) continue;
+        root["skins"][i]["inverseBindMatrices"] = 0;
+        filled.push_back(i);
+    }
+    return filled;
+}
+
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& container, json& root) {
     BufferReader reader{file, container, take_buffer_sources(file, container, root)};
     for (const char* unused : {"images", "textures", "samplers", "extras"}) root.erase(unused);
     const std::vector<KeptIndices> kept = take_indices_without_view(root);
+    const std::vector<std::size_t> skins_without_matrices = fill_skins_without_matrices(root);
     const std::string text = root.dump();
     root = nullptr;
     if (text.size() > std::numeric_limits<unsigned>::max()) fail(file, "the JSON is larger than 4 GiB");
@@ -203,6 +217,7 @@ tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& co
     // If tinygltf reports an error beside success, it left out a part of the file. The load then fails.
     if (!success || !error.empty()) fail(file, "tinygltf cannot read it: " + first_line(error));
     for (const KeptIndices& k : kept) model.meshes[k.mesh].primitives[k.primitive].indices = k.accessor;
+    for (const std::size_t skin : skins_without_matrices) model.skins[skin].inverseBindMatrices = -1;
     return model;
 }
 

@@ -41,8 +41,8 @@ enum class Need { optional, required };
 class Checks {
 public:
     Checks(const std::filesystem::path& file, const json& root) : file_(file), root_(root) {
-        for (const std::string name :
-             {"accessors", "animations", "buffers", "bufferViews", "cameras", "materials", "meshes", "nodes", "scenes", "skins"})
+        for (const std::string name : {"accessors", "animations", "buffers", "bufferViews", "cameras", "materials",
+                                       "meshes", "nodes", "scenes", "skins"})
             counts_[name] = count(name);
         const json* lights = light_array();
         counts_["lights"] = lights ? lights->size() : 0;
@@ -391,7 +391,8 @@ private:
             const Path in_instances = at.in("extensions.EXT_mesh_gpu_instancing");
             const json* all = object(*instances, in_instances, "attributes", Need::required);
             attributes(*all, in_instances);
-            if (all->empty()) reject(in_instances, "attributes", "is empty: it must name TRANSLATION, ROTATION or SCALE");
+            if (all->empty())
+                reject(in_instances, "attributes", "is empty: it must name TRANSLATION, ROTATION or SCALE");
         }
     }
 

@@ -218,8 +218,8 @@ private:
             else if (name == "TRANSLATION" || name == "SCALE")
                 accessors_.require(accessor, TINYGLTF_TYPE_VEC3, float_types, what, "VEC3 of float");
             if (count && *count != accessors_.count(accessor))
-                fail(file_, what + " are " + std::to_string(accessors_.count(accessor)) + ", but another attribute has " +
-                                std::to_string(*count));
+                fail(file_, what + " are " + std::to_string(accessors_.count(accessor)) +
+                                ", but another attribute has " + std::to_string(*count));
             count = accessors_.count(accessor);
             if (name == "ROTATION" || name == "TRANSLATION" || name == "SCALE") other_accessors_.insert(accessor);
         }
@@ -561,7 +561,8 @@ private:
         // The product with the identity would turn -0 into +0.
         const bool is_identity = world.is_identity();
         if (is_identity && shape.has_file_bits())
-            return write_corners(part, index, [&](std::size_t i) { return shape.base().float3(i); }, out);
+            return write_corners(
+                part, index, [&](std::size_t i) { return shape.base().float3(i); }, out);
         return with_vertices(part, shape, [&](const auto& vertex) {
             const auto place = [&](std::size_t i) { return rounded(is_identity ? vertex(i) : world(vertex(i))); };
             return write_corners(part, index, place, out);
@@ -647,7 +648,9 @@ struct SceneFile::Inside {
 };
 
 SceneFile::SceneFile(const std::filesystem::path& file, const LoadOptions& options)
-    : inside_(with_sentences(file, [&] { return new Inside{file, Loader(file, options)}; })) {}
+    : inside_(with_sentences(file, [&] {
+          return new Inside{file, Loader(file, options)};
+      })) {}
 SceneFile::~SceneFile() = default;
 
 Scene SceneFile::at(std::optional<double> time_s) {

@@ -27,8 +27,7 @@ const char* broken_rule(const MeshoptView& v) {
 }
 
 bool decode(const MeshoptView& v, const unsigned char* from, unsigned char* to) {
-    if (v.mode == "TRIANGLES")
-        return meshopt_decodeIndexBuffer(to, v.count, v.byte_stride, from, v.byte_length) == 0;
+    if (v.mode == "TRIANGLES") return meshopt_decodeIndexBuffer(to, v.count, v.byte_stride, from, v.byte_length) == 0;
     if (v.mode == "INDICES") return meshopt_decodeIndexSequence(to, v.count, v.byte_stride, from, v.byte_length) == 0;
     if (meshopt_decodeVertexBuffer(to, v.count, v.byte_stride, from, v.byte_length) != 0) return false;
     if (v.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(to, v.count, v.byte_stride);
@@ -49,6 +48,10 @@ void unpack_meshopt(tinygltf::Model& model, const std::vector<MeshoptView>& view
             fail(budget.file, what + ".extensions.EXT_meshopt_compression reads beyond buffers[" +
                                   std::to_string(v.buffer) + "], which has " + counted(packed.size(), "byte"));
         budget.charge(what, v.count, v.byte_stride);
+        if (v.count * v.byte_stride != model.bufferViews[v.view].byteLength)
+            fail(budget.file, what + " has " + counted(model.bufferViews[v.view].byteLength, "byte") +
+                                  ", but its EXT_meshopt_compression " + std::to_string(v.count) + " times " +
+                                  std::to_string(v.byte_stride));
         tinygltf::Buffer unpacked;
         unpacked.data.resize(v.count * v.byte_stride);
         if (v.count > 0 && !decode(v, packed.data() + v.byte_offset, unpacked.data.data()))

@@ -40,8 +40,8 @@ struct Scene {
     Materials materials;  ///< base colour factors, linear; textures are not read
     std::vector<NamedCamera> cameras;
     std::vector<NamedLight> lights;
-    std::vector<std::string> warnings;  ///< each one sentence; --strict turns them into errors
-    std::vector<std::string> notes;     ///< each one sentence, on what the file has beside the scene; no errors
+    std::vector<std::string> warnings;    ///< each one sentence; --strict turns them into errors
+    std::vector<std::string> notes;       ///< each one sentence, on what the file has beside the scene; no errors
     std::vector<std::string> animations;  ///< the names of the file's animations; "animation N" without a name
     std::string animation;                ///< the one that is shown; empty: the pose at rest
 
@@ -55,10 +55,10 @@ struct Scene {
 
 /// What of a file is loaded. A name that none has is read as an index from 0.
 struct LoadOptions {
-    std::uint64_t memory_bytes = 0;        ///< that the triangles may take; 0: the machine's memory
+    std::uint64_t memory_bytes = 0;          ///< that the triangles may take; 0: the machine's memory
     std::optional<std::string> scene{};      ///< none: the file's default scene
     std::optional<std::string> animation{};  ///< none: the first, if there is a time
-    std::optional<double> time_s{};        ///< none: the pose at rest, or an animation's start if one is named
+    std::optional<double> time_s{};          ///< none: the pose at rest, or an animation's start if one is named
 };
 
 /// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than they may take.

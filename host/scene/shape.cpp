@@ -27,8 +27,8 @@ Double3 Shape::operator()(std::size_t vertex) const {
     return is_skinned() ? skinned(vertex, p) : p;
 }
 
-/// The mean of the joints' images of p. Weights that do not quite add up to 1 are normalized, as the division by w after
-/// a projection does it in a rasterizer.
+/// The mean of the joints' images of p. Weights that do not quite add up to 1 are normalized, as the division by w
+/// after a projection does it in a rasterizer.
 Double3 Shape::skinned(std::size_t vertex, const Double3& p) const {
     glm::dvec4 sum(0);
     double weights = 0;
