@@ -85,6 +85,11 @@ std::string scene_name(const RenderOptions& options) {
     return options.scene ? options.scene->string() : std::string("the built-in sundial");
 }
 
+ordered_json animation_json(const Report& report) {
+    if (report.animations.shown.empty()) return nullptr;
+    return {{"name", report.animations.shown}, {"time_s", report.options.time_s.value_or(0)}};
+}
+
 /// ", Walk at 0.5 s", or which animations there are.
 std::string pose_text(const Report& report) {
     const auto& [all, shown] = report.animations;
@@ -220,7 +225,7 @@ nlohmann::ordered_json statistics_json(const Report& report) {
         {"triangles", report.triangles},
         {"non_finite_triangles", report.non_finite_triangles},
         {"warnings", report.warnings},
-        {"animation", report.animations.shown},
+        {"animation", animation_json(report)},
         {"image", {{"width", options.size.width}, {"height", options.size.height}, {"samples", options.samples}}},
         {"camera", camera_json(report.camera)},
         {"technique", {{"name", options.technique}, {"settings", object_of(options.settings)}}},

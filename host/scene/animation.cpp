@@ -91,11 +91,11 @@ std::map<int, AnimatedNode> AnimationReader::at(int index, double time_s, std::s
         const tinygltf::AnimationChannel& channel = animation.channels[i];
         const std::string& path = channel.target_path;
         const bool is_rotation = path == "rotation", is_weights = path == "weights";
+        if (path.empty()) continue;  // it names no node, and glTF says: ignore it
         if (!is_rotation && !is_weights && path != "translation" && path != "scale") {
             not_supported.insert("an animation of " + in_quotes(path) + " (ignored)");
             continue;
         }
-        if (channel.target_node < 0) continue;  // glTF says: ignore it
         const std::string what = "animations[" + std::to_string(index) + "].channels[" + std::to_string(i) + "]";
         if (!is_weights && !model_.nodes[std::size_t(channel.target_node)].matrix.empty())
             fail(file_, what + " moves nodes[" + std::to_string(channel.target_node) +

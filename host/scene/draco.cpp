@@ -26,6 +26,9 @@ constexpr const char* extension_name = "KHR_draco_mesh_compression";
 /// libdraco's tables while it decodes, at most: corners, opposite corners, vertices and a traversal's marks.
 constexpr std::uint64_t bytes_per_face = 256, bytes_per_point = 64;
 
+/// Draco's entropy coder takes next to nothing for a regular mesh, but no real one takes less than 1/64 bit per face.
+std::uint64_t most_elements(std::uint64_t stream_bytes) { return (std::uint64_t(1) << 22) + 512 * stream_bytes; }
+
 template <class Decoder>
 class Bounded final : public Decoder {
 public:
@@ -37,6 +40,10 @@ protected:
         draco::DecoderBuffer ahead = *this->buffer();
         std::uint32_t first = 0, second = 0;
         if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
+        const auto left = std::uint64_t(ahead.remaining_size());
+        if (std::max(first, second) > most_elements(left))
+            fail(budget_.file, what_ + " promises " + std::to_string(std::max(first, second)) +
+                                   " elements in a Draco stream of " + counted(left, "byte") + "; export it again");
         constexpr bool is_edgebreaker = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;
         budget_.charge(what_, is_edgebreaker ? second : first, bytes_per_face);
         budget_.charge(what_, is_edgebreaker ? first : second, bytes_per_point);
@@ -149,6 +156,8 @@ std::vector<unsigned char> indices_of(const draco::Mesh& mesh) {
 void unpack(tinygltf::Model& model, tinygltf::Primitive& primitive, DecodingBudget& budget, const std::string& what,
             std::vector<std::string>& warnings) {
     const tinygltf::Value& extension = primitive.extensions.at(extension_name);
+    const std::uint64_t kept_before = budget.bytes;
+    std::uint64_t kept = 0;
     const std::unique_ptr<draco::Mesh> mesh = decode(model, extension.Get("bufferView").GetNumberAsInt(), budget, what);
     std::vector<std::string> other_counts;
     const auto compare = [&](const std::string& name, std::size_t declared, std::size_t decoded) {
@@ -163,6 +172,7 @@ void unpack(tinygltf::Model& model, tinygltf::Primitive& primitive, DecodingBudg
         tinygltf::Accessor unpacked = model.accessors[std::size_t(accessor)];
         const auto components = std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(unpacked.type)));
         budget.charge(what, mesh->num_points(), element_bytes(unpacked));
+        kept += mesh->num_points() * element_bytes(unpacked);
         std::vector<unsigned char> bytes;
         if (!from || !copy_values(unpacked.componentType, *mesh, *from, components, bytes))
             fail(budget.file, what + " has no attribute " + word_or_quotes(name) + " in its Draco stream");
@@ -180,6 +190,7 @@ void unpack(tinygltf::Model& model, tinygltf::Primitive& primitive, DecodingBudg
     budget.charge(what, indices.count, sizeof(std::uint32_t));
     primitive.indices = add_accessor(model, std::move(indices), indices_of(*mesh));
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    budget.bytes = kept_before + kept + model.accessors.back().count * sizeof(std::uint32_t);  // the decoder's are free
     if (!other_counts.empty())
         warnings.push_back(what +
                            " has other counts in its Draco stream than the file declares, and the stream's are " +

@@ -198,6 +198,14 @@ std::vector<std::size_t> fill_skins_without_matrices(json& root) {
     return filled;
 }
 
+/// tinygltf refuses animation channels without a node, which glTF says to ignore: they get a node and no path.
+void fill_channels_without_node(json& root) {
+    if (!root.contains("animations")) return;
+    for (json& animation : root["animations"])
+        for (json& channel : animation["channels"])
+            if (!channel["target"].contains("node")) channel["target"] = {{"node", 0}, {"path", ""}};
+}
+
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& container, json& root) {
@@ -205,6 +213,7 @@ tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& co
     for (const char* unused : {"images", "textures", "samplers", "extras"}) root.erase(unused);
     const std::vector<KeptIndices> kept = take_indices_without_view(root);
     const std::vector<std::size_t> skins_without_matrices = fill_skins_without_matrices(root);
+    fill_channels_without_node(root);
     const std::string text = root.dump();
     root = nullptr;
     if (text.size() > std::numeric_limits<unsigned>::max()) fail(file, "the JSON is larger than 4 GiB");

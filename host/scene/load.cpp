@@ -154,6 +154,7 @@ private:
 
     std::map<int, AnimatedNode> animated_nodes(std::optional<double> time_s) {
         if (!time_s && animation_ < 0) return {};
+        if (time_s && std::isnan(*time_s)) fail(file_, "cannot be shown at a time that is no number");
         if (model_.animations.empty()) fail(file_, "has no animations, so that it cannot be shown at a time");
         const int index = std::max(animation_, 0);
         if (animation_accessors_.empty()) check_animation(index);

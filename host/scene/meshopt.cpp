@@ -26,6 +26,13 @@ const char* broken_rule(const MeshoptView& v) {
     return nullptr;
 }
 
+/// Every group of 16 bytes takes 2 bits at least, every triangle or index a byte. Checked before the output is
+/// reserved.
+bool is_too_short(const MeshoptView& v) {
+    if (v.mode == "ATTRIBUTES") return v.count * v.byte_stride / 64 > v.byte_length;
+    return (v.mode == "TRIANGLES" ? v.count / 3 : v.count) > v.byte_length;
+}
+
 bool decode(const MeshoptView& v, const unsigned char* from, unsigned char* to) {
     if (v.mode == "TRIANGLES") return meshopt_decodeIndexBuffer(to, v.count, v.byte_stride, from, v.byte_length) == 0;
     if (v.mode == "INDICES") return meshopt_decodeIndexSequence(to, v.count, v.byte_stride, from, v.byte_length) == 0;
@@ -53,8 +60,9 @@ void unpack_meshopt(tinygltf::Model& model, const std::vector<MeshoptView>& view
                                   ", but its EXT_meshopt_compression " + std::to_string(v.count) + " times " +
                                   std::to_string(v.byte_stride));
         tinygltf::Buffer unpacked;
-        unpacked.data.resize(v.count * v.byte_stride);
-        if (v.count > 0 && !decode(v, packed.data() + v.byte_offset, unpacked.data.data()))
+        const bool is_short = is_too_short(v);
+        if (!is_short) unpacked.data.resize(v.count * v.byte_stride);
+        if (is_short || (v.count > 0 && !decode(v, packed.data() + v.byte_offset, unpacked.data.data())))
             fail(budget.file, what + " holds no stream of EXT_meshopt_compression in mode " + v.mode +
                                   " that can be decoded; export it again");
         tinygltf::BufferView& view = model.bufferViews[v.view];

@@ -121,6 +121,18 @@ TEST_F(Poses, AnimationsAreChosenByNameOrIndex) {
     expect_error(still, {"has no animations"}, 0, 1.0);
 }
 
+TEST_F(Poses, ChannelsWithoutAKnownTarget) {
+    Gltf gltf = triangle_file();
+    animate(gltf, "translation", "LINEAR", {0, 1}, {1, 0, 0, 2, 0, 0});
+    gltf.set("/animations/0/channels/0/target", R"({"path": "translation"})");
+    const Scene scene = load_at(gltf, 1);
+    EXPECT_EQ(scene.triangles, one_triangle) << "glTF says: ignore it";
+    EXPECT_TRUE(scene.warnings.empty());
+    gltf.set("/animations/0/channels/0/target", R"({"node": 0, "path": "pointer"})");
+    expect_warning(load_at(gltf, 1), {"an animation of 'pointer' (ignored)"});
+    expect_error(gltf, {"a time that is no number"}, 0, std::nan(""));
+}
+
 TEST_F(Poses, AFileServesManyTimes) {
     Gltf gltf = triangle_file();
     animate(gltf, "translation", "LINEAR", {0, 4}, {0, 0, 0, 4, 0, 0});
@@ -461,6 +473,9 @@ TEST_F(Poses, DamagedMeshoptIsNamed) {
     damaged("/byteOffset", "18446744073709551615", "reads beyond buffers[0]");
     damaged("/count", "5", "has 32 bytes, but its EXT_meshopt_compression 5 times 8");
     damaged("/count", "1000000000000000000", "more than the 1 MiB of memory");
+    Gltf gltf = meshopt_file();
+    gltf.set(at + "/count", "500000000").set("/bufferViews/0/byteLength", "4000000000");
+    expect_error(gltf, {"bufferViews[0] holds no stream of EXT_meshopt_compression"}, std::uint64_t(1) << 50);
     damaged("/mode", "\"INDICES\"", "a byteStride of 2 or 4");
     damaged("/mode", "\"WHAT\"", "mode is 'WHAT'");
 }
@@ -536,6 +551,20 @@ TEST_F(Poses, DamagedDracoIsNamed) {
     gltf = draco_file(draco::MESH_EDGEBREAKER_ENCODING);
     gltf.buffer[5] = 1;  // the stream's version
     expect_error(gltf, {"primitive 0 of mesh 'thing'", "version 1.2"});
+}
+
+// A few bytes that promise gigabytes are refused before memory is reserved.
+TEST_F(Poses, DracoStreamsThatPromiseTooMuch) {
+    for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+        Gltf gltf = draco_file(method);
+        // "DRACO", version, type, method, flags; Edgebreaker's traversal; then the two counts, one byte each here.
+        const std::size_t counts = method == draco::MESH_EDGEBREAKER_ENCODING ? 12 : 11;
+        const Bytes huge{0xFF, 0xFF, 0xFF, 0x7F, 0xFF, 0xFF, 0xFF, 0x7F};  // 2^28 - 1, twice
+        gltf.buffer.erase(gltf.buffer.begin() + long(counts), gltf.buffer.begin() + long(counts) + 2);
+        gltf.buffer.insert(gltf.buffer.begin() + long(counts), huge.begin(), huge.end());
+        gltf.set("/bufferViews/0/byteLength", std::to_string(gltf.buffer.size()));
+        expect_error(gltf, {"primitive 0 of mesh 'thing' promises 268435455 elements"}, std::uint64_t(1) << 50);
+    }
 }
 
 // Of each byte every value: a scene or a sentence, in 16 MiB.
