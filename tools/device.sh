@@ -26,6 +26,7 @@ work=/tmp/gnomon_device
 packages=(
     ocl-icd-libopencl1 ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers  # OpenCL's loader and headers
     libtinygltf-dev libtinygltf2d libstb0 libstb-dev nlohmann-json3-dev libcli11-dev  # scene loader and tools
+    libglm-dev                                                                   # the scene loader's poses
     libgtest-dev libboost1.74-dev                                                # tests and references
 )
 # The whole tree that travels must stay under 64 MiB.

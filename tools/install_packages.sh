@@ -9,7 +9,8 @@ run_packages=(
     g++ cmake ninja-build          # the build
     ocl-icd-opencl-dev             # OpenCL headers and loader: all that the core library needs
     pocl-opencl-icd                # an OpenCL device for every CPU; a GPU's driver brings its own
-    libtinygltf-dev nlohmann-json3-dev libcli11-dev  # the command: scenes, statistics, options
+    libtinygltf-dev libglm-dev nlohmann-json3-dev libcli11-dev  # the command: scenes, statistics, options
+    libdraco-dev libmeshoptimizer-dev                # optional: compressed meshes in scenes
     libpng-dev libopenimageio-dev  # the command: pictures; EXR files and galleries
     openimageio-tools              # OpenImageIO's CMake files refuse to be found without its tools
 )

@@ -104,6 +104,29 @@ void add_light_options(CLI::App& app, ViewOptions& options, const std::string& m
         into(options.light, parse_name));
 }
 
+void add_scene_options(CLI::App& app, ViewOptions& options) {
+    const Group add{app, "Of the scene file (default: its default scene, the pose at rest)"};
+    add("--scene", "NAME|INDEX", "One of the file's scenes, by its name or its position from 0",
+        into(options.scene_choice, parse_name));
+    add("--animation", "NAME|INDEX", "One of the file's animations (default with --time: the first)",
+        into(options.animation, parse_name));
+    add("--time", "SECONDS",
+        "Shows the scene as the animation has it at this time; its first and last keyframes\nhold before and after it",
+        into(options.time_s, parse_double));
+}
+
+void add_sequence_options(CLI::App& app, RenderOptions& options) {
+    const Group add{app, "Sequence (one picture for each time, from --time on)"};
+    add("--frames", "N", "Pictures, up to 1000000: NAME.png becomes NAME_0000.png, NAME_0001.png, ...",
+        into(options.frames, parse_count, 1u, 1000000u));
+    add("--fps", "F", "Frames per second, above 0 (default 24)",
+        [&](const std::string& option, const std::string& text) {
+            options.frames_per_s = parse_double(option, text);
+            if (!(*options.frames_per_s > 0))
+                throw UsageError(option + " needs a number above 0, not \"" + text + "\"");
+        });
+}
+
 void add_output_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Outputs (at least one)"};
     add("-o,--output", "FILE.png", "The picture, 8-bit sRGB", into(options.picture, parse_file, ".png"));
@@ -209,6 +232,22 @@ void check_light_options(const ViewOptions& options) {
         throw UsageError("--light, --light-direction and --light-position exclude each other: give one of them");
 }
 
+void check_scene_options(const ViewOptions& options) {
+    const char* const given = options.scene_choice ? "--scene"
+                              : options.animation  ? "--animation"
+                              : options.time_s     ? "--time"
+                                                   : nullptr;
+    if (given && !options.scene)
+        throw UsageError(std::string(given) +
+                         " needs a SCENE file: the built-in sundial has one scene and stands still");
+}
+
+void check_sequence(const RenderOptions& options) {
+    if (options.frames > 0 && !options.scene)
+        throw UsageError("--frames needs a SCENE file: the built-in sundial stands still");
+    if (options.frames_per_s && options.frames == 0) throw UsageError("--fps goes with --frames");
+}
+
 void check_outputs(const RenderOptions& options) {
     if (options.light == "all" && (options.aov || options.diagnostic))
         throw UsageError("--aov and --diagnostic show one light: name it with --light instead of all");
@@ -245,6 +284,8 @@ CLI::App* add_command(CLI::App& app, const std::string& name, const std::string&
 CLI::App* add_render(CLI::App& app, RenderOptions& options) {
     CLI::App* render = add_command(app, "render", "Renders a scene with exact hard shadows", options);
     add_output_options(*render, options);
+    add_scene_options(*render, options);
+    add_sequence_options(*render, options);
     add_camera_options(*render, options);
     add_light_options(*render, options,
                       ";\nall: every light of the scene, each with its own mask and statistics; the picture\n"
@@ -267,6 +308,7 @@ CLI::App* add_explain(CLI::App& app, ExplainOptions& options) {
         into(options.receiver, parse_count, 0u, no_receiver - 1));
     add("--triangles", "FILE", "In place of SCENE: triangles as --dump-triangles writes them",
         into(options.triangles, parse_file, ""));
+    add_scene_options(*explain, options);
     add_camera_options(*explain, options);
     add_light_options(*explain, options);
     add_device_options(*explain, options, false);
@@ -284,6 +326,7 @@ CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
         into(options.techniques, parse_name));
     add("--runs", "N", "Timed runs of each technique, 1 to 1000 (default 3)",
         into(options.runs, parse_count, 1u, 1000u));
+    add_scene_options(*gallery, options);
     add_camera_options(*gallery, options);
     add_light_options(*gallery, options);
     add_device_options(*gallery, options);
@@ -352,9 +395,13 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
         check_nothing_left(*command, "gnomon " + command->get_name(), "unexpected argument");
     check_nothing_left(parser, "gnomon", "unknown command");
 
-    if (*render) return checked(app::render, render_options, check_camera_options, check_light_options, check_outputs);
-    if (*explain) return checked(app::explain, explain_options, check_explained, check_light_options);
-    if (*gallery) return checked(app::gallery, gallery_options, check_camera_options, check_light_options);
+    if (*render)
+        return checked(app::render, render_options, check_scene_options, check_sequence, check_camera_options,
+                       check_light_options, check_outputs);
+    if (*explain)
+        return checked(app::explain, explain_options, check_scene_options, check_explained, check_light_options);
+    if (*gallery)
+        return checked(app::gallery, gallery_options, check_scene_options, check_camera_options, check_light_options);
     if (*devices) return [] { print_result(device_list()); };
     if (*techniques) return [=] { print_result(technique_list(techniques_options)); };
     return print(help_of(parser));

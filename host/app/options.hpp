@@ -25,6 +25,10 @@ struct ViewOptions {
     std::optional<std::filesystem::path> scene;  ///< none: the built-in sundial
     ImageSize size{1920, 1080};
 
+    // Of a scene file; scene::LoadOptions says what each means.
+    std::optional<std::string> scene_choice, animation;
+    std::optional<double> time_s;
+
     // Either a camera of the scene, or eye and target; fov_y_degrees goes with both.
     std::optional<std::string> camera;
     std::optional<Float3> eye, target, up;
@@ -46,6 +50,9 @@ struct ViewOptions {
 struct RenderOptions : ViewOptions {
     // At least one of the following.
     std::optional<std::filesystem::path> picture, mask, aov, triangle_dump, point_dump, statistics;
+
+    std::uint32_t frames = 0;  ///< of a sequence, from time_s on; 0: one picture
+    std::optional<double> frames_per_s;
 
     bool profile = false;                   ///< time each stage on the device
     std::uint32_t samples = 1;              ///< per pixel

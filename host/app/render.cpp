@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The outline of a run. render(), at the end, reads top to bottom; the functions above are its steps.
+// The outline of a run. render_picture() and render(), at the end, read top to bottom; the functions above are steps.
 #include "options.hpp"
 
 #include <algorithm>
@@ -20,6 +20,8 @@
 
 namespace gnomon::app {
 namespace {
+
+constexpr double default_frames_per_s = 24;
 
 double ms_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
@@ -42,6 +44,11 @@ public:
     void set_device(const Device& device) {
         device_ = device;
         add_builds(report_.phases_ms.back().second);
+    }
+    /// The same for a device that is already open.
+    void use_device(const Device& device) {
+        device_ = device;
+        known_builds_ms_ = device.kernel_builds().ms;
     }
     /// Ends the report's times.
     void finish() {
@@ -259,54 +266,123 @@ void complete(Report& report, const Device& device, const scene::Scene& scene, c
     report.triangles = scene.triangle_count();
     for (std::size_t i = 0; i < scene.triangle_count(); ++i) report.non_finite_triangles += !scene.is_finite(i);
     report.warnings = scene.warnings;
+    report.animations = {scene.animations, scene.animation};
     report.device = device.description();
     for (std::size_t i = 0; i < report.lights.size(); ++i) report.lights[i].shares = count_shares(seen.visible[i]);
     report.device_memory_bytes = device.memory_bytes();
     report.device_memory_peak_bytes = device.peak_memory_bytes();
 }
 
-}  // namespace
+/// What the frames of a sequence share: programs are compiled once, buffers keep their memory, the file is read once.
+struct Shared {
+    Device device;
+    std::unique_ptr<Technique> technique;
+    SceneSource source;
+    std::optional<ChosenCamera> framing;  ///< the first frame's, for a scene without cameras
+};
 
-void render(const RenderOptions& options) {
-    Report report;
-    report.options = options;
-    Steps steps(report);
-
-    // First all checks that can refuse the request at once: files, then the device and the technique.
-    Outputs outputs(options);
+/// All checks that can refuse the request at once: the device, the technique, the scene's file.
+Shared prepare(Steps& steps, const RenderOptions& options) {
     const Device device =
         steps.run("open_device", "opening the device", [&] { return open_device(options, options.profile); });
     steps.set_device(device);
     auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
                                [&] { return make_technique(device, options.technique, options.settings); });
+    SceneSource source = steps.run("read_scene", "reading the scene", [&] { return SceneSource(options); });
+    return {device, std::move(technique), std::move(source), {}};
+}
 
-    // The scene, its camera and its lights.
-    const scene::Scene scene = steps.run("load_scene", "loading the scene", [&] { return load_scene(options); });
-    report.camera = choose_camera(options, scene);
+ChosenCamera camera_of_frame(const RenderOptions& options, const scene::Scene& scene, Shared& shared) {
+    if (shared.framing) return *shared.framing;
+    ChosenCamera chosen = choose_camera(options, scene);
+    if (scene.cameras.empty() && options.frames > 0) shared.framing = chosen;
+    return chosen;
+}
+
+/// Renders report.options at its time, and commits the files. `steps` has the device.
+void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outputs) {
+    const RenderOptions& options = report.options;
+    const Device& device = shared.device;
+    const scene::Scene scene =
+        steps.run("load_scene", "loading the scene", [&] { return shared.source.at(options.time_s); });
+    report.camera = camera_of_frame(options, scene, shared);
     for (ChosenLight& light : choose_lights(options, scene)) report.lights.push_back({std::move(light), {}, {}});
     outputs.open(options, report.lights.size());
+    if (!shared.technique) shared.technique = make_technique(device, options.technique, options.settings);
 
     // The camera's view, then the points that each light reaches.
     const Seen seen = [&] {
         try {
-            return see(steps, report, device, *technique, scene.triangles, outputs["dump-points"]);
+            return see(steps, report, device, *shared.technique, scene.triangles, outputs["dump-points"]);
         } catch (const OutOfDeviceMemory&) {
             if (!can_be_in_parts(options)) throw;
         }
-        technique.reset();  // frees its memory for the next attempt
+        shared.technique.reset();  // frees its memory for the next attempt
         return see_in_parts(steps, report, device, scene.triangles);
     }();
-    technique.reset();  // frees its memory for the pictures
+    if (options.frames == 0) shared.technique.reset();  // frees its memory for the pictures
 
     // The files, each complete before the first appears.
     write_files(steps, outputs, device, scene, report, seen);
     complete(report, device, scene, seen);
     steps.finish();
-    if (OutputFile* const statistics = outputs["stats"]) {
-        const auto replace = nlohmann::json::error_handler_t::replace;
-        const std::string text = statistics_json(report).dump(2, ' ', false, replace) + "\n";
-        statistics->write_all(text.data(), text.size());
+}
+
+void write_statistics(OutputFile& file, const nlohmann::ordered_json& statistics) {
+    const std::string text = statistics.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    file.write_all(text.data(), text.size());
+}
+
+/// The options of one frame: its time, its numbered files, no statistics.
+RenderOptions frame_options(const RenderOptions& options, std::uint32_t frame) {
+    RenderOptions out = options;
+    out.time_s = options.time_s.value_or(0) + frame / options.frames_per_s.value_or(default_frames_per_s);
+    out.statistics.reset();
+    for (auto* file : {&out.picture, &out.mask, &out.aov, &out.triangle_dump, &out.point_dump})
+        if (*file) *file = numbered(**file, frame, options.frames);
+    return out;
+}
+
+void render_sequence(const RenderOptions& options) {
+    OutputFiles statistics_files;
+    OutputFile* const statistics = options.statistics ? &statistics_files.open(*options.statistics) : nullptr;
+    std::optional<Shared> shared;
+    Report last;
+    SequenceReport sequence;
+    for (std::uint32_t frame = 0; frame < options.frames; ++frame) {
+        Report report;
+        report.options = frame_options(options, frame);
+        Steps steps(report);
+        Outputs outputs(report.options);
+        if (shared)
+            steps.use_device(shared->device);
+        else
+            shared.emplace(prepare(steps, report.options));
+        render_picture(steps, report, *shared, outputs);
+        outputs.files.commit();
+        sequence.frames.push_back({*report.options.time_s, report.total_ms, report.phases_ms});
+        last = std::move(report);
     }
+    if (statistics) {
+        nlohmann::ordered_json json = statistics_json(last);
+        json["frames"] = frames_json(sequence);
+        write_statistics(*statistics, json);
+    }
+    statistics_files.commit();
+    if (!options.quiet) print_result(summary(last) + '\n' + frames_text(sequence));
+}
+
+}  // namespace
+
+void render(const RenderOptions& options) {
+    if (options.frames > 0) return render_sequence(options);
+    Report report;
+    report.options = options;
+    Steps steps(report);
+    Outputs outputs(options);
+    Shared shared = prepare(steps, options);
+    render_picture(steps, report, shared, outputs);
+    if (OutputFile* const statistics = outputs["stats"]) write_statistics(*statistics, statistics_json(report));
     outputs.files.commit();
     if (!options.quiet) print_result(summary(report));
 }

@@ -85,6 +85,22 @@ std::string scene_name(const RenderOptions& options) {
     return options.scene ? options.scene->string() : std::string("the built-in sundial");
 }
 
+ordered_json animation_json(const Report& report) {
+    if (report.animations.shown.empty()) return nullptr;
+    return {{"name", report.animations.shown}, {"time_s", report.options.time_s.value_or(0)}};
+}
+
+/// ", Walk at 0.5 s", or which animations there are.
+std::string pose_text(const Report& report) {
+    const auto& [all, shown] = report.animations;
+    if (!shown.empty())
+        return ", animation \"" + shown + "\" at " + formatted("%g", report.options.time_s.value_or(0)) + " s";
+    if (all.empty()) return "";
+    std::string names;
+    for (std::size_t i = 0; i < all.size() && i < 8; ++i) names += (i == 0 ? "" : ", ") + all[i];
+    return ", at rest (--time shows: " + names + (all.size() > 8 ? ", ..." : "") + ")";
+}
+
 /// A line "label   text".
 std::string fact(const char* label, const std::string& text) { return formatted("%-9s", label) + text + '\n'; }
 
@@ -149,7 +165,31 @@ std::string file_list(const Report& report) {
     return text;
 }
 
+double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// Times of that phase, of all frames but the first.
+std::vector<double> later_times(const SequenceReport& sequence, const std::string& phase) {
+    std::vector<double> times;
+    for (std::size_t i = 1; i < sequence.frames.size(); ++i)
+        for (const auto& [name, ms] : sequence.frames[i].phases_ms)
+            if (name == phase) times.push_back(ms);
+    return times;
+}
+
 }  // namespace
+
+std::filesystem::path numbered(const std::filesystem::path& file, std::uint32_t frame, std::uint32_t count) {
+    const std::size_t digits = std::max<std::size_t>(4, std::to_string(count - 1).size());
+    std::string number = std::to_string(frame);
+    number.insert(0, digits - number.size(), '0');
+    std::filesystem::path out = file.parent_path() / file.stem();
+    return out.concat("_" + number).concat(file.extension().string());
+}
 
 std::string mask_name(std::size_t light, std::size_t light_count) {
     return light_count == 1 ? "mask" : "mask_" + std::to_string(light);
@@ -185,6 +225,7 @@ nlohmann::ordered_json statistics_json(const Report& report) {
         {"triangles", report.triangles},
         {"non_finite_triangles", report.non_finite_triangles},
         {"warnings", report.warnings},
+        {"animation", animation_json(report)},
         {"image", {{"width", options.size.width}, {"height", options.size.height}, {"samples", options.samples}}},
         {"camera", camera_json(report.camera)},
         {"technique", {{"name", options.technique}, {"settings", object_of(options.settings)}}},
@@ -203,6 +244,30 @@ nlohmann::ordered_json statistics_json(const Report& report) {
     return json;
 }
 
+ordered_json frames_json(const SequenceReport& sequence) {
+    ordered_json frames = ordered_json::array();
+    for (const SequenceReport::Frame& frame : sequence.frames) {
+        ordered_json phases = object_of(frame.phases_ms);
+        phases["total"] = frame.total_ms;
+        frames.push_back({{"time_s", frame.time_s}, {"phases_ms", std::move(phases)}});
+    }
+    return frames;
+}
+
+std::string frames_text(const SequenceReport& sequence) {
+    const SequenceReport::Frame& first = sequence.frames.front();
+    std::vector<double> totals;
+    for (std::size_t i = 1; i < sequence.frames.size(); ++i) totals.push_back(sequence.frames[i].total_ms);
+    std::string text = formatted("%-30s%12s%12s\n", (std::to_string(sequence.frames.size()) + " frames").c_str(),
+                                 "first ms", "median ms");
+    for (auto [name, ms] : first.phases_ms) {
+        const double later = median(later_times(sequence, name));
+        std::replace(name.begin(), name.end(), '_', ' ');
+        text += formatted("  %-28s%12.2f%12.2f\n", name.c_str(), ms, later);
+    }
+    return text + formatted("  %-28s%12.2f%12.2f\n", "total", first.total_ms, median(totals));
+}
+
 std::string summary(const Report& report) {
     const RenderOptions& options = report.options;
     const auto& [width, height] = options.size;
@@ -210,7 +275,7 @@ std::string summary(const Report& report) {
     const std::string triangles = grouped(report.triangles) + (report.triangles == 1 ? " triangle" : " triangles");
     std::string text = fact("device", device.name + " (" + device.platform + ", " + device.driver_version + ")");
     if (!device.note.empty()) text += fact("", device.note);
-    text += fact("scene", scene_name(options) + ", " + triangles);
+    text += fact("scene", scene_name(options) + ", " + triangles + pose_text(report));
     text += fact("camera", report.camera.source + formatted(", %ux%u", width, height)) + '\n';
     if (options.profile) text += stages_text("camera", report.camera_statistics);
     text += counts_text(report.camera_statistics);

@@ -30,6 +30,10 @@ struct Report {
     std::uint64_t triangles = 0;
     std::uint64_t non_finite_triangles = 0;
     std::vector<std::string> warnings;
+    struct Animations {
+        std::vector<std::string> names;  ///< of the file
+        std::string shown;               ///< empty: the pose at rest
+    } animations;
     ChosenCamera camera;
     std::vector<LightReport> lights;  ///< one; more with --light all
     DeviceDescription device;
@@ -42,6 +46,18 @@ struct Report {
     double total_ms = 0;
 };
 
+/// What was measured of the frames of a sequence.
+struct SequenceReport {
+    struct Frame {
+        double time_s = 0, total_ms = 0;
+        std::vector<std::pair<std::string, double>> phases_ms;
+    };
+    std::vector<Frame> frames;
+};
+
+/// NAME.png as NAME_0007.png: with as many digits as the last of `count` frames needs, at least four.
+std::filesystem::path numbered(const std::filesystem::path& file, std::uint32_t frame, std::uint32_t count);
+
 /// The name of one light's mask among the outputs: "mask", or with several lights "mask_0", "mask_1", ...
 std::string mask_name(std::size_t light, std::size_t light_count);
 
@@ -53,7 +69,13 @@ std::vector<std::pair<std::string, std::filesystem::path>> outputs_of(const Rend
 /// stats.json: keys keep this order, float32 values are printed exactly.
 nlohmann::ordered_json statistics_json(const Report& report);
 
+/// Of each frame its time, and its phases as in statistics_json().
+nlohmann::ordered_json frames_json(const SequenceReport& sequence);
+
 /// The table for the terminal.
 std::string summary(const Report& report);
+
+/// The table of a sequence: the first frame beside the median of the others.
+std::string frames_text(const SequenceReport& sequence);
 
 }  // namespace gnomon::app

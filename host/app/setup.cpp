@@ -67,13 +67,25 @@ Device open_device(const ViewOptions& options, bool profile) {
     return Device(options.device, device_options);
 }
 
-scene::Scene load_scene(const ViewOptions& options) {
-    scene::Scene loaded = options.scene ? scene::load(*options.scene) : scene::sundial();
-    if (options.strict && !loaded.warnings.empty())
-        throw Error(loaded.warnings.front() + " (an error because of --strict)");
-    for (const std::string& warning : loaded.warnings) print_warning(warning);
+SceneSource::SceneSource(const ViewOptions& options) : strict_(options.strict), quiet_(options.quiet) {
+    if (!options.scene) return;
+    scene::LoadOptions choices;
+    choices.scene = options.scene_choice;
+    choices.animation = options.animation;
+    file_ = std::make_unique<scene::SceneFile>(*options.scene, choices);
+}
+
+scene::Scene SceneSource::at(std::optional<double> time_s) {
+    scene::Scene loaded = file_ ? file_->at(time_s) : scene::sundial();
+    if (strict_ && !loaded.warnings.empty()) throw Error(loaded.warnings.front() + " (an error because of --strict)");
+    for (const std::string& warning : loaded.warnings)
+        if (printed_.insert(warning).second) print_warning(warning);
+    for (const std::string& note : loaded.notes)
+        if (!quiet_ && printed_.insert(note).second) print_note(note);
     return loaded;
 }
+
+scene::Scene load_scene(const ViewOptions& options) { return SceneSource(options).at(options.time_s); }
 
 scene::Scene load_triangles(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +18,20 @@ namespace gnomon::app {
 /// Opens the device of the options; with `profile` kernels are timed by events.
 Device open_device(const ViewOptions& options, bool profile);
 
-/// Loads the scene, or the built-in sundial, and prints its warnings (or throws the first, under --strict).
+/// The scene's file, read once, or the built-in sundial.
+class SceneSource {
+public:
+    explicit SceneSource(const ViewOptions& options);
+    /// Prints the warnings that no earlier time had (or throws the first, under --strict).
+    scene::Scene at(std::optional<double> time_s);
+
+private:
+    std::unique_ptr<scene::SceneFile> file_;  ///< null: the sundial
+    bool strict_, quiet_;
+    std::set<std::string> printed_;
+};
+
+/// The scene of the options, with its warnings printed as SceneSource does.
 scene::Scene load_scene(const ViewOptions& options);
 
 /// Triangles alone, nine little-endian float32 each, as --dump-triangles writes them. Throws Error.

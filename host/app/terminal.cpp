@@ -24,6 +24,8 @@ void print_message(std::string_view kind, std::string_view sentence) {
 
 void print_warning(std::string_view sentence) { print_message("warning", sentence); }
 
+void print_note(std::string_view sentence) { print_message("note", sentence); }
+
 void print_error(std::string_view sentence) { print_message("error", sentence); }
 
 void print_result(std::string_view text) {

@@ -15,6 +15,7 @@ namespace gnomon::app {
 
 /// "gnomon: warning: ..." and "gnomon: error: ..." on stderr.
 void print_warning(std::string_view sentence);
+void print_note(std::string_view sentence);
 void print_error(std::string_view sentence);
 
 /// Prints to stdout at once, and throws Error if it cannot (a full disk behind a redirection).

@@ -81,6 +81,14 @@ float parse_float(const std::string& option, const std::string& text) {
     return *value;
 }
 
+double parse_double(const std::string& option, const std::string& text) {
+    double value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || stopped != end || !std::isfinite(value)) refuse(option, "a finite number", text);
+    return value;
+}
+
 Float3 parse_float3(const std::string& option, const std::string& text) {
     const auto value = list_of<3, float>(text, ',', float_of);
     if (!value) refuse(option, "three finite numbers x,y,z", text);

@@ -34,6 +34,8 @@ inline constexpr std::uint32_t largest_side_px = 16384;
 
 /// One finite number and nothing after it.
 float parse_float(const std::string& option, const std::string& text);
+/// The same as a double, for times.
+double parse_double(const std::string& option, const std::string& text);
 /// "x,y,z", each as parse_float.
 Float3 parse_float3(const std::string& option, const std::string& text);
 /// "WxH", each from 1 to largest_side_px.

@@ -341,9 +341,19 @@ void bind_scenes(nb::module_& m) {
                          for (const NamedLight& l : scene.lights) all.emplace_back(l.name, l.light.xyzw);
                          return all;
                      })
-        .def_ro("warnings", &Scene::warnings);
+        .def_ro("warnings", &Scene::warnings)
+        .def_ro("animations", &Scene::animations);
     m.def(
-        "load_scene", [](const std::string& file) { return load(file); }, Released());
+        "load_scene",
+        [](const std::string& file, const std::optional<std::string>& scene,
+           const std::optional<std::string>& animation, std::optional<double> time_s) {
+            LoadOptions options;
+            options.scene = scene;
+            options.animation = animation;
+            options.time_s = time_s;
+            return load(file, options);
+        },
+        "file"_a, "scene"_a.none(), "animation"_a.none(), "time_s"_a.none(), Released());
 }
 #else
 void bind_scenes(nb::module_&) {}

@@ -73,6 +73,45 @@ void check_json(const std::filesystem::path& file, const nlohmann::json& root);
 /// True for extensions that change a surface's colour but not its position: safe to ignore without a warning.
 bool concerns_shading_only(std::string_view extension);
 
+// ---- Compressed meshes ----------------------------------------------------------------------------------------------
+// Both decoders add plain buffers, bufferViews and accessors to the model, so that the code after them knows nothing of
+// compression. Each needs a library that may be missing when gnomon is built.
+
+#ifdef GNOMON_HAS_DRACO
+inline constexpr bool has_draco = true;
+#else
+inline constexpr bool has_draco = false;
+#endif
+#ifdef GNOMON_HAS_MESHOPT
+inline constexpr bool has_meshopt = true;
+#else
+inline constexpr bool has_meshopt = false;
+#endif
+
+/// A bufferView with EXT_meshopt_compression. The sums of its numbers may overflow.
+struct MeshoptView {
+    std::size_t view = 0, buffer = 0;
+    std::uint64_t byte_offset = 0, byte_length = 0, byte_stride = 0, count = 0;
+    std::string mode, filter;
+};
+
+/// What decoding may take. Crafted streams of a few bytes promise gigabytes, so that each decoder charges its output
+/// before it begins.
+struct DecodingBudget {
+    const std::filesystem::path& file;
+    std::uint64_t bytes = 0, most_bytes = 0;
+
+    /// Throws SceneError if `what` does not fit into the rest.
+    void charge(const std::string& what, std::uint64_t count, std::uint64_t bytes_each);
+};
+
+/// Throws SceneError that names the bufferView.
+void unpack_meshopt(tinygltf::Model& model, const std::vector<MeshoptView>& views, DecodingBudget& budget);
+
+/// Replaces the accessors of every primitive with KHR_draco_mesh_compression. Throws SceneError that names the
+/// primitive. Adds a sentence to `warnings` where the file declares other counts than the stream holds.
+void unpack_draco(tinygltf::Model& model, DecodingBudget& budget, std::vector<std::string>& warnings);
+
 // ---- The document ---------------------------------------------------------------------------------------------------
 
 /// The file in memory, through tinygltf, with checked references: indices, extents, strides, the node hierarchy. The
@@ -80,12 +119,20 @@ bool concerns_shading_only(std::string_view extension);
 /// sparse indices).
 struct GltfDocument {
     tinygltf::Model model;
+    std::vector<int> parents;             ///< of each node; -1: a root
     std::vector<int> root_nodes;          ///< of the scene that is shown
     std::set<std::string> not_supported;  ///< phrases for the one warning, from the document alone
+    std::vector<std::string> warnings, notes;
+    std::uint64_t decoded_bytes = 0;  ///< of compressed meshes
 };
 
-/// Throws SceneError.
-GltfDocument read_document(const std::filesystem::path& file);
+/// Throws SceneError. `scene`: a name or an index; none: the file's own choice.
+GltfDocument read_document(const std::filesystem::path& file, const std::optional<std::string>& scene,
+                           std::uint64_t memory_bytes);
+
+/// The entry of this name, or, if no entry has it, of this index. Throws SceneError with the list of the `kind`s.
+std::size_t find_named(const std::filesystem::path& file, const std::vector<std::string>& names,
+                       const std::string& name, const std::string& kind);
 
 /// Bytes of one element, without padding.
 std::size_t element_bytes(const tinygltf::Accessor& accessor);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The order of the loading: container -> JSON -> gnomon's checks -> tinygltf -> gnomon's checks of the references.
-// tinygltf gets a JSON without images, textures, animations and skins (gnomon uses none of them; image files need not
-// exist and are never decoded). It reads every buffer through a callback, under a name that gnomon chose: a .glb's
-// chunk is read from the file directly into its buffer, a buffer file may be longer than byteLength (as glTF allows and
-// tinygltf does not), and each failure gets a sentence.
+// tinygltf gets a JSON without images and textures (gnomon uses none of them; image files need not exist and are never
+// decoded). Compressed meshes are unpacked before the references are checked. tinygltf reads every buffer through a
+// callback, under a name that gnomon chose: a .glb's chunk is read from the file directly into its buffer, a buffer
+// file may be longer than byteLength (as glTF allows and tinygltf does not), and each failure gets a sentence.
 #include "gltf.hpp"
 
 #include <algorithm>
@@ -28,6 +28,7 @@ constexpr std::string_view buffer_name_prefix = "gnomon-buffer-";
 struct BufferSource {
     std::string uri;  ///< empty: the .glb's binary chunk
     std::uint64_t byte_length = 0;
+    bool is_fallback = false;  ///< only for readers that cannot unpack EXT_meshopt_compression: not read, 1 byte long
 };
 
 struct BufferReader {
@@ -85,6 +86,7 @@ std::vector<unsigned char> BufferReader::decode(std::size_t index) const {
 
 std::vector<unsigned char> BufferReader::read(std::size_t index) const {
     const BufferSource& source = sources[index];
+    if (source.is_fallback) return {0};
     if (source.uri.empty()) {
         require(container.binary_chunk->size, index, "the .glb's binary chunk has only ");
         return read_bytes(file, {container.binary_chunk->offset, source.byte_length}, file);
@@ -111,9 +113,13 @@ std::vector<BufferSource> take_buffer_sources(const std::filesystem::path& file,
         source.byte_length = buffer["byteLength"].get<std::uint64_t>();
         if (buffer.contains("uri")) source.uri = std::move(buffer["uri"].get_ref<std::string&>());
         const bool is_chunk = index == 0 && container.binary_chunk && !buffer.contains("uri");
-        if (source.uri.empty() && !is_chunk) {
-            const bool compressed =
-                buffer.contains("extensions") && buffer["extensions"].contains("EXT_meshopt_compression");
+        const bool compressed =
+            buffer.contains("extensions") && buffer["extensions"].contains("EXT_meshopt_compression");
+        source.is_fallback = has_meshopt && compressed;
+        if (source.is_fallback) {
+            source.byte_length = 1;
+            buffer["byteLength"] = 1;
+        } else if (source.uri.empty() && !is_chunk) {
             fail(file, buffer_text(index) +
                            (compressed ? " is compressed with EXT_meshopt_compression and has no uncompressed data; "
                                          "export without compression"
@@ -140,6 +146,21 @@ tinygltf::FsCallbacks callbacks(BufferReader& reader) {
 
 // ---- tinygltf -------------------------------------------------------------------------------------------------------
 
+std::vector<MeshoptView> meshopt_views(const json& root) {
+    std::vector<MeshoptView> views;
+    if (!has_meshopt || !root.contains("bufferViews")) return views;
+    for (std::size_t i = 0; i < root["bufferViews"].size(); ++i) {
+        const json& view = root["bufferViews"][i];
+        if (!view.contains("extensions") || !view["extensions"].contains("EXT_meshopt_compression")) continue;
+        const json& packed = view["extensions"]["EXT_meshopt_compression"];
+        views.push_back({i, packed["buffer"].get<std::size_t>(), packed.value("byteOffset", std::uint64_t(0)),
+                         packed["byteLength"].get<std::uint64_t>(), packed["byteStride"].get<std::uint64_t>(),
+                         packed["count"].get<std::uint64_t>(), packed["mode"].get<std::string>(),
+                         packed.value("filter", std::string("NONE"))});
+    }
+    return views;
+}
+
 /// tinygltf refuses index accessors without a bufferView, which glTF allows (zeros, or sparse): such references are
 /// removed from the JSON and put into the model afterwards.
 struct KeptIndices {
@@ -164,12 +185,35 @@ std::vector<KeptIndices> take_indices_without_view(json& root) {
     return kept;
 }
 
+/// tinygltf refuses skins without inverse bind matrices, which glTF allows (each is the identity): they get some
+/// accessor for it to read, and lose it afterwards.
+std::vector<std::size_t> fill_skins_without_matrices(json& root) {
+    std::vector<std::size_t> filled;
+    if (!root.contains("skins")) return filled;
+    for (std::size_t i = 0; i < root["skins"].size(); ++i) {
+        if (root["skins"][i].contains("inverseBindMatrices")) continue;
+        root["skins"][i]["inverseBindMatrices"] = 0;
+        filled.push_back(i);
+    }
+    return filled;
+}
+
+/// tinygltf refuses animation channels without a node, which glTF says to ignore: they get a node and no path.
+void fill_channels_without_node(json& root) {
+    if (!root.contains("animations")) return;
+    for (json& animation : root["animations"])
+        for (json& channel : animation["channels"])
+            if (!channel["target"].contains("node")) channel["target"] = {{"node", 0}, {"path", ""}};
+}
+
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
 tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& container, json& root) {
     BufferReader reader{file, container, take_buffer_sources(file, container, root)};
-    for (const char* unused : {"images", "textures", "samplers", "animations", "skins", "extras"}) root.erase(unused);
+    for (const char* unused : {"images", "textures", "samplers", "extras"}) root.erase(unused);
     const std::vector<KeptIndices> kept = take_indices_without_view(root);
+    const std::vector<std::size_t> skins_without_matrices = fill_skins_without_matrices(root);
+    fill_channels_without_node(root);
     const std::string text = root.dump();
     root = nullptr;
     if (text.size() > std::numeric_limits<unsigned>::max()) fail(file, "the JSON is larger than 4 GiB");
@@ -182,6 +226,7 @@ tinygltf::Model parse(const std::filesystem::path& file, const GltfContainer& co
     // If tinygltf reports an error beside success, it left out a part of the file. The load then fails.
     if (!success || !error.empty()) fail(file, "tinygltf cannot read it: " + first_line(error));
     for (const KeptIndices& k : kept) model.meshes[k.mesh].primitives[k.primitive].indices = k.accessor;
+    for (const std::size_t skin : skins_without_matrices) model.skins[skin].inverseBindMatrices = -1;
     return model;
 }
 
@@ -211,7 +256,7 @@ void check_extent(const std::filesystem::path& file, const tinygltf::Model& mode
                        counted(v.byteLength, "byte"));
 }
 
-void check_extents(const std::filesystem::path& file, const tinygltf::Model& model) {
+void check_views(const std::filesystem::path& file, const tinygltf::Model& model) {
     for (std::size_t i = 0; i < model.bufferViews.size(); ++i) {
         const tinygltf::BufferView& view = model.bufferViews[i];
         const std::size_t available = model.buffers[view.buffer].data.size();
@@ -220,6 +265,9 @@ void check_extents(const std::filesystem::path& file, const tinygltf::Model& mod
                            " from byte " + std::to_string(view.byteOffset) + " on, but " +
                            buffer_text(std::size_t(view.buffer)) + " has " + counted(available, "byte"));
     }
+}
+
+void check_accessors(const std::filesystem::path& file, const tinygltf::Model& model) {
     for (std::size_t i = 0; i < model.accessors.size(); ++i) {
         const tinygltf::Accessor& accessor = model.accessors[i];
         const std::string what = "accessors[" + std::to_string(i) + "]";
@@ -265,14 +313,17 @@ std::vector<int> check_hierarchy(const std::filesystem::path& file, const tinygl
 }
 
 std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::Model& model,
-                            const std::vector<int>& parent) {
+                            const std::vector<int>& parent, const std::optional<std::string>& chosen) {
+    std::vector<std::string> names;
+    for (const tinygltf::Scene& scene : model.scenes) names.push_back(scene.name);
+    const std::size_t wanted = chosen ? find_named(file, names, *chosen, "scene") : 0;
     std::vector<int> roots;
     if (model.scenes.empty()) {
         for (int i = 0; i < int(parent.size()); ++i)
             if (parent[i] < 0) roots.push_back(i);
         return roots;
     }
-    const int shown = model.defaultScene >= 0 ? model.defaultScene : 0;
+    const int shown = chosen ? int(wanted) : std::max(model.defaultScene, 0);
     std::vector<bool> seen(parent.size(), false);
     for (const int node : model.scenes[shown].nodes) {
         const std::string scene = "scenes[" + std::to_string(shown) + "]";
@@ -286,18 +337,17 @@ std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::M
     return roots;
 }
 
-/// Extensions with a phrase of their own are named at the node, mesh or buffer that uses them.
+/// Extensions that gnomon reads, or that have a phrase of their own at the node, mesh or buffer that uses them.
 constexpr std::array<std::string_view, 5> named_elsewhere{"KHR_lights_punctual", "KHR_draco_mesh_compression",
                                                           "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
                                                           "EXT_meshopt_compression"};
 
 std::set<std::string> not_supported(const json& root) {
     std::set<std::string> phrases;
-    if (root.contains("animations") && !root["animations"].empty()) phrases.insert("animations (the pose at rest)");
     if (!root.contains("extensionsUsed")) return phrases;
     for (const json& entry : root["extensionsUsed"]) {
         const auto& name = entry.get_ref<const std::string&>();
-        if (name == "EXT_meshopt_compression")
+        if (name == "EXT_meshopt_compression" && !has_meshopt)
             phrases.insert("EXT_meshopt_compression (the uncompressed data is read)");
         if (std::ranges::find(named_elsewhere, name) == named_elsewhere.end() && !concerns_shading_only(name))
             phrases.insert("the extension " + in_quotes(name) + " (ignored)");
@@ -305,23 +355,59 @@ std::set<std::string> not_supported(const json& root) {
     return phrases;
 }
 
+std::vector<std::string> notes(const json& root) {
+    const bool has_variants = root.contains("extensions") && root["extensions"].contains("KHR_materials_variants");
+    if (!has_variants) return {};
+    return {"has material variants; the materials of its primitives are used"};
+}
+
 }  // namespace
+
+std::size_t find_named(const std::filesystem::path& file, const std::vector<std::string>& names,
+                       const std::string& name, const std::string& kind) {
+    if (const auto found = std::ranges::find(names, name); found != names.end())
+        return std::size_t(found - names.begin());
+    std::size_t index = 0;
+    const char* const end = name.data() + name.size();
+    const auto [stopped, error] = std::from_chars(name.data(), end, index);
+    if (error == std::errc{} && stopped == end && index < names.size()) return index;
+    std::vector<std::string> all;
+    for (std::size_t i = 0; i < names.size(); ++i) all.push_back(std::to_string(i) + " " + in_quotes(names[i]));
+    fail(file, "there is no " + kind + " " + in_quotes(name) + ": the file has " +
+                   (all.empty() ? "no " + kind + "s" : "these: " + listed(all)));
+}
+
+void DecodingBudget::charge(const std::string& what, std::uint64_t count, std::uint64_t bytes_each) {
+    if (bytes_each != 0 && count > (most_bytes - bytes) / bytes_each)
+        fail(file, what + " unpacks to " + std::to_string(count) + " elements of " + counted(bytes_each, "byte") +
+                       ", more than the " + std::to_string(most_bytes >> 20) + " MiB of memory that it may take");
+    bytes += count * bytes_each;
+}
 
 std::size_t element_bytes(const tinygltf::Accessor& accessor) {
     return std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(accessor.componentType))) *
            std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)));
 }
 
-GltfDocument read_document(const std::filesystem::path& file) {
+GltfDocument read_document(const std::filesystem::path& file, const std::optional<std::string>& scene,
+                           std::uint64_t memory_bytes) {
     GltfContainer container = read_container(file);
     json root = parse_json(file, container.json);
     container.json = {};
     check_json(file, root);
     GltfDocument document;
     document.not_supported = not_supported(root);
+    document.notes = notes(root);
+    const std::vector<MeshoptView> packed_views = meshopt_views(root);
     document.model = parse(file, container, root);
-    check_extents(file, document.model);
-    document.root_nodes = root_nodes(file, document.model, check_hierarchy(file, document.model));
+    DecodingBudget budget{file, 0, memory_bytes};
+    unpack_meshopt(document.model, packed_views, budget);
+    check_views(file, document.model);
+    unpack_draco(document.model, budget, document.warnings);
+    document.decoded_bytes = budget.bytes;
+    check_accessors(file, document.model);
+    document.parents = check_hierarchy(file, document.model);
+    document.root_nodes = root_nodes(file, document.model, document.parents, scene);
     return document;
 }
 

@@ -41,8 +41,8 @@ enum class Need { optional, required };
 class Checks {
 public:
     Checks(const std::filesystem::path& file, const json& root) : file_(file), root_(root) {
-        for (const std::string name :
-             {"accessors", "buffers", "bufferViews", "cameras", "materials", "meshes", "nodes", "scenes", "skins"})
+        for (const std::string name : {"accessors", "animations", "buffers", "bufferViews", "cameras", "materials",
+                                       "meshes", "nodes", "scenes", "skins"})
             counts_[name] = count(name);
         const json* lights = light_array();
         counts_["lights"] = lights ? lights->size() : 0;
@@ -60,6 +60,8 @@ public:
         if (const json* lights = light_array())
             for (std::size_t i = 0; i < lights->size(); ++i) light((*lights)[i], {"lights", i});
         each("nodes", [this](const json& o, const Path& at) { node(o, at); });
+        each("skins", [this](const json& o, const Path& at) { skin(o, at); });
+        each("animations", [this](const json& o, const Path& at) { animation(o, at); });
         each("scenes", [this](const json& o, const Path& at) { indices(o, at, "nodes", "nodes"); });
         index(root_, {}, "scene", "scenes", Need::optional);
     }
@@ -195,9 +197,12 @@ private:
         if (required == root_.end()) return;
         for (const json& entry : *required) {
             const auto& name = entry.get_ref<const std::string&>();
-            if (name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || concerns_shading_only(name))
+            if (name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || name == "EXT_mesh_gpu_instancing" ||
+                concerns_shading_only(name))
                 continue;
-            const bool compression = name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression";
+            const bool is_draco = name == "KHR_draco_mesh_compression", is_meshopt = name == "EXT_meshopt_compression";
+            if ((is_draco && has_draco) || (is_meshopt && has_meshopt)) continue;
+            const bool compression = is_draco || is_meshopt;
             fail(file_, "requires the extension " + in_quotes(name) + ", which gnomon does not support; export it " +
                             (compression ? "without compression" : "without this extension"));
         }
@@ -212,11 +217,34 @@ private:
         index(o, at, "buffer", "buffers", Need::required);
         size(o, at, "byteOffset", Need::optional);
         size(o, at, "byteLength", Need::required, 1);
+        if (const json* packed = extension(o, at, "EXT_meshopt_compression"))
+            meshopt(*packed, at.in("extensions.EXT_meshopt_compression"));
         const json* stride = size(o, at, "byteStride", Need::optional);
         if (!stride) return;
         const auto bytes = stride->get<std::uint64_t>();
         if (bytes < 4 || bytes > 252 || bytes % 4 != 0)
             reject(at, "byteStride", "is " + stride->dump() + ", but must be a multiple of 4 between 4 and 252");
+    }
+
+    /// The object of an extension, or null.
+    const json* extension(const json& o, const Path& at, std::string_view name) const {
+        const json* all = object(o, at, "extensions", Need::optional);
+        return all ? object(*all, at.in("extensions"), name, Need::optional) : nullptr;
+    }
+
+    void meshopt(const json& o, const Path& at) const {
+        index(o, at, "buffer", "buffers", Need::required);
+        size(o, at, "byteOffset", Need::optional);
+        size(o, at, "byteLength", Need::required, 1);
+        size(o, at, "byteStride", Need::required, 1, 256);
+        size(o, at, "count", Need::required);
+        one_of(o, at, "mode", Need::required, {"ATTRIBUTES", "TRIANGLES", "INDICES"});
+        one_of(o, at, "filter", Need::optional, {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"});
+    }
+
+    /// An object whose values are indices of accessors: {"POSITION": 3}.
+    void attributes(const json& o, const Path& at) const {
+        for (const auto& [name, value] : o.items()) check_index(value, at, word_or_quotes(name), "accessors");
     }
 
     void component_type(const json& o, const Path& at, std::initializer_list<std::uint64_t> choices) const {
@@ -254,12 +282,64 @@ private:
             const json& primitive = (*primitives)[i];
             if (!primitive.is_object()) reject(part, "", "must be an object");
             const json* attributes = object(primitive, part, "attributes", Need::required);
-            for (const auto& [name, value] : attributes->items())
-                check_index(value, part.in("attributes"), word_or_quotes(name), "accessors");
+            this->attributes(*attributes, part.in("attributes"));
             index(primitive, part, "indices", "accessors", Need::optional);
             index(primitive, part, "material", "materials", Need::optional);
             size(primitive, part, "mode", Need::optional, 0, 6);
-            array(primitive, part, "targets", Need::optional);
+            if (const json* targets = array(primitive, part, "targets", Need::optional))
+                for (const json& target : *targets) {
+                    if (!target.is_object()) reject(part, "targets", "must hold objects only");
+                    this->attributes(target, part.in("targets"));
+                }
+            if (const json* packed = extension(primitive, part, "KHR_draco_mesh_compression"))
+                draco(*packed, part.in("extensions.KHR_draco_mesh_compression"));
+        }
+        weights(o, at);
+    }
+
+    void draco(const json& o, const Path& at) const {
+        index(o, at, "bufferView", "bufferViews", Need::required);
+        const json* ids = object(o, at, "attributes", Need::optional);
+        if (!ids) return;
+        for (const auto& [name, value] : ids->items()) size(*ids, at, name, Need::required, 0, 0xFFFFFFFFu);
+    }
+
+    /// Of morph targets, at a mesh or a node.
+    void weights(const json& o, const Path& at) const {
+        const json* all = array(o, at, "weights", Need::optional);
+        if (all && !std::all_of(all->begin(), all->end(), [](const json& n) { return n.is_number(); }))
+            reject(at, "weights", "must be numbers");
+    }
+
+    void skin(const json& o, const Path& at) const {
+        array(o, at, "joints", Need::required);
+        indices(o, at, "joints", "nodes");
+        index(o, at, "inverseBindMatrices", "accessors", Need::optional);
+        index(o, at, "skeleton", "nodes", Need::optional);
+    }
+
+    void animation(const json& o, const Path& at) const {
+        const json* samplers = array(o, at, "samplers", Need::required);
+        for (std::size_t i = 0; i < samplers->size(); ++i) {
+            const Path part{at.array, at.index, "samplers", i};
+            const json& sampler = (*samplers)[i];
+            if (!sampler.is_object()) reject(part, "", "must be an object");
+            index(sampler, part, "input", "accessors", Need::required);
+            index(sampler, part, "output", "accessors", Need::required);
+            one_of(sampler, part, "interpolation", Need::optional, {"STEP", "LINEAR", "CUBICSPLINE"});
+        }
+        const json* channels = array(o, at, "channels", Need::required);
+        for (std::size_t i = 0; i < channels->size(); ++i) {
+            const Path part{at.array, at.index, "channels", i};
+            const json& channel = (*channels)[i];
+            if (!channel.is_object()) reject(part, "", "must be an object");
+            const json* sampler = size(channel, part, "sampler", Need::required);
+            if (sampler->get<std::uint64_t>() >= samplers->size())
+                reject(part, "sampler",
+                       "is " + sampler->dump() + ", but the animation has " + counted(samplers->size(), "sampler"));
+            const json* target = object(channel, part, "target", Need::required);
+            index(*target, part.in("target"), "node", "nodes", Need::optional);
+            string(*target, part.in("target"), "path", Need::required);
         }
     }
 
@@ -304,11 +384,16 @@ private:
             if ((*matrix)[3] != 0 || (*matrix)[7] != 0 || (*matrix)[11] != 0 || (*matrix)[15] != 1)
                 reject(at, "matrix", "is not affine: its last row must be 0, 0, 0, 1");
         }
-        const json* all = object(o, at, "extensions", Need::optional);
-        const Path in_extension = at.in("extensions.KHR_lights_punctual");
-        if (const json* light =
-                all ? object(*all, at.in("extensions"), "KHR_lights_punctual", Need::optional) : nullptr)
-            index(*light, in_extension, "light", "lights", Need::required);
+        weights(o, at);
+        if (const json* light = extension(o, at, "KHR_lights_punctual"))
+            index(*light, at.in("extensions.KHR_lights_punctual"), "light", "lights", Need::required);
+        if (const json* instances = extension(o, at, "EXT_mesh_gpu_instancing")) {
+            const Path in_instances = at.in("extensions.EXT_mesh_gpu_instancing");
+            const json* all = object(*instances, in_instances, "attributes", Need::required);
+            attributes(*all, in_instances);
+            if (all->empty())
+                reject(in_instances, "attributes", "is empty: it must name TRANSLATION, ROTATION or SCALE");
+        }
     }
 
     const std::filesystem::path& file_;

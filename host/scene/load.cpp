@@ -1,21 +1,27 @@
 // SPDX-License-Identifier: MIT
 // From a checked glTF document to world triangles: walk the nodes (in the file's order, which is the triangles' order),
 // count all elements, refuse a scene that cannot fit into memory, then decode each accessor once and write the
-// triangles. A position is p = world_from_node * p_node in double, rounded to float32 once.
+// triangles. A position is p = world_from_node * p_node in double, rounded to float32 once; so is a morphed, skinned or
+// quantized one. The document and its decoded accessors serve every time of an animation.
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
+#include "accessors.hpp"
 #include "affine.hpp"
+#include "animation.hpp"
 #include "gltf.hpp"
+#include "pose.hpp"
 #include "scene.hpp"
+#include "shape.hpp"
 
 namespace gnomon::scene {
 namespace {
@@ -32,36 +38,39 @@ enum class Topology { triangles, strip, fan };
 /// A drawn primitive, before its data are read.
 struct Part {
     int primitive = 0;
-    int position_accessor = -1;
+    VertexAccessors vertices;
     int index_accessor = -1;  ///< -1: vertices in order
     Topology topology = Topology::triangles;
     std::uint64_t triangle_count = 0;
     std::uint32_t material = 0;
 };
 
-/// A mesh under a node.
+/// A mesh under a node, drawn `count` times (EXT_mesh_gpu_instancing; else once).
 struct Instance {
     int node = 0;
     Affine world_from_node;
+    std::size_t count = 1;
 };
 
-/// Positions of an accessor: in their buffer, or, if it is sparse, in a copy of their own.
-struct Positions {
-    const unsigned char* first = nullptr;
-    std::size_t stride = 0;
-    std::vector<float> own;
-
-    Float3 operator[](std::size_t vertex) const {
-        Float3 p;
-        std::memcpy(p.data(), first + vertex * stride, sizeof p);
-        return p;
-    }
+/// Where the instances of EXT_mesh_gpu_instancing stand in their node; each may be absent.
+struct InstanceTransforms {
+    const Elements *translation = nullptr, *rotation = nullptr, *scale = nullptr;
 };
 
-struct Indices {
-    std::vector<std::uint32_t> value;
-    std::uint32_t largest = 0;
-};
+constexpr std::array position_types{TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_COMPONENT_TYPE_BYTE,
+                                    TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_COMPONENT_TYPE_SHORT,
+                                    TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT};
+constexpr std::array joint_types{TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT};
+constexpr std::array weight_types{TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE,
+                                  TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT};
+constexpr std::array rotation_types{TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_COMPONENT_TYPE_BYTE,
+                                    TINYGLTF_COMPONENT_TYPE_SHORT};
+constexpr std::array float_types{TINYGLTF_COMPONENT_TYPE_FLOAT};
+constexpr std::array animated_types{TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_COMPONENT_TYPE_BYTE,
+                                    TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_COMPONENT_TYPE_SHORT,
+                                    TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT};
+
+constexpr const char* instancing = "EXT_mesh_gpu_instancing";
 
 /// Saturating: a count that does not fit is "too many", never small again.
 std::uint64_t plus(std::uint64_t a, std::uint64_t b) {
@@ -83,25 +92,84 @@ std::uint64_t machine_memory_bytes() {
     return std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE));
 }
 
+/// What one scene is made of; the Loader makes a new one for every time.
+struct Work {
+    Scene scene;
+    std::vector<Instance> instances;
+    std::set<std::string> not_supported;
+    std::size_t not_finite_count = 0;
+    std::vector<std::string> orthographic, unusable, not_finite;
+};
+
 class Loader {
 public:
-    Loader(const std::filesystem::path& file, std::uint64_t memory_bytes)
+    Loader(const std::filesystem::path& file, const LoadOptions& options)
         : file_(file),
-          memory_bytes_(memory_bytes != 0 ? memory_bytes : machine_memory_bytes()),
-          document_(read_document(file)),
-          model_(document_.model) {}
+          memory_bytes_(options.memory_bytes != 0 ? options.memory_bytes : machine_memory_bytes()),
+          document_(read_document(file_, options.scene, memory_bytes_)),
+          model_(document_.model),
+          accessors_(file_, model_) {
+        if (options.animation) animation_ = int(chosen_animation(*options.animation));
+    }
 
-    Scene run() {
-        walk();
+    Scene at(std::optional<double> time_s) {
+        work_ = {};
+        work_.not_supported = document_.not_supported;
+        describe_animations(time_s);
+        Pose pose(file_, model_, document_.parents, animated_nodes(time_s));
+        walk(pose);
         plan_parts();
         check_amount();
         make_materials();
-        write_triangles();
+        write_triangles(pose);
         warn();
-        return std::move(scene_);
+        return std::move(work_.scene);
     }
 
 private:
+    // ---- animations ----
+
+    std::vector<std::string> animation_names() const {
+        std::vector<std::string> names;
+        for (const tinygltf::Animation& animation : model_.animations) names.push_back(animation.name);
+        return names;
+    }
+
+    std::size_t chosen_animation(const std::string& name) const {
+        return find_named(file_, animation_names(), name, "animation");
+    }
+
+    /// The accessors of an animation have the types that the reader expects, and few enough elements.
+    void check_animation(int index) {
+        const tinygltf::Animation& animation = model_.animations[std::size_t(index)];
+        for (std::size_t i = 0; i < animation.samplers.size(); ++i) {
+            const auto& [input, output] = std::pair(animation.samplers[i].input, animation.samplers[i].output);
+            const std::string what = "animations[" + std::to_string(index) + "].samplers[" + std::to_string(i) + "]";
+            accessors_.require(input, TINYGLTF_TYPE_SCALAR, float_types, "the times of " + what, "SCALAR of float");
+            accessors_.require(output, model_.accessors[std::size_t(output)].type, animated_types,
+                               "the values of " + what, "floats or normalized integers");
+            animation_accessors_.insert({input, output});
+        }
+    }
+
+    std::map<int, AnimatedNode> animated_nodes(std::optional<double> time_s) {
+        if (!time_s && animation_ < 0) return {};
+        if (time_s && std::isnan(*time_s)) fail(file_, "cannot be shown at a time that is no number");
+        if (model_.animations.empty()) fail(file_, "has no animations, so that it cannot be shown at a time");
+        const int index = std::max(animation_, 0);
+        if (animation_accessors_.empty()) check_animation(index);
+        check_amount();
+        return AnimationReader(file_, model_, accessors_).at(index, time_s.value_or(0), work_.not_supported);
+    }
+
+    void describe_animations(std::optional<double> time_s) {
+        const std::vector<std::string> names = animation_names();
+        for (std::size_t i = 0; i < names.size(); ++i)
+            work_.scene.animations.push_back(names[i].empty() ? "animation " + std::to_string(i) : names[i]);
+        if (!names.empty() && (time_s || animation_ >= 0))
+            work_.scene.animation = work_.scene.animations[std::size_t(std::max(animation_, 0))];
+    }
+
     // ---- names ----
 
     static std::string text_of(const char* kind, const std::string& name, int index) {
@@ -112,73 +180,77 @@ private:
     std::string part_text(int mesh, int primitive) const {
         return "primitive " + std::to_string(primitive) + " of " + mesh_text(mesh);
     }
-    static std::string accessor_text(int accessor) { return "accessors[" + std::to_string(accessor) + "]"; }
+    static std::string accessor_text(int accessor) { return Accessors::text(accessor); }
 
     // ---- nodes ----
 
-    Affine local_transform(int index) const {
-        const tinygltf::Node& node = model_.nodes[index];
-        Affine out;
-        if (!node.matrix.empty()) {
-            for (int column = 0; column < 3; ++column)
-                for (int row = 0; row < 3; ++row) out.linear[row][column] = node.matrix[column * 4 + row];
-            for (int row = 0; row < 3; ++row) out.translation[row] = node.matrix[12 + row];
-            return out;
-        }
-        if (!node.rotation.empty()) out.linear = rotation(index);
-        if (!node.scale.empty())
-            for (Double3& row : out.linear)
-                for (int column = 0; column < 3; ++column) row[column] *= node.scale[column];
-        if (!node.translation.empty()) std::copy_n(node.translation.begin(), 3, out.translation.begin());
-        return out;
-    }
-
-    /// glTF requires unit quaternions, but decimals are rarely exact: 2/|q|^2 instead of 2 gives a pure rotation for
-    /// every q.
-    std::array<Double3, 3> rotation(int index) const {
-        const std::vector<double>& q = model_.nodes[index].rotation;
-        const double x = q[0], y = q[1], z = q[2], w = q[3];
-        const double length_squared = x * x + y * y + z * z + w * w;
-        if (!(length_squared > 1e-12 && length_squared < 1e12))
-            fail(file_, "the rotation of " + node_text(index) + " is no unit quaternion");
-        const double s = 2 / length_squared;
-        return {{{1 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)},
-                 {s * (x * y + z * w), 1 - s * (x * x + z * z), s * (y * z - x * w)},
-                 {s * (x * z - y * w), s * (y * z + x * w), 1 - s * (x * x + y * y)}}};
-    }
-
     /// Depth first, children in order, with a stack of our own: a hierarchy may be a million nodes deep.
-    void walk() {
-        std::vector<Instance> open;
-        const auto push_reversed = [&](const std::vector<int>& nodes, const Affine& world_from_parent) {
-            for (auto it = nodes.rbegin(); it != nodes.rend(); ++it) open.push_back({*it, world_from_parent});
-        };
-        push_reversed(document_.root_nodes, Affine{});
+    void walk(Pose& pose) {
+        std::vector<int> open(document_.root_nodes.rbegin(), document_.root_nodes.rend());
         while (!open.empty()) {
-            const Instance visit{open.back().node, open.back().world_from_node * local_transform(open.back().node)};
+            const Instance visit{open.back(), pose.world(open.back())};
             open.pop_back();
-            const tinygltf::Node& node = model_.nodes[visit.node];
+            const tinygltf::Node& node = model_.nodes[std::size_t(visit.node)];
             if (node.mesh >= 0) add_mesh(visit);
             if (node.camera >= 0) add_camera(visit);
             if (node.extensions.contains("KHR_lights_punctual")) add_light(visit);
-            push_reversed(node.children, visit.world_from_node);
+            open.insert(open.end(), node.children.rbegin(), node.children.rend());
         }
     }
 
-    void add_mesh(const Instance& visit) {
-        const tinygltf::Node& node = model_.nodes[visit.node];
-        if (node.skin >= 0) document_.not_supported.insert("skins (drawn unskinned)");
-        if (node.extensions.contains("EXT_mesh_gpu_instancing"))
-            document_.not_supported.insert("EXT_mesh_gpu_instancing (one instance is drawn)");
-        instances_.push_back(visit);
+    void add_mesh(Instance visit) {
+        const tinygltf::Node& node = model_.nodes[std::size_t(visit.node)];
+        if (const auto it = node.extensions.find(instancing); it != node.extensions.end())
+            visit.count = check_instances(visit.node, it->second.Get("attributes"));
+        if (visit.count != 1 && node.skin >= 0)
+            work_.not_supported.insert("instances of a skinned mesh (all stand where its joints are)");
+        work_.instances.push_back(visit);
+    }
+
+    /// The number of instances. Their accessors are read later, once the triangles are known to fit into memory.
+    std::size_t check_instances(int node, const tinygltf::Value& attributes) {
+        std::optional<std::size_t> count;
+        for (const std::string& name : attributes.Keys()) {
+            const int accessor = attributes.Get(name).GetNumberAsInt();
+            const std::string what = "the instances' " + word_or_quotes(name) + " of " + node_text(node);
+            if (name == "ROTATION")
+                accessors_.require(accessor, TINYGLTF_TYPE_VEC4, rotation_types, what,
+                                   "VEC4 of float or of normalized bytes or shorts");
+            else if (name == "TRANSLATION" || name == "SCALE")
+                accessors_.require(accessor, TINYGLTF_TYPE_VEC3, float_types, what, "VEC3 of float");
+            if (count && *count != accessors_.count(accessor))
+                fail(file_, what + " are " + std::to_string(accessors_.count(accessor)) +
+                                ", but another attribute has " + std::to_string(*count));
+            count = accessors_.count(accessor);
+            if (name == "ROTATION" || name == "TRANSLATION" || name == "SCALE") other_accessors_.insert(accessor);
+        }
+        return count.value_or(1);
+    }
+
+    InstanceTransforms instance_transforms(int node) {
+        const auto it = model_.nodes[std::size_t(node)].extensions.find(instancing);
+        if (it == model_.nodes[std::size_t(node)].extensions.end()) return {};
+        const tinygltf::Value& attributes = it->second.Get("attributes");
+        const auto elements = [&](const char* name) {
+            return attributes.Has(name) ? &accessors_.elements(attributes.Get(name).GetNumberAsInt()) : nullptr;
+        };
+        return {elements("TRANSLATION"), elements("ROTATION"), elements("SCALE")};
+    }
+
+    Affine instance_transform(const InstanceTransforms& from, std::size_t i, int node) const {
+        std::vector<double> t, r, s;
+        for (int k = 0; k < 3 && from.translation; ++k) t.push_back(from.translation->number(i, k));
+        for (int k = 0; k < 4 && from.rotation; ++k) r.push_back(from.rotation->number(i, k));
+        for (int k = 0; k < 3 && from.scale; ++k) s.push_back(from.scale->number(i, k));
+        return composed(t, r, s, file_, "instance " + std::to_string(i) + " of " + node_text(node));
     }
 
     void add_camera(const Instance& visit) {
         const tinygltf::Node& node = model_.nodes[visit.node];
         const tinygltf::Camera& source = model_.cameras[node.camera];
-        NamedCamera named{name_or(node.name, source.name, "camera", scene_.cameras.size()), {}};
+        NamedCamera named{name_or(node.name, source.name, "camera", work_.scene.cameras.size()), {}};
         if (source.type == "orthographic") {
-            orthographic_.push_back(in_quotes(named.name));
+            work_.orthographic.push_back(in_quotes(named.name));
             return;
         }
         // A camera looks along its node's -Z with +Y up; scaling has no meaning for it.
@@ -188,37 +260,37 @@ private:
         const bool is_usable = normalize(forward) && normalize(up) && normalize(right = cross(forward, up));
         named.camera.eye = rounded(visit.world_from_node.translation);
         if (!is_usable || !is_finite(named.camera.eye)) {
-            unusable_.push_back("camera " + in_quotes(named.name));
+            work_.unusable.push_back("camera " + in_quotes(named.name));
             return;
         }
         named.camera.right = right;
         named.camera.forward = forward;
         named.camera.up = cross(right, forward);
         named.camera.fov_y_radians = source.perspective.yfov;
-        scene_.cameras.push_back(std::move(named));
+        work_.scene.cameras.push_back(std::move(named));
     }
 
     void add_light(const Instance& visit) {
         const tinygltf::Node& node = model_.nodes[visit.node];
         const int index = node.extensions.at("KHR_lights_punctual").Get("light").GetNumberAsInt();
         const tinygltf::Light& source = model_.lights[index];
-        NamedLight named{name_or(node.name, source.name, "light", scene_.lights.size()), source.type, {}};
+        NamedLight named{name_or(node.name, source.name, "light", work_.scene.lights.size()), source.type, {}};
         const bool is_directional = source.type == "directional";
         // Light travels along the node's -Z.
         const Float3 v =
             rounded(is_directional ? scaled(visit.world_from_node.axis(2), -1) : visit.world_from_node.translation);
         if (!is_finite(v) || (is_directional && v == Float3{0, 0, 0})) {
-            unusable_.push_back("light " + in_quotes(named.name));
+            work_.unusable.push_back("light " + in_quotes(named.name));
             return;
         }
         named.light = is_directional ? Light::directional(v) : Light::positional(v);
-        scene_.lights.push_back(std::move(named));
+        work_.scene.lights.push_back(std::move(named));
     }
 
     // ---- primitives: what will be drawn, from their descriptions alone ----
 
     void plan_parts() {
-        for (const Instance& instance : instances_) {
+        for (const Instance& instance : work_.instances) {
             const int mesh = model_.nodes[instance.node].mesh;
             if (parts_.contains(mesh)) continue;
             std::vector<Part>& parts = parts_[mesh];
@@ -243,22 +315,14 @@ private:
         }
         Part part;
         part.primitive = index;
-        part.position_accessor = attribute->second;
         part.index_accessor = primitive.indices;
-        const tinygltf::Accessor& positions = model_.accessors[part.position_accessor];
-        if (is_draco) {
+        const tinygltf::Accessor& positions = model_.accessors[std::size_t(attribute->second)];
+        if (is_draco && !has_draco) {
             const bool has_indices = primitive.indices < 0 || model_.accessors[primitive.indices].bufferView >= 0;
             if (positions.bufferView < 0 || !has_indices) fail_draco(what);
-            document_.not_supported.insert("KHR_draco_mesh_compression (the uncompressed data is read)");
+            plan_phrases_.insert("KHR_draco_mesh_compression (the uncompressed data is read)");
         }
-        if (positions.type != TINYGLTF_TYPE_VEC3)
-            fail(file_, "the positions of " + what + " (" + accessor_text(part.position_accessor) + ") are not VEC3");
-        if (positions.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
-            quantized_.push_back(what);
-            return std::nullopt;
-        }
-        check_alignment(part.position_accessor);
-        if (!primitive.targets.empty()) document_.not_supported.insert("morph targets (the base shape is drawn)");
+        part.vertices = vertex_accessors(primitive, attribute->second, what);
         std::uint64_t corners = positions.count;
         if (part.index_accessor >= 0) {
             check_index_accessor(part.index_accessor, what);
@@ -280,15 +344,34 @@ private:
                         "compression");
     }
 
-    void check_alignment(int index) const {
-        const tinygltf::Accessor& accessor = model_.accessors[index];
-        if (accessor.bufferView < 0) return;
-        const tinygltf::BufferView& view = model_.bufferViews[accessor.bufferView];
-        const auto bytes = std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(accessor.componentType)));
-        // A stride is a multiple of 4 anyway. Remainders are added, for the offsets' sum could overflow.
-        if ((accessor.byteOffset % bytes + view.byteOffset % bytes) % bytes != 0)
-            fail(file_, accessor_text(index) + " is misaligned: its offset must be a multiple of its " +
-                            std::to_string(bytes) + "-byte components");
+    VertexAccessors vertex_accessors(const tinygltf::Primitive& primitive, int positions, const std::string& what) {
+        VertexAccessors out;
+        const auto checked = [&](int accessor, int type, std::span<const int> types, const std::string& thing,
+                                 const char* wanted) {
+            accessors_.require(accessor, type, types, thing + what, wanted);
+            if (accessors_.count(accessor) < accessors_.count(positions))
+                fail(file_, thing + what + " (" + accessor_text(accessor) + ") are " +
+                                std::to_string(accessors_.count(accessor)) + " for " +
+                                counted(accessors_.count(positions), "position"));
+            return accessor;
+        };
+        out.positions = checked(positions, TINYGLTF_TYPE_VEC3, position_types, "the positions of ", "VEC3");
+        for (std::size_t i = 0; i < primitive.targets.size(); ++i) {
+            const auto target = primitive.targets[i].find("POSITION");
+            out.targets.push_back(target == primitive.targets[i].end()
+                                      ? -1
+                                      : checked(target->second, TINYGLTF_TYPE_VEC3, position_types,
+                                                "the positions of morph target " + std::to_string(i) + " of ", "VEC3"));
+        }
+        for (int set = 0;; ++set) {
+            const auto joints = primitive.attributes.find("JOINTS_" + std::to_string(set));
+            const auto weights = primitive.attributes.find("WEIGHTS_" + std::to_string(set));
+            if (joints == primitive.attributes.end() || weights == primitive.attributes.end()) return out;
+            out.joints.push_back(checked(joints->second, TINYGLTF_TYPE_VEC4, joint_types, "the joints of ",
+                                         "VEC4 of unsigned bytes or shorts"));
+            out.weights.push_back(checked(weights->second, TINYGLTF_TYPE_VEC4, weight_types, "the weights of ",
+                                          "VEC4 of float or of normalized unsigned bytes or shorts"));
+        }
     }
 
     void check_index_accessor(int index, const std::string& what) const {
@@ -299,7 +382,7 @@ private:
         if (accessor.type != TINYGLTF_TYPE_SCALAR || !is_unsigned)
             fail(file_,
                  "the indices of " + what + " (" + accessor_text(index) + ") are not unsigned bytes, shorts or ints");
-        check_alignment(index);
+        accessors_.require(index, accessor.type, std::array{accessor.componentType}, "", "");
         if (accessor.bufferView < 0) return;
         const std::size_t stride = model_.bufferViews[accessor.bufferView].byteStride;
         if (stride != 0 && stride != element_bytes(accessor))
@@ -313,33 +396,35 @@ private:
             return std::uint32_t(model_.materials.size());
         }
         const std::string& mode = model_.materials[material].alphaMode;
-        if (mode == "MASK" || mode == "BLEND") document_.not_supported.insert("alphaMode " + mode + " (drawn opaque)");
+        if (mode == "MASK" || mode == "BLEND") plan_phrases_.insert("alphaMode " + mode + " (drawn opaque)");
         return std::uint32_t(material);
     }
 
     // ---- amount ----
 
-    /// A few hundred bytes of JSON can describe terabytes (instances of instances). So all elements are counted before
-    /// the first allocation.
-    void check_amount() const {
-        std::set<int> accessors;
-        std::uint64_t triangles = 0, bytes = 0;
-        std::map<int, std::uint64_t> triangles_of_mesh;
+    /// The accessors that drawing reads: those of the parts, of instances and of the animation.
+    std::set<int> read_accessors() const {
+        std::set<int> accessors = other_accessors_;
+        accessors.insert(animation_accessors_.begin(), animation_accessors_.end());
         for (const auto& [mesh, parts] : parts_)
             for (const Part& part : parts) {
-                triangles_of_mesh[mesh] = plus(triangles_of_mesh[mesh], part.triangle_count);
-                accessors.insert(part.position_accessor);
-                if (part.index_accessor >= 0) accessors.insert(part.index_accessor);
+                const VertexAccessors& vertices = part.vertices;
+                accessors.insert({vertices.positions, part.index_accessor});
+                for (const auto* more : {&vertices.targets, &vertices.joints, &vertices.weights})
+                    accessors.insert(more->begin(), more->end());
             }
-        for (const Instance& instance : instances_)
-            if (const auto it = triangles_of_mesh.find(model_.nodes[instance.node].mesh); it != triangles_of_mesh.end())
-                triangles = plus(triangles, it->second);
-        std::uint64_t without_data = 0;
+        accessors.erase(-1);
+        return accessors;
+    }
+
+    /// Bytes of the copies of sparse accessors and indices. Throws SceneError for accessors of zeros without end.
+    std::uint64_t copied_bytes(const std::set<int>& accessors) const {
+        std::uint64_t bytes = 0, without_data = 0;
         for (const int index : accessors) {
-            const tinygltf::Accessor& accessor = model_.accessors[index];
+            const tinygltf::Accessor& accessor = model_.accessors[std::size_t(index)];
             const bool is_index = accessor.type == TINYGLTF_TYPE_SCALAR;
             const bool is_copied = is_index || accessor.sparse.isSparse || accessor.bufferView < 0;
-            if (is_copied) bytes = plus(bytes, times(accessor.count, is_index ? 4 : 12));
+            if (is_copied) bytes = plus(bytes, times(accessor.count, is_index ? 4 : element_bytes(accessor)));
             if (accessor.bufferView >= 0) continue;
             without_data = plus(without_data, accessor.count);
             if (without_data > most_elements_without_data)
@@ -347,6 +432,30 @@ private:
                                 " but no bufferView; accessors without data may have " +
                                 std::to_string(most_elements_without_data) + " elements in all");
         }
+        return bytes;
+    }
+
+    bool is_plain(const VertexAccessors& vertices) const {
+        const int type = model_.accessors[std::size_t(vertices.positions)].componentType;
+        return vertices.targets.empty() && vertices.joints.empty() && type == TINYGLTF_COMPONENT_TYPE_FLOAT;
+    }
+
+    /// A few hundred bytes of JSON can describe terabytes (instances of instances). So all elements are counted before
+    /// the first allocation.
+    void check_amount() const {
+        std::uint64_t triangles = 0, largest_shape = 0;
+        std::map<int, std::uint64_t> triangles_of_mesh;
+        for (const auto& [mesh, parts] : parts_)
+            for (const Part& part : parts) {
+                triangles_of_mesh[mesh] = plus(triangles_of_mesh[mesh], part.triangle_count);
+                if (!is_plain(part.vertices))
+                    largest_shape = std::max<std::uint64_t>(largest_shape, accessors_.count(part.vertices.positions));
+            }
+        for (const Instance& instance : work_.instances)
+            if (const auto it = triangles_of_mesh.find(model_.nodes[instance.node].mesh); it != triangles_of_mesh.end())
+                triangles = plus(triangles, times(it->second, instance.count));
+        std::uint64_t bytes = plus(copied_bytes(read_accessors()), document_.decoded_bytes);
+        bytes = plus(bytes, times(largest_shape, sizeof(Double3)));
         bytes = plus(bytes, times(triangles, 9 * sizeof(float) + sizeof(std::uint32_t)));
         if (triangles >= no_receiver)
             fail(file_, "has " + std::to_string(triangles) +
@@ -358,94 +467,11 @@ private:
                             " MiB of memory that it may take");
     }
 
-    // ---- reading ----
-
-    const unsigned char* bytes_at(int view, std::size_t offset) const {
-        const tinygltf::BufferView& v = model_.bufferViews[view];
-        return model_.buffers[v.buffer].data.data() + v.byteOffset + offset;
-    }
-
-    static std::uint32_t read_index(const unsigned char* from, int component_type) {
-        if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *from;
-        if (component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
-            std::uint16_t value;
-            std::memcpy(&value, from, sizeof value);
-            return value;
-        }
-        std::uint32_t value;
-        std::memcpy(&value, from, sizeof value);
-        return value;
-    }
-
-    /// Calls put(element, bytes of its new value) for each sparse element, once its index is known to be in range.
-    template <class Put>
-    void for_each_sparse(int index, const Put& put) const {
-        const tinygltf::Accessor& accessor = model_.accessors[index];
-        if (!accessor.sparse.isSparse) return;
-        const auto& sparse = accessor.sparse;
-        const int index_bytes = tinygltf::GetComponentSizeInBytes(std::uint32_t(sparse.indices.componentType));
-        const auto packed_or = [&](int view, std::size_t bytes) {
-            const std::size_t stride = model_.bufferViews[view].byteStride;
-            return stride == 0 ? bytes : stride;
-        };
-        const std::size_t index_stride = packed_or(sparse.indices.bufferView, std::size_t(index_bytes));
-        const std::size_t value_stride = packed_or(sparse.values.bufferView, element_bytes(accessor));
-        const unsigned char* indices = bytes_at(sparse.indices.bufferView, std::size_t(sparse.indices.byteOffset));
-        const unsigned char* values = bytes_at(sparse.values.bufferView, std::size_t(sparse.values.byteOffset));
-        for (std::size_t i = 0; i < std::size_t(sparse.count); ++i) {
-            const std::uint32_t element = read_index(indices + i * index_stride, sparse.indices.componentType);
-            if (element >= accessor.count)
-                fail(file_, accessor_text(index) + ".sparse names element " + std::to_string(element) +
-                                ", but the accessor has a count of " + std::to_string(accessor.count));
-            put(element, values + i * value_stride);
-        }
-    }
-
-    const Positions& positions(int index) {
-        if (const auto it = positions_.find(index); it != positions_.end()) return it->second;
-        const tinygltf::Accessor& accessor = model_.accessors[index];
-        Positions out;
-        if (accessor.bufferView >= 0) {
-            const std::size_t stride = model_.bufferViews[accessor.bufferView].byteStride;
-            out.first = bytes_at(accessor.bufferView, accessor.byteOffset);
-            out.stride = stride == 0 ? sizeof(Float3) : stride;
-        }
-        if (accessor.sparse.isSparse || accessor.bufferView < 0) {
-            out.own.resize(accessor.count * 3);
-            for (std::size_t i = 0; out.first && i < accessor.count; ++i)
-                std::memcpy(&out.own[i * 3], out.first + i * out.stride, sizeof(Float3));
-            for_each_sparse(index, [&](std::size_t element, const unsigned char* value) {
-                std::memcpy(&out.own[element * 3], value, sizeof(Float3));
-            });
-            out.first = reinterpret_cast<const unsigned char*>(out.own.data());
-            out.stride = sizeof(Float3);
-        }
-        return positions_.emplace(index, std::move(out)).first->second;
-    }
-
-    const Indices& indices(int index) {
-        if (const auto it = indices_.find(index); it != indices_.end()) return it->second;
-        const tinygltf::Accessor& accessor = model_.accessors[index];
-        const auto bytes = element_bytes(accessor);
-        Indices out;
-        out.value.resize(accessor.count);
-        if (accessor.bufferView >= 0) {
-            const unsigned char* from = bytes_at(accessor.bufferView, accessor.byteOffset);
-            for (std::size_t i = 0; i < accessor.count; ++i)
-                out.value[i] = read_index(from + i * bytes, accessor.componentType);
-        }
-        for_each_sparse(index, [&](std::size_t element, const unsigned char* value) {
-            out.value[element] = read_index(value, accessor.componentType);
-        });
-        for (const std::uint32_t value : out.value) out.largest = std::max(out.largest, value);
-        return indices_.emplace(index, std::move(out)).first->second;
-    }
-
     /// The largest value of the type restarts a strip in graphics APIs. glTF forbids this value, and a guess of its
     /// meaning would be wrong in half of the cases.
     void check_indices(const Indices& indices, const Part& part, const std::string& what) const {
         const tinygltf::Accessor& accessor = model_.accessors[part.index_accessor];
-        const std::size_t count = model_.accessors[part.position_accessor].count;
+        const std::size_t count = accessors_.count(part.vertices.positions);
         if (indices.value.empty()) return;
         const std::uint32_t restart = std::uint32_t((std::uint64_t(1) << (8 * element_bytes(accessor))) - 1);
         if (indices.largest == restart)
@@ -463,57 +489,99 @@ private:
             Float3 color;
             for (int i = 0; i < 3; ++i)
                 color[i] = float(std::clamp(material.pbrMetallicRoughness.baseColorFactor[i], 0.0, 1.0));
-            scene_.materials.base_color.push_back(color);
+            work_.scene.materials.base_color.push_back(color);
         }
-        if (uses_default_material_) scene_.materials.base_color.push_back(default_base_color);
+        if (uses_default_material_) work_.scene.materials.base_color.push_back(default_base_color);
     }
 
-    void write_triangles() {
+    void write_triangles(Pose& pose) {
         std::size_t count = 0;
-        for (const Instance& instance : instances_)
-            for (const Part& part : parts_[model_.nodes[instance.node].mesh]) count += part.triangle_count;
-        scene_.triangles.resize(count * 9);
-        scene_.materials.triangle_material.resize(count);
-        float* out = scene_.triangles.data();
-        auto material = scene_.materials.triangle_material.begin();
-        for (const Instance& instance : instances_) {
-            const int mesh = model_.nodes[instance.node].mesh;
-            std::size_t not_finite = 0;
-            for (const Part& part : parts_[mesh]) {
-                not_finite += write_part(part, mesh, instance.world_from_node, out);
+        for (const Instance& instance : work_.instances)
+            for (const Part& part : parts_[model_.nodes[instance.node].mesh])
+                count += part.triangle_count * instance.count;
+        work_.scene.triangles.resize(count * 9);
+        work_.scene.materials.triangle_material.resize(count);
+        float* out = work_.scene.triangles.data();
+        auto material = work_.scene.materials.triangle_material.begin();
+        for (const Instance& instance : work_.instances) {
+            const std::size_t not_finite = write_instances(instance, pose, out, material);
+            if (not_finite == 0) continue;
+            work_.not_finite_count += not_finite;
+            work_.not_finite.push_back(std::to_string(not_finite) + " in " +
+                                       mesh_text(model_.nodes[instance.node].mesh) + " under " +
+                                       node_text(instance.node));
+        }
+    }
+
+    /// Moves both outputs on. Returns how many triangles are not finite.
+    std::size_t write_instances(const Instance& instance, Pose& pose, float*& out,
+                                std::vector<std::uint32_t>::iterator& material) {
+        const tinygltf::Node& node = model_.nodes[std::size_t(instance.node)];
+        const std::vector<double> weights = pose.morph_weights(instance.node);
+        std::vector<glm::dmat4> joints;
+        if (node.skin >= 0) joints = pose.joints(node.skin, accessors_);
+        const InstanceTransforms transforms = instance_transforms(instance.node);
+        const bool is_instanced = node.extensions.contains(instancing);
+        std::size_t not_finite = 0;
+        for (std::size_t i = 0; i < instance.count; ++i) {
+            Affine world = instance.world_from_node;
+            if (is_instanced) world = world * instance_transform(transforms, i, instance.node);
+            for (const Part& part : parts_[node.mesh]) {
+                const Shape shape(file_, accessors_, part.vertices, weights, node.skin >= 0 ? &joints : nullptr,
+                                  part_text(node.mesh, part.primitive));
+                if (node.skin >= 0 && !shape.is_skinned())
+                    work_.not_supported.insert("a skin without joints and weights (drawn unskinned)");
+                not_finite += write_part(part, node.mesh, shape.is_skinned() ? Affine{} : world, shape, out);
                 out += part.triangle_count * 9;
                 material = std::fill_n(material, part.triangle_count, part.material);
             }
-            if (not_finite == 0) continue;
-            not_finite_count_ += not_finite;
-            not_finite_.push_back(std::to_string(not_finite) + " in " + mesh_text(mesh) + " under " +
-                                  node_text(instance.node));
         }
+        return not_finite;
+    }
+
+    /// Calls write with a function that gives a vertex in the node's space, or a skinned one in the world's. Vertices
+    /// are computed once each, unless the part uses only some of them.
+    template <class Write>
+    std::size_t with_vertices(const Part& part, const Shape& shape, const Write& write) {
+        const std::size_t count = shape.base().count;
+        if (shape.has_file_bits() || part.triangle_count * 3 < count) return write(shape);
+        std::vector<Double3> vertices(count);
+        for (std::size_t i = 0; i < count; ++i) vertices[i] = shape(i);
+        return write([&](std::size_t vertex) { return vertices[vertex]; });
     }
 
     /// Returns how many triangles are not finite.
-    std::size_t write_part(const Part& part, int mesh, const Affine& world_from_node, float* out) {
-        const Positions& from = positions(part.position_accessor);
+    std::size_t write_part(const Part& part, int mesh, const Affine& world, const Shape& shape, float* out) {
         const std::uint32_t* index = nullptr;
         if (part.index_accessor >= 0) {
-            const Indices& all = indices(part.index_accessor);
+            const Indices& all = accessors_.indices(part.index_accessor);
             check_indices(all, part, part_text(mesh, part.primitive));
             index = all.value.data();
         }
-        const bool is_identity = world_from_node.is_identity();
-        const auto write_corner = [&](std::size_t corner, float* to) {
-            const Float3 p = from[index ? index[corner] : corner];
-            // The product with the identity would turn -0 into +0.
-            const Float3 p_world = is_identity ? p : rounded(world_from_node({p[0], p[1], p[2]}));
-            std::memcpy(to, p_world.data(), sizeof p_world);
-        };
+        if (part.triangle_count == 0) return 0;
+        // The product with the identity would turn -0 into +0.
+        const bool is_identity = world.is_identity();
+        if (is_identity && shape.has_file_bits())
+            return write_corners(
+                part, index, [&](std::size_t i) { return shape.base().float3(i); }, out);
+        return with_vertices(part, shape, [&](const auto& vertex) {
+            const auto place = [&](std::size_t i) { return rounded(is_identity ? vertex(i) : world(vertex(i))); };
+            return write_corners(part, index, place, out);
+        });
+    }
+
+    template <class Place>
+    static std::size_t write_corners(const Part& part, const std::uint32_t* index, const Place& place, float* out) {
         std::size_t not_finite = 0;
         for (std::size_t i = 0; i < part.triangle_count; ++i, out += 9) {
             // The vertex orders that glTF defines for its topologies; all keep the winding.
             std::array<std::size_t, 3> corner{3 * i, 3 * i + 1, 3 * i + 2};
             if (part.topology == Topology::strip) corner = {i, i + 1 + i % 2, i + 2 - i % 2};
             if (part.topology == Topology::fan) corner = {i + 1, i + 2, 0};
-            for (int k = 0; k < 3; ++k) write_corner(corner[k], out + 3 * k);
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Float3 p = place(index ? index[corner[k]] : corner[k]);
+                std::memcpy(out + 3 * k, p.data(), sizeof p);
+            }
             if (!std::all_of(out, out + 9, [](float c) { return std::isfinite(c); })) ++not_finite;
         }
         return not_finite;
@@ -521,48 +589,49 @@ private:
 
     // ---- warnings ----
 
-    void warn(const std::string& what) { scene_.warnings.push_back(file_.string() + ": " + what); }
+    void warn(const std::string& what) { work_.scene.warnings.push_back(file_.string() + ": " + what); }
 
     void warn() {
-        if (!quantized_.empty())
-            document_.not_supported.insert("KHR_mesh_quantization (left out: " + listed(quantized_) + ")");
-        if (!document_.not_supported.empty()) {
-            const std::vector<std::string> phrases(document_.not_supported.begin(), document_.not_supported.end());
+        work_.not_supported.insert(plan_phrases_.begin(), plan_phrases_.end());
+        if (!work_.not_supported.empty()) {
+            const std::vector<std::string> phrases(work_.not_supported.begin(), work_.not_supported.end());
             warn("has what gnomon does not support: " + listed(phrases, phrases.size()));
         }
-        if (not_finite_count_ > 0)
-            warn(counted(not_finite_count_, "triangle") +
-                 (not_finite_count_ == 1 ? " has a NaN or infinite vertex and casts no shadow: "
-                                         : " have a NaN or infinite vertex and cast no shadow: ") +
-                 listed(not_finite_));
+        for (const std::string& warning : document_.warnings) warn(warning);
+        if (work_.not_finite_count > 0)
+            warn(counted(work_.not_finite_count, "triangle") +
+                 (work_.not_finite_count == 1 ? " has a NaN or infinite vertex and casts no shadow: "
+                                              : " have a NaN or infinite vertex and cast no shadow: ") +
+                 listed(work_.not_finite));
         if (!points_and_lines_.empty()) warn("points and lines are left out: " + listed(points_and_lines_));
         if (!without_positions_.empty()) warn("left out for want of positions: " + listed(without_positions_));
         if (!incomplete_.empty()) warn("the last triangle is incomplete and left out: " + listed(incomplete_));
-        if (!orthographic_.empty()) warn("orthographic cameras are left out: " + listed(orthographic_));
-        if (!unusable_.empty()) warn("left out, for the node's transform is degenerate: " + listed(unusable_));
-        if (scene_.triangle_count() == 0) warn("has no triangles");
+        if (!work_.orthographic.empty()) warn("orthographic cameras are left out: " + listed(work_.orthographic));
+        if (!work_.unusable.empty())
+            warn("left out, for the node's transform is degenerate: " + listed(work_.unusable));
+        if (work_.scene.triangle_count() == 0) warn("has no triangles");
+        for (const std::string& note : document_.notes) work_.scene.notes.push_back(file_.string() + ": " + note);
     }
 
-    const std::filesystem::path& file_;
+    const std::filesystem::path file_;
     const std::uint64_t memory_bytes_;
-    GltfDocument document_;
+    const GltfDocument document_;
     const tinygltf::Model& model_;
-    std::vector<Instance> instances_;
-    std::map<int, std::vector<Part>> parts_;
-    std::map<int, Positions> positions_;
-    std::map<int, Indices> indices_;
+    Accessors accessors_;
+    int animation_ = -1;
+    std::map<int, std::vector<Part>> parts_;  ///< of the meshes that were drawn so far
+    std::set<int> animation_accessors_, other_accessors_;
     bool uses_default_material_ = false;
-    std::size_t not_finite_count_ = 0;
-    std::vector<std::string> quantized_, points_and_lines_, without_positions_, incomplete_, orthographic_, unusable_,
-        not_finite_;
-    Scene scene_;
+    std::set<std::string> plan_phrases_;
+    std::vector<std::string> points_and_lines_, without_positions_, incomplete_;
+    Work work_;
 };
 
-}  // namespace
-
-Scene load(const std::filesystem::path& file, std::uint64_t memory_bytes) {
+/// Runs `work`, whose other errors become a SceneError.
+template <class Work>
+auto with_sentences(const std::filesystem::path& file, const Work& work) {
     try {
-        return Loader(file, memory_bytes).run();
+        return work();
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {
@@ -570,6 +639,27 @@ Scene load(const std::filesystem::path& file, std::uint64_t memory_bytes) {
     } catch (const std::exception& error) {
         fail(file, std::string("cannot be read as glTF: ") + error.what());
     }
+}
+
+}  // namespace
+
+struct SceneFile::Inside {
+    std::filesystem::path file;
+    Loader loader;
+};
+
+SceneFile::SceneFile(const std::filesystem::path& file, const LoadOptions& options)
+    : inside_(with_sentences(file, [&] {
+          return new Inside{file, Loader(file, options)};
+      })) {}
+SceneFile::~SceneFile() = default;
+
+Scene SceneFile::at(std::optional<double> time_s) {
+    return with_sentences(inside_->file, [&] { return inside_->loader.at(time_s); });
+}
+
+Scene load(const std::filesystem::path& file, const LoadOptions& options) {
+    return SceneFile(file, options).at(options.time_s);
 }
 
 }  // namespace gnomon::scene

@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include <gnomon.hpp>
 
@@ -30,13 +34,16 @@ struct NamedLight {
 };
 
 struct Scene {
-    /// 9 per triangle: world space. Node transforms and instances are applied in double and rounded once; under an
-    /// identity transform the floats have the file's own bits.
+    /// 9 per triangle: world space. Morph targets, skins, node transforms and instances are applied in double and
+    /// rounded once; under an identity transform the floats have the file's own bits.
     std::vector<float> triangles;
     Materials materials;  ///< base colour factors, linear; textures are not read
     std::vector<NamedCamera> cameras;
     std::vector<NamedLight> lights;
-    std::vector<std::string> warnings;  ///< each one sentence; --strict turns them into errors
+    std::vector<std::string> warnings;    ///< each one sentence; --strict turns them into errors
+    std::vector<std::string> notes;       ///< each one sentence, on what the file has beside the scene; no errors
+    std::vector<std::string> animations;  ///< the names of the file's animations; "animation N" without a name
+    std::string animation;                ///< the one that is shown; empty: the pose at rest
 
     std::size_t triangle_count() const { return triangles.size() / 9; }
     /// A triangle with a NaN or infinite vertex casts no shadow.
@@ -46,9 +53,30 @@ struct Scene {
     }
 };
 
-/// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than `memory_bytes` (0: the
-/// machine's memory).
-Scene load(const std::filesystem::path& file, std::uint64_t memory_bytes = 0);
+/// What of a file is loaded. A name that none has is read as an index from 0.
+struct LoadOptions {
+    std::uint64_t memory_bytes = 0;          ///< that the triangles may take; 0: the machine's memory
+    std::optional<std::string> scene{};      ///< none: the file's default scene
+    std::optional<std::string> animation{};  ///< none: the first, if there is a time
+    std::optional<double> time_s{};          ///< none: the pose at rest, or an animation's start if one is named
+};
+
+/// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than they may take.
+Scene load(const std::filesystem::path& file, const LoadOptions& options = {});
+
+/// A file that is read once, for its scene at several times.
+class SceneFile {
+public:
+    /// Throws SceneError. The time of the options is not used.
+    explicit SceneFile(const std::filesystem::path& file, const LoadOptions& options = {});
+    ~SceneFile();
+    /// The scene at this time, in seconds (none: as LoadOptions::time_s). Throws SceneError.
+    Scene at(std::optional<double> time_s);
+
+private:
+    struct Inside;
+    std::unique_ptr<Inside> inside_;
+};
 
 /// The built-in sundial, with a camera and a light.
 Scene sundial();

@@ -279,6 +279,11 @@ TEST_F(Command, HelpNamesEveryOption) {
                                "--aov",
                                "--dump-triangles",
                                "--dump-points",
+                               "--scene",
+                               "--time",
+                               "--animation",
+                               "--frames",
+                               "--fps",
                                "--samples",
                                "--technique",
                                "--set",
@@ -389,6 +394,14 @@ TEST_F(Command, WrongCommandLines) {
         {{"render", "-o", "a.png", "--memory-limit", "-5"}, "--memory-limit needs a number of bytes"},
         {{"render", "-o", "a.png", "--memory-limit", "18446744073709551615K"}, "--memory-limit needs"},
         {{"render", "-o", "a.png", "--device", ""}, "--device needs a value"},
+        {{"render", "-o", "a.png", "--time", "1"}, "--time needs a SCENE file"},
+        {{"render", "-o", "a.png", "--scene", "1"}, "--scene needs a SCENE file"},
+        {{"render", "-o", "a.png", "--frames", "2"}, "--frames needs a SCENE file"},
+        {{"render", "a.glb", "-o", "a.png", "--time", "soon"}, "--time needs a finite number, not \"soon\""},
+        {{"render", "a.glb", "-o", "a.png", "--time", "1e999"}, "--time needs a finite number"},
+        {{"render", "a.glb", "-o", "a.png", "--frames", "0"}, "--frames needs a whole number from 1"},
+        {{"render", "a.glb", "-o", "a.png", "--fps", "25"}, "--fps goes with --frames"},
+        {{"render", "a.glb", "-o", "a.png", "--frames", "2", "--fps", "0"}, "--fps needs a number above 0"},
         {{"explain"}, "nothing to explain: give --pixel X,Y or --point X,Y,Z"},
         {{"explain", "--pixel"}, "--pixel needs a value"},
         {{"explain", "--pixel", "5"}, "--pixel needs a pixel X,Y"},
@@ -1003,6 +1016,65 @@ TEST_F(Command, WarningsAreErrorsUnderStrict) {
     }
     EXPECT_EQ(statistics("glass.json").at("non_finite_triangles"), 0);
     EXPECT_EQ(statistics("broken.json").at("non_finite_triangles"), 1);
+}
+
+// ---- Animations
+// ---------------------------------------------------------------------------------------------------------
+
+/// Writes the scene of write_scene as "moving.gltf": at second T everything has moved by T along x, up to 4 s.
+void write_moving_scene(const fs::path& folder) {
+    write_scene(folder, "moving", floor_and_square());
+    nlohmann::json gltf = nlohmann::json::parse(text_of(folder / "moving.gltf"));
+    const std::vector<float> keyframes{0, 4, 0, 0, 0, 4, 0, 0};
+    std::ofstream(folder / "keyframes.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(keyframes.data()), std::streamsize(keyframes.size() * sizeof(float)));
+    const auto add = [&](const char* array, const char* text) { gltf[array].push_back(nlohmann::json::parse(text)); };
+    add("buffers", R"({"uri": "keyframes.bin", "byteLength": 32})");
+    add("bufferViews", R"({"buffer": 1, "byteLength": 32})");
+    add("accessors", R"({"bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR"})");
+    add("accessors", R"({"bufferView": 1, "byteOffset": 8, "componentType": 5126, "count": 2, "type": "VEC3"})");
+    add("animations", R"({"name": "walk", "samplers": [{"input": 1, "output": 2}],
+                          "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]})");
+    std::ofstream(folder / "moving.gltf") << gltf;
+}
+
+TEST_F(Command, FramesAreThePicturesOfTheirTimes) {
+    write_moving_scene(folder_);
+    const Arguments view{"moving.gltf", "--size", "48x32", "--camera", "aside", "--light", "lamp"};
+    Arguments sequence = view;
+    sequence.insert(sequence.end(), {"--frames", "3", "--fps", "2", "--time", "0.5", "-o", "p.png", "--mask", "m.png",
+                                     "--dump-triangles", "t.bin", "--stats", "s.json"});
+    render_quietly(sequence);
+    const nlohmann::json stats = statistics("s.json");
+    ASSERT_EQ(stats.at("frames").size(), 3u);
+    EXPECT_EQ(stats.at("animation").at("name"), "walk");
+    EXPECT_EQ(stats.at("animation").at("time_s"), 1.5) << "the last frame's";
+    for (int frame = 0; frame < 3; ++frame) {
+        const std::string number = "_000" + std::to_string(frame), time = std::to_string(0.5 + 0.5 * frame);
+        EXPECT_EQ(stats.at("frames").at(std::size_t(frame)).at("time_s"), 0.5 + 0.5 * frame);
+        EXPECT_GT(stats.at("frames").at(std::size_t(frame)).at("phases_ms").at("total"), 0);
+        Arguments alone = view;
+        alone.insert(alone.end(), {"--time", time, "--animation", "walk", "-o", "alone.png", "--mask", "alone_m.png",
+                                   "--dump-triangles", "alone.bin"});
+        render_quietly(alone);
+        EXPECT_EQ(text_of(in_folder("p" + number + ".png")), text_of(in_folder("alone.png")));
+        EXPECT_EQ(text_of(in_folder("m" + number + ".png")), text_of(in_folder("alone_m.png")));
+        EXPECT_EQ(text_of(in_folder("t" + number + ".bin")), text_of(in_folder("alone.bin")));
+    }
+    float x = 0;
+    std::memcpy(&x, text_of(in_folder("t_0002.bin")).data(), sizeof x);
+    EXPECT_EQ(x, -4 + 1.5f);
+    EXPECT_NE(text_of(in_folder("m_0000.png")), text_of(in_folder("m_0002.png")));
+}
+
+TEST_F(Command, AnimationsAndScenesThatAreNotThere) {
+    write_moving_scene(folder_);
+    write_scene(folder_, "still", floor_and_square());
+    expect_failure({"render", "moving.gltf", "-o", "a.png", "--animation", "run"}, 1,
+                   "there is no animation 'run': the file has these: 0 'walk'");
+    expect_failure({"render", "moving.gltf", "-o", "a.png", "--scene", "1"}, 1, "there is no scene '1'");
+    expect_failure({"render", "still.gltf", "-o", "a.png", "--time", "1"}, 1, "has no animations");
+    expect_failure({"render", "still.gltf", "-o", "a.png", "--frames", "2"}, 1, "has no animations");
 }
 
 // ---- The gallery ----------------------------------------------------------------------------------------------------

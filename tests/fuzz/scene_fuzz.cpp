@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "require.hpp"
@@ -97,7 +98,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const Folder folder;
     const std::filesystem::path file = folder.write("scene.glb", data, size);
     try {
-        check(gnomon::scene::load(file));
+        gnomon::scene::SceneFile scenes(file);
+        const gnomon::scene::Scene at_rest = scenes.at(std::nullopt);
+        check(at_rest);
+        if (!at_rest.animations.empty()) check(scenes.at(0.5));
     } catch (const gnomon::scene::SceneError& error) {
         const std::string sentence = error.what();
         require(sentence.rfind(file.string() + ": ", 0) == 0, "an error that names the file");

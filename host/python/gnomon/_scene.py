@@ -130,6 +130,7 @@ class Scene:
         self.warnings: list[str] = []
         self._vertices: _Vertices | None = None  # of the last points
         self.at_vertices: VertexReport | None = None
+        self.animations: list[str] = []
         self._material: NDArray[np.uint32] | None = None
         self._base_color: list[tuple[float, float, float]] = [GREY]
         if _arrays.is_on_device(vertices):
@@ -162,27 +163,45 @@ class Scene:
         return device
 
     @classmethod
-    def from_gltf(cls, path: str | os.PathLike[str], *, device: str | Device | None = None) -> Scene:
-        """The scene of a .glb or .gltf file, with its `cameras` and `lights` by name, and `warnings`: what the file
-        has and gnomon leaves out, a sentence each. Raises FileNotFoundError, or ValueError that names the wrong part.
+    def from_gltf(
+        cls,
+        path: str | os.PathLike[str],
+        *,
+        time: float | None = None,
+        animation: str | int | None = None,
+        scene: str | int | None = None,
+        device: str | Device | None = None,
+    ) -> Scene:
+        """The scene of a .glb or .gltf file, with its `cameras` and `lights` by name, the names of its `animations`,
+        and `warnings`: what the file has and gnomon leaves out, a sentence each.
+
+        `time`: seconds into `animation` (a name or an index; default: the first). Without both the pose is the one at
+        rest. `scene`: one of the file's scenes, by name or index. Raises FileNotFoundError, or ValueError that names
+        the wrong part.
         """
         file = Path(path)
         if not file.exists():
             raise FileNotFoundError(f"{file}: does not exist")
         if not hasattr(_gnomon, "load_scene"):
             raise RuntimeError(
-                "this build of gnomon reads no glTF files (tinygltf was missing when it was built): use "
+                "this build of gnomon reads no glTF files (tinygltf or GLM was missing when it was built): use "
                 "gnomon.Scene(trimesh.load(path, force='mesh'))"
             )
-        loaded = _gnomon.load_scene(str(file))
-        scene = cls(loaded.take_triangles(), device=device)
-        scene.cameras = dict(loaded.cameras)
+        loaded = _gnomon.load_scene(
+            str(file),
+            scene=None if scene is None else str(scene),
+            animation=None if animation is None else str(animation),
+            time_s=None if time is None else float(time),
+        )
+        result = cls(loaded.take_triangles(), device=device)
+        result.cameras = dict(loaded.cameras)
         for name, (x, y, z, w) in loaded.lights:
-            scene.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
-        scene.warnings = list(loaded.warnings)
-        scene._material = loaded.take_triangle_material()
-        scene._base_color = [(r, g, b) for r, g, b in loaded.base_color]
-        return scene
+            result.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
+        result.warnings = list(loaded.warnings)
+        result.animations = list(loaded.animations)
+        result._material = loaded.take_triangle_material()
+        result._base_color = [(r, g, b) for r, g, b in loaded.base_color]
+        return result
 
     # ---- Its data ----------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#include "shape.hpp"
+
+#include <glm/vec4.hpp>
+#include <utility>
+
+namespace gnomon::scene {
+
+Shape::Shape(const std::filesystem::path& file, Accessors& accessors, const VertexAccessors& vertices,
+             std::span<const double> weights, const std::vector<glm::dmat4>* joints, std::string what)
+    : file_(file),
+      base_(accessors.elements(vertices.positions)),
+      is_float_(base_.component_type == TINYGLTF_COMPONENT_TYPE_FLOAT),
+      joints_(vertices.joints.empty() ? nullptr : joints),
+      what_(std::move(what)) {
+    for (std::size_t i = 0; i < vertices.targets.size() && i < weights.size(); ++i)
+        if (weights[i] != 0 && vertices.targets[i] >= 0)
+            targets_.push_back({&accessors.elements(vertices.targets[i]), weights[i]});
+    for (std::size_t i = 0; joints_ && i < vertices.joints.size(); ++i)
+        influences_.push_back({&accessors.elements(vertices.joints[i]), &accessors.elements(vertices.weights[i])});
+}
+
+Double3 Shape::operator()(std::size_t vertex) const {
+    Double3 p = base_.double3(vertex);
+    for (const auto& [displacement, weight] : targets_)
+        for (int i = 0; i < 3; ++i) p[std::size_t(i)] += weight * displacement->number(vertex, i);
+    return is_skinned() ? skinned(vertex, p) : p;
+}
+
+/// The mean of the joints' images of p. Weights that do not quite add up to 1 are normalized, as the division by w
+/// after a projection does it in a rasterizer.
+Double3 Shape::skinned(std::size_t vertex, const Double3& p) const {
+    glm::dvec4 sum(0);
+    double weights = 0;
+    for (const auto& [joints, joint_weights] : influences_)
+        for (int i = 0; i < 4; ++i) {
+            const double weight = joint_weights->number(vertex, i);
+            if (weight == 0) continue;
+            const std::uint32_t joint = joints->index(vertex, i);
+            if (joint >= joints_->size())
+                fail(file_, what_ + " names joint " + std::to_string(joint) + ", but its skin has " +
+                                counted(joints_->size(), "joint"));
+            sum += weight * ((*joints_)[joint] * glm::dvec4(p[0], p[1], p[2], 1));
+            weights += weight;
+        }
+    return {sum.x / weights, sum.y / weights, sum.z / weights};
+}
+
+}  // namespace gnomon::scene

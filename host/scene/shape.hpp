@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Where a primitive's vertices are in one pose: the base positions, plus the morph targets' displacements, moved by the
+// skin's joints. Everything is summed in double; the caller rounds once.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+
+#include "accessors.hpp"
+
+namespace gnomon::scene {
+
+/// The accessors of a primitive's vertices.
+struct VertexAccessors {
+    int positions = -1;
+    std::vector<int> targets;          ///< positions of the morph targets; -1: none
+    std::vector<int> joints, weights;  ///< sets of four
+};
+
+class Shape {
+public:
+    /// `weights`: of the morph targets. `joints`: world_from_vertex of each joint, null for an unskinned mesh.
+    Shape(const std::filesystem::path& file, Accessors& accessors, const VertexAccessors& vertices,
+          std::span<const double> weights, const std::vector<glm::dmat4>* joints, std::string what);
+
+    /// The positions are the file's float32.
+    bool has_file_bits() const { return targets_.empty() && !is_skinned() && is_float_; }
+    /// Positions are in world space; else in the node's.
+    bool is_skinned() const { return joints_ != nullptr; }
+    const Elements& base() const { return base_; }
+    Double3 operator()(std::size_t vertex) const;
+
+private:
+    Double3 skinned(std::size_t vertex, const Double3& p) const;
+
+    struct Target {
+        const Elements* displacement;
+        double weight;
+    };
+    struct Influences {
+        const Elements *joints, *weights;
+    };
+    const std::filesystem::path& file_;
+    const Elements& base_;
+    bool is_float_;
+    std::vector<Target> targets_;
+    std::vector<Influences> influences_;
+    const std::vector<glm::dmat4>* joints_;
+    std::string what_;
+};
+
+}  // namespace gnomon::scene
