@@ -208,6 +208,57 @@ void bind_techniques(nb::module_& m) {
         Released());
 }
 
+// Calls a Python function with the part that is done; an exception in it, such as Ctrl-C's, ends the run. The calling
+// thread does not hold the GIL.
+std::function<bool(double)> progress_of(const std::optional<nb::callable>& progress) {
+    if (!progress) return {};
+    return [&function = *progress](double done) {
+        const nb::gil_scoped_acquire held;
+        const nb::object goes_on = function(done);
+        return goes_on.is_none() || nb::cast<bool>(goes_on);
+    };
+}
+
+void bind_many_lights(nb::module_& m) {
+    using gnomon::Lights;
+    nb::class_<Lights>(m, "Lights")
+        .def(
+            "__init__",
+            [](Lights* self, const Floats& xyzw, const Floats& weights) {
+                std::vector<gnomon::Light> lights(xyzw.size() / 4);
+                for (std::size_t i = 0; i < lights.size(); ++i)
+                    std::copy_n(xyzw.data() + 4 * i, 4, lights[i].xyzw.begin());
+                new (self) Lights(std::move(lights), {weights.data(), weights.data() + weights.size()});
+            },
+            "xyzw"_a, "weights"_a)
+        .def("__len__", &Lights::count)
+        .def_prop_ro("exponent", &Lights::exponent)
+        .def_prop_ro("largest_rounding", &Lights::largest_rounding);
+    m.def(
+        "run_lights",
+        [](gnomon::Technique& technique, const gnomon::Triangles& triangles, const gnomon::Points& points,
+           const Lights& lights, const Floats& normals, bool front, bool cosines, bool wants_bits,
+           const std::optional<nb::callable>& progress) {
+            const gnomon::LightsWanted wanted{wants_bits, true, true, true, true};
+            gnomon::LightsOptions options{.front = front, .cosines = cosines, .progress = progress_of(progress)};
+            gnomon::LightsOnHost answers = released([&] {
+                std::optional<gnomon::Points> vectors;
+                if (normals.size() != 0) {
+                    vectors = gnomon::Points::upload(technique.device(), span_of(normals));
+                    options.normals = vectors->positions();
+                }
+                return gnomon::run_lights_to_host(technique, technique.device(), triangles, points, lights, wanted,
+                                                  options);
+            });
+            const std::size_t count = answers.counts.size(), words = (lights.count() + 31) / 32;
+            return nb::make_tuple(numpy_of(std::move(answers.sums), {count}), ids_of(std::move(answers.counts)),
+                                  ids_of(std::move(answers.first_lit)), ids_of(std::move(answers.last_lit)),
+                                  numpy_of(std::move(answers.bits), {wants_bits ? count : 0, words}));
+        },
+        "technique"_a, "triangles"_a, "points"_a, "lights"_a, "normals"_a, "front"_a, "cosines"_a, "wants_bits"_a,
+        "progress"_a.none());
+}
+
 void bind_fans(nb::module_& m) {
     using gnomon::VertexFans;
     nb::class_<VertexFans>(m, "VertexFans")
@@ -387,6 +438,7 @@ NB_MODULE(_gnomon, m) {
     bind_devices(m);
     bind_inputs(m);
     bind_techniques(m);
+    bind_many_lights(m);
     bind_fans(m);
     bind_lattice(m);
     bind_views(m);

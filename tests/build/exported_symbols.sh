@@ -16,7 +16,7 @@ fi
 
 # At the start of a line, so at the namespace's level: members are indented.
 declared=$(sed -n '/visibility push/,/visibility pop/p' "$header" |
-    sed -nE 's/^(class|struct) (\w+) .*\{$/\2/p; s/^[A-Za-z][^(]* (\w+)\(.*/\1/p')
+    sed -nE 's/^(class|struct) (\w+) .*\{$/\2/p; s/^[A-Za-z][^(]* (\w+)\(.*/\1/p; s/^inline constexpr [^=]* (\w+) = .*/\1/p')
 shown=$("$nm" -DC --defined-only "$library" | sed -E 's/^[0-9a-f]+ //')  # the symbol's kind, a letter, and its name
 
 awk -v declared="$declared" -v in_c="$wanted" '
@@ -32,7 +32,7 @@ awk -v declared="$declared" -v in_c="$wanted" '
     }
     END { exit failed }' <<<"$shown"
 
-for class in Error InvalidArgument DeviceNotFound OpenClError OutOfDeviceMemory Technique; do
+for class in Error InvalidArgument DeviceNotFound OpenClError OutOfDeviceMemory Cancelled Technique; do
     for part in typeinfo vtable; do
         if ! grep -qx "[A-Za-z] $part for gnomon::$class" <<<"$shown"; then
             echo "not shown: $part for gnomon::$class"

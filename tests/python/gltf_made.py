@@ -24,9 +24,7 @@ class Made:
 
     def view(self, data: bytes, **more: Any) -> int:
         self.buffer += b"\0" * (-len(self.buffer) % 4)
-        self.json["bufferViews"].append(
-            {"buffer": 0, "byteOffset": len(self.buffer), "byteLength": len(data), **more}
-        )
+        self.json["bufferViews"].append({"buffer": 0, "byteOffset": len(self.buffer), "byteLength": len(data), **more})
         self.buffer += data
         return len(self.json["bufferViews"]) - 1
 
@@ -161,9 +159,7 @@ def instanced() -> Made:
         "SCALE": m.accessor(points(5)),
         "_ID": m.accessor(np.arange(5).reshape(-1, 1)),
     }
-    m.add(
-        "nodes", mesh=0, scale=[2, 2, 2], extensions={"EXT_mesh_gpu_instancing": {"attributes": columns}}
-    )
+    m.add("nodes", mesh=0, scale=[2, 2, 2], extensions={"EXT_mesh_gpu_instancing": {"attributes": columns}})
     return m
 
 

@@ -180,7 +180,6 @@ def meshopt_triangles(stream: bytes, count: int) -> np.ndarray:
         if low < 14:
             pair = table[low]
             y, z = pair >> 4, pair & 15
-            restart = False
             e = 0
         else:
             pair = stream[at]
@@ -258,9 +257,8 @@ def sampled(file: File, sampler: Any, t: float, width: int, is_rotation: bool) -
     u = (t - times[k]) / duration
     if is_cubic:
         p0, m0, p1, m1 = values[k][1], duration * values[k][2], values[k + 1][1], duration * values[k + 1][0]
-        return (
-            (2 * u**3 - 3 * u**2 + 1) * p0 + (u**3 - 2 * u**2 + u) * m0 + (3 * u**2 - 2 * u**3) * p1 + (u**3 - u**2) * m1
-        )
+        at_ends = (2 * u**3 - 3 * u**2 + 1) * p0 + (3 * u**2 - 2 * u**3) * p1
+        return at_ends + (u**3 - 2 * u**2 + u) * m0 + (u**3 - u**2) * m1
     if is_rotation:
         return slerp(values[k][0], values[k + 1][0], u)
     return (1 - u) * values[k][0] + u * values[k + 1][0]
@@ -269,7 +267,7 @@ def sampled(file: File, sampler: Any, t: float, width: int, is_rotation: bool) -
 def pose(file: File, time: float | None, animation: int) -> list[dict[str, Any]]:
     nodes = [
         {"translation": n.translation, "rotation": n.rotation, "scale": n.scale, "weights": w.get("weights")}
-        for n, w in zip(file.gltf.nodes, file.json["nodes"])
+        for n, w in zip(file.gltf.nodes, file.json["nodes"], strict=True)
     ]
     if time is None:
         return nodes
@@ -305,7 +303,7 @@ def attributes(file: File, primitive: Any) -> tuple[dict[str, Any], np.ndarray]:
 
 def morphed(file: File, primitive: Any, base: np.ndarray, weights: Any) -> np.ndarray:
     out = base.copy()
-    for weight, target in zip(weights, primitive.targets or []):
+    for weight, target in zip(weights, primitive.targets or [], strict=False):
         # pygltflib gives an object or a dictionary.
         accessor = target.get("POSITION") if isinstance(target, dict) else target.POSITION
         if accessor is not None:

@@ -22,6 +22,7 @@ from ._gnomon import (
     techniques,
 )
 from ._lattice import Lattice
+from ._lights import LightsResult
 from ._scene import Scene, VertexReport, View
 
 __version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out
@@ -31,6 +32,7 @@ __all__ = [
     "DeviceDescription",
     "DeviceNotFoundError",
     "Lattice",
+    "LightsResult",
     "OpenCLError",
     "Scene",
     "SettingDescription",

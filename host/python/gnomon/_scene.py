@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+import threading
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _gnomon
+from . import _arrays, _gnomon, _lights
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 
@@ -386,6 +387,72 @@ class Scene:
             return np.ma.MaskedArray(result.reshape(shape), absent.reshape(shape), fill_value=0)
         return result.reshape(shape)
 
+    def lights(
+        self,
+        points: ArrayLike,
+        *,
+        directions: ArrayLike | None = None,
+        positions: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+        receivers: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
+        side: Literal["front"] | None = None,
+        eye: ArrayLike | None = None,
+        bits: bool = False,
+        cosines: bool = False,
+        progress: Callable[[float], object] | None = None,
+        settings: Settings | None = None,
+    ) -> _lights.LightsResult:
+        """Which of many lights reach each point: hours of sun, soft shadows, shares of the sky. Each answer is that of
+        lit() for the one light; work is shared between neighbouring points and lights, so it takes far less time.
+
+        points, receivers, normals, side, eye: as in lit(); on a scene with a lattice, a side is given by normals.
+        directions: (M, 3) along which directional lights travel, each rounded once to float32; or
+        positions: (M, 3) of point lights.
+        weights: (M,) float32, negative ones too; 1 each if not given. A weight is rounded once to a whole number times
+            a power of two that depends on the largest weight and M alone, so that sums do not depend on any order.
+        bits: return each answer, too: one bit per point and light.
+        cosines: each weight is multiplied by max(0, n . l), with l the light's unit direction and n the normal as it
+            is, in float32 (gnomon.hpp has the arithmetic). Needs normals and directions.
+        progress: called now and then with the part that is done, 0 to 1; if it returns False, RuntimeError is raised.
+
+        Returns a LightsResult: sums, counts, first and last lit light, bits. Raises ValueError with the argument's name
+        and the first bad row, MemoryError, DeviceNotFoundError.
+        """
+        table, _ = _lights.lights_of(self._native_lattice, directions, positions, weights)
+        at = _arrays.rows_of_triples(points, "points")
+        shape = at.shape[:-1]
+        flat = at.reshape(-1, 3)
+        _arrays.require_finite(flat, "points")
+        if self.lattice is not None and (side is not None or eye is not None):
+            raise ValueError("side, eye: on a scene with a lattice give normals= of the surfaces before snapping")
+        ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
+        n32 = None if normals is None else _arrays.normals_of(normals, at.shape).astype(np.float32)
+        towards = self._eye_of(side, eye, ids is not None)
+        if cosines and n32 is None:
+            raise ValueError("cosines: needs normals=")
+        here = _arrays.float32_of(flat, "points") if self.lattice is None else self.lattice.snap(flat, "points")
+        upload = self._on(self._device)
+        is_over = threading.Event()
+
+        def report(done: float) -> bool:
+            return not is_over.is_set() and (progress is None or progress(done) is not False)
+
+        parts: list[Any] = []
+        try:
+            for first in range(0, max(len(flat), 1), POINTS_AT_ONCE):
+                part = slice(first, first + POINTS_AT_ONCE)
+                of_part = upload.device.call(
+                    _lights_of_part,
+                    upload, here[part], None if ids is None else ids[part], None if n32 is None else n32[part],
+                    towards, side == "front", table, cosines, bits, report, settings,
+                )  # fmt: skip
+                parts.append(of_part)
+        except BaseException:
+            is_over.set()  # Ctrl-C: the device's thread stops at its next report
+            raise
+        return _lights.result_of(parts, shape, bits)
+
     def _on_surfaces(
         self,
         upload: _OnDevice,
@@ -661,6 +728,29 @@ def _visibility_of_part(
     visibility = _gnomon.Visibility(device, len(flat))
     _run(upload, points, visibility, sides, light, technique, settings)
     return visibility.read()
+
+
+def _lights_of_part(
+    upload: _OnDevice,
+    flat: NDArray[np.float32],
+    ids: NDArray[np.uint32] | None,
+    normals: NDArray[np.float32] | None,
+    eye: tuple[float, float, float] | None,
+    is_front: bool,
+    table: _gnomon.Lights,
+    cosines: bool,
+    wants_bits: bool,
+    progress: Callable[[float], bool],
+    settings: Settings | None,
+) -> tuple[Any, ...]:
+    points = _gnomon.Points.upload(upload.device.native, flat, ids if ids is not None else np.empty(0, np.uint32))
+    if eye is not None:
+        points.set_eye(eye)
+    given = np.empty((0, 3), np.float32) if normals is None else normals
+    return _gnomon.run_lights(
+        upload.technique(EXACT, settings), upload.triangles, points, table, given, is_front, cosines, wants_bits,
+        progress,
+    )  # fmt: skip
 
 
 def _enqueue_on_device(upload: _OnDevice, at: Any, receivers: Any, sides: _Sides, light: Any, result: Any) -> None:

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: MIT
+"""Scene.lights(): each answer is lit()'s for the one light; sums are integers of the tests' own; bad rows are named."""
+
+import fractions
+
+import gnomon
+import meshes
+import numpy as np
+import pytest
+
+DOWN = (0.25, 0.5, -1)
+
+
+def town(seed=5, houses=12):
+    rng = np.random.default_rng(seed)
+    faces = [meshes.box(*rng.integers(0, 24, 2), 2, 3, rng.integers(1, 9)) for _ in range(houses)]
+    return np.float32(np.concatenate([*faces, np.float32([[[-9, -9, 0], [40, -9, 0], [40, 40, 0]]])]))
+
+
+def on_faces(triangles, count, seed=6):
+    rng = np.random.default_rng(seed)
+    ids = rng.integers(0, len(triangles), count)
+    a, b = rng.integers(0, 9, (2, count, 1)) / np.float32(16)
+    v = triangles[ids]
+    return np.float32(v[:, 0] + a * (v[:, 1] - v[:, 0]) + b * (v[:, 2] - v[:, 0])), ids
+
+
+def suns(count, seed=7):
+    rng = np.random.default_rng(seed)
+    directions = rng.integers(-8, 9, (count, 3)).astype(float)
+    directions[:, 2] = -rng.integers(1, 9, count)
+    return directions
+
+
+@pytest.mark.parametrize("side", [None, "front", "normals"])
+def test_each_bit_is_that_of_one_light(side):
+    triangles = town()
+    scene = gnomon.Scene(triangles)
+    points, ids = on_faces(triangles, 300)
+    normals = np.cross(triangles[ids, 1] - triangles[ids, 0], triangles[ids, 2] - triangles[ids, 0])
+    directions, weights = suns(70), np.linspace(-2, 5, 70)
+    sides = {None: {}, "front": {"side": "front"}, "normals": {"normals": normals}}[side]
+    seen = []
+    result = scene.lights(
+        points, directions=directions, weights=weights, receivers=ids, bits=True, progress=seen.append, **sides
+    )
+    one_by_one = np.stack([scene.lit(points, direction=d, receivers=ids, **sides) for d in directions], axis=1)
+    assert (result.lit()[:, :70] == one_by_one).all()
+    assert not result.lit()[:, 70:].any()
+    assert (result.counts == one_by_one.sum(axis=1)).all()
+    assert 0.05 < one_by_one.mean() < 0.95
+    for row, lit in enumerate(one_by_one):
+        rows = np.flatnonzero(lit)
+        assert (result.first[row], result.last[row]) == ((rows[0], rows[-1]) if len(rows) else (-1, -1))
+        exact = sum(fractions.Fraction(float(np.float32(w))) for w in weights[rows])
+        error = abs(fractions.Fraction(float(result.sums[row])) - exact)
+        assert error <= abs(exact) / 2**52 + fractions.Fraction(1, 2**50)
+    assert seen[-1] == 1 and seen == sorted(seen)
+
+
+def test_point_lights_shapes_and_a_lattice():
+    triangles = town().astype(float) + (4.5e6, 6e6, 0)
+    scene = gnomon.Scene(triangles, lattice=2**-10)
+    at = np.array([4.5e6 + 5, 6e6 + 7, 30.0])
+    points = triangles[:6, 0].reshape(2, 3, 3) + (0, 0, 20)
+    result = scene.lights(points, positions=[at, at + 3], bits=True)
+    assert result.sums.shape == result.counts.shape == (2, 3)
+    for light, position in enumerate([at, at + 3]):
+        assert (result.lit()[..., light] == scene.lit(points, position=position)).all()
+    with pytest.raises(ValueError, match="lattice give normals="):
+        scene.lights(points, directions=[DOWN], receivers=np.zeros((2, 3), int), side="front")
+
+
+def test_nothing_at_all():
+    scene = gnomon.Scene(town())
+    none = scene.lights(np.empty((0, 3), np.float32), directions=[DOWN])
+    assert none.sums.shape == (0,)
+    dark = scene.lights(np.float32([[1, 1, 50]]), directions=np.empty((0, 3)))
+    assert (dark.counts[0], dark.sums[0], dark.first[0]) == (0, 0, -1)
+
+
+def test_cosines():
+    scene = gnomon.Scene(town())
+    result = scene.lights(
+        np.float32([[1, 1, 90]]), directions=[(0, 0, -2), (0, -3, -4), (0, 0, 1)], weights=[2, 5, 9],
+        normals=[[0, 0, 1]], cosines=True,
+    )  # fmt: skip
+    assert result.sums[0] == pytest.approx(2 + 5 * 0.8, rel=1e-6)
+    assert result.counts[0] == 2
+
+
+def test_bad_rows_are_named():
+    scene = gnomon.Scene(town())
+    at = np.float32([[1, 1, 50]])
+    for arguments, text in [
+        ({}, "directions= .* or positions="),
+        ({"directions": [DOWN, (0, 0, 0)]}, r"directions: row 1 \[0.0, 0.0, 0.0\] is zero"),
+        ({"directions": [DOWN, (0, np.nan, 0)]}, "directions: row 1 .* is not finite"),
+        ({"directions": [(1e300, 0, 0)]}, "directions: row 0 .* is not finite"),
+        ({"directions": DOWN}, r"directions: shape \(3,\)"),
+        ({"directions": [DOWN], "weights": [1, 2]}, r"weights: shape \(2,\) is not \(1,\)"),
+        ({"directions": [DOWN], "weights": [np.inf]}, "weights: row 0 inf"),
+        ({"directions": [DOWN], "cosines": True}, "cosines: needs normals="),
+        ({"directions": [DOWN], "side": "front"}, "side: needs receivers="),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            scene.lights(at, **arguments)
+    with pytest.raises(RuntimeError, match="cancelled"):
+        scene.lights(at, directions=[DOWN], progress=lambda done: False)
+    with pytest.raises(ZeroDivisionError):
+        scene.lights(at, directions=[DOWN], progress=lambda done: 1 / 0)
+    with pytest.raises(ValueError, match="bits=True"):
+        scene.lights(at, directions=[DOWN]).lit()
