@@ -171,6 +171,14 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
     add_samples(add,
                 "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
                 options.samples);
+    add("--sun-angle", "DEGREES",
+        "Soft shadows: directional lights are disks of this angle in the sky (the sun's: 0.533)",
+        into(options.sun_angle_degrees, parse_float));
+    add("--sun-samples", "N",
+        "Lights on such a disk, each with its own exact shadow; a pixel gets their mean (default 64)",
+        [&](const std::string& option, const std::string& text) {
+            options.sun_samples = parse_count(option, text, 1, 65536);
+        });
     add("--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
         into(options.settings, parse_setting));
     add("--diagnostic", "NAME",
@@ -204,6 +212,15 @@ void check_camera_options(const ViewOptions& options) {
     if (options.eye && !options.target) throw UsageError("--eye needs --target as well: the point to look at");
     if (options.target && !options.eye) throw UsageError("--target needs --eye as well: the point to look from");
     if (options.up && !options.eye) throw UsageError("--up needs --eye and --target as well");
+}
+
+void check_sun(const RenderOptions& options) {
+    const auto& angle = options.sun_angle_degrees;
+    if (options.sun_samples && !angle) throw UsageError("--sun-samples needs --sun-angle as well: the disk's size");
+    if (!angle) return;
+    if (!(*angle > 0 && *angle < 90)) throw UsageError("--sun-angle must lie between 0 and 90 degrees");
+    if (options.samples != 1) throw UsageError("--sun-angle takes one point per pixel: leave out --samples");
+    if (options.diagnostic) throw UsageError("--diagnostic draws a light without a disk: leave out --sun-angle");
 }
 
 void check_explained(const ExplainOptions& options) {
@@ -397,7 +414,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
 
     if (*render)
         return checked(app::render, render_options, check_scene_options, check_sequence, check_camera_options,
-                       check_light_options, check_outputs);
+                       check_light_options, check_sun, check_outputs);
     if (*explain)
         return checked(app::explain, explain_options, check_scene_options, check_explained, check_light_options);
     if (*gallery)

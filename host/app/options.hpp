@@ -46,6 +46,8 @@ struct ViewOptions {
     std::vector<std::string> command_line;  ///< as given, for the statistics
 };
 
+inline constexpr std::uint32_t default_sun_samples = 64;
+
 /// `gnomon render`
 struct RenderOptions : ViewOptions {
     // At least one of the following.
@@ -54,9 +56,11 @@ struct RenderOptions : ViewOptions {
     std::uint32_t frames = 0;  ///< of a sequence, from time_s on; 0: one picture
     std::optional<double> frames_per_s;
 
-    bool profile = false;                   ///< time each stage on the device
-    std::uint32_t samples = 1;              ///< per pixel
-    std::optional<std::string> diagnostic;  ///< drawn instead of the picture
+    bool profile = false;                      ///< time each stage on the device
+    std::uint32_t samples = 1;                 ///< per pixel
+    std::optional<std::string> diagnostic;     ///< drawn instead of the picture
+    std::optional<float> sun_angle_degrees;    ///< of the disk that a directional light is; none: a point of the sky
+    std::optional<std::uint32_t> sun_samples;  ///< of the disk
 
     std::string technique = "frustum-traced";
     std::vector<std::pair<std::string, std::string>> settings;  ///< for Technique::set, in this order

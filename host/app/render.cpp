@@ -156,6 +156,14 @@ std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibili
     return visible;
 }
 
+/// The disk in the sky that a directional light is for --sun-angle.
+Lights sun_of(const RenderOptions& options, const ChosenLight& chosen) {
+    if (!chosen.light.is_directional())
+        throw Error("--sun-angle is for directional lights, and " + chosen.source + " is a point light");
+    return sun_disk(direction_of(chosen.light), *options.sun_angle_degrees,
+                    options.sun_samples.value_or(default_sun_samples));
+}
+
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
          OutputFile* point_dump) {
     const auto [width, height] = report.options.size;
@@ -174,7 +182,13 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
         const SampleSink dump = [&](const Points& points) {
             if (point_dump && !is_dumped) write_points(*point_dump, read(device, points));
         };
-        if (report.options.samples == 1) {
+        if (report.options.sun_angle_degrees) {
+            dump(view.points);
+            for (std::size_t i = 0; i < visibilities.size(); ++i)
+                report.lights[i].statistics =
+                    run_mean(technique, triangles, view.points, sun_of(report.options, report.lights[i].chosen),
+                             visibilities[i]);
+        } else if (report.options.samples == 1) {
             dump(view.points);
             const auto statistics = technique.run_lights(triangles, view.points, lights_of(report), visibilities);
             for (std::size_t i = 0; i < statistics.size(); ++i) report.lights[i].statistics = statistics[i];
@@ -212,7 +226,7 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<
 /// An exact technique gives the whole's visibility from parts. Samples, dumped points and diagnostics are for scenes
 /// that fit.
 bool can_be_in_parts(const RenderOptions& options) {
-    return options.samples == 1 && !options.point_dump && !options.diagnostic &&
+    return options.samples == 1 && !options.sun_angle_degrees && !options.point_dump && !options.diagnostic &&
            describe_technique(options.technique).exact;
 }
 

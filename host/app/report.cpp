@@ -85,6 +85,13 @@ std::string scene_name(const RenderOptions& options) {
     return options.scene ? options.scene->string() : std::string("the built-in sundial");
 }
 
+ordered_json image_json(const RenderOptions& options) {
+    ordered_json json{{"width", options.size.width}, {"height", options.size.height}, {"samples", options.samples}};
+    if (options.sun_angle_degrees) json["sun_angle_degrees"] = *options.sun_angle_degrees;
+    if (options.sun_angle_degrees) json["sun_samples"] = options.sun_samples.value_or(default_sun_samples);
+    return json;
+}
+
 ordered_json animation_json(const Report& report) {
     if (report.animations.shown.empty()) return nullptr;
     return {{"name", report.animations.shown}, {"time_s", report.options.time_s.value_or(0)}};
@@ -218,19 +225,18 @@ nlohmann::ordered_json statistics_json(const Report& report) {
     const RenderOptions& options = report.options;
     ordered_json phases = object_of(report.phases_ms);
     phases["total"] = report.total_ms;
-    ordered_json json{
-        {"command", options.command_line},
-        {"version", std::string(version())},
-        {"scene", scene_name(options)},
-        {"triangles", report.triangles},
-        {"non_finite_triangles", report.non_finite_triangles},
-        {"warnings", report.warnings},
-        {"animation", animation_json(report)},
-        {"image", {{"width", options.size.width}, {"height", options.size.height}, {"samples", options.samples}}},
-        {"camera", camera_json(report.camera)},
-        {"technique", {{"name", options.technique}, {"settings", object_of(options.settings)}}},
-        {"device", device_json(report.device)},
-        {"camera_stages", statistics_part_json(report.camera_statistics, options.profile)}};
+    ordered_json json{{"command", options.command_line},
+                      {"version", std::string(version())},
+                      {"scene", scene_name(options)},
+                      {"triangles", report.triangles},
+                      {"non_finite_triangles", report.non_finite_triangles},
+                      {"warnings", report.warnings},
+                      {"animation", animation_json(report)},
+                      {"image", image_json(options)},
+                      {"camera", camera_json(report.camera)},
+                      {"technique", {{"name", options.technique}, {"settings", object_of(options.settings)}}},
+                      {"device", device_json(report.device)},
+                      {"camera_stages", statistics_part_json(report.camera_statistics, options.profile)}};
     if (report.lights.size() == 1)
         json.update(light_part_json(report.lights.front(), options.profile));
     else

@@ -126,6 +126,22 @@ Statistics Technique::run(const Triangles& triangles, const Points& points, cons
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }
 
+Statistics run_mean(Technique& technique, const Triangles& triangles, const Points& points, const Lights& lights,
+                    const Visibility& mean, const LightsOptions& options) {
+    require_run(triangles, points, Light::directional({0, -1, 0}), mean);
+    cl::Session& session = session_of(technique.device());
+    const cl::Buffer counts(session, points.count() * sizeof(cl_uint));
+    const Statistics statistics = technique.run(triangles, points, lights, {.counts = counts.get()}, options);
+    std::vector<float> shares(lights.count() + 1);
+    for (std::size_t i = 1; i < shares.size(); ++i) shares[i] = static_cast<float>(double(i) / double(lights.count()));
+    const cl::Buffer shares_on_device(session, shares.size() * sizeof(float));
+    session.write(shares_on_device.get(), shares.data(), shares.size() * sizeof(float));
+    if (points.count() != 0)
+        session.launch("lights/light_sums.cl", "light_means", cl::Range::items(points.count()),
+                       static_cast<cl_uint>(points.count()), counts, shares_on_device, mean.buffer());
+    return statistics;
+}
+
 LightsOnHost run_lights_to_host(Technique& technique, const Device& device, const Triangles& triangles,
                                 const Points& points, const Lights& lights, const LightsWanted& wanted,
                                 const LightsOptions& options) {

@@ -61,6 +61,12 @@ __kernel void light_sums(const LightSumsParams params, __global const uint* mask
     }
 }
 
+// mean[i] = shares[counts[i]].
+__kernel void light_means(uint point_count, __global const uint* counts, __global const float* shares,
+                          __global float* mean) {
+    GN_FOR_EACH(i, point_count) mean[i] = shares[counts[i]];
+}
+
 // Turns whole sums into float64, in place.
 __kernel void light_sums_finish(const LightSumsParams params, __global long* sums) {
     GN_FOR_EACH(i, params.point_count) { sums[i] = double_bits_of_whole(sums[i], params.exponent); }

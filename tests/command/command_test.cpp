@@ -362,6 +362,10 @@ TEST_F(Command, WrongCommandLines) {
         {{"render", "-o", "a.png", "--size", "1x16385"}, "from 1 to 16384"},
         {{"render", "-o", "a.png", "--samples", "2"}, "--samples needs 1, 4, 8, 16 or 32, not \"2\""},
         {{"render", "-o", "a.png", "--samples", "64"}, "--samples needs"},
+        {{"render", "-o", "a.png", "--sun-angle", "90"}, "--sun-angle must lie between 0 and 90 degrees"},
+        {{"render", "-o", "a.png", "--sun-angle", "1", "--samples", "4"}, "leave out --samples"},
+        {{"render", "-o", "a.png", "--sun-samples", "4"}, "--sun-samples needs --sun-angle as well"},
+        {{"render", "-o", "a.png", "--sun-angle", "1", "--diagnostic", "decided"}, "leave out --sun-angle"},
         {{"render", "-o", "a.png", "--size", "64"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "64x64x64"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "64x64 "}, "--size needs"},
@@ -601,6 +605,29 @@ std::vector<DumpedPoint> read_points(const fs::path& file) {
 }
 
 // The points of one sample are those of the AOV; of eight, they lie around them, and the mask has eighths.
+TEST_F(Command, ASunWithAnAngleHasPenumbrae) {
+    const auto shown = [&](std::vector<std::string> more) {
+        std::vector<std::string> arguments{"render", "--size", "64x48", "--aov", "a.exr", "--stats", "stats.json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return read_aov(in_folder("a.exr"));
+    };
+    const std::vector<Pixel> hard = shown({}), soft = shown({"--sun-angle", "4", "--sun-samples", "8"});
+    std::size_t partly = 0, inside = 0;
+    for (std::size_t i = 0; i < soft.size(); ++i) {
+        EXPECT_EQ(soft[i].visibility * 8, std::round(soft[i].visibility * 8)) << i;
+        partly += soft[i].visibility > 0 && soft[i].visibility < 1;
+        inside += soft[i].visibility == hard[i].visibility;
+    }
+    EXPECT_GT(partly, 20u);
+    EXPECT_GT(inside, soft.size() / 2);
+    EXPECT_EQ(statistics("stats.json").at("image").at("sun_samples"), 8);
+    const Outcome lamp = run({"render", "-o", "a.png", "--light-position", "1,5,1", "--sun-angle", "1"});
+    EXPECT_EQ(lamp.exit_code, 1);
+    EXPECT_NE(lamp.err.find("--sun-angle is for directional lights"), std::string::npos) << lamp.err;
+}
+
 TEST_F(Command, SamplesAndTheirPoints) {
     const Outcome one = run({"render", "--size", "48x32", "--aov", "a.exr", "--dump-points", "one.bin"});
     EXPECT_EQ(one.exit_code, 0) << one.err;

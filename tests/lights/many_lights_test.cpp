@@ -284,6 +284,27 @@ TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
     }
 }
 
+TEST(ManyLights, MeansAreSharesOfTheLights) {
+    const gnomon::Device device = device_with();
+    const FacedScene scene = boxes_on_floor(300, 11);
+    const gnomon::Triangles triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::Points points = upload_points(device, scene);
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const Lights sun = gnomon::sun_disk({-0.3f, -1, 0.2f}, 30, 37);
+    const gnomon::Visibility mean(device, 300);
+    gnomon::run_mean(*technique, triangles, points, sun, mean);
+    const auto counted = run(device, scene, sun, "one-by-one");
+    std::size_t partly = 0;
+    const std::vector<float> means = mean.read();
+    for (std::size_t p = 0; p < means.size(); ++p) {
+        EXPECT_EQ(means[p], float(counted.counts[p] / 37.0)) << "point " << p;
+        partly += means[p] > 0 && means[p] < 1;
+    }
+    EXPECT_GT(partly, 20u);
+    const gnomon::Visibility small(device, 299);
+    EXPECT_THROW(gnomon::run_mean(*technique, triangles, points, sun, small), gnomon::InvalidArgument);
+}
+
 TEST(ManyLights, EmptyAndLargeTables) {
     const gnomon::Device device = device_with();
     FacedScene scene = boxes_on_floor(40, 2);
