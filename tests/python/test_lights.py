@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Scene.lights(): each answer is lit()'s for the one light; sums are integers of the tests' own; bad rows are named."""
+"""Scene.many_lights(): each answer is lit()'s for the one light; sums are integers of the tests' own; bad rows."""
 
 import fractions
 
@@ -41,7 +41,7 @@ def test_each_bit_is_that_of_one_light(side):
     directions, weights = suns(70), np.linspace(-2, 5, 70)
     sides = {None: {}, "front": {"side": "front"}, "normals": {"normals": normals}}[side]
     seen = []
-    result = scene.lights(
+    result = scene.many_lights(
         points, directions=directions, weights=weights, receivers=ids, bits=True, progress=seen.append, **sides
     )
     one_by_one = np.stack([scene.lit(points, direction=d, receivers=ids, **sides) for d in directions], axis=1)
@@ -63,30 +63,32 @@ def test_point_lights_shapes_and_a_lattice():
     scene = gnomon.Scene(triangles, lattice=2**-10)
     at = np.array([4.5e6 + 5, 6e6 + 7, 30.0])
     points = triangles[:6, 0].reshape(2, 3, 3) + (0, 0, 20)
-    result = scene.lights(points, positions=[at, at + 3], bits=True)
+    result = scene.many_lights(points, positions=[at, at + 3], bits=True)
     assert result.sums.shape == result.counts.shape == (2, 3)
     for light, position in enumerate([at, at + 3]):
         assert (result.lit()[..., light] == scene.lit(points, position=position)).all()
     with pytest.raises(ValueError, match="lattice give normals="):
-        scene.lights(points, directions=[DOWN], receivers=np.zeros((2, 3), int), side="front")
+        scene.many_lights(points, directions=[DOWN], receivers=np.zeros((2, 3), int), side="front")
 
 
 def test_nothing_at_all():
     scene = gnomon.Scene(town())
-    none = scene.lights(np.empty((0, 3), np.float32), directions=[DOWN])
+    none = scene.many_lights(np.empty((0, 3), np.float32), directions=[DOWN])
     assert none.sums.shape == (0,)
-    dark = scene.lights(np.float32([[1, 1, 50]]), directions=np.empty((0, 3)))
+    dark = scene.many_lights(np.float32([[1, 1, 50]]), directions=np.empty((0, 3)))
     assert (dark.counts[0], dark.sums[0], dark.first[0]) == (0, 0, -1)
 
 
 def test_cosines():
     scene = gnomon.Scene(town())
-    result = scene.lights(
+    result = scene.many_lights(
         np.float32([[1, 1, 90]]), directions=[(0, 0, -2), (0, -3, -4), (0, 0, 1)], weights=[2, 5, 9],
         normals=[[0, 0, 1]], cosines=True,
     )  # fmt: skip
     assert result.sums[0] == pytest.approx(2 + 5 * 0.8, rel=1e-6)
     assert result.counts[0] == 2
+    with pytest.raises(ValueError, match="normals: row 0"):
+        scene.many_lights([[1, 1, 90]], directions=[DOWN], normals=[[0, 0, 1e300]], cosines=True)
 
 
 def test_bad_rows_are_named():
@@ -104,10 +106,10 @@ def test_bad_rows_are_named():
         ({"directions": [DOWN], "side": "front"}, "side: needs receivers="),
     ]:
         with pytest.raises(ValueError, match=text):
-            scene.lights(at, **arguments)
+            scene.many_lights(at, **arguments)
     with pytest.raises(RuntimeError, match="cancelled"):
-        scene.lights(at, directions=[DOWN], progress=lambda done: False)
+        scene.many_lights(at, directions=[DOWN], progress=lambda done: False)
     with pytest.raises(ZeroDivisionError):
-        scene.lights(at, directions=[DOWN], progress=lambda done: 1 / 0)
+        scene.many_lights(at, directions=[DOWN], progress=lambda done: 1 / 0)
     with pytest.raises(ValueError, match="bits=True"):
-        scene.lights(at, directions=[DOWN]).lit()
+        scene.many_lights(at, directions=[DOWN]).lit()

@@ -15,7 +15,7 @@ NO_LIGHT = 0xFFFFFFFF
 
 
 class LightsResult(NamedTuple):
-    """What Scene.lights() finds; each array has the points' shape.
+    """What Scene.many_lights() finds; each array has the points' shape.
 
     sums: float64, the weights of the lights that reach the point, added without rounding and then rounded once.
     counts: int64, the number of these lights.
@@ -32,7 +32,7 @@ class LightsResult(NamedTuple):
     def lit(self) -> NDArray[np.bool_]:
         """(..., M') bool, M' the number of lights rounded up to a multiple of 32: the bits, one per element."""
         if self.bits is None:
-            raise ValueError("lit: call Scene.lights() with bits=True")
+            raise ValueError("lit: call Scene.many_lights() with bits=True")
         as_bytes = self.bits.astype("<u4").view(np.uint8)
         return np.unpackbits(as_bytes, axis=-1, bitorder="little").astype(bool)
 
@@ -76,6 +76,17 @@ def weights_of(weights: Any, count: int) -> NDArray[np.float32]:
     row = _arrays.first_row(~np.isfinite(rounded))
     if row is not None:
         raise ValueError(f"weights: row {row} {values[row]} is not a finite float32")
+    return rounded
+
+
+def normals_for_cosines(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """The normals as they are, rounded once: their lengths count."""
+    if normals is None:
+        raise ValueError("cosines: needs normals=")
+    values = _arrays.rows_of_triples(normals, "normals")
+    with np.errstate(over="ignore"):
+        rounded = np.ascontiguousarray(np.broadcast_to(values, shape), np.float32).reshape(-1, 3)
+    _arrays.require_finite(rounded, "normals")
     return rounded
 
 

@@ -387,7 +387,7 @@ class Scene:
             return np.ma.MaskedArray(result.reshape(shape), absent.reshape(shape), fill_value=0)
         return result.reshape(shape)
 
-    def lights(
+    def many_lights(
         self,
         points: ArrayLike,
         *,
@@ -429,8 +429,8 @@ class Scene:
         ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
         n32 = None if normals is None else _arrays.normals_of(normals, at.shape).astype(np.float32)
         towards = self._eye_of(side, eye, ids is not None)
-        if cosines and n32 is None:
-            raise ValueError("cosines: needs normals=")
+        if cosines:
+            n32 = _lights.normals_for_cosines(normals, at.shape)
         here = _arrays.float32_of(flat, "points") if self.lattice is None else self.lattice.snap(flat, "points")
         upload = self._on(self._device)
         is_over = threading.Event()
