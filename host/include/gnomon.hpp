@@ -592,9 +592,9 @@ class Technique;
 LightsOnHost run_lights_to_host(Technique& technique, const Device& device, const Triangles& triangles,
                                 const Points& points, const Lights& lights, const LightsWanted& wanted,
                                 const LightsOptions& options = {});
-/// Soft shadows: writes to `mean` the share of the lights that reach each point, their number by lights.count(), rounded
-/// once; weights are not read. Without lights it is 0. Throws as Technique::run() over many lights does, or if `mean` has
-/// fewer entries than there are points.
+/// Soft shadows: writes to `mean` the share of the lights that reach each point, their number by lights.count(),
+/// rounded once; weights are not read. Without lights it is 0. Throws as Technique::run() over many lights does, or if
+/// `mean` has fewer entries than there are points.
 Statistics run_mean(Technique& technique, const Triangles& triangles, const Points& points, const Lights& lights,
                     const Visibility& mean, const LightsOptions& options = {});
 
