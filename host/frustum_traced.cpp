@@ -313,16 +313,24 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
     if (settings_.many_lights == ManyLights::one_by_one || is_empty || (is_auto && lights.count() < few_lights))
         return Technique::run(triangles, points, lights, outputs, options);
-    require_lights_run(device_, triangles, points, lights, outputs, options);
-    MeasuredRun measured(session_, kept_bytes_);
+    std::uint64_t kept = kept_bytes_;  // runs of one light within this one note what they keep
+    MeasuredRun measured(session_, kept);
     const Triangles clustered = is_auto ? with_clusters(device_, triangles) : triangles;
-    ShaftRun run{device_, triangles, points, lights, outputs, options, shaft_tree(triangles), settings_.bundle_lights};
+    const LightsRun run{device_, clustered, points, lights, outputs, options};
+    require_lights_run(run);
+    cl::StageTimer timer(session_, measured.stages, "point_order");
+    const SortedPoints sorted = sorted_points(run);
+    timer.next("shaft_tree");
+    ShaftRun shafts{run, sorted, shaft_tree(triangles), settings_.bundle_lights};
+    timer.next(nullptr);
+    const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
     if (is_auto && points.count() * lights.count() >= pairs_worth_measuring)
-        run.one_light_ms = time_of_one_light(*this, clustered, points, lights);
-    if (run_shafts(run, measured.stages)) return measured.finish(measured.stages.counts);
-    if (settings_.many_lights == ManyLights::shafts)
+        shafts.one_light_ms = time_of_one_light(*this, run, in_order);
+    if (run_shafts(shafts, measured.stages)) return measured.finish(measured.stages.counts);
+    if (!is_auto)
         throw InvalidArgument("shafts decide directional lights, and coordinates up to 2^19: use many-lights=auto");
-    return Technique::run(clustered, points, lights, outputs, options);
+    run_one_by_one(*this, run, in_order, measured.stages);
+    return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }
 
 // Kept as long as the caller keeps the clusters of the same triangles: the promise not to write the vertices lasts so
@@ -330,6 +338,7 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
 const BuiltShaftTree& FrustumTraced::shaft_tree(const Triangles& triangles) {
     const Clusters* clusters = Internals::clusters(triangles);
     if (tree_ && clusters != nullptr && clusters == Internals::clusters(tree_->triangles())) return *tree_;
+    const MeasuredRun built(session_, kept_bytes_);
     tree_.reset();
     tree_ = std::make_unique<BuiltShaftTree>(device_, triangles);
     return *tree_;

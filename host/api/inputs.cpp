@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "api/vectors.hpp"
 #include "cl/opencl.hpp"
 
 namespace gnomon {
@@ -24,25 +25,13 @@ std::shared_ptr<void> retained(const Device& device, cl_mem memory, const char* 
     return {memory, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
 }
 
-std::size_t size_of(cl_mem memory) {
-    std::size_t bytes = 0;
-    cl::check(clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr), "asking a buffer for its size");
-    return bytes;
-}
-
 // The caller chooses `first`: the sum of both may exceed the range of a size.
 void require_floats(cl_mem memory, std::size_t floats, const char* what, std::size_t first = 0) {
-    const std::size_t held = size_of(memory) / sizeof(float);
+    const std::size_t held = bytes_of(memory) / sizeof(float);
     if (first <= held && floats <= held - first) return;
-    throw InvalidArgument(std::string("the ") + what + " buffer holds " + std::to_string(size_of(memory)) +
+    throw InvalidArgument(std::string("the ") + what + " buffer holds " + std::to_string(bytes_of(memory)) +
                           " bytes, fewer than the " + std::to_string(floats * sizeof(float)) + " its layout needs" +
                           (first != 0 ? " after the first " + std::to_string(first) + " floats" : ""));
-}
-
-std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size_t bytes) {
-    cl::Buffer buffer(session_of(device), bytes);
-    session_of(device).write(buffer.get(), data, bytes);
-    return shared_buffer(device, std::move(buffer));
 }
 
 /// Bytes [first, end) of a buffer that has no parent (a sub-buffer counts as part of its parent).
@@ -86,23 +75,6 @@ std::size_t end_of(const PointLayout& at, std::size_t count) {
 }
 
 bool overlap(const Extent& a, const Extent& b) { return a.root == b.root && a.first < b.end && b.first < a.end; }
-
-// The buffers that a run writes must not overlap the buffers that it reads.
-void require_apart(const Triangles& triangles, const Points& points, const Visibility& visibility) {
-    const std::size_t count = points.count();
-    if (count == 0) return;
-    const Extent written = extent_of(visibility.buffer(), 0, count);
-    const PointLayout& at = points.layout();
-    const std::size_t first = triangles.first_float();
-    const char* what = nullptr;
-    if (overlap(written, extent_of(points.positions(), at.first, end_of(at, count)))) what = "positions";
-    if (points.receivers() != nullptr && overlap(written, extent_of(points.receivers(), 0, count))) what = "receivers";
-    if (triangles.count() != 0 && overlap(written, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
-        what = "triangles";
-    if (what != nullptr)
-        throw InvalidArgument(std::string("the visibility buffer overlaps the ") + what +
-                              ", which the run reads while it writes: give visibility memory of its own");
-}
 
 void require_count(std::size_t count, const char* what) {
     if (count >= largest_index)
@@ -220,6 +192,12 @@ std::vector<float> Visibility::read() const { return session_of(device_).read_va
 
 // ---- For the stages -------------------------------------------------------------------------------------------------
 
+std::size_t bytes_of(cl_mem memory) {
+    std::size_t bytes = 0;
+    cl::check(clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr), "asking a buffer for its size");
+    return bytes;
+}
+
 std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer) {
     struct Owned {
         Device device;
@@ -227,6 +205,12 @@ std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer) {
     };
     auto owned = std::make_shared<Owned>(Owned{device, std::move(buffer)});
     return {owned, owned->buffer.get()};
+}
+
+std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size_t bytes) {
+    cl::Buffer buffer(session_of(device), bytes);
+    session_of(device).write(buffer.get(), data, bytes);
+    return shared_buffer(device, std::move(buffer));
 }
 
 void require_light(const Light& light) {
@@ -238,15 +222,35 @@ void require_light(const Light& light) {
             "the light must be finite, and either a direction other than 0,0,0 (w = 0) or a position (w = 1)");
 }
 
+void require_eye(const Points& points) {
+    if (points.eye() && !is_finite(*points.eye()))
+        throw InvalidArgument("the eye of the points must be finite numbers");
+}
+
+void require_apart(const Triangles& triangles, const Points& points, cl_mem written, std::size_t floats,
+                   const std::string& name) {
+    const std::size_t count = points.count();
+    if (count == 0) return;
+    const Extent extent = extent_of(written, 0, floats);
+    const PointLayout& at = points.layout();
+    const std::size_t first = triangles.first_float();
+    const char* what = nullptr;
+    if (overlap(extent, extent_of(points.positions(), at.first, end_of(at, count)))) what = "positions";
+    if (points.receivers() != nullptr && overlap(extent, extent_of(points.receivers(), 0, count))) what = "receivers";
+    if (triangles.count() != 0 && overlap(extent, extent_of(triangles.buffer(), first, first + 9 * triangles.count())))
+        what = "triangles";
+    if (what != nullptr)
+        throw InvalidArgument("the " + name + " buffer overlaps the " + what +
+                              ", which the run reads while it writes: give " + name + " memory of its own");
+}
+
 void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility) {
     require_light(light);
-    if (points.eye())
-        for (const float c : *points.eye())
-            if (!std::isfinite(c)) throw InvalidArgument("the eye of the points must be finite numbers");
+    require_eye(points);
     if (visibility.count() < points.count())
         throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
                               std::to_string(points.count()) + " points");
-    require_apart(triangles, points, visibility);
+    require_apart(triangles, points, visibility.buffer(), points.count(), "visibility");
 }
 
 void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,

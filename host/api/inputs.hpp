@@ -31,8 +31,20 @@ inline cl::Session& session_of(const Device& device) { return Internals::session
 /// A buffer that gnomon owns. It and its device live as long as any copy of the pointer; points to the cl_mem.
 std::shared_ptr<void> shared_buffer(const Device& device, cl::Buffer buffer);
 
+/// A copy of the data in such a buffer.
+std::shared_ptr<void> uploaded(const Device& device, const void* data, std::size_t bytes);
+
+std::size_t bytes_of(cl_mem memory);
+
 /// Throws InvalidArgument unless one of Light's makers could have made the light (its xyzw is public).
 void require_light(const Light& light);
+
+/// Throws InvalidArgument if the points have an eye that is not finite.
+void require_eye(const Points& points);
+
+/// Throws InvalidArgument if the first floats of a buffer that a run writes, `name`, overlap one that it reads.
+void require_apart(const Triangles& triangles, const Points& points, cl_mem written, std::size_t floats,
+                   const std::string& name);
 
 /// Throws InvalidArgument unless a technique can run on these: a light, a finite eye, if any, and a visibility buffer
 /// that is large enough and overlaps no input. Every technique's run begins with it.

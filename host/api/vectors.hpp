@@ -21,6 +21,8 @@ inline Double3 cross(const Double3& a, const Double3& b) {
     return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+inline Double3 sum(const Double3& a, const Double3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
 inline Double3 scaled(const Double3& v, double factor) { return {v[0] * factor, v[1] * factor, v[2] * factor}; }
 
 inline void store(float* to, const Double3& v) {
@@ -36,6 +38,13 @@ inline bool normalize(Double3& v) {
     const double length = std::sqrt(dot(v, v));
     for (double& c : v) c /= length;
     return true;
+}
+
+/// A unit vector at a right angle to `axis`, which is one.
+inline Double3 perpendicular(const Double3& axis) {
+    Double3 made = cross(axis, std::fabs(axis[1]) < 0.9 ? Double3{0, 1, 0} : Double3{1, 0, 0});
+    normalize(made);
+    return made;
 }
 
 }  // namespace gnomon

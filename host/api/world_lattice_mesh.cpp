@@ -8,17 +8,15 @@
 #include <numbers>
 #include <numeric>
 
+#include "api/vectors.hpp"
+
 namespace gnomon {
 namespace {
 
-using Vector = std::array<double, 3>;
+using Vector = Double3;
 
 Vector operator-(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vector operator*(double k, const Vector& a) { return {k * a[0], k * a[1], k * a[2]}; }
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+Vector operator*(double k, const Vector& a) { return scaled(a, k); }
 double length(const Vector& a) { return std::sqrt(dot(a, a)); }
 
 template <typename Value>
@@ -31,8 +29,6 @@ Vector normal_of(std::span<const Value> values, std::size_t triangle) {
     const Vector a = vector_at(values, 3 * triangle);
     return cross(vector_at(values, 3 * triangle + 1) - a, vector_at(values, 3 * triangle + 2) - a);
 }
-
-bool is_finite(const Vector& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
 void require_triangles(std::span<const double> triangles) {
     if (triangles.size() % 9 != 0)

@@ -589,9 +589,8 @@ struct LightsWanted {
 };
 class Technique;
 /// Technique::run() over many lights, with outputs on the host.
-LightsOnHost run_lights_to_host(Technique& technique, const Device& device, const Triangles& triangles,
-                                const Points& points, const Lights& lights, const LightsWanted& wanted,
-                                const LightsOptions& options = {});
+LightsOnHost run_lights_to_host(Technique& technique, const Triangles& triangles, const Points& points,
+                                const Lights& lights, const LightsWanted& wanted, const LightsOptions& options = {});
 /// Soft shadows: writes to `mean` the share of the lights that reach each point, their number by lights.count(),
 /// rounded once; weights are not read. Without lights it is 0. Throws as Technique::run() over many lights does, or if
 /// `mean` has fewer entries than there are points.
@@ -692,7 +691,7 @@ private:
                              const Light& light, const Visibility& visibility, const std::optional<Float3>& up);
 
     std::optional<Device> device_;
-    std::shared_ptr<const cl::Buffer> fans_, corners_, extended_;
+    std::shared_ptr<void> fans_, corners_, extended_;
     std::vector<std::uint32_t> alone_, open_;
     std::size_t count_ = 0, triangles_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "api/vectors.hpp"
+#include "kernels/lists/morton.h"
 
 namespace gnomon {
 namespace {
@@ -15,8 +16,6 @@ struct Direction {
     Float3 scaled;
     Double3 unit;
 };
-
-Double3 sum(const Double3& a, const Double3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 // No value if a coordinate would lose bits.
 std::optional<Direction> direction_of(const Light& light) {
@@ -40,19 +39,13 @@ std::optional<Direction> direction_of(const Light& light) {
 // large table is first cut into parts along a coarse curve.
 constexpr std::size_t most_in_chain = 4096;
 
-std::uint32_t spread(std::uint32_t x) {
-    std::uint32_t bits = 0;
-    for (int i = 0; i < 10; ++i) bits |= (x >> i & 1u) << (3 * i);
-    return bits;
-}
-
 std::vector<std::uint32_t> coarse_order(const std::vector<Direction>& directions) {
     std::vector<std::uint32_t> order(directions.size()), codes(directions.size());
     std::iota(order.begin(), order.end(), 0u);
     if (directions.size() <= most_in_chain) return order;
     for (std::size_t i = 0; i < directions.size(); ++i)
         for (int c = 0; c < 3; ++c)
-            codes[i] |= spread(static_cast<std::uint32_t>((directions[i].unit[c] + 1) * 511.5)) << c;
+            codes[i] |= spread_bits(static_cast<std::uint32_t>((directions[i].unit[c] + 1) * 511.5)) << c;
     std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return codes[i]; });
     return order;
 }
@@ -112,10 +105,7 @@ Axes axes_of(std::span<const std::uint32_t> part, const std::vector<Direction>& 
     Axes axes{};
     for (const std::uint32_t i : part) axes.middle = sum(axes.middle, directions[i].unit);
     normalize(axes.middle);
-    const Double3 helper = std::abs(axes.middle[0]) < 0.6 ? Double3{1, 0, 0} : Double3{0, 1, 0};
-    Double3 u = cross(axes.middle, helper);
-    normalize(u);
-    const Double3 v = cross(axes.middle, u);
+    const Double3 u = perpendicular(axes.middle), v = cross(axes.middle, u);
     double uu = 0, uv = 0, vv = 0;
     for (const std::uint32_t i : part) {
         const double x = dot(directions[i].unit, u), y = dot(directions[i].unit, v);
@@ -139,7 +129,7 @@ bool contains(const LightBundle& bundle, const Double3& unit) {
     return std::ranges::all_of(bundle.planes, [&](const auto& plane) { return dot(loaded(plane), unit) < -2e-7; });
 }
 
-void store_planes(LightBundle& bundle, float largest_coordinate) {
+void store_planes(LightBundle& bundle) {
     const Double3 middle = loaded(bundle.middle), across = loaded(bundle.across), along = loaded(bundle.along);
     const Double3 normals[] = {cross(sum(middle, across), along), cross(sum(middle, scaled(across, -1)), along),
                                cross(sum(middle, along), across), cross(sum(middle, scaled(along, -1)), across),
@@ -149,15 +139,11 @@ void store_planes(LightBundle& bundle, float largest_coordinate) {
         normalize(normal);
         if (dot(normal, middle) > 0) normal = scaled(normal, -1);
         store(bundle.planes[k], normal);
-        // n . X rounds five times: at most 5 * 2^-24 of the sum of magnitudes, for a triangle and for a point.
-        const double size = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
-        bundle.planes[k][3] = static_cast<float>(1e-6 * size * largest_coordinate) + 1e-30f;
     }
 }
 
 // No cone of less than some 80 degrees holds them: false.
-bool fit_cone(LightBundle& bundle, std::span<const std::uint32_t> part, const std::vector<Direction>& directions,
-              float largest_coordinate) {
+bool fit_cone(LightBundle& bundle, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     const Axes axes = axes_of(part, directions);
     double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
     for (const std::uint32_t i : part) {
@@ -177,19 +163,18 @@ bool fit_cone(LightBundle& bundle, std::span<const std::uint32_t> part, const st
         store(bundle.middle, scaled(middle, 1 / length));
         store(bundle.across, scaled(axes.across, ((high[0] - low[0]) / 2 * (1 + 1e-5) + more) / length));
         store(bundle.along, scaled(axes.along, ((high[1] - low[1]) / 2 * (1 + 1e-5) + more) / length));
-        store_planes(bundle, largest_coordinate);
+        store_planes(bundle);
         if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(bundle, directions[i].unit); }))
             return true;
     }
     return false;
 }
 
-void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const std::vector<Direction>& directions,
-                float largest_coordinate) {
+void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     LightBundle bundle{};
-    if (!fit_cone(bundle, part, directions, largest_coordinate)) {
-        add_bundle(made, part.first(part.size() / 2), directions, largest_coordinate);
-        add_bundle(made, part.subspan(part.size() / 2), directions, largest_coordinate);
+    if (!fit_cone(bundle, part, directions)) {
+        add_bundle(made, part.first(part.size() / 2), directions);
+        add_bundle(made, part.subspan(part.size() / 2), directions);
         return;
     }
     bundle.light_count = static_cast<std::uint32_t>(part.size());
@@ -201,8 +186,7 @@ void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const s
 
 }  // namespace
 
-std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most,
-                                               float largest_coordinate) {
+std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most) {
     std::vector<Direction> directions;
     for (const Light& light : lights) {
         if (!light.is_directional()) return {};
@@ -218,8 +202,7 @@ std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, st
     std::vector<std::size_t> starts = cut(order, directions, most);
     starts.push_back(order.size());
     for (std::size_t b = 0; b + 1 < starts.size(); ++b)
-        add_bundle(made, std::span(order).subspan(starts[b], starts[b + 1] - starts[b]), directions,
-                   largest_coordinate);
+        add_bundle(made, std::span(order).subspan(starts[b], starts[b + 1] - starts[b]), directions);
     return made;
 }
 

@@ -15,9 +15,8 @@ struct LightBundles {
     std::vector<std::uint32_t> lights;  ///< MOST_BUNDLE_LIGHTS per bundle: the index of each slot's light, or no_light
 };
 
-/// Divides lights into bundles of at most `most` lights. `largest_coordinate`: of all triangles and points. No value if
-/// a light is a point light, or its direction cannot be scaled exactly.
-std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most,
-                                               float largest_coordinate);
+/// Divides lights into bundles of at most `most` lights. No value if a light is a point light, or its direction cannot
+/// be scaled exactly.
+std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most);
 
 }  // namespace gnomon

@@ -11,8 +11,6 @@
 namespace gnomon {
 namespace {
 
-constexpr std::size_t tables_per_bundle = 4;
-
 std::vector<LightSlot> slots_of(const Lights& lights, std::span<const std::uint32_t> ids) {
     std::vector<LightSlot> slots(ids.size());
     for (std::size_t s = 0; s < ids.size(); ++s) {
@@ -49,49 +47,48 @@ void upload(cl::Session& session, cl::Buffer& buffer, const std::vector<T>& valu
 
 }  // namespace
 
-LightSums::LightSums(cl::Session& session, const Lights& lights, std::span<const std::uint32_t> slots,
-                     const LightsOutputs& outputs, const LightsOptions& options, std::size_t point_count)
-    : session_(session), outputs_(outputs), point_count_(point_count), none_(session, 16) {
-    const auto want = [&](cl_mem buffer, std::uint32_t flag) {
-        if (buffer != nullptr) params_.wants |= flag;
-    };
-    want(outputs.bits, WANTS_BITS);
-    want(outputs.counts, WANTS_COUNTS);
-    want(outputs.sums, WANTS_SUMS);
-    want(outputs.first_lit, WANTS_FIRST);
-    want(outputs.last_lit, WANTS_LAST);
-    if (options.cosines && outputs.sums != nullptr) params_.wants |= WANTS_COSINES;
-    params_.words = static_cast<cl_uint>((lights.count() + 31) / 32);
-    params_.exponent = lights.exponent();
-    upload(session, slots_, slots_of(lights, slots));
-    upload(session, tables_, tables_of(lights, slots));
-    const auto clear = [&](cl_mem buffer, cl_uint word, std::size_t words) {
-        if (buffer != nullptr && words != 0) session_.fill(buffer, word, words * sizeof(cl_uint));
-    };
-    clear(outputs.bits, 0, point_count * params_.words);
-    clear(outputs.counts, 0, point_count);
-    clear(outputs.sums, 0, 2 * point_count);
-    clear(outputs.first_lit, no_light, point_count);
-    clear(outputs.last_lit, no_light, point_count);
+void LightSums::want(cl_mem output, std::uint32_t flag, std::uint32_t cleared, std::size_t words) {
+    if (output == nullptr) return;
+    params_.wants |= flag;
+    if (words != 0) session_.fill(output, cleared, words * sizeof(cl_uint));
+}
+
+LightSums::LightSums(const LightsRun& run, std::span<const std::uint32_t> slots, const SortedPoints* sorted)
+    : session_(session_of(run.device)),
+      outputs_(run.outputs),
+      point_count_(run.points.count()),
+      order_(sorted != nullptr ? sorted->order().get() : nullptr),
+      normals_(sorted != nullptr ? sorted->normals().get() : run.options.normals),
+      none_(session_, 16) {
+    params_.words = static_cast<cl_uint>((run.lights.count() + 31) / 32);
+    params_.exponent = run.lights.exponent();
+    params_.is_sorted = sorted != nullptr;
+    const PointLayout at = sorted != nullptr ? PointLayout{} : run.options.normals_layout;
+    params_.normals.first = static_cast<cl_uint>(at.first);
+    params_.normals.point_stride = static_cast<cl_uint>(at.point_stride);
+    params_.normals.coordinate_stride = static_cast<cl_uint>(at.coordinate_stride);
+    want(outputs_.bits, WANTS_BITS, 0, point_count_ * params_.words);
+    want(outputs_.counts, WANTS_COUNTS, 0, point_count_);
+    want(outputs_.sums, WANTS_SUMS, 0, 2 * point_count_);
+    want(outputs_.first_lit, WANTS_FIRST, no_light, point_count_);
+    want(outputs_.last_lit, WANTS_LAST, no_light, point_count_);
+    if (run.options.cosines && outputs_.sums != nullptr) params_.wants |= WANTS_COSINES;
+    upload(session_, slots_, slots_of(run.lights, slots));
+    upload(session_, tables_, tables_of(run.lights, slots));
 }
 
 void LightSums::add(const cl::Buffer& masks, std::size_t mask_stride, std::size_t first_point, std::size_t point_count,
-                    std::uint32_t first_bundle, std::uint32_t bundle_count, const cl::Buffer* order, cl_mem normals,
-                    const PointLayout& normals_at) {
+                    std::uint32_t first_bundle, std::uint32_t bundle_count) {
     LightSumsParams params = params_;
     params.first_point = static_cast<cl_uint>(first_point);
     params.point_count = static_cast<cl_uint>(point_count);
     params.first_bundle = first_bundle;
     params.bundle_count = bundle_count;
     params.mask_stride = static_cast<cl_uint>(mask_stride);
-    params.is_sorted = order != nullptr;
-    params.normals.first = static_cast<cl_uint>(normals_at.first);
-    params.normals.point_stride = static_cast<cl_uint>(normals_at.point_stride);
-    params.normals.coordinate_stride = static_cast<cl_uint>(normals_at.coordinate_stride);
     const auto given = [&](cl_mem buffer) { return buffer != nullptr ? buffer : none_.get(); };
     session_.launch("lights/light_sums.cl", "light_sums", cl::Range::items(point_count), params, masks, slots_, tables_,
-                    order != nullptr ? order->get() : none_.get(), given(normals), given(outputs_.bits),
-                    given(outputs_.counts), given(outputs_.sums), given(outputs_.first_lit), given(outputs_.last_lit));
+                    given(order_), given(normals_), given(outputs_.bits), given(outputs_.counts), given(outputs_.sums),
+                    given(outputs_.first_lit), given(outputs_.last_lit));
 }
 
 void LightSums::finish() {

@@ -18,12 +18,6 @@ Double3 unit_of(const Float3& v, const char* what) {
     return unit;
 }
 
-Double3 any_perpendicular(const Double3& axis) {
-    Double3 made = cross(axis, std::abs(axis[1]) < 0.9 ? Double3{0, 1, 0} : Double3{1, 0, 0});
-    normalize(made);
-    return made;
-}
-
 Double3 combined(const Double3& a, double by_a, const Double3& b, double by_b, const Double3& c, double by_c) {
     Double3 made{};
     for (int i = 0; i < 3; ++i) made[i] = a[i] * by_a + b[i] * by_b + c[i] * by_c;
@@ -81,7 +75,7 @@ Lights sun_disk(const Float3& direction, double angle_degrees, std::uint32_t sam
     if (!(angle_degrees > 0 && angle_degrees < 90))
         throw InvalidArgument("the angle of a disk must lie between 0 and 90 degrees");
     require_samples(samples);
-    const Double3 u = any_perpendicular(axis), v = cross(axis, u);
+    const Double3 u = perpendicular(axis), v = cross(axis, u);
     const double radius = std::tan(angle_degrees / 2 * (std::numbers::pi / 180));
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
     std::vector<Light> lights;

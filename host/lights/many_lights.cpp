@@ -7,7 +7,6 @@
 
 #include "api/statistics.hpp"
 #include "cl/opencl.hpp"
-#include "lights/point_order.hpp"
 
 namespace gnomon {
 namespace {
@@ -26,12 +25,6 @@ std::array<Output, 5> outputs_of(const LightsOutputs& outputs, std::size_t point
              {outputs.last_lit, points * 4, "last_lit"}}};
 }
 
-std::size_t size_of(cl_mem memory) {
-    std::size_t bytes = 0;
-    cl::check(clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr), "asking a buffer for its size");
-    return bytes;
-}
-
 void run_light(Technique& technique, const Triangles& triangles, const Points& points, const Light& light,
                const LightsOptions& options, const Visibility& visibility, Statistics& total) {
     add_stages(total, technique.run(triangles, points, light, visibility));
@@ -43,16 +36,17 @@ void run_light(Technique& technique, const Triangles& triangles, const Points& p
 
 }  // namespace
 
-void require_lights_run(const Device& device, const Triangles& triangles, const Points& points, const Lights& lights,
-                        const LightsOutputs& outputs, const LightsOptions& options) {
+void require_lights_run(const LightsRun& run) {
+    const auto& [device, triangles, points, lights, outputs, options] = run;
+    require_eye(points);
     for (const Output& output : outputs_of(outputs, points.count(), lights.count())) {
-        if (output.buffer == nullptr || size_of(output.buffer) >= output.bytes) continue;
-        throw InvalidArgument(std::string("the buffer of ") + output.name + " holds " +
-                              std::to_string(size_of(output.buffer)) + " bytes, and " + std::to_string(output.bytes) +
-                              " are needed");
+        if (output.buffer == nullptr) continue;
+        if (bytes_of(output.buffer) < output.bytes)
+            throw InvalidArgument(std::string("the buffer of ") + output.name + " holds " +
+                                  std::to_string(bytes_of(output.buffer)) + " bytes, and " +
+                                  std::to_string(output.bytes) + " are needed");
+        require_apart(triangles, points, output.buffer, output.bytes / sizeof(float), output.name);
     }
-    // The checks of one run: points, triangles and eye.
-    require_run(triangles, points, Light::directional({0, -1, 0}), Visibility(device, points.count()));
     if (options.normals != nullptr) Points::wrap(device, options.normals, options.normals_layout, points.count());
     if (int(options.front) + int(options.normals != nullptr) + int(points.eye().has_value()) > 1)
         throw InvalidArgument("the side of points is given twice: choose the eye, `front` or `normals`");
@@ -62,6 +56,10 @@ void require_lights_run(const Device& device, const Triangles& triangles, const 
         throw InvalidArgument("cosines need directional lights");
 }
 
+SortedPoints sorted_points(const LightsRun& run) {
+    return {run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout};
+}
+
 Triangles with_clusters(const Device& device, const Triangles& triangles) {
     Triangles clustered = triangles;
     if (Internals::clusters(triangles) == nullptr && triangles.count() >= triangles_worth_clusters)
@@ -69,19 +67,45 @@ Triangles with_clusters(const Device& device, const Triangles& triangles) {
     return clustered;
 }
 
-double time_of_one_light(Technique& technique, const Triangles& triangles, const Points& points, const Lights& lights) {
-    std::optional<SortedPoints> sorted;
-    if (!points.camera()) sorted.emplace(technique.device(), triangles, points, nullptr, PointLayout{});
-    const Points ordered = sorted ? sorted->as_points(technique.device(), points) : points;
-    const Visibility visibility(technique.device(), points.count());
-    double ms = 0;
-    for (int run = 0; run < 2; ++run)
-        ms = technique.run(triangles, ordered, lights.lights()[lights.count() / 2], visibility).total_wall_ms;
-    return ms;
+double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted) {
+    const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
+    const Visibility visibility(run.device, run.points.count());
+    const Light& light = run.lights.lights()[run.lights.count() / 2];
+    technique.run(run.triangles, ordered, light, visibility);
+    return technique.run(run.triangles, ordered, light, visibility).total_wall_ms;
 }
 
 void report_progress(const LightsOptions& options, double done) {
     if (options.progress && !options.progress(done)) throw Cancelled("the run over many lights was cancelled");
+}
+
+void run_one_by_one(Technique& technique, const LightsRun& run, const SortedPoints* sorted, Statistics& statistics) {
+    cl::Session& session = session_of(run.device);
+    const std::size_t points = run.points.count(), lights = run.lights.count();
+    std::vector<std::uint32_t> slots((lights + 31) / 32 * 32, no_light);
+    std::iota(slots.begin(), slots.begin() + std::ptrdiff_t(lights), 0u);
+    LightSums sums(run, slots, sorted);
+    if (points == 0) return;
+    const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
+    LightsOptions in_order = run.options;
+    if (sorted != nullptr && run.options.normals != nullptr) {
+        in_order.normals = sorted->normals().get();
+        in_order.normals_layout = {};
+    }
+    const Visibility visibility(run.device, points);
+    const cl::Buffer masks(session, points * sizeof(cl_uint));
+    LightSumsParams params{};
+    params.point_count = static_cast<cl_uint>(points);
+    for (std::size_t l = 0; l < lights; ++l) {
+        run_light(technique, run.triangles, ordered, run.lights.lights()[l], in_order, visibility, statistics);
+        session.launch("lights/light_sums.cl", "light_bits", cl::Range::items(points), params, visibility.buffer(),
+                       static_cast<cl_uint>(l % 32), masks);
+        if (l % 32 == 31 || l + 1 == lights) sums.add(masks, points, 0, points, static_cast<cl_uint>(l / 32), 1);
+        if (run.options.progress) session.finish();
+        report_progress(run.options, double(l + 1) / double(lights));
+    }
+    sums.finish();
+    merge_stages(statistics);
 }
 
 // Points in any order are sorted once for all lights: a technique's blocks of neighbouring points are then neighbours
@@ -89,40 +113,15 @@ void report_progress(const LightsOptions& options, double done) {
 // in order, and some techniques need its camera.
 Statistics Technique::run(const Triangles& triangles, const Points& points, const Lights& lights,
                           const LightsOutputs& outputs, const LightsOptions& options) {
-    require_lights_run(device(), triangles, points, lights, outputs, options);
-    cl::Session& session = session_of(device());
+    const bool are_many = lights.count() > 1 && points.count() != 0;
     std::uint64_t kept = 0;
-    MeasuredRun measured(session, kept);
-    std::vector<std::uint32_t> slots((lights.count() + 31) / 32 * 32, no_light);
-    std::iota(slots.begin(), slots.begin() + std::ptrdiff_t(lights.count()), 0u);
-    LightSums sums(session, lights, slots, outputs, options, points.count());
-    if (points.count() == 0) return measured.finish();
-    const bool sorts = lights.count() > 1 && !points.camera();
+    MeasuredRun measured(session_of(device()), kept);
+    const Triangles clustered = are_many ? with_clusters(device(), triangles) : triangles;
+    const LightsRun run{device(), clustered, points, lights, outputs, options};
+    require_lights_run(run);
     std::optional<SortedPoints> sorted;
-    if (sorts) sorted.emplace(device(), triangles, points, options.normals, options.normals_layout);
-    const Points ordered = sorts ? sorted->as_points(device(), points) : points;
-    LightsOptions in_order = options;
-    if (sorts && options.normals != nullptr) {
-        in_order.normals = sorted->normals().get();
-        in_order.normals_layout = {};
-    }
-    const Triangles clustered = lights.count() > 1 ? with_clusters(device(), triangles) : triangles;
-    const Visibility visibility(device(), points.count());
-    cl::Buffer masks(session, points.count() * sizeof(cl_uint));
-    for (std::size_t l = 0; l < lights.count(); ++l) {
-        run_light(*this, clustered, ordered, lights.lights()[l], in_order, visibility, measured.stages);
-        LightSumsParams params{};
-        params.point_count = static_cast<cl_uint>(points.count());
-        session.launch("lights/light_sums.cl", "light_bits", cl::Range::items(points.count()), params,
-                       visibility.buffer(), static_cast<cl_uint>(l % 32), masks);
-        if (l % 32 == 31 || l + 1 == lights.count())
-            sums.add(masks, points.count(), 0, points.count(), static_cast<cl_uint>(l / 32), 1,
-                     sorts ? &sorted->order() : nullptr, in_order.normals, in_order.normals_layout);
-        if (options.progress) session.finish();
-        report_progress(options, double(l + 1) / double(lights.count()));
-    }
-    sums.finish();
-    merge_stages(measured.stages);
+    if (are_many && !points.camera()) sorted.emplace(sorted_points(run));
+    run_one_by_one(*this, run, sorted ? &*sorted : nullptr, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }
 
@@ -142,10 +141,9 @@ Statistics run_mean(Technique& technique, const Triangles& triangles, const Poin
     return statistics;
 }
 
-LightsOnHost run_lights_to_host(Technique& technique, const Device& device, const Triangles& triangles,
-                                const Points& points, const Lights& lights, const LightsWanted& wanted,
-                                const LightsOptions& options) {
-    cl::Session& session = session_of(device);
+LightsOnHost run_lights_to_host(Technique& technique, const Triangles& triangles, const Points& points,
+                                const Lights& lights, const LightsWanted& wanted, const LightsOptions& options) {
+    cl::Session& session = session_of(technique.device());
     const std::size_t count = points.count();
     std::array<cl::Buffer, 5> buffers;
     const bool wants[] = {wanted.bits, wanted.counts, wanted.sums, wanted.first_lit, wanted.last_lit};

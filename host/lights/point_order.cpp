@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "kernels/lights/point_order.h"
+#include "lists/morton.hpp"
 #include "lists/sort.hpp"
 
 namespace gnomon {
@@ -14,8 +14,7 @@ namespace {
 
 float float_of_key(cl_uint key) { return std::bit_cast<float>((key & 0x80000000u) != 0 ? key & 0x7FFFFFFFu : ~key); }
 
-// A grid of 2^(2 POINT_CODE_BITS) cells per axis over the present points. Returns the largest magnitude of a
-// coordinate.
+// Fits the grid to the present points. Returns the largest magnitude of a coordinate.
 float fit_grid(cl::Session& session, PointOrderParams& params, const PointInputs& points) {
     cl::Buffer bounds(session, POINT_BOUNDS_WORDS * sizeof(cl_uint));
     const cl_uint none[POINT_BOUNDS_WORDS] = {GN_NO_ID, GN_NO_ID, GN_NO_ID, 0, 0, 0};
@@ -23,18 +22,16 @@ float fit_grid(cl::Session& session, PointOrderParams& params, const PointInputs
     session.launch("lights/point_order.cl", "point_bounds", cl::Range::items(points.layout.count), params,
                    points.positions, bounds);
     const auto keys = session.read_values<cl_uint>(bounds.get(), POINT_BOUNDS_WORDS);
-    float largest = 0;
-    double extent = 0;
+    if (keys[0] == GN_NO_ID) return 0;
+    std::array<double, 3> low{}, high{};
+    double largest = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-        if (keys[c] > keys[3 + c]) continue;
-        const float low = float_of_key(keys[c]), high = float_of_key(keys[3 + c]);
-        largest = std::max({largest, std::abs(low), std::abs(high)});
-        params.origin[c] = low / 2;
-        extent = std::max(extent, (double(high) - low) / 2);
+        low[c] = float_of_key(keys[c]);
+        high[c] = float_of_key(keys[3 + c]);
+        largest = std::max({largest, std::abs(low[c]), std::abs(high[c])});
     }
-    const double scale = (1u << 2 * POINT_CODE_BITS) / extent;
-    params.scale = scale < std::numeric_limits<float>::max() ? static_cast<float>(scale) : 0.0f;
-    return largest;
+    params.grid = morton_grid(low, high, 2 * POINT_CODE_BITS);
+    return static_cast<float>(largest);
 }
 
 }  // namespace

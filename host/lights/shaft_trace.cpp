@@ -7,7 +7,6 @@
 #include "kernels/lights/light_sides.h"
 #include "kernels/lights/shaft.h"
 #include "lights/many_lights.hpp"
-#include "lights/point_order.hpp"
 
 namespace gnomon {
 namespace {
@@ -21,13 +20,13 @@ struct Part {
 
 class ShaftPasses {
 public:
-    ShaftPasses(const ShaftRun& run, const LightBundles& bundles, const SortedPoints& points, Statistics& statistics)
+    ShaftPasses(const ShaftRun& run, const LightBundles& bundles, Statistics& statistics)
         : run_(run),
           session_(session_of(run.device)),
-          points_(points),
+          points_(run.sorted),
           statistics_(statistics),
+          slots_(bundles.lights),
           bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
-          sums_(session_, run.lights, bundles.lights, run.outputs, run.options, run.points.count()),
           bundles_(session_, bundle_count_ * sizeof(LightBundle)),
           counters_(session_, sizeof(ShaftCounters)) {
         session_.write(bundles_.get(), bundles.bundles.data(), bundle_count_ * sizeof(LightBundle));
@@ -42,22 +41,26 @@ public:
         const std::size_t count = run_.points.count();
         const std::size_t sample =
             std::min({count, part_points_, std::max<std::size_t>(pairs / run_.lights.count(), 512)});
-        run_part({count / 2, std::min<std::size_t>(count - count / 2, 64)}, false);
+        decide({count / 2, std::min<std::size_t>(count - count / 2, 64)});
         session_.finish();
         const auto start = cl::Clock::now();
-        run_part({(count - sample) / 2, sample}, false);
+        decide({(count - sample) / 2, sample});
         session_.finish();
         return cl::ms_since(start) * (double(count) / double(sample));
     }
 
     void run() {
         const std::size_t count = run_.points.count();
+        LightSums sums(run_, slots_, &points_);
         for (std::size_t first = 0; first < count; first += part_points_) {
-            run_part({first, std::min(part_points_, count - first)}, true);
+            const Part part{first, std::min(part_points_, count - first)};
+            decide(part);
+            cl::StageTimer timer(session_, statistics_, "light_sums");
+            sums.add(masks_, part_points_, part.first, part.count, 0, bundle_count_);
             session_.finish();
-            report_progress(run_.options, double(std::min(first + part_points_, count)) / double(count));
+            report_progress(run_.options, double(part.first + part.count) / double(count));
         }
-        sums_.finish();
+        sums.finish();
         statistics_.counts = {{"points", count},
                               {"lights", run_.lights.count()},
                               {"bundles", bundle_count_},
@@ -84,20 +87,16 @@ private:
         }
     }
 
-    void run_part(const Part& part, bool adds_sums) {
+    // The masks of a part of the points.
+    void decide(const Part& part) {
         cl::StageTimer timer(session_, statistics_, "light_sides");
         decide_sides(part);
         timer.next("shaft_trace");
         ShaftCounters counted;
         while (counted = trace(part), counted.queued > capacity())
-            queue_.reserve(session_, (counted.queued + counted.queued / 4) * sizeof(ShaftPairs));
+            queue_.reserve(session_, std::size_t(counted.queued) * 5 / 4 * sizeof(ShaftPairs));
         timer.next("shaft_exact");
         if (counted.queued != 0) decide_queue(part);
-        if (!adds_sums) return;
-        timer.next("light_sums");
-        const bool has_normals = run_.options.normals != nullptr;
-        sums_.add(masks_, part_points_, part.first, part.count, 0, bundle_count_, &points_.order(),
-                  has_normals ? points_.normals().get() : nullptr);
     }
 
     cl_uint side() const {
@@ -128,19 +127,15 @@ private:
                 .bundle_count = bundle_count_,
                 .mask_stride = static_cast<cl_uint>(part_points_),
                 .queue_capacity = capacity(),
-                .has_receivers = run_.points.receivers() != nullptr,
-                .rounding = rounding(),
-                .padding = {}};
+                .rounding = rounding()};
     }
 
     ShaftCounters trace(const Part& part) {
         session_.fill(counters_, 0, sizeof(ShaftCounters));
-        if (run_.triangles.count() == 0) return {};
         const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
         const std::size_t tasks = blocks * bundle_count_;
-        const cl::Range range = session_.is_cpu() && session_.lanes() > 1
-                                    ? session_.uneven_items(tasks, 1)
-                                    : cl::Range::groups(std::min<std::size_t>(tasks, 65536), width);
+        const cl::Range range = session_.is_cpu() ? session_.uneven_items(tasks, 1)
+                                                  : cl::Range::groups(std::min<std::size_t>(tasks, 65536), width);
         session_.launch("lights/shaft_trace.cl", "shaft_trace", range, params_of(part), bundles_, run_.tree.nodes(),
                         run_.tree.leaves(), run_.tree.ids(), points_.positions(), points_.receivers(),
                         points_.surface_normals(), masks_, queue_, counters_,
@@ -165,8 +160,8 @@ private:
     cl::Session& session_;
     const SortedPoints& points_;
     Statistics& statistics_;
+    std::span<const std::uint32_t> slots_;
     cl_uint bundle_count_;
-    LightSums sums_;
     cl::Buffer bundles_, counters_, queue_, masks_;
     std::size_t part_points_ = 0;
     std::uint64_t queued_ = 0, by_level_[3] = {};
@@ -175,14 +170,10 @@ private:
 }  // namespace
 
 bool run_shafts(const ShaftRun& run, Statistics& statistics) {
-    cl::StageTimer timer(session_of(run.device), statistics, "point_order");
-    const SortedPoints points(run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout);
-    const float largest = std::max(run.tree.largest_coordinate(), points.largest_coordinate());
-    if (!(largest <= largest_in_range)) return false;
-    const auto bundles = make_light_bundles(run.lights.lights(), run.bundle_lights, largest);
+    if (!(std::max(run.tree.largest_coordinate(), run.sorted.largest_coordinate()) <= largest_in_range)) return false;
+    const auto bundles = make_light_bundles(run.lights.lights(), run.bundle_lights);
     if (!bundles) return false;
-    timer.next(nullptr);
-    ShaftPasses passes(run, *bundles, points, statistics);
+    ShaftPasses passes(run, *bundles, statistics);
     if (run.one_light_ms && passes.estimated_ms() > *run.one_light_ms * double(run.lights.count())) return false;
     passes.run();
     merge_stages(statistics);

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "kernels/occluders/clusters.h"
+#include "lists/morton.hpp"
 #include "lists/sort.hpp"
 
 namespace gnomon {
@@ -18,12 +18,14 @@ ShaftTree layout_of(std::uint32_t triangles, std::uint32_t width) {
     ShaftTree tree{};
     tree.triangle_count = triangles;
     tree.leaf_count = divided_up(triangles, width);
-    std::uint32_t boxes = tree.leaf_count, nodes = 0;
+    std::uint32_t nodes_of_level[MOST_SHAFT_LEVELS] = {}, nodes = tree.leaf_count;
     do {
-        tree.first_node[tree.level_count++] = nodes;
-        boxes = divided_up(boxes, width);
-        nodes += boxes;
-    } while (boxes > 1);
+        nodes = divided_up(nodes, width);
+        nodes_of_level[tree.level_count++] = nodes;
+    } while (nodes > 1);
+    std::uint32_t first = 0;
+    for (std::uint32_t level = tree.level_count; level-- > 0; first += nodes_of_level[level])
+        tree.first_node[level] = first;
     return tree;
 }
 
@@ -37,11 +39,10 @@ BuiltShaftTree::BuiltShaftTree(const Device& device, const Triangles& given)
     const TriangleInputs triangles = triangle_inputs(given);
     cl::Session& session = session_of(device_);
     const std::size_t slots = std::size_t(layout_.leaf_count) * width_;
-    std::uint32_t nodes = layout_.first_node[layout_.level_count - 1] + 1;
+    const std::size_t nodes = layout_.first_node[0] + divided_up(layout_.leaf_count, width_);
     leaves_.reserve(session, slots * SHAFT_LEAF_ROWS * sizeof(float));
-    nodes_.reserve(session, std::size_t(nodes) * SHAFT_NODE_ROWS * width_ * sizeof(float));
+    nodes_.reserve(session, nodes * SHAFT_NODE_ROWS * width_ * sizeof(float));
     ids_.reserve(session, slots * sizeof(cl_uint));
-    if (triangles.count == 0) return;
     std::vector<cl_uint> identity(triangles.count);
     std::iota(identity.begin(), identity.end(), 0u);
     cl::Buffer numbers(session, triangles.count * sizeof(cl_uint));
@@ -67,20 +68,15 @@ void BuiltShaftTree::build(const TriangleInputs& triangles, const cl::Buffer& nu
 // Orders the triangles along a curve through the box around all of them: the root of the tree so far.
 void BuiltShaftTree::sort(const TriangleInputs& triangles, cl::Buffer& numbers) {
     cl::Session& session = session_of(device_);
-    const std::size_t row = width_, root = layout_.first_node[layout_.level_count - 1] * SHAFT_NODE_ROWS * row;
-    const auto all = session.read_values<float>(nodes_.get(), root + SHAFT_NODE_ROWS * row);
-    ClusterGrid grid{};
-    double extent = 0;
+    const auto root = session.read_values<float>(nodes_.get(), SHAFT_NODE_ROWS * width_);
+    std::array<double, 3> low{}, high{};
     for (std::size_t c = 0; c < 3; ++c) {
-        const auto low = all.begin() + root + c * row, high = low + 3 * row;
-        const double least = *std::min_element(low, low + row), most = *std::max_element(high, high + row);
-        if (least > most) return;  // no finite triangle
-        largest_coordinate_ = std::max(largest_coordinate_, float(std::max(std::abs(least), std::abs(most))));
-        grid.origin[c] = static_cast<float>(least / 2);
-        extent = std::max(extent, (most - least) / 2);
+        low[c] = *std::min_element(&root[c * width_], &root[c * width_] + width_);
+        high[c] = *std::max_element(&root[(3 + c) * width_], &root[(3 + c) * width_] + width_);
+        if (low[c] > high[c]) return;  // no finite triangle
+        largest_coordinate_ = std::max(largest_coordinate_, float(std::max(std::abs(low[c]), std::abs(high[c]))));
     }
-    const double scale = (1u << MORTON_BITS) / extent;
-    grid.scale = scale < std::numeric_limits<float>::max() ? static_cast<float>(scale) : 0.0f;
+    const MortonGrid grid = morton_grid(low, high, MORTON_BITS);
     cl::Buffer codes(session, triangles.count * sizeof(cl_uint));
     session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(triangles.count), grid,
                    ClusterParams{.triangles = triangles, .cluster_count = 0, .has_pyramid = 0}, triangles.vertices,

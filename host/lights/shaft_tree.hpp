@@ -9,6 +9,7 @@ namespace gnomon {
 
 class BuiltShaftTree {
 public:
+    /// Of at least one triangle.
     BuiltShaftTree(const Device& device, const Triangles& triangles);
 
     const Triangles& triangles() const { return triangles_; }
@@ -34,7 +35,7 @@ private:
 
 /// The number of a block's points, and of a node's children, on this device.
 inline std::uint32_t shaft_width(const cl::Session& session) {
-    return session.lanes() > 1 ? SHAFT_WIDTH_ON_CPU : SHAFT_WIDTH_ON_GPU;
+    return session.is_cpu() ? SHAFT_WIDTH_ON_CPU : SHAFT_WIDTH_ON_GPU;
 }
 
 }  // namespace gnomon

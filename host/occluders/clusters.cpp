@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "api/variants.hpp"
+#include "lists/morton.hpp"
 #include "lists/sort.hpp"
 
 namespace gnomon {
@@ -56,18 +57,6 @@ Spread spread_of(cl::Session& session, const cl::Buffer& boxes, cl_uint count) {
     return spread;
 }
 
-ClusterGrid grid_of(const Box& whole) {
-    ClusterGrid grid{};
-    double extent = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        grid.origin[c] = static_cast<float>(whole.low[c] / 2);
-        extent = std::max(extent, (whole.high[c] - whole.low[c]) / 2);
-    }
-    const double scale = (1u << MORTON_BITS) / extent;
-    grid.scale = scale < std::numeric_limits<float>::max() ? static_cast<float>(scale) : 0.0f;
-    return grid;
-}
-
 ClusterParams params_of(const TriangleInputs& triangles, cl_uint cluster_count, bool has_pyramid = false) {
     return {.triangles = triangles, .cluster_count = cluster_count, .has_pyramid = has_pyramid};
 }
@@ -95,13 +84,13 @@ Clusters::Clusters(const Device& device, const TriangleInputs& triangles)
     const Spread spread = spread_of(session, boxes_, count_);
     if (spread.boxes_met() < boxes_worth_order) return;
     try {
-        reorder(triangles, grid_of(spread.whole), spread.area);
+        reorder(triangles, morton_grid(spread.whole.low, spread.whole.high, MORTON_BITS), spread.area);
     } catch (const OutOfDeviceMemory&) {
         // The order of the caller's buffer takes no memory and gives the same result.
     }
 }
 
-void Clusters::reorder(const TriangleInputs& triangles, const ClusterGrid& grid, double area) {
+void Clusters::reorder(const TriangleInputs& triangles, const MortonGrid& grid, double area) {
     cl::Session& session = session_of(device_);
     const std::size_t word_bytes = triangles.count * sizeof(cl_uint);
     cl::Buffer codes(session, word_bytes), numbers(session, word_bytes);

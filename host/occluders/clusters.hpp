@@ -21,7 +21,7 @@ public:
     const cl::Buffer& numbers() const { return numbers_; }
 
 private:
-    void reorder(const TriangleInputs& triangles, const ClusterGrid& grid, double area);
+    void reorder(const TriangleInputs& triangles, const MortonGrid& grid, double area);
 
     Device device_;  ///< lives as long as the boxes
     cl_uint count_;

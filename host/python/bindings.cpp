@@ -247,8 +247,7 @@ void bind_many_lights(nb::module_& m) {
                     vectors = gnomon::Points::upload(technique.device(), span_of(normals));
                     options.normals = vectors->positions();
                 }
-                return gnomon::run_lights_to_host(technique, technique.device(), triangles, points, lights, wanted,
-                                                  options);
+                return gnomon::run_lights_to_host(technique, triangles, points, lights, wanted, options);
             });
             const std::size_t count = answers.counts.size(), words = (lights.count() + 31) / 32;
             return nb::make_tuple(numpy_of(std::move(answers.sums), {count}), ids_of(std::move(answers.counts)),

@@ -80,16 +80,8 @@ bool is_closed(std::span<const float> vertices, std::span<const std::uint32_t> c
     return away == towards && std::adjacent_find(away.begin(), away.end()) == away.end();
 }
 
-/// The words in a buffer that keeps its device.
-std::shared_ptr<const cl::Buffer> uploaded(const Device& device, const std::vector<std::uint32_t>& words) {
-    struct Owned {
-        Device device;
-        cl::Buffer buffer;
-    };
-    cl::Session& session = session_of(device);
-    auto owned = std::make_shared<Owned>(Owned{device, cl::Buffer(session, words.size() * sizeof(std::uint32_t))});
-    session.write(owned->buffer.get(), words.data(), words.size() * sizeof(std::uint32_t));
-    return {owned, &owned->buffer};
+std::shared_ptr<void> uploaded_words(const Device& device, const std::vector<std::uint32_t>& words) {
+    return uploaded(device, words.data(), words.size() * sizeof(std::uint32_t));
 }
 
 }  // namespace
@@ -117,9 +109,9 @@ VertexFans VertexFans::find(const Device& device, std::span<const float> vertice
         if (count != 0 && !closed[fan]) result.open_.push_back(static_cast<std::uint32_t>(i));
     }
     result.device_ = device;
-    result.fans_ = uploaded(device, fans);
-    result.corners_ = uploaded(device, found.corners);
-    result.extended_ = uploaded(device, {0});
+    result.fans_ = uploaded_words(device, fans);
+    result.corners_ = uploaded_words(device, found.corners);
+    result.extended_ = uploaded_words(device, {0});
     result.count_ = found.fan_of_point.size();
     result.triangles_ = vertices.size() / 9;
     return result;
@@ -127,7 +119,7 @@ VertexFans VertexFans::find(const Device& device, std::span<const float> vertice
 
 std::uint64_t VertexFans::extended() const {
     if (!device_) return 0;
-    return session_of(*device_).read_value<std::uint32_t>(*extended_);
+    return session_of(*device_).read_values<std::uint32_t>(static_cast<cl_mem>(extended_.get()), 1).front();
 }
 
 void face_by_fans(const Device& device, const Triangles& triangles, const VertexFans& fans, const Light& light,
@@ -150,9 +142,10 @@ void face_by_fans(const Device& device, const Triangles& triangles, const Vertex
     if (up) std::copy(up->begin(), up->end(), params.up);
     std::copy(light.xyzw.begin(), light.xyzw.end(), params.light);
     cl::Session& session = session_of(device);
-    session.fill(*fans.extended_, 0, sizeof(std::uint32_t));
+    const auto buffer = [](const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); };
+    session.fill(buffer(fans.extended_), 0, sizeof(std::uint32_t));
     session.launch("receivers/given_sides.cl", "given_fans", cl::Range::items(fans.count()), params, inputs.vertices,
-                   *fans.fans_, *fans.corners_, visibility.buffer(), *fans.extended_);
+                   buffer(fans.fans_), buffer(fans.corners_), visibility.buffer(), buffer(fans.extended_));
 }
 
 }  // namespace gnomon

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Decides facing for many lights at once (light_sides.h), exactly. The sign of a light against a receiver's plane is
-// that of n . D, which lanes_side() decides; against a normal, normal_faces().
+// that of n . D, which lanes_side() decides; against a normal, lanes_normal_faces().
 #include "exact/normal_side.clh"
 #include "lights/light_sides.h"
 #include "receivers/facing.clh"

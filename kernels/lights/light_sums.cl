@@ -2,6 +2,7 @@
 // Sums over lights (light_sums.h).
 #include "lights/light_sums.h"
 #include "lists/whole_to_float.clh"
+#include "simd/lanes.clh"
 
 // Bit `slot` of a mask for each point that the technique found lit, for one light: for techniques of one light.
 __kernel void light_bits(const LightSumsParams params, __global const float* visibility, uint slot,
@@ -39,13 +40,14 @@ __kernel void light_sums(const LightSumsParams params, __global const uint* mask
         long sum = 0;
         for (uint b = 0; b < params.bundle_count; ++b) {
             uint mask = masks[b * (size_t)params.mask_stride + i];
-            __global const LightSlot* mine = slots + (params.first_bundle + b) * 32u;
+            __global const LightSlot* mine = slots + (params.first_bundle + b) * MOST_BUNDLE_LIGHTS;
             count += popcount(mask);
             if ((params.wants & (WANTS_SUMS | WANTS_COSINES)) == WANTS_SUMS)
-                sum += weighted_sum(mask, weight_tables + (size_t)(params.first_bundle + b) * 4u * WEIGHT_TABLE);
+                sum += weighted_sum(mask,
+                                    weight_tables + (size_t)(params.first_bundle + b) * WEIGHT_TABLES * WEIGHT_TABLE);
             if ((params.wants & (WANTS_BITS | WANTS_FIRST | WANTS_LAST | WANTS_COSINES)) == 0u) continue;
-            for (; mask != 0u; mask &= mask - 1u) {
-                LightSlot slot = mine[31u - clz(mask & (0u - mask))];
+            while (mask != 0u) {
+                LightSlot slot = mine[take_lowest_bit(&mask)];
                 if ((params.wants & WANTS_BITS) != 0u)
                     bits[point * params.words + slot.light / 32u] |= 1u << (slot.light & 31u);
                 if ((params.wants & WANTS_COSINES) != 0u) sum += cosine_term(n, slot, params.exponent);
@@ -69,5 +71,5 @@ __kernel void light_means(uint point_count, __global const uint* counts, __globa
 
 // Turns whole sums into float64, in place.
 __kernel void light_sums_finish(const LightSumsParams params, __global long* sums) {
-    GN_FOR_EACH(i, params.point_count) { sums[i] = double_bits_of_whole(sums[i], params.exponent); }
+    GN_FOR_EACH(i, params.point_count) sums[i] = double_bits_of_whole(sums[i], params.exponent);
 }

@@ -3,7 +3,7 @@
 // Weights are whole numbers, so that a sum does not depend on the order of its terms.
 #pragma once
 
-#include "simd/points.h"
+#include "lights/shaft.h"
 
 #define WANTS_BITS 1u
 #define WANTS_COUNTS 2u
@@ -27,7 +27,7 @@ GN_STRUCT_BEGIN(LightSumsParams)
     PointsLayout normals;  // `first` and the strides
 GN_STRUCT_END(LightSumsParams, 88)
 
-// A light of a bundle: slot 32 bundle + l.
+// A light of a bundle: slot MOST_BUNDLE_LIGHTS bundle + l.
 GN_STRUCT_BEGIN(LightSlot)
     float direction[3];  // of length 1, towards the light: for cosines
     float weight;
@@ -37,3 +37,4 @@ GN_STRUCT_END(LightSlot, 32)
 
 // weight_tables[(4 bundle + b) 256 + m]: the sum of the whole weights of the lights 8 b + i with bit i set in m.
 #define WEIGHT_TABLE 256u
+#define WEIGHT_TABLES (MOST_BUNDLE_LIGHTS / 8u)  // of a bundle

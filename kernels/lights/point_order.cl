@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bounds, codes and gathered copies of points (point_order.h).
 #include "lights/point_order.h"
-#include "lists/morton.h"
 
 __kernel void point_bounds(const PointOrderParams params, __global const float* positions, __global uint* bounds) {
     uint low[3] = {GN_NO_ID, GN_NO_ID, GN_NO_ID}, high[3] = {0u, 0u, 0u};
@@ -56,13 +55,10 @@ __kernel void point_codes(const PointOrderParams params, __global const float* v
         numbers[i] = (uint)i;
         low_codes[i] = high_codes[i] = GN_NO_ID;
         if (!is_present(p)) continue;
-        float3 cell = clamp((p * 0.5f - vload3(0, params.origin)) * params.scale, 0.0f,
-                            (float)((1u << 2u * POINT_CODE_BITS) - 1u));
-        uint3 whole = convert_uint3(cell), coarse = whole >> POINT_CODE_BITS;
-        uint3 fine = whole & ((1u << POINT_CODE_BITS) - 1u);
-        low_codes[i] = morton_of_cell(fine);
-        high_codes[i] = morton_of_cell(coarse) | main_axis(normal_of_point(params, vertices, receivers, normals, p, i))
-                                                     << 3u * POINT_CODE_BITS;
+        uint3 cell = morton_cell(params.grid, p * 0.5f, 2u * POINT_CODE_BITS);
+        low_codes[i] = morton_code(cell & ((1u << POINT_CODE_BITS) - 1u));
+        high_codes[i] = morton_code(cell >> POINT_CODE_BITS) |
+                        main_axis(normal_of_point(params, vertices, receivers, normals, p, i)) << 3u * POINT_CODE_BITS;
     }
 }
 

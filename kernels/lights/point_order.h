@@ -4,14 +4,14 @@
 // come last. The order, and the surface normals, affect speed alone.
 #pragma once
 
+#include "lists/morton.h"
 #include "simd/points.h"
 
 GN_STRUCT_BEGIN(PointOrderParams)
     TrianglesLayout triangles;  // of the receivers
     PointsLayout points;
     PointsLayout normals;  // `first` and the strides
-    float origin[3];
-    float scale;
+    MortonGrid grid;
     uint has_normals;
     uint padding[3];
 GN_STRUCT_END(PointOrderParams, 144)
@@ -19,6 +19,6 @@ GN_STRUCT_END(PointOrderParams, 144)
 // Bounds of the points' coordinates as keys (float_to_key): three minima, three maxima.
 #define POINT_BOUNDS_WORDS 6u
 
-// Cells per axis of the curve: 2^(2 * POINT_CODE_BITS). The code's lower and upper halves are sorted one after the
+// The grid has 2^(2 * POINT_CODE_BITS) cells per axis. The code's lower and upper halves are sorted one after the
 // other.
 #define POINT_CODE_BITS 8u

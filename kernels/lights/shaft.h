@@ -24,19 +24,17 @@
 // coordinate of each is between 1/2 and 1. For each light's direction D there are s > 0 and u, v in [-1, 1] with
 // s D = middle + u across + v along; middle, across and along have coordinates of at most 1.
 GN_STRUCT_BEGIN(LightBundle)
-    // Outward normals of the shaft's sides, n . D < 0 for each light, and in plane 4 the normal of the near side. The
-    // fourth coordinate is a bound of the rounding errors of n . X for all triangles and points.
-    float planes[5][4];
+    // Outward normals of the shaft's four sides and of its near side: n . D < 0 for each light.
+    float planes[5][3];
     float middle[4], across[4], along[4];
     float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
     uint light_count;
-    uint padding[3];
-GN_STRUCT_END(LightBundle, 528)
+GN_STRUCT_END(LightBundle, 496)
 
 // Level 0 of the tree has one box per leaf; a leaf is SHAFT_WIDTH triangles. Node k of level l holds the boxes of
 // children k SHAFT_WIDTH .. of the level below, coordinate by coordinate: low x, low y, low z, high x, high y, high z.
 GN_STRUCT_BEGIN(ShaftTree)
-    uint first_node[MOST_SHAFT_LEVELS];  // of each level
+    uint first_node[MOST_SHAFT_LEVELS];  // of each level; the root, the only node of the last level, is node 0
     uint level_count;
     uint leaf_count;
     uint triangle_count;
@@ -50,10 +48,8 @@ GN_STRUCT_BEGIN(ShaftParams)
     uint bundle_count;
     uint mask_stride;  // masks[bundle mask_stride + point]: bit l is light l of the bundle
     uint queue_capacity;
-    uint has_receivers;
     float rounding;  // a bound of the rounding errors of n . X, for coordinates of n up to 1
-    uint padding[3];
-GN_STRUCT_END(ShaftParams, 144)
+GN_STRUCT_END(ShaftParams, 128)
 
 // Pairs that the filter left undecided: a point, a triangle, and the lights of a bundle.
 GN_STRUCT_BEGIN(ShaftPairs)

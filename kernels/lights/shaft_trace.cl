@@ -165,11 +165,11 @@ static ShaftWork load_work(const ShaftParams params, size_t block, uint bundle, 
 #if GN_LANES > 1
     LaneInt valid = valid_lanes(params.points, block);
     work.points = load_block(positions, params.points, block);
-    work.open = (LaneInt)(0);
     work.receivers = (LaneInt)(-1);
     __global const uint* mask = masks + bundle * (size_t)params.mask_stride + first;
     work.open = as_int16(vload16(0, mask));
-    if (params.has_receivers != 0u) work.receivers = as_int16(vload16(0, receivers + params.points.first / 3u + first));
+    if (params.points.has_receivers != 0u)
+        work.receivers = as_int16(vload16(0, receivers + params.points.first / 3u + first));
 #else
     uint i = (uint)first + get_local_id(0);
     bool is_valid = i < params.points.count;
@@ -177,7 +177,7 @@ static ShaftWork load_work(const ShaftParams params, size_t block, uint bundle, 
     float3 p = load_point(positions, params.points, is_valid ? i : 0u);
     work.points = (PointBlock){p.x, p.y, p.z};
     work.open = (int)masks[bundle * (size_t)params.mask_stride + i];
-    work.receivers = params.has_receivers != 0u && is_valid ? (int)receivers[params.points.first / 3u + i] : -1;
+    work.receivers = params.points.has_receivers != 0u && is_valid ? (int)receivers[params.points.first / 3u + i] : -1;
 #endif
     work.open &= valid & present_lanes(work.points);
     // Of the block's middle point.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The tree of a shaft's triangles (shaft.h), level by level from the leaves. Boxes are exact: minima and maxima of
-// coordinates, compared as integers in the order of the floats, so that flushed denormals cannot move a side.
+// coordinates, compared as keys (float_to_key), so that flushed denormals cannot move a side.
 #include "lights/shaft.h"
 
 #ifdef GN_CPU
@@ -8,8 +8,6 @@
 #else
 #define SHAFT_WIDTH SHAFT_WIDTH_ON_GPU
 #endif
-
-static int in_order(int bits) { return bits ^ ((bits >> 31) & 0x7FFFFFFF); }
 
 // Triangles in the order of `numbers`; rows of one leaf lie together. Absent ones, and those with a vertex that is not
 // finite, are NaN: no comparison with one is true.
@@ -28,12 +26,6 @@ __kernel void shaft_leaves(const ShaftTree tree, const TrianglesLayout layout, _
     }
 }
 
-// Order of +infinity and -infinity: a box that contains nothing, and which no shaft meets.
-#define NOTHING_LOW 0x7F800000
-#define NOTHING_HIGH in_order((int)0xFF800000)
-
-static bool is_nan_bits(int bits) { return (bits & 0x7FFFFFFF) > 0x7F800000; }
-
 // The boxes of one level, `below` the number of the level's boxes: box i covers a leaf (level 0) or a node of the level
 // below.
 __kernel void shaft_boxes(const ShaftTree tree, uint level, __global const float* leaves, __global float* nodes) {
@@ -42,24 +34,25 @@ __kernel void shaft_boxes(const ShaftTree tree, uint level, __global const float
     uint padded = (boxes + SHAFT_WIDTH - 1u) / SHAFT_WIDTH * SHAFT_WIDTH;
     GN_FOR_EACH(i, padded) {
         for (uint c = 0; c < 3u; ++c) {
-            int low = NOTHING_LOW, high = NOTHING_HIGH;
+            // Nothing: no shaft meets it.
+            uint low = float_to_key(INFINITY), high = float_to_key(-INFINITY);
             for (uint k = 0; i < boxes && k < SHAFT_WIDTH; ++k) {
                 if (level == 0u) {
                     for (uint corner = 0; corner < 3u; ++corner) {
-                        int bits = as_int(leaves[(i * SHAFT_LEAF_ROWS + 3u * corner + c) * SHAFT_WIDTH + k]);
-                        if (is_nan_bits(bits)) continue;
-                        low = min(low, in_order(bits));
-                        high = max(high, in_order(bits));
+                        float x = leaves[(i * SHAFT_LEAF_ROWS + 3u * corner + c) * SHAFT_WIDTH + k];
+                        if (isnan(x)) continue;
+                        low = min(low, float_to_key(x));
+                        high = max(high, float_to_key(x));
                     }
                 } else {
                     size_t node = (tree.first_node[level - 1u] + i) * SHAFT_NODE_ROWS;
-                    low = min(low, in_order(as_int(nodes[(node + c) * SHAFT_WIDTH + k])));
-                    high = max(high, in_order(as_int(nodes[(node + 3u + c) * SHAFT_WIDTH + k])));
+                    low = min(low, float_to_key(nodes[(node + c) * SHAFT_WIDTH + k]));
+                    high = max(high, float_to_key(nodes[(node + 3u + c) * SHAFT_WIDTH + k]));
                 }
             }
             size_t node = (tree.first_node[level] + i / SHAFT_WIDTH) * SHAFT_NODE_ROWS;
-            nodes[(node + c) * SHAFT_WIDTH + i % SHAFT_WIDTH] = as_float(in_order(low));
-            nodes[(node + 3u + c) * SHAFT_WIDTH + i % SHAFT_WIDTH] = as_float(in_order(high));
+            nodes[(node + c) * SHAFT_WIDTH + i % SHAFT_WIDTH] = key_to_float(low);
+            nodes[(node + 3u + c) * SHAFT_WIDTH + i % SHAFT_WIDTH] = key_to_float(high);
         }
     }
 }

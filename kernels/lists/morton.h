@@ -5,26 +5,39 @@
 
 #include "prelude.h"
 
-#define MORTON_BITS 10u  // of each coordinate
+#define MORTON_BITS 10u  // the most of each coordinate
 
-#ifndef __cplusplus
+// Cells over a box: position x lies in cell (x / 2 - origin) scale. Halves, so that no difference overflows.
+GN_STRUCT_BEGIN(MortonGrid)
+    float origin[3];
+    float scale;
+GN_STRUCT_END(MortonGrid, 16)
+
+#ifdef __cplusplus
+namespace gnomon {
+#endif
 
 // Puts two zeros between each two bits.
-static uint spread_bits(uint x) {
+static inline uint spread_bits(uint x) {
     x = (x | x << 16) & 0x030000FFu;
     x = (x | x << 8) & 0x0300F00Fu;
     x = (x | x << 4) & 0x030C30C3u;
     return (x | x << 2) & 0x09249249u;
 }
 
-// The code of a cell, of up to MORTON_BITS each.
-static uint morton_of_cell(uint3 cell) {
-    return spread_bits(cell.x) | spread_bits(cell.y) << 1 | spread_bits(cell.z) << 2;
+#ifdef __cplusplus
+}  // namespace gnomon
+#else
+
+// The cell of half a position, of 2^bits per axis; positions outside of the grid get the nearest cell.
+static uint3 morton_cell(MortonGrid grid, float3 half_position, uint bits) {
+    return convert_uint3(
+        clamp((half_position - vload3(0, grid.origin)) * grid.scale, 0.0f, (float)((1u << bits) - 1u)));
 }
 
-// The code of a position whose coordinates are from 0 to 2^MORTON_BITS; others are moved to the nearest of these.
-static uint morton_code(float3 position) {
-    return morton_of_cell(convert_uint3(clamp(position, 0.0f, (float)((1u << MORTON_BITS) - 1u))));
+// The code of a cell with up to MORTON_BITS bits per coordinate.
+static uint morton_code(uint3 cell) {
+    return spread_bits(cell.x) | spread_bits(cell.y) << 1 | spread_bits(cell.z) << 2;
 }
 
 #endif

@@ -17,13 +17,13 @@ __kernel void make_clusters(ClusterParams params, __global const float* vertices
 // ---- Order ----------------------------------------------------------------------------------------------------------
 
 // The code of the middle of the triangle's box. No sum here can overflow.
-static uint code_of_middle(Triangle t, ClusterGrid grid) {
+static uint code_of_middle(Triangle t, MortonGrid grid) {
     float3 half_low = fmin(fmin(t.a, t.b), t.c) * 0.5f, half_high = fmax(fmax(t.a, t.b), t.c) * 0.5f;
-    return morton_code(((half_low + half_high) * 0.5f - vload3(0, grid.origin)) * grid.scale);
+    return morton_code(morton_cell(grid, (half_low + half_high) * 0.5f, MORTON_BITS));
 }
 
-__kernel void cluster_codes(ClusterGrid grid, ClusterParams params, __global const float* vertices,
-                            __global uint* codes, __global uint* numbers) {
+__kernel void cluster_codes(MortonGrid grid, ClusterParams params, __global const float* vertices, __global uint* codes,
+                            __global uint* numbers) {
     GN_FOR_EACH(i, params.triangles.count) {
         Triangle t = load_triangle(vertices + params.triangles.first_float, (uint)i);
         codes[i] = is_finite_triangle(t) ? code_of_middle(t, grid) : GN_NO_ID;

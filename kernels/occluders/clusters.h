@@ -11,13 +11,8 @@
 #define CLUSTER_TRIANGLES 64u
 #define CLUSTER_BOX_BYTES 28
 
-// The order of the triangles: by the Morton code of the middles of their boxes, MORTON_BITS of each coordinate,
-// as (x / 2 - origin) scale. The order affects speed alone. Triangles that are not finite come last.
-GN_STRUCT_BEGIN(ClusterGrid)
-    float origin[3];
-    float scale;
-GN_STRUCT_END(ClusterGrid, 16)
-
+// The order of the triangles is that of the Morton codes of the middles of their boxes, MORTON_BITS of each coordinate.
+// It affects speed alone. Triangles that are not finite come last.
 GN_STRUCT_BEGIN(ClusterParams)
     TrianglesLayout triangles;
     uint cluster_count;

@@ -24,7 +24,7 @@ gnomon::LightsOnHost run(const gnomon::Device& device, const LightScene& scene, 
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("many-lights", way);
     technique->set("bundle-lights", bundle_lights);
-    return gnomon::run_lights_to_host(*technique, device, gnomon::Triangles::upload(device, scene.triangles),
+    return gnomon::run_lights_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
                                       upload_points(device, scene), lights, EVERYTHING, options);
 }
 
@@ -377,9 +377,8 @@ TEST(ManyLights, PointLightsAndOtherTechniquesGoOneByOne) {
     expect_outputs(run(device, scene, lamp, "auto"), truth_of_each(scene, lamp), lamp, "an area light");
     const auto technique = gnomon::make_technique("izb", device);
     const Lights suns = gnomon::sun_disk({-0.3f, -1, 0.2f}, 20, 33);
-    const auto answers =
-        gnomon::run_lights_to_host(*technique, device, gnomon::Triangles::upload(device, scene.triangles),
-                                   upload_points(device, scene), suns, EVERYTHING);
+    const auto answers = gnomon::run_lights_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
+                                                    upload_points(device, scene), suns, EVERYTHING);
     EXPECT_EQ(answers.counts.size(), 120u);
     EXPECT_GT(*std::ranges::max_element(answers.counts), 20u);
 }

@@ -39,8 +39,7 @@ class LightsResult(NamedTuple):
 
 def lights_of(
     native: _gnomon.WorldLattice | None, directions: Any, positions: Any, weights: Any
-) -> tuple[_gnomon.Lights, int]:
-    """The table, and its number of lights."""
+) -> _gnomon.Lights:
     if (directions is None) == (positions is None):
         raise ValueError("give either directions= (that the lights travel along) or positions= (of point lights)")
     name = "directions" if positions is None else "positions"
@@ -60,7 +59,7 @@ def lights_of(
         xyzw[:, 3] = 1
         for row, position in enumerate(rows):
             xyzw[row, :3] = snapped_triple(native, position, f"positions: row {row}")
-    return _gnomon.Lights(xyzw, weights_of(weights, len(rows))), len(rows)
+    return _gnomon.Lights(xyzw, weights_of(weights, len(rows)))
 
 
 def weights_of(weights: Any, count: int) -> NDArray[np.float32]:

@@ -419,7 +419,7 @@ class Scene:
         Returns a LightsResult: sums, counts, first and last lit light, bits. Raises ValueError with the argument's name
         and the first bad row, MemoryError, DeviceNotFoundError.
         """
-        table, _ = _lights.lights_of(self._native_lattice, directions, positions, weights)
+        table = _lights.lights_of(self._native_lattice, directions, positions, weights)
         at = _arrays.rows_of_triples(points, "points")
         shape = at.shape[:-1]
         flat = at.reshape(-1, 3)
