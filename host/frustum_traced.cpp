@@ -2,6 +2,7 @@
 // The pipeline of exact shadows. Each stage is a file of its own (kernels/<wing>/<stage>.cl, host/<wing>/<stage>.cpp).
 // This file has the order of the stages; occluders/occluder_lists.hpp has that of the stages from clusters to bins:
 //
+//   light_order       points that come in no order are sorted in the light's plane (trace/light_order.hpp)
 //   facing            one pass over the points: backfacing points are decided, the others are open
 //   light_frame       grid fitted to the open points; one for a directional light, six for a point light
 //   receiver_depth_pyramid   how far from the light the open points reach, per bin
@@ -41,7 +42,7 @@ struct FrustumTraced::RunResult {
     FrameCounters facing{}, total{};  ///< total: over the frames
     std::uint64_t tests = 0, frames = 0, lists_grown = 0, maps_drawn = 0;
     std::uint64_t fallback_points = 0;  ///< points that a prepared light did not cover
-    bool used_prepared = false;
+    bool used_prepared = false, sorted_points = false;
     const cl::Buffer* map = nullptr;  ///< of the last frame
 
     void add(const FrameCounters& counted) {
@@ -64,6 +65,9 @@ namespace {
 
 // In the order of MapMode.
 constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
+
+// In the order of SortPoints.
+constexpr std::string_view sort_points_names[] = {"on", "off", "auto"};
 
 // In the order of ManyLights.
 constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts"};
@@ -91,6 +95,9 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
          setting::whole_or_auto(&S::map_size, smallest_map_size, largest_map_size)},
         {{"first-capacity", "auto", "entries that growing lists start with, from 1, or auto: for tests"},
          setting::whole_or_auto(&S::first_capacity, 1, std::numeric_limits<std::uint32_t>::max())},
+        {{"sort-points", "auto",
+          "on, off or auto: sort points that come in no order before they are traced (auto: on a CPU)"},
+         setting::choice(&S::sort_points, sort_points_names)},
         {{"many-lights", "auto", "auto, one-by-one or shafts: how a run over many lights decides them"},
          setting::choice(&S::many_lights, many_lights_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
@@ -344,20 +351,31 @@ const BuiltShaftTree& FrustumTraced::shaft_tree(const Triangles& triangles) {
     return *tree_;
 }
 
+// The points of a picture are in order. Footprints and a record of provenance keep the order of their points.
+bool FrustumTraced::may_sort(const PointInputs& points) const {
+    return points.layout.picture_width == 0 && points.footprints == nullptr && !provenance_;
+}
+
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
                                  cl_mem visibility) {
     MeasuredRun measured(session_, kept_bytes_);
     const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), points.layout.count);
-    const FramedInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
+    FramedInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     footprint_lists_.reset();
     counters_.reserve(session_, sizeof(FrameCounters));
     RunResult result{measured.stages};
+    const auto sorted = may_sort(points)
+                            ? order_.sort(session_, measured.stages, settings_.sort_points, in.light_frame, points)
+                            : std::nullopt;
+    result.sorted_points = sorted.has_value();
+    if (sorted) in = {in.triangles, *sorted, in.light_frame, order_.visibility()};
     if (points.layout.count != 0) {
         const bool is_prepared = !provenance_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
                                  prepared_->is_of(triangles, light);
         result.used_prepared = is_prepared && run_prepared(in, result);
         if (!result.used_prepared) run_unprepared(in, result);
     }
+    if (sorted) order_.scatter(session_, measured.stages, points.layout.count, visibility);
     const bool has_one_frame = frame_count_of(in.light_frame) == 1 && result.frames == 1;
     if (points.footprints != nullptr && has_one_frame && result.total.fallback_points == 0)
         footprint_lists_ = FootprintLists{in.light_frame, result.map};
@@ -415,6 +433,7 @@ void FrustumTraced::describe_counts(const FramedInputs& in, RunResult& result) {
                                 {"decided_by_integers", t.exact_exact},
                                 {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
                                 {"lists_grown", result.lists_grown},
+                                {"points_sorted", result.sorted_points},
                                 {"prepared", result.used_prepared},
                                 {"prepared_fallback_points", result.fallback_points}};
 }

@@ -8,6 +8,7 @@
 
 #include "api/settings_table.hpp"
 #include "lights/many_lights.hpp"
+#include "trace/light_order.hpp"
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
 #include "samples/classify_footprints.hpp"
@@ -53,11 +54,13 @@ private:
         std::uint32_t first_capacity;  ///< 0: the lists' default
         ManyLights many_lights;
         std::uint32_t bundle_lights;
+        SortPoints sort_points;
     };
     struct FrameResult;
     struct RunResult;
 
     static const SettingsTable<Settings>& settings_table();
+    bool may_sort(const PointInputs& points) const;
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
     const BuiltShaftTree& shaft_tree(const Triangles& triangles);
     bool run_prepared(const FramedInputs& in, RunResult& result);
@@ -90,6 +93,7 @@ private:
     std::array<std::uint32_t, POINT_LIGHT_FRAMES> runs_without_map_{};
 
     cl::Buffer counters_;
+    LightOrder order_;
     LightFrames frames_;
     OccluderLists lists_;
     Trace trace_;

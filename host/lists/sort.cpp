@@ -7,7 +7,8 @@
 
 namespace gnomon {
 
-void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values) {
+void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values,
+               std::uint32_t bits) {
     const std::uint32_t chunk = sort_chunk(session.is_cpu()), chunks = (count + chunk - 1) / chunk;
     if (chunks == 0) return;
     const std::uint32_t counters = chunks * SORT_DIGITS;
@@ -15,7 +16,7 @@ void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::
     slots_.reserve(session, (counters + 1) * sizeof(cl_uint));
     other_keys_.reserve(session, keys.bytes());
     other_values_.reserve(session, values.bytes());
-    for (cl_uint shift = 0; shift < 32; shift += SORT_DIGIT_BITS) {
+    for (cl_uint shift = 0; shift < bits; shift += SORT_DIGIT_BITS) {
         const SortParams params{.count = count, .shift = shift};
         session.launch("lists/sort.cl", "sort_count", cl::Range::items(chunks), params, keys, counts_);
         scan_.run(session, counters, 1, counts_, slots_);
