@@ -61,6 +61,8 @@ gnomon_status status_of_exception() noexcept {
         return failed(GNOMON_OPENCL_ERROR, error.what(), error.code());
     } catch (const Stopped&) {
         return failed(GNOMON_STOPPED, "the caller's sample sink stopped the run");
+    } catch (const Cancelled&) {
+        return failed(GNOMON_STOPPED, "the caller's progress function stopped the run");
     } catch (const std::bad_alloc&) {
         return failed(GNOMON_OUT_OF_HOST_MEMORY, "the host has too little memory for this call");
     } catch (const std::length_error&) {

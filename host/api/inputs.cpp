@@ -244,6 +244,10 @@ void require_apart(const Triangles& triangles, const Points& points, cl_mem writ
                               ", which the run reads while it writes: give " + name + " memory of its own");
 }
 
+bool overlap(cl_mem a, std::size_t floats_a, cl_mem b, std::size_t floats_b) {
+    return overlap(extent_of(a, 0, floats_a), extent_of(b, 0, floats_b));
+}
+
 void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility) {
     require_light(light);
     require_eye(points);
@@ -261,8 +265,7 @@ void require_run_lights(const Triangles& triangles, const Points& points, std::s
     for (std::size_t i = 0; i < lights.size(); ++i) {
         require_run(triangles, points, lights[i], visibilities[i]);
         for (std::size_t j = 0; j < i; ++j)
-            if (overlap(extent_of(visibilities[i].buffer(), 0, points.count()),
-                        extent_of(visibilities[j].buffer(), 0, points.count())))
+            if (overlap(visibilities[i].buffer(), points.count(), visibilities[j].buffer(), points.count()))
                 throw InvalidArgument("lights " + std::to_string(j) + " and " + std::to_string(i) +
                                       " have the same visibility: give each its own");
     }

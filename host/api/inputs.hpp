@@ -46,6 +46,9 @@ void require_eye(const Points& points);
 void require_apart(const Triangles& triangles, const Points& points, cl_mem written, std::size_t floats,
                    const std::string& name);
 
+/// True if the first floats of two buffers share memory.
+bool overlap(cl_mem a, std::size_t floats_a, cl_mem b, std::size_t floats_b);
+
 /// Throws InvalidArgument unless a technique can run on these: a light, a finite eye, if any, and a visibility buffer
 /// that is large enough and overlaps no input. Every technique's run begins with it.
 void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility);

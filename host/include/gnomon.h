@@ -71,7 +71,7 @@ typedef enum gnomon_status {
     GNOMON_OUT_OF_DEVICE_MEMORY = 3,  ///< of the device, or of the limit in gnomon_device_options
     GNOMON_OUT_OF_HOST_MEMORY = 4,
     GNOMON_OPENCL_ERROR = 5,     ///< an OpenCL call failed: gnomon_last_opencl_error() has its code
-    GNOMON_STOPPED = 6,          ///< the caller's gnomon_sample_sink stopped the run
+    GNOMON_STOPPED = 6,          ///< the caller's gnomon_sample_sink or gnomon_progress stopped the run
     GNOMON_UNEXPECTED_ERROR = 7  ///< anything else; the text says what
 } gnomon_status;
 
@@ -471,6 +471,94 @@ gnomon_status gnomon_vertex_fans_extended(const gnomon_vertex_fans* fans, uint64
 /// a technique's run for the same points and light.
 gnomon_status gnomon_face_by_fans(const gnomon_triangles* triangles, const gnomon_vertex_fans* fans, gnomon_light light,
                                   const float* up, const gnomon_visibility* visibility, cl_event* event_out);
+
+// ---- Many lights at once --------------------------------------------------------------------------------------------
+
+/// Lights with a weight each. Weights are rounded once, for the whole table, to whole numbers times a power of two, so
+/// that a sum of them does not depend on its order (docs/many_lights.md). It belongs to no device.
+typedef struct gnomon_lights gnomon_lights;
+
+/// `weights` NULL: 1 each. Fails, naming the index, for a light that its makers could not have made or a weight that is
+/// not finite.
+gnomon_status gnomon_lights_create(const gnomon_light* lights, const float* weights, size_t count,
+                                   gnomon_lights** lights_out);
+/// A disk in the sky, such as the sun's (0.533 degrees across): `samples` directional lights around the one that
+/// travels along `direction`, weight 1 each, by Vogel's spiral. Fails if the direction is zero or not finite, the angle
+/// not between 0 and 90 degrees (exclusive), or `samples` 0.
+gnomon_status gnomon_lights_sun_disk(const float direction[3], double angle_degrees, uint32_t samples,
+                                     gnomon_lights** lights_out);
+/// A parallelogram that shines: `samples` point lights on corner + a edge_a + b edge_b, weight 1 each, by Hammersley's
+/// points. Fails if a coordinate is not finite, or `samples` 0.
+gnomon_status gnomon_lights_area(const float corner[3], const float edge_a[3], const float edge_b[3], uint32_t samples,
+                                 gnomon_lights** lights_out);
+/// The sky's hemisphere around `up` in division^2 times as many patches as Tregenza's 145, as Reinhart divides each; a
+/// weight is the patch's solid angle times the cosine of its angle to `up`, over pi. The first patch of each row lies
+/// at the azimuth of `north`. Fails if a direction is zero or not finite, the two are parallel, or the division is not
+/// from 1 to 16.
+gnomon_status gnomon_lights_sky(const float up[3], const float north[3], uint32_t division, gnomon_lights** lights_out);
+void gnomon_lights_destroy(gnomon_lights* lights);
+
+gnomon_status gnomon_lights_count(const gnomon_lights* lights, size_t* count_out);
+/// Copies the lights and their weights, as they were given. Either may be NULL.
+gnomon_status gnomon_lights_read(const gnomon_lights* lights, gnomon_light* lights_out, float* weights_out);
+/// A weight counts as a whole number times 2^exponent; `largest` is the most by which one was rounded.
+gnomon_status gnomon_lights_rounding(const gnomon_lights* lights, int32_t* exponent_out, double* largest_out);
+
+/// No light reaches the point: in first_lit and last_lit.
+#define GNOMON_NO_LIGHT 0xFFFFFFFFu
+
+/// What a run over m lights writes for n points; one that is NULL is not written. Buffers of the caller's, from their
+/// beginning on.
+typedef struct gnomon_lights_buffers {
+    cl_mem bits;       ///< uint32, n rows of (m + 31) / 32: light l is bit l % 32 of word l / 32; 1 lit
+    cl_mem counts;     ///< uint32, n: the number of lights that reach the point
+    cl_mem sums;       ///< double, n: the sum of their weights, exact before this one rounding
+    cl_mem first_lit;  ///< uint32, n: the smallest index of these, or GNOMON_NO_LIGHT
+    cl_mem last_lit;   ///< uint32, n: the largest
+} gnomon_lights_buffers;
+/// The same in arrays on the host.
+typedef struct gnomon_lights_arrays {
+    uint32_t* bits;
+    uint32_t* counts;
+    double* sums;
+    uint32_t* first_lit;
+    uint32_t* last_lit;
+} gnomon_lights_arrays;
+
+/// Called now and then with the part that is done, 0 to 1. A result other than 0 stops the run (GNOMON_STOPPED); the
+/// outputs' contents are then not defined.
+typedef int (*gnomon_progress)(double done, void* user_data);
+
+/// Zeros are the defaults. A point that has a side of a surface is backfacing for each light that is not strictly on
+/// it, decided exactly: the side of the points' eye or, where given, of its normal, or the front of its receiver; at
+/// most one of the three may be given. A receiver alone only excludes its triangle: without a side, a point behind its
+/// surface may be lit.
+typedef struct gnomon_lights_options {
+    bool front;      ///< counter-clockwise corners show a receiver's front (as gnomon_face_by_winding())
+    bool cosines;    ///< sums add each weight times max(0, n . l): needs normals and directional lights
+    cl_mem normals;  ///< a normal per point, NULL: none
+    const gnomon_point_layout* normals_layout;  ///< NULL: packed xyz triples from the buffer's beginning
+    gnomon_progress progress;                   ///< NULL: none
+    void* user_data;                            ///< for `progress`
+} gnomon_lights_options;
+
+/// Decides all pairs of a point and a light: bit for bit what a run with one light after the other gives, and sums that
+/// depend on no order. Nothing of the size points x lights is held unless `bits` is wanted. Waits for the queue.
+/// `options` may be NULL. Fails as gnomon_technique_run() does, or if a buffer is too small or overlaps an input.
+gnomon_status gnomon_technique_run_table(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                         const gnomon_points* points, const gnomon_lights* lights,
+                                         const gnomon_lights_buffers* outputs, const gnomon_lights_options* options,
+                                         const gnomon_statistics** statistics_out);
+gnomon_status gnomon_technique_run_table_to_host(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                                 const gnomon_points* points, const gnomon_lights* lights,
+                                                 const gnomon_lights_arrays* outputs,
+                                                 const gnomon_lights_options* options,
+                                                 const gnomon_statistics** statistics_out);
+/// Soft shadows: writes to `mean` the share of the lights that reach each point, rounded once; weights are not read.
+gnomon_status gnomon_technique_run_mean(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                        const gnomon_points* points, const gnomon_lights* lights,
+                                        const gnomon_visibility* mean, const gnomon_lights_options* options,
+                                        cl_event* event_out, const gnomon_statistics** statistics_out);
 
 // ---- Views ----------------------------------------------------------------------------------------------------------
 

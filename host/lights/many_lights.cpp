@@ -12,17 +12,24 @@ namespace gnomon {
 namespace {
 
 struct Output {
+    const char* name;
     cl_mem buffer;
     std::size_t bytes;
-    const char* name;
 };
 
+void require_own_memory(const Output& output, const Output& other) {
+    if (other.bytes == 0) return;
+    if (overlap(output.buffer, output.bytes / sizeof(float), other.buffer, other.bytes / sizeof(float)))
+        throw InvalidArgument(std::string("the buffer of ") + output.name + " overlaps that of " + other.name +
+                              ": give " + output.name + " memory of its own");
+}
+
 std::array<Output, 5> outputs_of(const LightsOutputs& outputs, std::size_t points, std::size_t lights) {
-    return {{{outputs.bits, points * ((lights + 31) / 32) * 4, "bits"},
-             {outputs.counts, points * 4, "counts"},
-             {outputs.sums, points * 8, "sums"},
-             {outputs.first_lit, points * 4, "first_lit"},
-             {outputs.last_lit, points * 4, "last_lit"}}};
+    return {{{"bits", outputs.bits, points * ((lights + 31) / 32) * 4},
+             {"counts", outputs.counts, points * 4},
+             {"sums", outputs.sums, points * 8},
+             {"first_lit", outputs.first_lit, points * 4},
+             {"last_lit", outputs.last_lit, points * 4}}};
 }
 
 void run_light(Technique& technique, const Triangles& triangles, const Points& points, const Light& light,
@@ -39,13 +46,18 @@ void run_light(Technique& technique, const Triangles& triangles, const Points& p
 void require_lights_run(const LightsRun& run) {
     const auto& [device, triangles, points, lights, outputs, options] = run;
     require_eye(points);
+    std::vector<Output> written;
     for (const Output& output : outputs_of(outputs, points.count(), lights.count())) {
-        if (output.buffer == nullptr) continue;
+        if (output.buffer == nullptr || output.bytes == 0) continue;
         if (bytes_of(output.buffer) < output.bytes)
             throw InvalidArgument(std::string("the buffer of ") + output.name + " holds " +
                                   std::to_string(bytes_of(output.buffer)) + " bytes, and " +
                                   std::to_string(output.bytes) + " are needed");
         require_apart(triangles, points, output.buffer, output.bytes / sizeof(float), output.name);
+        require_own_memory(output,
+                           {"normals", options.normals, options.normals != nullptr ? bytes_of(options.normals) : 0});
+        for (const Output& other : written) require_own_memory(output, other);
+        written.push_back(output);
     }
     if (options.normals != nullptr) Points::wrap(device, options.normals, options.normals_layout, points.count());
     if (int(options.front) + int(options.normals != nullptr) + int(points.eye().has_value()) > 1)

@@ -44,6 +44,9 @@ HAS_SIZE(gnomon_setting_description, 24);
 HAS_SIZE(gnomon_diagnostic_description, 16);
 HAS_SIZE(gnomon_technique_description, 56);
 HAS_SIZE(gnomon_technique_list, 16);
+HAS_SIZE(gnomon_lights_buffers, 40);
+HAS_SIZE(gnomon_lights_arrays, 40);
+HAS_SIZE(gnomon_lights_options, 40);
 HAS_SIZE(gnomon_materials, 32);
 HAS_SIZE(gnomon_sample_offset, 8);
 HAS_SIZE(gnomon_triangle_signs, 80);
@@ -386,7 +389,64 @@ static void check_fans(const gnomon_device* device, const gnomon_triangles* tria
     gnomon_points_destroy(points);
 }
 
+static int note_progress(double done, void* user_data) {
+    *(double*)user_data = done;
+    return 0;
+}
+
+// Only the third point sees a light: the one straight above it.
+static void check_many_lights(const gnomon_device* device, const gnomon_triangles* triangles,
+                              const gnomon_points* points, const gnomon_visibility* visibility,
+                              const gnomon_light both[2]) {
+    const float weights[2] = {0.5f, 4}, up[3] = {0, 1, 0}, north[3] = {0, 0, -1}, edge[3] = {0.1f, 0, 0};
+    gnomon_lights *lights, *disk, *area, *sky;
+    gnomon_technique* technique;
+    gnomon_light copied[2];
+    float weights_copied[2], mean[3];
+    uint32_t bits[3], counts[3], first[3], last[3];
+    double sums[3], rounded, done = 0;
+    int32_t exponent;
+    size_t count;
+    cl_event event;
+    const gnomon_statistics* statistics;
+    DONE(gnomon_lights_create(both, weights, 2, &lights));
+    DONE(gnomon_lights_count(lights, &count));
+    DONE(gnomon_lights_read(lights, copied, weights_copied));
+    DONE(gnomon_lights_rounding(lights, &exponent, &rounded));
+    EXPECT(count == 2 && rounded == 0 && exponent < 0);
+    EXPECT(memcmp(copied, both, sizeof(copied)) == 0 && memcmp(weights_copied, weights, sizeof(weights)) == 0);
+    DONE(gnomon_technique_create(device, "frustum-traced", &technique));
+    const gnomon_lights_arrays arrays = {bits, counts, sums, first, last};
+    DONE(gnomon_technique_run_table_to_host(technique, triangles, points, lights, &arrays, NULL, &statistics));
+    gnomon_statistics_destroy(statistics);
+    EXPECT(bits[0] == 0 && bits[1] == 0 && bits[2] == 1);
+    EXPECT(counts[0] == 0 && counts[1] == 0 && counts[2] == 1);
+    EXPECT(sums[0] == 0 && sums[1] == 0 && sums[2] == 0.5);
+    EXPECT(first[0] == GNOMON_NO_LIGHT && first[2] == 0 && last[1] == GNOMON_NO_LIGHT && last[2] == 0);
+    gnomon_lights_buffers buffers = {NULL, NULL, NULL, NULL, NULL};
+    gnomon_lights_options options = {.progress = note_progress, .user_data = &done};
+    DONE(gnomon_visibility_buffer(visibility, &buffers.counts));
+    DONE(gnomon_technique_run_table(technique, triangles, points, lights, &buffers, &options, NULL));
+    DONE(gnomon_visibility_read(visibility, (float*)(void*)counts));
+    EXPECT(counts[0] == 0 && counts[1] == 0 && counts[2] == 1 && done == 1);
+    DONE(gnomon_technique_run_mean(technique, triangles, points, lights, visibility, NULL, &event, NULL));
+    wait_for(event);
+    DONE(gnomon_visibility_read(visibility, mean));
+    EXPECT(mean[0] == 0 && mean[1] == 0 && mean[2] == 0.5f);
+    DONE(gnomon_lights_sun_disk(down, 0.533, 7, &disk));
+    DONE(gnomon_lights_area(above, edge, up, 3, &area));
+    DONE(gnomon_lights_sky(up, north, 1, &sky));
+    DONE(gnomon_lights_count(sky, &count));
+    EXPECT(count == 145);
+    gnomon_lights_destroy(sky);
+    gnomon_lights_destroy(area);
+    gnomon_lights_destroy(disk);
+    gnomon_lights_destroy(lights);
+    gnomon_technique_destroy(technique);
+}
+
 static void destroy_nothing(void) {
+    gnomon_lights_destroy(NULL);
     gnomon_device_list_destroy(NULL);
     gnomon_technique_list_destroy(NULL);
     gnomon_statistics_destroy(NULL);
@@ -421,6 +481,7 @@ int main(void) {
     check_inputs(triangles, points, visibility);
     check_technique(device, triangles, points, visibility, lights);
     check_fans(device, triangles, lights);
+    check_many_lights(device, triangles, points, visibility, lights);
     check_views(device, triangles, &camera, lights[0]);
     check_parts_and_reasons(device, triangles, points, &camera, lights[0]);
     check_wrapping(device, lights[0]);

@@ -32,6 +32,7 @@ struct Destroy {
     void operator()(gnomon_points* p) const { gnomon_points_destroy(p); }
     void operator()(gnomon_visibility* v) const { gnomon_visibility_destroy(v); }
     void operator()(gnomon_vertex_fans* f) const { gnomon_vertex_fans_destroy(f); }
+    void operator()(gnomon_lights* l) const { gnomon_lights_destroy(l); }
     void operator()(gnomon_technique* t) const { gnomon_technique_destroy(t); }
     void operator()(gnomon_view* v) const { gnomon_view_destroy(v); }
     void operator()(gnomon_camera_pass* p) const { gnomon_camera_pass_destroy(p); }
@@ -243,6 +244,58 @@ TEST_F(BesideCpp, SidesThatTheCallerGives) {
             EXPECT_DONE(gnomon_vertex_fans_extended(fans.get(), &extended));
             EXPECT_EQ(extended, cpp_fans.extended());
         }
+    }
+}
+
+TEST_F(BesideCpp, ManyLightsInOneRun) {
+    const auto with = technique("frustum-traced");
+    const auto cpp_with = gnomon::make_technique("frustum-traced", cpp_device);
+    const auto both = made<gnomon_lights>([&](auto out) {
+        return gnomon_lights_create(lights, std::array{0.3f, -2.0f}.data(), 2, out);
+    });
+    const auto disk =
+        made<gnomon_lights>([&](auto out) { return gnomon_lights_sun_disk(direction.data(), 20, 40, out); });
+    const auto area = made<gnomon_lights>(
+        [&](auto out) { return gnomon_lights_area(lamp.data(), up.data(), direction.data(), 5, out); });
+    const auto sky =
+        made<gnomon_lights>([&](auto out) { return gnomon_lights_sky(up.data(), direction.data(), 1, out); });
+    const gnomon::Lights cpp_tables[] = {
+        gnomon::Lights({cpp_lights[0], cpp_lights[1]}, {0.3f, -2.0f}), gnomon::sun_disk(direction, 20, 40),
+        gnomon::area_light(lamp, up, direction, 5), gnomon::sky_patches(up, direction, 1)};
+    const gnomon_lights* tables[] = {both.get(), disk.get(), area.get(), sky.get()};
+    for (int i = 0; i < 4; ++i) {
+        const gnomon::Lights& cpp = cpp_tables[i];
+        std::size_t count = 0;
+        ASSERT_DONE(gnomon_lights_count(tables[i], &count));
+        ASSERT_EQ(count, cpp.count());
+        std::vector<gnomon_light> copied(count);
+        Floats weights(count);
+        std::int32_t exponent = 0;
+        double rounded = -1;
+        EXPECT_DONE(gnomon_lights_read(tables[i], copied.data(), weights.data()));
+        EXPECT_DONE(gnomon_lights_rounding(tables[i], &exponent, &rounded));
+        EXPECT_EQ(weights, Floats(cpp.weights().begin(), cpp.weights().end()));
+        EXPECT_EQ(std::memcmp(copied.data(), cpp.lights().data(), count * sizeof(gnomon_light)), 0);
+        EXPECT_EQ(exponent, cpp.exponent());
+        EXPECT_EQ(rounded, cpp.largest_rounding());
+        const auto wanted =
+            gnomon::run_lights_to_host(*cpp_with, cpp_triangles, cpp_points, cpp, {true, true, true, true, true});
+        std::vector<std::uint32_t> bits(wanted.bits.size(), 7), counts(points_count, 7), first(points_count, 7),
+            last(points_count, 7);
+        std::vector<double> sums(points_count, 7);
+        const gnomon_lights_arrays to{bits.data(), counts.data(), sums.data(), first.data(), last.data()};
+        const gnomon_statistics* statistics = nullptr;
+        ASSERT_DONE(gnomon_technique_run_table_to_host(with.get(), triangles.get(), points.get(), tables[i], &to,
+                                                       nullptr, &statistics));
+        gnomon_statistics_destroy(statistics);
+        EXPECT_TRUE(bits == wanted.bits && counts == wanted.counts && sums == wanted.sums);
+        EXPECT_TRUE(first == wanted.first_lit && last == wanted.last_lit);
+        EXPECT_GT(std::ranges::count_if(counts, [](auto c) { return c != 0; }), 50);
+        const auto mean = visibility(points_count);
+        ASSERT_DONE(gnomon_technique_run_mean(with.get(), triangles.get(), points.get(), tables[i], mean.get(), nullptr,
+                                              nullptr, nullptr));
+        for (std::size_t p = 0; p < points_count; ++p)
+            ASSERT_EQ(values(mean.get())[p], float(double(counts[p]) / double(count))) << p;
     }
 }
 
@@ -517,6 +570,62 @@ TEST_F(BesideCpp, EveryStatusWithItsSentence) {
 }
 
 // A sink is the caller's code: it stops the run by a number, and an exception of C++ goes no further than gnomon.
+TEST_F(BesideCpp, ManyLightsWithNormalsBuffersAndProgress) {
+    const auto with = technique("frustum-traced");
+    const auto sky =
+        made<gnomon_lights>([&](auto out) { return gnomon_lights_sky(up.data(), direction.data(), 1, out); });
+    const Floats normals = support::random_points(points_count, -1, 1, 9);
+    const auto upload = [&](const Floats& from) {
+        return made<gnomon_points>(
+            [&](auto out) { return gnomon_points_upload(device.get(), from.data(), nullptr, points_count, out); });
+    };
+    const auto bare = upload(positions), vectors = upload(normals);
+    gnomon_lights_options options{};
+    gnomon_point_layout layout;
+    EXPECT_DONE(gnomon_points_positions(vectors.get(), &options.normals, &layout));
+    options.normals_layout = &layout;
+    options.cosines = true;
+    std::vector<double> done_parts;
+    options.user_data = &done_parts;
+    options.progress = [](double done, void* user_data) {
+        static_cast<std::vector<double>*>(user_data)->push_back(done);
+        return 0;
+    };
+    const auto output = visibility(2 * points_count);  // as many bytes as doubles for all points
+    gnomon_lights_buffers to{};
+    EXPECT_DONE(gnomon_visibility_buffer(output.get(), &to.sums));
+    const auto run = [&] {
+        return gnomon_technique_run_table(with.get(), triangles.get(), bare.get(), sky.get(), &to, &options, nullptr);
+    };
+    ASSERT_DONE(run());
+    ASSERT_FALSE(done_parts.empty());
+    EXPECT_EQ(done_parts.back(), 1);
+    const auto cpp_bare = gnomon::Points::upload(cpp_device, positions);
+    const auto cpp_normals = gnomon::Points::upload(cpp_device, normals);
+    const auto wanted = gnomon::run_lights_to_host(*gnomon::make_technique("frustum-traced", cpp_device), cpp_triangles,
+                                                   cpp_bare, gnomon::sky_patches(up, direction, 1), {.sums = true},
+                                                   {.normals = cpp_normals.positions(), .cosines = true});
+    const Floats words = values(output.get());
+    EXPECT_EQ(std::memcmp(words.data(), wanted.sums.data(), points_count * sizeof(double)), 0);
+
+    options.progress = [](double, void*) { return 1; };
+    EXPECT_TRUE(fails(run(), GNOMON_STOPPED, {"progress function stopped"}));
+    options.progress = nullptr;
+    options.front = true;
+    EXPECT_TRUE(fails(run(), GNOMON_INVALID_ARGUMENT, {"side", "twice"}));
+    options.front = false;
+    to.counts = options.normals;
+    EXPECT_TRUE(fails(run(), GNOMON_INVALID_ARGUMENT, {"counts", "overlaps", "normals"}));
+    to.counts = to.sums;
+    EXPECT_TRUE(fails(run(), GNOMON_INVALID_ARGUMENT, {"overlaps that of counts"}));
+    EXPECT_DONE(gnomon_points_positions(bare.get(), &to.counts, &layout));
+    EXPECT_TRUE(fails(run(), GNOMON_INVALID_ARGUMENT, {"counts", "overlaps", "positions"}));
+    gnomon_lights* none = sky.get();
+    EXPECT_TRUE(fails(gnomon_lights_create(lights, std::array{1.0f, NAN}.data(), 2, &none), GNOMON_INVALID_ARGUMENT,
+                      {"weight", "1"}));
+    EXPECT_EQ(none, nullptr);
+}
+
 TEST_F(BesideCpp, SinksThatStopOrThrow) {
     const auto view = made<gnomon_view>([&](auto out) {
         return gnomon_look(device.get(), triangles.get(), &camera, width, height, out, nullptr, nullptr);
@@ -651,6 +760,9 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
     std::size_t count_out;
     const auto fans = made<gnomon_vertex_fans>(
         [&](auto out) { return gnomon_vertex_fans_find(d, vertices.data(), 1, vertices.data(), 1, out); });
+    gnomon_lights* lights_out;
+    const auto table = made<gnomon_lights>([&](auto out) { return gnomon_lights_create(&sun, nullptr, 1, out); });
+    const gnomon_lights_buffers buffers{};
     const gnomon_explanation* why;
     const gnomon_view_of_parts* parts;
     const gnomon_visibility* const one[1] = {nullptr};
@@ -740,6 +852,20 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
         REFUSES("triangles", gnomon_look(d, nullptr, &camera, 1, 1, &view_out, nullptr, nullptr)),
         REFUSES("camera", gnomon_look(d, t, nullptr, 1, 1, &view_out, nullptr, nullptr)),
         REFUSES("view_out", gnomon_look(d, t, &camera, 1, 1, nullptr, nullptr, nullptr)),
+        REFUSES("lights_out", gnomon_lights_create(&sun, nullptr, 1, nullptr)),
+        REFUSES("lights", gnomon_lights_create(nullptr, nullptr, 1, &lights_out)),
+        REFUSES("direction", gnomon_lights_sun_disk(nullptr, 1, 1, &lights_out)),
+        REFUSES("edge_b", gnomon_lights_area(xyz, xyz, nullptr, 1, &lights_out)),
+        REFUSES("north", gnomon_lights_sky(xyz, nullptr, 1, &lights_out)),
+        REFUSES("lights", gnomon_lights_count(nullptr, &count_out)),
+        REFUSES("count_out", gnomon_lights_count(table.get(), nullptr)),
+        REFUSES("lights", gnomon_lights_read(nullptr, nullptr, nullptr)),
+        REFUSES("lights", gnomon_lights_rounding(nullptr, nullptr, nullptr)),
+        REFUSES("technique", gnomon_technique_run_table(nullptr, t, p, table.get(), &buffers, nullptr, nullptr)),
+        REFUSES("lights", gnomon_technique_run_table(k, t, p, nullptr, &buffers, nullptr, nullptr)),
+        REFUSES("outputs", gnomon_technique_run_table(k, t, p, table.get(), nullptr, nullptr, nullptr)),
+        REFUSES("outputs", gnomon_technique_run_table_to_host(k, t, p, table.get(), nullptr, nullptr, nullptr)),
+        REFUSES("mean", gnomon_technique_run_mean(k, t, p, table.get(), nullptr, nullptr, nullptr, nullptr)),
         REFUSES("points_out", gnomon_view_points(w, nullptr)),
         REFUSES("view", gnomon_view_read(nullptr, t, nullptr, nullptr, nullptr)),
         REFUSES("triangles", gnomon_view_read(w, nullptr, nullptr, nullptr, nullptr)),
