@@ -19,7 +19,7 @@ def test_a_trimesh():
 
 
 def test_a_pyvista_mesh():
-    pyvista = pytest.importorskip("pyvista")
+    pyvista = pytest.importorskip("pyvista", exc_type=ImportError)
     scene = gnomon.Scene(pyvista.Cube(x_length=2, y_length=2, z_length=2))  # quads
     assert len(scene) == 12
     assert scene.lit(np.float32([[0, 0, -3], [3, 0, -3]]), direction=DOWN).tolist() == [False, True]

@@ -106,6 +106,19 @@ def test_what_does_not_fit(queue):
         gnomon.Scene(cl.array.to_device(queue, triangles)).lit(cl.array.to_device(other, points), direction=(0, 0, 1))
 
 
+def test_a_side_of_triangles_that_snapping_changed_is_refused(queue):
+    roof = np.array([[[0, 0, 0], [10, 0, 3], [5.001, 0.0004, 1.5003]], [[0, 0, 0], [10, 0, 0], [0, 10, 0]]])
+    scene = gnomon.Scene(roof, lattice=2**-10)
+    assert scene.lattice.is_changed.tolist() == [True, False]
+    points = cl.array.to_device(queue, np.float32([[1, 1, 0]]))
+    receivers = cl.array.to_device(queue, np.uint32([1]))
+    for side in {"side": "front"}, {"eye": (1, 1, 5)}:
+        with pytest.raises(ValueError, match="snapping changed triangle 0"):
+            scene.lit(points, direction=(0, 0, -1), receivers=receivers, **side)
+    normals = cl.array.to_device(queue, np.float32([[0, 0, 1]]))
+    assert scene.lit(points, direction=(0, 0, -1), receivers=receivers, normals=normals).get().tolist() == [1]
+
+
 def test_an_out_of_order_queue_is_refused(queue):
     device = queue.device
     if not device.queue_properties & cl.command_queue_properties.OUT_OF_ORDER_EXEC_MODE_ENABLE:

@@ -320,8 +320,8 @@ class Scene:
         Points in a pyopencl array (N, 3) of float32, relative to the lattice's origin if there is a lattice, are read
         where they lie, on that array's queue, and the result is a pyopencl array (N,) of float32, 1 lit and 0 not;
         receivers (uint32) and normals (float32) are pyopencl arrays, too. Nothing is checked there: a point that is not
-        finite is 1. side and eye read the triangles after snapping there: those that Scene.lattice names as changed are
-        decided rightly by normals, or by points on the host.
+        finite is 1. side and eye read the triangles after snapping there, and are refused where Scene.lattice names
+        changed ones: give normals, or points on the host.
 
         Raises ValueError with the argument's name and the first bad row, MemoryError, DeviceNotFoundError.
         """
@@ -609,6 +609,12 @@ class Scene:
         if normals is not None:
             _require_on_device(normals, "normals", (count, 3), np.float32)
         towards = self._eye_of(side, eye, receivers is not None)
+        if (side == "front" or towards is not None) and self.lattice is not None and self.lattice.is_changed.any():
+            raise ValueError(
+                f"{'side' if side == 'front' else 'eye'}: snapping changed triangle "
+                f"{int(np.flatnonzero(self.lattice.is_changed)[0])} (Scene.lattice names all), and points on the device "
+                "would be decided by the triangles after snapping: give normals=, or points on the host"
+            )
         at_normals = None if normals is None else (normals.base_data.int_ptr, _packed_from(normals))
         upload = self._on(device_of_queue(points.queue))
         result = pyopencl.array.empty(points.queue, (count,), np.float32) if out is None else out
