@@ -11,6 +11,8 @@ run_packages=(
     pocl-opencl-icd                # an OpenCL device for every CPU; a GPU's driver brings its own
     libtinygltf-dev libglm-dev nlohmann-json3-dev libcli11-dev  # the command: scenes, statistics, options
     libdraco-dev libmeshoptimizer-dev                # optional: compressed meshes in scenes
+    libstb-dev                     # the command: the numbers of a legend
+    liberfa-dev                    # optional: the sun's positions for gnomon hours
     libpng-dev libopenimageio-dev  # the command: pictures; EXR files and galleries
     openimageio-tools              # OpenImageIO's CMake files refuse to be found without its tools
 )
@@ -18,7 +20,6 @@ test_packages=(
     libgtest-dev                   # the test framework
     libboost-dev libgmp-dev        # exact arithmetic for the references
     oclgrind                       # finds out-of-bounds accesses and races in kernels
-    libstb-dev                     # PNG pictures in the benchmark's page
     pkg-config                     # what is installed is found by it, too
     git                            # check_layout.sh asks it which files are the project's
 )

@@ -37,14 +37,14 @@ private:
 struct AovPixel {
     float position[3];
     float normal[3];
-    float visibility;
+    float value;
     std::uint32_t receiver;
 };
 static_assert(sizeof(AovPixel) == 32);
 
-OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height) {
+OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel) {
     OIIO::ImageSpec spec(int(width), int(height), 8, OIIO::TypeFloat);
-    spec.channelnames = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "visibility", "receiver"};
+    spec.channelnames = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", channel, "receiver"};
     spec.channelformats.assign(7, OIIO::TypeFloat);
     spec.channelformats.push_back(OIIO::TypeUInt32);
     spec.attribute("compression", "zip");
@@ -52,11 +52,11 @@ OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height) {
     return spec;
 }
 
-AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> visibility, std::size_t pixel) {
+AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> values, std::size_t pixel) {
     AovPixel result{};
     std::copy_n(view.position.begin() + std::ptrdiff_t(3 * pixel), 3, result.position);
     std::copy_n(view.normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.normal);
-    result.visibility = visibility[pixel];
+    result.value = values[pixel];
     result.receiver = view.receiver[pixel];
     return result;
 }
@@ -79,7 +79,7 @@ std::string data_uri(const std::string& format, std::uint32_t width, std::uint32
 }
 
 void write_aov(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
-               std::uint32_t height, const ViewOnHost& view, std::span<const float> visibility) {
+               std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel) {
     FileProxy proxy(file, name);
     const auto output = OIIO::ImageOutput::create("exr");
     if (!output || !output->supports("ioproxy"))
@@ -88,7 +88,7 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
         file.check();  // first, as the system's reason, if there is one, is more precise
         if (!is_done) throw Error("cannot write " + name + ": " + output->geterror());
     };
-    OIIO::ImageSpec spec = aov_spec(width, height);
+    OIIO::ImageSpec spec = aov_spec(width, height, channel);
     spec.attribute("Software", software);
     // The argument names the format: the file's own name may be anything (a temporary, a device).
     require(output->set_ioproxy(&proxy) && output->open("picture.exr", spec));
@@ -97,7 +97,7 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
         const std::uint32_t rows = std::min(band_rows, height - first);
         const std::size_t first_pixel = std::size_t(first) * width;
         band.resize(std::size_t(rows) * width);
-        for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, visibility, first_pixel + i);
+        for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, values, first_pixel + i);
         // Packed rows, each channel's bits as they are: unknown means native.
         require(output->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, band.data()));
     }

@@ -3,12 +3,17 @@
 #include "options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
 #include <functional>
 
 #include "terminal.hpp"
 
 namespace gnomon::app {
 namespace {
+
+constexpr int first_year = 1900, last_year = 2100;  // of the sun's positions
 
 const char* const main_description =
     "gnomon: exact hard shadows as OpenCL kernels.\n"
@@ -198,8 +203,8 @@ void add_device_options(CLI::App& app, ViewOptions& options, bool prints_more = 
         "name (default: $GNOMON_DEVICE, else the first usable GPU, else CPU)",
         into(options.device, parse_name));
     add("--memory-limit", "BYTES",
-        "Allocate no more than this on the device; K, M, G and T are powers of\n1024. A scene that does not fit "
-        "is processed in parts, with the same bits",
+        "Allocate no more than this on the device; K, M, G and T are powers of\n1024. For gnomon render, a scene that "
+        "does not fit is processed in parts, with the same bits",
         into(options.memory_limit_bytes, parse_bytes));
     add.flag("--strict", options.strict, "Warnings become errors");
     if (prints_more) add.flag("--quiet", options.quiet, "Print nothing but warnings and errors");
@@ -350,6 +355,122 @@ CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
     return gallery;
 }
 
+Store into_pair(double& first, double& second, double most_first, double most_second) {
+    return [=, &first, &second](const std::string& option, const std::string& text) {
+        const std::size_t comma = text.find(',');
+        if (comma == std::string::npos) throw UsageError(option + " needs two numbers, not \"" + text + "\"");
+        first = parse_double(option, text.substr(0, comma));
+        second = parse_double(option, text.substr(comma + 1));
+        if (std::abs(first) > most_first || std::abs(second) > most_second)
+            throw UsageError(option + " needs a latitude from -90 to 90 and a longitude from -180 to 180, not \"" +
+                             text + "\"");
+    };
+}
+
+Days parse_day(const std::string& option, const std::string& text) {
+    int year = 0, month = 0, day = 0, read = 0;
+    const int found = std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &day, &read);
+    const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(unsigned(month)),
+                                           std::chrono::day(unsigned(day))};
+    if (found != 3 || std::size_t(read) != text.size() || year < first_year || year > last_year || !date.ok())
+        throw UsageError(option + " needs a day as 2026-06-21, not \"" + text + "\"");
+    return {year, month, day};
+}
+
+void add_sun_options(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
+    const Group add{app, "Suns (a table, or a place with a day or a year)"};
+    add("--directions", "FILE.csv", "A table with the columns x,y,z or azimuth,elevation, and weight (default 1)",
+        into(options.directions, parse_file, ".csv"));
+    const Store store_place = into_pair(place.latitude_degrees, place.longitude_degrees, 90, 180);
+    add("--place", "LAT,LON", "Where the scene is, in degrees, north and east positive",
+        [&options, &place, store_place](const std::string& option, const std::string& text) {
+            store_place(option, text);
+            options.place = place;
+        });
+    add("--day", "YYYY-MM-DD", "The suns of a day", into(place.days, parse_day));
+    add("--year", "YYYY", "The suns of a year", [&place](const std::string& option, const std::string& text) {
+        place.days = {int(parse_count(option, text, first_year, last_year)), 0, 0};
+    });
+    add("--step", "MINUTES", "One sun in the middle of each step, which divides a day (default 10; of a year 60)",
+        [&place](const std::string& option, const std::string& text) {
+            place.step_minutes = parse_count(option, text, 1, 1440);
+            if (1440 % place.step_minutes != 0)
+                throw UsageError(option + " needs minutes that divide a day of 1440, not \"" + text + "\"");
+        });
+    add("--utc", "HOURS", "The clock of the days, ahead of universal time (default: the longitude / 15, rounded)",
+        [&place](const std::string& option, const std::string& text) {
+            place.utc_offset_hours = parse_double(option, text);
+            if (!(std::abs(place.utc_offset_hours) <= 14))
+                throw UsageError(option + " needs hours from -14 to 14, not \"" + text + "\"");
+        });
+    add.flag("--apparent", place.is_apparent,
+             "Elevations with refraction (Saemundsson, 1010 hPa, 10 C); else true ones. Either way\n"
+             "suns whose centre is not above the horizon are left out");
+    add("--north", "DEGREES", "Where north lies, clockwise from -z as seen from above (default 0; y is up)",
+        into(options.north_degrees, parse_double));
+    add("--write-directions", "FILE.csv",
+        "Writes the table that was used, which --directions takes back with the same bits\n"
+        "(default with --place: the output's name with .suns.csv)",
+        into(options.written_directions, parse_file, ".csv"));
+}
+
+CLI::App* add_hours(CLI::App& app, HoursOptions& options, SunsOfPlace& place) {
+    CLI::App* hours =
+        add_command(app, "hours", "Sun hours, or any weights of many suns, of a scene or points", options);
+    const Group add{*hours, "Outputs"};
+    add("-o,--output", "FILE", "A .png of the scene coloured by the sums, with a legend; of --points a .csv or .npy",
+        into(options.result, parse_file, ""));
+    add("--aov", "FILE.exr", "As of gnomon render, with the sum in place of visibility: channel value",
+        into(options.aov, parse_file, ".exr"));
+    add("--points", "FILE.csv", "Points in place of a picture: x,y,z and, for the side of the surface, nx,ny,nz",
+        into(options.points, parse_file, ".csv"));
+    add("--unit", "TEXT", "The unit of the weights, for the legend (default hours)", into(options.unit, parse_name));
+    add("--most", "VALUE", "The value with the last colour (default: the largest)", into(options.most, parse_double));
+    add.flag("--cosines", options.cosines, "Each weight times the cosine between the sun and the surface's normal");
+    add_sun_options(*hours, options, place);
+    add_scene_options(*hours, options);
+    add_camera_options(*hours, options);
+    add("--set", "KEY=VALUE", "Changes a setting of frustum-traced; may be repeated",
+        into(options.settings, parse_setting));
+    add_device_options(*hours, options);
+    return hours;
+}
+
+/// Checks the options of a place, and completes them.
+void complete_place(HoursOptions& options, const SunsOfPlace& place, bool has_offset) {
+    if (options.directions && options.place)
+        throw UsageError("--directions and --place exclude each other: give one of them");
+    if (!options.directions && !options.place)
+        throw UsageError("no suns: give --directions FILE.csv, or --place LAT,LON with --day or --year");
+    if (!options.place) {
+        if (place.days.year != 0 || place.step_minutes != 0 || has_offset || place.is_apparent)
+            throw UsageError("--day, --year, --step, --utc and --apparent go with --place");
+        return;
+    }
+    if (place.days.year == 0) throw UsageError("--place needs --day YYYY-MM-DD or --year YYYY as well");
+    options.place = place;
+    if (place.step_minutes == 0) options.place->step_minutes = place.days.month != 0 ? 10 : 60;
+    if (!has_offset) options.place->utc_offset_hours = std::round(place.longitude_degrees / 15);
+    if (options.written_directions) return;
+    options.written_directions = options.result ? *options.result : *options.aov;
+    options.written_directions->replace_extension(".suns.csv");
+}
+
+void check_hours(const HoursOptions& options) {
+    const std::string extension = options.result ? options.result->extension().string() : "";
+    if (!options.result && !options.aov) throw UsageError("nothing to write: give -o FILE.png or --aov FILE.exr");
+    if (options.most && !(*options.most > 0)) throw UsageError("--most needs a number above 0");
+    if (!options.points) {
+        if (options.result && extension != ".png" && extension != ".PNG")
+            throw UsageError("-o needs a file that ends with .png (.csv and .npy are for --points)");
+        return;
+    }
+    if (extension != ".csv" && extension != ".npy")
+        throw UsageError("-o needs a file that ends with .csv or .npy for --points");
+    if (options.aov || options.camera || options.eye || options.target || options.most)
+        throw UsageError("--points is in place of a picture: leave out --aov, --most and the camera");
+}
+
 CLI::App* add_techniques(CLI::App& app, ListTechniques& options) {
     CLI::App* techniques = app.add_subcommand("techniques", "Lists the techniques, a line each");
     techniques->add_option("NAME", options.name, "Only this one, with its settings")->type_name("");
@@ -368,6 +489,26 @@ Command print(const std::string& text) {
     return [text] { print_result(text); };
 }
 
+/// Parses, or returns the text of --help or --version.
+std::optional<std::string> parse_or_text(CLI::App& parser, const std::vector<std::string>& arguments) {
+    std::vector<std::string> from_the_back = without_equals_signs({arguments.begin() + 1, arguments.end()});
+    std::reverse(from_the_back.begin(), from_the_back.end());
+    try {
+        parser.parse(from_the_back);
+    } catch (const CLI::CallForHelp&) {
+        return help_of(parser);
+    } catch (const CLI::CallForVersion& call) {
+        return std::string(call.what()) + "\n";
+    } catch (const CLI::ArgumentMismatch& error) {
+        // "--mask: 1 required TEXT missing": every option with a value takes exactly one.
+        const std::string text = error.what();
+        throw UsageError(text.substr(0, text.find(':')) + " needs a value");
+    } catch (const CLI::ParseError& error) {
+        throw UsageError(error.what());
+    }
+    return {};
+}
+
 }  // namespace
 
 Command parse_command_line(const std::vector<std::string>& arguments) {
@@ -375,6 +516,8 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     ListTechniques techniques_options;
     ExplainOptions explain_options;
     GalleryOptions gallery_options;
+    HoursOptions hours_options;
+    SunsOfPlace place;
     gallery_options.size = {960, 540};
     render_options.command_line = gallery_options.command_line = arguments;
 
@@ -388,26 +531,13 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     CLI::App* const render = add_render(parser, render_options);
     CLI::App* const explain = add_explain(parser, explain_options);
     CLI::App* const gallery = add_gallery(parser, gallery_options);
+    CLI::App* const hours = add_hours(parser, hours_options, place);
     CLI::App* const devices =
         parser.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
     CLI::App* const techniques = add_techniques(parser, techniques_options);
-    for (CLI::App* command : {render, explain, gallery, devices, techniques}) command->allow_extras();
+    for (CLI::App* command : {render, explain, gallery, hours, devices, techniques}) command->allow_extras();
 
-    std::vector<std::string> from_the_back = without_equals_signs({arguments.begin() + 1, arguments.end()});
-    std::reverse(from_the_back.begin(), from_the_back.end());
-    try {
-        parser.parse(from_the_back);
-    } catch (const CLI::CallForHelp&) {
-        return print(help_of(parser));
-    } catch (const CLI::CallForVersion& call) {
-        return print(std::string(call.what()) + "\n");
-    } catch (const CLI::ArgumentMismatch& error) {
-        // "--mask: 1 required TEXT missing": every option with a value takes exactly one.
-        const std::string text = error.what();
-        throw UsageError(text.substr(0, text.find(':')) + " needs a value");
-    } catch (const CLI::ParseError& error) {
-        throw UsageError(error.what());
-    }
+    if (const std::optional<std::string> text = parse_or_text(parser, arguments)) return print(*text);
     for (const CLI::App* command : parser.get_subcommands())
         check_nothing_left(*command, "gnomon " + command->get_name(), "unexpected argument");
     check_nothing_left(parser, "gnomon", "unknown command");
@@ -415,6 +545,11 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     if (*render)
         return checked(app::render, render_options, check_scene_options, check_sequence, check_camera_options,
                        check_light_options, check_sun, check_outputs);
+    if (*hours) {
+        check_hours(hours_options);
+        complete_place(hours_options, place, hours->count("--utc") != 0);
+        return checked(app::hours, hours_options, check_scene_options, check_camera_options);
+    }
     if (*explain)
         return checked(app::explain, explain_options, check_scene_options, check_explained, check_light_options);
     if (*gallery)

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "suns.hpp"
 #include "values.hpp"
 
 namespace gnomon::app {
@@ -73,6 +74,23 @@ struct GalleryOptions : ViewOptions {
     std::uint32_t runs = 3;               ///< timed runs of each
 };
 
+/// `gnomon hours`
+struct HoursOptions : ViewOptions {
+    std::optional<std::filesystem::path> result;              ///< .png of a picture; .csv or .npy of points
+    std::optional<std::filesystem::path> aov, points;         ///< of a picture; in place of a picture
+    std::optional<std::filesystem::path> written_directions;  ///< the table that the run used
+
+    // Exactly one of the following.
+    std::optional<std::filesystem::path> directions;
+    std::optional<SunsOfPlace> place;
+
+    double north_degrees = 0;    ///< clockwise from -z, seen from above
+    bool cosines = false;        ///< each weight times the cosine to the surface's normal
+    std::optional<double> most;  ///< the value with the last colour; none: the largest
+    std::string unit = "hours";
+    std::vector<std::pair<std::string, std::string>> settings;  ///< of frustum-traced
+};
+
 /// `gnomon explain`
 struct ExplainOptions : ViewOptions {
     std::optional<std::filesystem::path> triangles;  ///< nine float32 each, in place of a scene
@@ -91,6 +109,9 @@ struct ExplainOptions : ViewOptions {
 /// files appear only when all of them are complete. Throws UsageError, Error or std::bad_alloc; then no output was
 /// touched.
 void render(const RenderOptions& options);
+
+/// `gnomon hours`: for each pixel or point the sum of the weights of the suns that reach it. Throws as render() does.
+void hours(const HoursOptions& options);
 
 /// `gnomon explain`: prints why one pixel, or one point, is lit or in shadow. Throws UsageError or Error; if the
 /// technique's visibility and the exact signs differ, prints the explanation and then throws Error.

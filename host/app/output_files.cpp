@@ -159,14 +159,14 @@ void OutputFile::commit() {
     temporary_.clear();
 }
 
-void OutputFiles::protect(const fs::path& input) { protected_ = input; }
+void OutputFiles::protect(const fs::path& input) { protected_.push_back(input); }
 
 OutputFile& OutputFiles::open(const fs::path& target) {
     OutputFile& file = files_.emplace_back(target);
     if (file.is_direct()) return file;
     std::error_code ignored;
-    if (!protected_.empty() && fs::equivalent(file.resolved(), protected_, ignored))
-        fail(target, "it is the scene that is read");
+    for (const fs::path& input : protected_)
+        if (fs::equivalent(file.resolved(), input, ignored)) fail(target, "it is a file that this run reads");
     for (const OutputFile& other : files_)
         if (&other != &file && other.resolved() == file.resolved())
             fail(target, "another output has the same name, give each its own");

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <list>
 #include <string>
+#include <vector>
 
 namespace gnomon::app {
 
@@ -75,7 +76,7 @@ public:
 
 private:
     std::list<OutputFile> files_;
-    std::filesystem::path protected_;
+    std::vector<std::filesystem::path> protected_;
 };
 
 /// Installs the handlers that remove temporaries when the program is interrupted. Call once, at the start.

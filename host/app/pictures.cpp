@@ -125,8 +125,8 @@ void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std
 }
 
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
-               std::span<const float> visibility) {
-    open_image_io().write_aov(file, file.target().string(), software(), width, height, view, visibility);
+               std::span<const float> values, const char* channel) {
+    open_image_io().write_aov(file, file.target().string(), software(), width, height, view, values, channel);
 }
 
 std::string data_uri(const char* format, std::uint32_t width, std::uint32_t height,

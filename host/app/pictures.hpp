@@ -18,9 +18,9 @@ void write_picture(OutputFile& file, std::uint32_t width, std::uint32_t height, 
 /// An 8-bit PNG of one channel: 255 lit (and sky), 0 in shadow, rounded between.
 void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const float> visibility);
 
-/// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z visibility FLOAT, receiver UINT.
+/// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z and the values' channel FLOAT, receiver UINT.
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
-               std::span<const float> visibility);
+               std::span<const float> values, const char* channel = "visibility");
 
 /// A picture inside a page, from RGB or RGBA bytes: "data:image/png;base64,..." is exact, "data:image/jpeg..." for
 /// looks.

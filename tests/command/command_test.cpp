@@ -217,7 +217,7 @@ struct Pixel {
 };
 
 /// Reads the channels by name, each in its own format, without conversion.
-std::vector<Pixel> read_aov(const fs::path& file) {
+std::vector<Pixel> read_aov(const fs::path& file, const std::string& value = "visibility") {
     const auto input = OIIO::ImageInput::open(file.string());
     if (!input) throw std::runtime_error("not a picture: " + file.string());
     const OIIO::ImageSpec spec = input->spec();
@@ -240,7 +240,7 @@ std::vector<Pixel> read_aov(const fs::path& file) {
         take("P." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.position[c]; });
         take("N." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.normal[c]; });
     }
-    take("visibility", OIIO::TypeFloat, [](Pixel& pixel) { return &pixel.visibility; });
+    take(value, OIIO::TypeFloat, [](Pixel& pixel) { return &pixel.visibility; });
     take("receiver", OIIO::TypeUInt32, [](Pixel& pixel) { return &pixel.receiver; });
     return pixels;
 }
@@ -446,7 +446,8 @@ TEST_F(Command, OutputsMustDiffer) {
     expect_failure({"render", "-o", "a.png", "--mask", "../here/a.png"}, 1, "another output has the same name");
     write_scene(folder_, "square", floor_and_square());
     const std::string before = text_of(in_folder("square.gltf"));
-    expect_failure({"render", "square.gltf", "--dump-triangles", "./square.gltf"}, 1, "it is the scene that is read");
+    expect_failure({"render", "square.gltf", "--dump-triangles", "./square.gltf"}, 1,
+                   "it is a file that this run reads");
     EXPECT_EQ(text_of(in_folder("square.gltf")), before);
 }
 
@@ -626,6 +627,98 @@ TEST_F(Command, ASunWithAnAngleHasPenumbrae) {
     const Outcome lamp = run({"render", "-o", "a.png", "--light-position", "1,5,1", "--sun-angle", "1"});
     EXPECT_EQ(lamp.exit_code, 1);
     EXPECT_NE(lamp.err.find("--sun-angle is for directional lights"), std::string::npos) << lamp.err;
+}
+
+// Under the square (half a side of .5, one above the floor) a vertical sun is hidden; a sun whose light travels one to
+// the side for each unit down is hidden one farther in that direction.
+TEST_F(Command, HoursOfPointsAndPictures) {
+    write_scene(folder_, "square", floor_and_square());
+    std::ofstream(in_folder("suns.csv")) << "x,y,z,weight\n0,-1,0,2\n1,-1,0,0.5\n0,1,0,8\n";
+    std::ofstream(in_folder("points.csv")) << "x,y,z,nx,ny,nz\n0,0,0,0,1,0\n1,0,0,0,1,0\n2,0,0,0,1,0\n2,0,0,0,-1,0\n";
+    const Arguments of_points{"hours", "square.gltf", "--directions", "suns.csv", "--points", "points.csv"};
+    const auto with = [](Arguments arguments, const Arguments& more) {
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return arguments;
+    };
+    const Outcome as_text = run(with(of_points, {"-o", "out.csv"}));
+    EXPECT_EQ(as_text.exit_code, 0) << as_text.err;
+    // Point 0 is below the square, point 1 in the slanted sun's shadow, point 2 sees both; from below only the third
+    // sun, whose light rises, is in front, and the floor lies in the point's own plane.
+    EXPECT_EQ(text_of(in_folder("out.csv")), "x,y,z,value\n0,0,0,0.5\n1,0,0,2\n2,0,0,2.5\n2,0,0,8\n");
+    EXPECT_NE(as_text.out.find("3 suns, 10.5 hours"), std::string::npos) << as_text.out;
+    ASSERT_EQ(run(with(of_points, {"-o", "out.npy", "--quiet"})).exit_code, 0);
+    const std::string npy = text_of(in_folder("out.npy"));
+    ASSERT_EQ(npy.size(), 128u + 4 * sizeof(double));
+    EXPECT_EQ(npy.substr(1, 5), "NUMPY");
+    EXPECT_NE(npy.find("'<f8'"), std::string::npos);
+    EXPECT_NE(npy.find("(4,)"), std::string::npos);
+    std::array<double, 4> values{};
+    std::memcpy(values.data(), npy.data() + 128, sizeof(values));
+    EXPECT_EQ(values, (std::array{0.5, 2.0, 2.5, 8.0}));
+
+    const Arguments of_picture{"hours", "square.gltf", "--directions", "suns.csv", "--camera",
+                               "above", "--size",      "600x400",      "--quiet"};
+    const Outcome picture = run(with(of_picture, {"-o", "a.png", "--aov", "a.exr", "--write-directions", "used.csv"}));
+    EXPECT_EQ(picture.exit_code, 0) << picture.err;
+    std::map<float, std::size_t> seen;
+    for (const Pixel& pixel : read_aov(in_folder("a.exr"), "value")) {
+        const auto [x, y, z] = pixel.position;
+        const bool beside = std::abs(std::abs(z) - 0.5f) > 1e-3f && std::abs(std::abs(x) - 0.5f) > 1e-3f &&
+                            std::abs(std::abs(x - 1) - 0.5f) > 1e-3f;
+        if (pixel.receiver == sky || !beside) continue;
+        const bool on_floor = pixel.receiver < 2, in_row = std::abs(z) < 0.5f;
+        const float vertical = on_floor && in_row && std::abs(x) < 0.5f ? 0.0f : 2.0f;
+        const float slanted = on_floor && in_row && std::abs(x - 1) < 0.5f ? 0.0f : 0.5f;
+        EXPECT_EQ(pixel.visibility, vertical + slanted) << x << ' ' << z;
+        ++seen[pixel.visibility];
+    }
+    EXPECT_EQ(seen.size(), 2u);  // the camera stands where the vertical sun does
+    EXPECT_GT(seen[2.0f], 300u);
+    EXPECT_GT(seen[2.5f], 300u);
+    const Bytes png = read_bytes(in_folder("a.png"));
+    EXPECT_EQ(shape(png.spec), (std::array{600, 400, 3}));
+    // What is written is taken back with the same bits.
+    const std::string first = text_of(in_folder("a.exr"));
+    EXPECT_EQ(run({"hours", "square.gltf", "--directions", "used.csv", "--camera", "above", "--size", "600x400",
+                   "--quiet", "--aov", "a.exr"})
+                  .exit_code,
+              0);
+    EXPECT_EQ(text_of(in_folder("a.exr")), first);
+}
+
+TEST_F(Command, HoursRefusesWhatHasNoMeaning) {
+    std::ofstream(in_folder("suns.csv")) << "0,-1,0\n";
+    std::ofstream(in_folder("none.csv")) << "azimuth,elevation\n3,-1\n";
+    std::ofstream(in_folder("points.csv")) << "x,y\n0,0\n";
+    const struct {
+        Arguments arguments;
+        int exit_code;
+        std::string sentence;
+    } cases[] = {
+        {{"-o", "a.png"}, 2, "no suns: give --directions"},
+        {{"-o", "a.png", "--directions", "suns.csv", "--place", "1,2", "--day", "2026-01-01"}, 2, "exclude each other"},
+        {{"-o", "a.png", "--place", "1,2"}, 2, "--place needs --day"},
+        {{"-o", "a.png", "--place", "91,2", "--day", "2026-01-01"}, 2, "a latitude from -90 to 90"},
+        {{"-o", "a.png", "--place", "1", "--day", "2026-01-01"}, 2, "needs two numbers"},
+        {{"-o", "a.png", "--place", "1,2", "--day", "2026-02-30"}, 2, "needs a day as 2026-06-21"},
+        {{"-o", "a.png", "--place", "1,2", "--day", "2026-02-3x"}, 2, "needs a day as 2026-06-21"},
+        {{"-o", "a.png", "--place", "1,2", "--year", "2026", "--step", "7"}, 2, "minutes that divide a day"},
+        {{"-o", "a.png", "--directions", "suns.csv", "--step", "10"}, 2, "go with --place"},
+        {{"--directions", "suns.csv"}, 2, "nothing to write"},
+        {{"-o", "a.csv", "--directions", "suns.csv"}, 2, "ends with .png"},
+        {{"-o", "a.png", "--directions", "suns.csv", "--points", "points.csv"}, 2, "ends with .csv or .npy"},
+        {{"-o", "a.csv", "--directions", "suns.csv", "--points", "points.csv"}, 1, "points need the columns x, y, z"},
+        {{"-o", "a.png", "--directions", "none.csv"}, 1, "no sun of the table is above the horizon"},
+        {{"-o", "a.png", "--directions", "missing.csv"}, 1, "cannot read missing.csv"},
+        {{"--aov", "a.exr", "--directions", "suns.csv", "--write-directions", "suns.csv"},
+         1,
+         "a file that this run reads"},
+    };
+    for (const auto& [arguments, exit_code, sentence] : cases) {
+        Arguments all{"hours"};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        expect_failure(all, exit_code, sentence);
+    }
 }
 
 TEST_F(Command, SamplesAndTheirPoints) {

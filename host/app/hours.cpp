@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+// gnomon hours: how many hours, or how much of any weight, of a table of suns reaches each pixel or point.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "color_scale.hpp"
+#include "options.hpp"
+#include "output_files.hpp"
+#include "pictures.hpp"
+#include "setup.hpp"
+#include "suns.hpp"
+#include "terminal.hpp"
+
+namespace gnomon::app {
+namespace {
+
+struct OwnPoints {
+    std::vector<float> positions, normals;  ///< 3 each; normals may be empty
+};
+
+OwnPoints read_points(const std::filesystem::path& file) {
+    const NumberTable rows(file, {"x", "y", "z", "nx", "ny", "nz"});
+    const char* const names[] = {"x", "y", "z", "nx", "ny", "nz"};
+    const bool has_normals =
+        std::ranges::all_of(std::span(names).subspan(3), [&](auto name) { return rows.has(name); });
+    for (const char* name : std::span(names).first(3))
+        if (!rows.has(name))
+            throw Error(file.string() + ": points need the columns x, y, z, and nx, ny, nz for the side they face");
+    OwnPoints points;
+    for (std::size_t row = 0; row < rows.rows(); ++row)
+        for (std::size_t c = 0; c < (has_normals ? 6u : 3u); ++c) {
+            const float value = float(rows.number(row, names[c]));
+            if (!std::isfinite(value)) rows.refuse(row, std::string(names[c]) + " beyond float32");
+            (c < 3 ? points.positions : points.normals).push_back(value);
+        }
+    return points;
+}
+
+SunTable suns_of(const HoursOptions& options) {
+    SunTable table = options.directions ? read_suns(*options.directions, options.north_degrees)
+                                        : suns_of_place(*options.place, options.north_degrees);
+    if (table.suns.empty())
+        throw Error(table.below_horizon == 0 ? options.directions->string() + " has no suns"
+                                             : "no sun of the table is above the horizon");
+    return table;
+}
+
+/// Float64 values as NumPy's .npy (version 1.0).
+void write_npy(OutputFile& file, std::span<const double> values) {
+    static_assert(std::endian::native == std::endian::little);
+    std::string header =
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(values.size()) + ",), }";
+    constexpr std::size_t preamble = 10, aligned = 64;
+    header.resize((preamble + header.size() + 1 + aligned - 1) / aligned * aligned - preamble - 1, ' ');
+    header += '\n';
+    const std::string start =
+        std::string("\x93NUMPY\x01\x00", 8) + char(header.size() & 255u) + char(header.size() >> 8);
+    file.write_all(start.data(), start.size());
+    file.write_all(header.data(), header.size());
+    file.write_all(values.data(), values.size_bytes());
+}
+
+void write_csv(OutputFile& file, std::span<const float> positions, std::span<const double> values) {
+    std::string text = "x,y,z,value\n";
+    for (std::size_t i = 0; i < values.size(); ++i)
+        text += float3_text({positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}) +
+                formatted(",%.17g\n", values[i]);
+    file.write_all(text.data(), text.size());
+}
+
+std::string lower_extension(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    return extension;
+}
+
+struct Computed {
+    std::vector<double> values;
+    Statistics statistics;
+};
+
+Computed compute(const HoursOptions& options, Technique& technique, const Triangles& triangles, const Points& points,
+                 const SunTable& table, cl_mem normals) {
+    const ProgressLine progress(grouped(points.count()) + " points x " + grouped(table.suns.size()) + " suns",
+                                !options.quiet);
+    LightsOnHost found = run_lights_to_host(technique, triangles, points, table.lights(), {.sums = true},
+                                            {.normals = normals, .cosines = options.cosines});
+    return {std::move(found.sums), std::move(found.statistics)};
+}
+
+double largest_of(std::span<const double> values) {
+    double largest = 0;
+    for (const double value : values)
+        if (value > largest) largest = value;
+    return largest;
+}
+
+std::string summary(const HoursOptions& options, const SunTable& table, const Computed& computed) {
+    std::size_t count = 0;
+    double sum = 0;
+    for (const double value : computed.values)
+        if (!std::isnan(value)) ++count, sum += value;
+    double all = 0;
+    for (const Sun& sun : table.suns) all += double(sun.weight);
+    std::string text = grouped(table.suns.size()) + " suns, " + formatted("%.6g ", all) + options.unit;
+    if (table.below_horizon != 0) text += "; " + grouped(table.below_horizon) + " below the horizon left out";
+    if (options.place)
+        text += std::string("; positions by ERFA, elevations ") +
+                (options.place->is_apparent ? "with refraction (Saemundsson, 1010 hPa, 10 C)" : "without refraction");
+    text += "\n" + grouped(count) + " points: on average " + formatted("%.6g ", count != 0 ? sum / double(count) : 0) +
+            options.unit + ", at most " + formatted("%.6g", largest_of(computed.values));
+    return text + "; " + formatted("%.0f ms", computed.statistics.total_wall_ms) + "\n";
+}
+
+/// The outputs of a run. All are opened before the long work.
+struct Outputs {
+    explicit Outputs(const HoursOptions& options) {
+        for (const auto* input : {&options.scene, &options.directions, &options.points})
+            if (*input) files.protect(**input);
+        if (options.aov) require_openimageio();
+        const auto open = [&](const auto& path) { return path ? &files.open(*path) : nullptr; };
+        result = open(options.result);
+        aov = open(options.aov);
+        suns = open(options.written_directions);
+    }
+    OutputFiles files;
+    OutputFile *result, *aov, *suns;
+};
+
+Computed hours_of_points(const HoursOptions& options, const Device& device, Technique& technique,
+                         const Triangles& triangles, const SunTable& table, Outputs& outputs) {
+    const OwnPoints own = read_points(*options.points);
+    const Points points = Points::upload(device, own.positions), normals = Points::upload(device, own.normals);
+    if (options.cosines && own.normals.empty())
+        throw Error(options.points->string() + ": --cosines needs the columns nx, ny, nz");
+    const cl_mem sides = own.normals.empty() ? nullptr : normals.positions();
+    Computed computed = compute(options, technique, triangles, points, table, sides);
+    if (lower_extension(*options.result) == ".npy")
+        write_npy(*outputs.result, computed.values);
+    else
+        write_csv(*outputs.result, own.positions, computed.values);
+    return computed;
+}
+
+Computed hours_of_picture(const HoursOptions& options, const Device& device, Technique& technique,
+                          const scene::Scene& scene, const Triangles& triangles, const SunTable& table,
+                          Outputs& outputs) {
+    const auto [width, height] = options.size;
+    const View seen = look(device, triangles, choose_camera(options, scene).camera, width, height);
+    const ViewOnHost view = read(device, triangles, seen);
+    Points points = seen.points;
+    Points normals;
+    if (options.cosines) {
+        // The normals show the side that the eye sees, and decide facing as the eye would.
+        normals = Points::upload(device, view.normal);
+        points = Points::wrap(device, seen.points.positions(), seen.points.layout(), seen.points.count(),
+                              seen.points.receivers());
+    }
+    Computed computed =
+        compute(options, technique, triangles, points, table, options.cosines ? normals.positions() : nullptr);
+    for (std::size_t i = 0; i < computed.values.size(); ++i)
+        if (view.receiver[i] == no_receiver) computed.values[i] = std::numeric_limits<double>::quiet_NaN();
+    if (outputs.result) {
+        const ColorScale scale{0, options.most.value_or(largest_of(computed.values)), options.unit};
+        std::vector<std::uint8_t> rgba = colored(scale, computed.values);
+        draw_legend(scale, width, height, rgba);
+        write_picture(*outputs.result, width, height, rgba);
+    }
+    if (outputs.aov) {
+        std::vector<float> values(computed.values.begin(), computed.values.end());
+        for (float& value : values)
+            if (std::isnan(value)) value = 0;
+        write_aov(*outputs.aov, width, height, view, values, "value");
+    }
+    return computed;
+}
+
+}  // namespace
+
+void hours(const HoursOptions& options) {
+    Outputs outputs(options);
+    const SunTable table = suns_of(options);
+    if (outputs.suns) {
+        const std::string text = table_text(table);
+        outputs.suns->write_all(text.data(), text.size());
+    }
+    const Device device = open_device(options, false);
+    const auto technique = make_technique(device, "frustum-traced", options.settings);
+    const scene::Scene scene = load_scene(options);
+    Triangles triangles = Triangles::upload(device, scene.triangles);
+    if (triangles.count() >= triangles_worth_clusters) triangles.keep_clusters(device);
+    const Computed computed = options.points
+                                  ? hours_of_points(options, device, *technique, triangles, table, outputs)
+                                  : hours_of_picture(options, device, *technique, scene, triangles, table, outputs);
+    outputs.files.commit();
+    if (!options.quiet) print_result(summary(options, table, computed));
+}
+
+}  // namespace gnomon::app

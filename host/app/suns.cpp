@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+#include "suns.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <numbers>
+
+#ifdef GNOMON_HAS_ERFA
+#include <erfa.h>
+#endif
+
+#include "terminal.hpp"
+#include "values.hpp"
+
+namespace gnomon::app {
+namespace {
+
+constexpr double radians = std::numbers::pi / 180;
+constexpr std::uint32_t minutes_per_day = 1440;
+
+std::string trimmed(const std::string& text) {
+    const std::size_t first = text.find_first_not_of(" \t\r\"");
+    if (first == std::string::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t\r\"") + 1 - first);
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells;
+    for (std::size_t first = 0; first <= line.size();) {
+        const std::size_t end = std::min(line.find(',', first), line.size());
+        cells.push_back(trimmed(line.substr(first, end - first)));
+        first = end + 1;
+    }
+    return cells;
+}
+
+std::optional<double> finite_number(const std::string& text) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (text.empty() || end != text.c_str() + text.size() || !std::isfinite(value)) return {};
+    return value;
+}
+
+/// Days since 2000-01-01T00:00 on the clock of the days.
+double first_day(const Days& days) {
+    using namespace std::chrono;
+    const sys_days first =
+        year(days.year) / month(unsigned(std::max(days.month, 1))) / day(unsigned(std::max(days.day, 1)));
+    return double((first - sys_days(year(2000) / January / 1)).count());
+}
+
+std::string time_text(double days_since_2000, double utc_offset_hours) {
+    using namespace std::chrono;
+    // To the nearest second, so that 11:30 is not 11:29:59.
+    const sys_seconds at = sys_days(year(2000) / January / 1) + seconds(std::llround(days_since_2000 * 86400));
+    const year_month_day date(floor<days>(at));
+    const hh_mm_ss time(at - floor<days>(at));
+    const int minutes_ahead = int(std::lround(utc_offset_hours * 60));
+    return formatted("%04d-%02u-%02uT%02d:%02d:%02d%c%02d:%02d", int(date.year()), unsigned(date.month()),
+                     unsigned(date.day()), int(time.hours().count()), int(time.minutes().count()),
+                     int(time.seconds().count()), minutes_ahead < 0 ? '-' : '+', std::abs(minutes_ahead) / 60,
+                     std::abs(minutes_ahead) % 60);
+}
+
+Float3 direction_in(const NumberTable& table, std::size_t row) {
+    Float3 direction{};
+    const char* const names[] = {"x", "y", "z"};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::string& text = table.text(row, names[c]);
+        table.number(row, names[c]);
+        direction[c] = std::strtof(text.c_str(), nullptr);  // from the text, rounded once
+    }
+    if (direction == Float3{0, 0, 0}) table.refuse(row, "the direction 0,0,0");
+    return direction;
+}
+
+}  // namespace
+
+Lights SunTable::lights() const {
+    std::vector<Light> lights;
+    std::vector<float> weights;
+    for (const Sun& sun : suns) {
+        lights.push_back(Light::directional(sun.direction));
+        weights.push_back(sun.weight);
+    }
+    return Lights(std::move(lights), std::move(weights));
+}
+
+#ifdef GNOMON_HAS_ERFA
+SunPosition sun_position(double latitude_degrees, double longitude_degrees, double julian_day) {
+    // The clock's time is UT1: it turns the earth. The other times follow from it, to some seconds, which matter
+    // little.
+    const double day = std::floor(julian_day), part = julian_day - day;
+    eraASTROM observer;
+    double origins = 0;
+    eraApco13(day, part, 0, longitude_degrees * radians, latitude_degrees * radians, 0, 0, 0, 0, 0, 0, 0.55, &observer,
+              &origins);
+    double tai[2], tt[2], earth_from_sun[2][3], earth[2][3];
+    eraUtctai(day, part, &tai[0], &tai[1]);
+    eraTaitt(tai[0], tai[1], &tt[0], &tt[1]);
+    eraEpv00(tt[0], tt[1], earth_from_sun, earth);
+    // From the observer, not from the earth's centre: with parallax. (The sun hardly moves while its light travels.)
+    double towards[3];
+    for (int c = 0; c < 3; ++c) towards[c] = earth[0][c] - earth_from_sun[0][c] - observer.eb[c];
+    double right_ascension = 0, declination = 0, azimuth = 0, zenith = 0, unused[3];
+    eraC2s(towards, &right_ascension, &declination);
+    eraAtciqz(right_ascension, declination, &observer, &right_ascension, &declination);
+    eraAtioq(right_ascension, declination, &observer, &azimuth, &zenith, &unused[0], &unused[1], &unused[2]);
+    return {azimuth / radians, 90 - zenith / radians};
+}
+#else
+SunPosition sun_position(double, double, double) {
+    throw Error(
+        "this gnomon was built without ERFA (Debian: liberfa-dev), which knows the sun's positions: give "
+        "--directions FILE.csv in place of --place");
+}
+#endif
+
+double refraction_degrees(double true_elevation_degrees) {
+    return 1.02 / 60 / std::tan((true_elevation_degrees + 10.3 / (true_elevation_degrees + 5.11)) * radians);
+}
+
+Float3 travel_direction(double azimuth_degrees, double elevation_degrees, double north_degrees) {
+    const double turned = (azimuth_degrees + north_degrees) * radians, elevation = elevation_degrees * radians;
+    const double level = std::cos(elevation);
+    return {float(-level * std::sin(turned)), float(-std::sin(elevation)), float(level * std::cos(turned))};
+}
+
+SunTable suns_of_place(const SunsOfPlace& place, double north_degrees) {
+    constexpr double julian_day_2000 = 2451544.5;
+    const double first = first_day(place.days), utc_offset_days = place.utc_offset_hours / 24;
+    const double end = place.days.month == 0 ? first_day({place.days.year + 1, 1, 1}) : first + 1;
+    const auto steps = std::size_t(std::llround((end - first) * minutes_per_day / place.step_minutes));
+    SunTable table;
+    for (std::size_t step = 0; step < steps; ++step) {
+        const double at = first + (double(step) + 0.5) * place.step_minutes / minutes_per_day;
+        SunPosition sun =
+            sun_position(place.latitude_degrees, place.longitude_degrees, at - utc_offset_days + julian_day_2000);
+        if (place.is_apparent) sun.elevation_degrees += refraction_degrees(sun.elevation_degrees);
+        if (!(sun.elevation_degrees > 0)) {
+            ++table.below_horizon;
+            continue;
+        }
+        table.suns.push_back({time_text(at, place.utc_offset_hours), sun.azimuth_degrees, sun.elevation_degrees,
+                              travel_direction(sun.azimuth_degrees, sun.elevation_degrees, north_degrees),
+                              float(place.step_minutes) / 60});
+    }
+    return table;
+}
+
+SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
+    const NumberTable rows(file, {"x", "y", "z", "weight"});
+    const bool has_direction = rows.has("x") && rows.has("y") && rows.has("z");
+    const bool has_angles = rows.has("azimuth") && rows.has("elevation");
+    if (!has_direction && !has_angles)
+        throw Error(file.string() + ": a table of suns needs the columns x, y, z or azimuth, elevation");
+    SunTable table;
+    for (std::size_t row = 0; row < rows.rows(); ++row) {
+        Sun sun;
+        if (rows.has("time")) sun.time = rows.text(row, "time");
+        if (rows.has("weight")) sun.weight = float(rows.number(row, "weight"));
+        if (!std::isfinite(sun.weight)) rows.refuse(row, "a weight beyond float32");
+        if (has_angles) {
+            sun.azimuth_degrees = rows.number(row, "azimuth");
+            sun.elevation_degrees = rows.number(row, "elevation");
+            if (std::abs(*sun.elevation_degrees) > 90) rows.refuse(row, "an elevation beyond 90 degrees");
+            if (!(*sun.elevation_degrees > 0)) {
+                ++table.below_horizon;
+                continue;
+            }
+        }
+        sun.direction = has_direction ? direction_in(rows, row)
+                                      : travel_direction(*sun.azimuth_degrees, *sun.elevation_degrees, north_degrees);
+        table.suns.push_back(std::move(sun));
+    }
+    return table;
+}
+
+std::string table_text(const SunTable& table) {
+    std::string text = "time,azimuth,elevation,x,y,z,weight\n";
+    const bool has_angles =
+        std::ranges::all_of(table.suns, [](const Sun& sun) { return sun.azimuth_degrees.has_value(); });
+    if (!has_angles) text = "time,x,y,z,weight\n";
+    for (const Sun& sun : table.suns) {
+        text += sun.time + ",";
+        if (has_angles) text += formatted("%.9f,%.9f,", *sun.azimuth_degrees, *sun.elevation_degrees);
+        text += float3_text(sun.direction) + "," + float_text(sun.weight) + "\n";
+    }
+    return text;
+}
+
+// ---- Tables of numbers ----------------------------------------------------------------------------------------------
+
+NumberTable::NumberTable(const std::filesystem::path& file, const std::vector<std::string>& unnamed) : file_(file) {
+    std::ifstream in(file);
+    if (!in) throw Error("cannot read " + file.string());
+    std::string line;
+    for (std::size_t number = 1; std::getline(in, line); ++number) {
+        if (trimmed(line).empty() || line.starts_with('#')) continue;
+        std::vector<std::string> cells = cells_of(line);
+        if (names_.empty()) {
+            if (!finite_number(cells[0])) {
+                names_ = std::move(cells);
+                continue;
+            }
+            names_.assign(unnamed.begin(), unnamed.begin() + std::ptrdiff_t(std::min(cells.size(), unnamed.size())));
+        }
+        rows_.push_back({number, std::move(cells)});
+        if (rows_.back().cells.size() != names_.size())
+            refuse(rows_.size() - 1,
+                   std::to_string(rows_.back().cells.size()) + " columns in place of " + std::to_string(names_.size()));
+    }
+    if (in.bad()) throw Error("cannot read " + file.string());
+}
+
+bool NumberTable::has(const std::string& column) const { return std::ranges::find(names_, column) != names_.end(); }
+
+const std::string& NumberTable::text(std::size_t row, const std::string& column) const {
+    return rows_[row].cells[std::size_t(std::ranges::find(names_, column) - names_.begin())];
+}
+
+double NumberTable::number(std::size_t row, const std::string& column) const {
+    const auto value = finite_number(text(row, column));
+    if (!value) refuse(row, column + " = \"" + text(row, column) + "\", which is no finite number");
+    return *value;
+}
+
+void NumberTable::refuse(std::size_t row, const std::string& reason) const {
+    throw Error(file_.string() + ", line " + std::to_string(rows_[row].line) + " has " + reason);
+}
+
+}  // namespace gnomon::app
