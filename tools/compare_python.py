@@ -7,7 +7,7 @@
 
 A city of boxes on a plain, points a centimetre above the ground (where a ray that starts on it would meet it), one sun.
 Each contestant answers which points see the sun:
-gnomon exactly, the others by a ray from each point. Rounds go by turns; the medians are printed, the mesh's structure
+gnomon exactly, also with this sun prepared (Scene.prepare), the others by a ray from each point. Rounds go by turns; the medians are printed, the mesh's structure
 built anew in each round (build) and kept (again), and how many answers differ from gnomon's. A contestant that is not
 installed is left out, loudly.
 """
@@ -47,6 +47,15 @@ def of_gnomon(vertices, faces, points):
     return build, lambda scene: scene.lit(points, direction=SUN)
 
 
+def of_prepared(vertices, faces, points):
+    def build():
+        scene = gnomon.Scene(vertices, faces)
+        scene.prepare(direction=SUN)
+        return scene
+
+    return build, lambda scene: scene.lit(points, direction=SUN)
+
+
 def of_open3d(vertices, faces, points):
     import open3d as o3d
 
@@ -70,7 +79,7 @@ def of_embreex(vertices, faces, points):
     return build, lambda scene: ~scene.intersects_any(points, towards)
 
 
-CONTESTANTS = {"gnomon": of_gnomon, "open3d": of_open3d, "embreex": of_embreex}
+CONTESTANTS = {"gnomon": of_gnomon, "prepared": of_prepared, "open3d": of_open3d, "embreex": of_embreex}
 
 
 def main() -> None:
@@ -93,7 +102,7 @@ def main() -> None:
 
     found, times, answers = {}, {}, {}
     for name, make in CONTESTANTS.items():
-        if importlib.util.find_spec(name) is None:
+        if name not in ("gnomon", "prepared") and importlib.util.find_spec(name) is None:
             print(f"{name}: not installed, left out")
             continue
         found[name] = make(vertices, faces, points)
