@@ -42,7 +42,7 @@ endmacro()
 # The ground: OpenCL, and what implements gnomon.hpp.
 gnomon_wing(cl description opencl program session)
 gnomon_wing(simd frame_counters lanes points point_blocks projection triangle_blocks)
-gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks decide_pair normal_side predicates self_check)
+gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks cut_outs cut_outs_exact decide_pair normal_side predicates self_check)
 gnomon_wing(lists append fill group_scan scan sort morton whole_to_float)
 gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
             world_lattice world_lattice_mesh c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "api/vectors.hpp"
 #include "cl/opencl.hpp"
+#include "exact/cut_outs.hpp"
 
 namespace gnomon {
 namespace {
@@ -85,6 +87,10 @@ void require_count(std::size_t count, const char* what) {
 
 // ---- Triangles ------------------------------------------------------------------------------------------------------
 
+bool has_cut_outs(const Triangles& triangles) {
+    return triangles.cut_out_counts().masked + triangles.cut_out_counts().clear != 0;
+}
+
 Triangles Triangles::upload(const Device& device, std::span<const float> vertices) {
     if (vertices.size() % 9 != 0)
         throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
@@ -92,6 +98,23 @@ Triangles Triangles::upload(const Device& device, std::span<const float> vertice
     Triangles triangles;
     triangles.buffer_ = uploaded(device, vertices.data(), vertices.size_bytes());
     triangles.count_ = vertices.size() / 9;
+    return triangles;
+}
+
+Triangles Triangles::upload(const Device& device, std::span<const float> vertices, const CutOuts& cut_outs) {
+    const PackedCutOuts packed = pack_cut_outs(vertices.size() / 9, cut_outs);
+    Triangles triangles;
+    if (packed.words.empty()) {
+        triangles = upload(device, vertices);
+    } else {
+        std::vector<cl_uint> words(vertices.size() + packed.words.size());
+        if (vertices.size() % 9 == 0) std::memcpy(words.data(), vertices.data(), vertices.size_bytes());
+        std::copy(packed.words.begin(), packed.words.end(), words.begin() + std::ptrdiff_t(vertices.size()));
+        triangles = upload(device, vertices.first(0));
+        triangles.buffer_ = uploaded(device, words.data(), words.size() * sizeof(cl_uint));
+        triangles.count_ = vertices.size() / 9;
+    }
+    triangles.cut_out_counts_ = packed.counts;
     return triangles;
 }
 
@@ -108,7 +131,8 @@ Triangles Triangles::wrap(const Device& device, cl_mem vertices, std::size_t cou
 cl_mem Triangles::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
 
 bool Triangles::is_same_as(const Triangles& other) const {
-    return buffer_ == other.buffer_ && first_float_ == other.first_float_ && count_ == other.count_;
+    return buffer_ == other.buffer_ && first_float_ == other.first_float_ && count_ == other.count_ &&
+           has_cut_outs(*this) == has_cut_outs(other);
 }
 
 // ---- Points ---------------------------------------------------------------------------------------------------------
@@ -274,7 +298,8 @@ void require_run_lights(const Triangles& triangles, const Points& points, std::s
 TriangleInputs triangle_inputs(const Triangles& triangles) {
     return {{.first_float = triangles.first_float(), .count = static_cast<cl_uint>(triangles.count()), .padding = 0},
             triangles.buffer(),
-            Internals::clusters(triangles)};
+            Internals::clusters(triangles),
+            has_cut_outs(triangles)};
 }
 
 PointInputs point_inputs(const Points& points, bool is_lifted) {

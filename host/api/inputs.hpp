@@ -61,8 +61,16 @@ void require_run_lights(const Triangles& triangles, const Points& points, std::s
 struct TriangleInputs : TrianglesLayout {
     cl_mem vertices;
     const Clusters* clusters;  ///< null if there are none
+    bool has_cut_outs;         ///< behind the vertices (kernels/exact/cut_outs.h)
+
+    /// A kernel that decides hits on triangles: with cut-outs, of the program that reads them.
+    cl::Kernel kernel(const char* file, const char* name) const {
+        return {file, name, has_cut_outs ? "GN_CUT_OUTS" : ""};
+    }
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);
+/// Some triangles are masked or clear.
+bool has_cut_outs(const Triangles& triangles);
 
 struct PointInputs {
     PointsLayout layout;

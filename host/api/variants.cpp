@@ -58,6 +58,19 @@ constexpr Variant variants[] = {
 };
 // clang-format on
 
+// Programs that read cut-outs, for scenes that have them: all others keep their text.
+const char* with_cut_outs(std::string_view defines) {
+    constexpr std::pair<std::string_view, const char*> pairs[] = {
+        {"", "GN_CUT_OUTS"},
+        {directional_only, "GN_DIRECTIONAL_ONLY GN_CUT_OUTS"},
+        {"GN_EYE_RECORDS", "GN_EYE_RECORDS GN_CUT_OUTS"},
+        {"TRACE_QUEUE_OVERFLOW", "TRACE_QUEUE_OVERFLOW GN_CUT_OUTS"},
+    };
+    for (const auto& [without, with] : pairs)
+        if (without == defines) return with;
+    throw Error("no program with these defines reads cut-outs");
+}
+
 bool fits(const Variant& row, Task task, bool is_cpu, bool is_directional) {
     return row.task == task && (row.family == any_device || (row.family == cpu) == is_cpu) &&
            (row.light == any_light || is_directional);
@@ -65,11 +78,12 @@ bool fits(const Variant& row, Task task, bool is_cpu, bool is_directional) {
 
 }  // namespace
 
-cl::Kernel variant(const cl::Session& session, Task task, bool is_directional) {
+cl::Kernel variant(const cl::Session& session, Task task, bool is_directional, bool has_cut_outs) {
     for (const Variant& row : variants)
         if (fits(row, task, session.is_cpu(), is_directional)) {
             const bool specialise = row.has_directional_program && !session.is_cpu() && is_directional;
-            return specialise ? cl::Kernel{row.kernel.file, row.kernel.name, directional_only} : row.kernel;
+            const char* defines = specialise ? directional_only : row.kernel.defines;
+            return {row.kernel.file, row.kernel.name, has_cut_outs ? with_cut_outs(defines) : defines};
         }
     throw Error("no kernel is made for this task on this device");
 }

@@ -29,7 +29,8 @@ enum class Task {
 
 /// The kernel for this task on this device. `is_directional`: every projection and light frame of the launch is
 /// parallel.
-cl::Kernel variant(const cl::Session& session, Task task, bool is_directional);
+/// `has_cut_outs`: of the launch's triangles.
+cl::Kernel variant(const cl::Session& session, Task task, bool is_directional, bool has_cut_outs = false);
 
 /// All points on a receiver have the same facing, and none may shadow itself.
 bool share_facing(const PointInputs& points);

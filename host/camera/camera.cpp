@@ -191,7 +191,7 @@ void CameraStage::fit_lists(Statistics& statistics) {
 }
 
 CameraParams CameraStage::params_of(SampleOffset offset, bool has_pixel_receivers, const PointSlice& out) const {
-    return {.first_float = triangles_.first_float,
+    return {.triangles = triangles_,
             .picture = samples_.picture,
             .eye = {camera_.eye[0], camera_.eye[1], camera_.eye[2]},
             .offset = {float(offset.x) / SAMPLE_UNITS, float(offset.y) / SAMPLE_UNITS},
@@ -211,8 +211,8 @@ void CameraStage::find_points(const CameraParams& params, cl_mem pixel_receivers
         session_.fill(counters_, 0, sizeof(FrameCounters));
     } else {
         cl::StageTimer timer(session_, statistics, "camera_visibility");
-        session_.launch("camera/camera.cl", "camera_visibility", session_.blocks(pixels), params, projection_,
-                        triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(),
+        session_.launch(triangles_.kernel("camera/camera.cl", "camera_visibility"), session_.blocks(pixels), params,
+                        projection_, triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(),
                         bins().entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers, out.receivers,
                         counters_);
     }
@@ -329,7 +329,7 @@ cl::Buffer camera_normals(const Device& device, const Triangles& triangles, cons
     const TriangleInputs inputs = triangle_inputs(triangles);
     cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
     CameraParams params{};
-    params.first_float = inputs.first_float;
+    params.triangles = inputs;
     std::copy_n(view.points.eye()->begin(), 3, params.eye);
     params.width = view.width;
     params.height = view.height;

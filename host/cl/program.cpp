@@ -253,7 +253,7 @@ cl_program Session::load_or_build(const std::string& file, const std::string& de
 
 cl_program Session::program_of(const Kernel& kernel) {
     const bool joins =
-        is_cpu_ && *kernel.defines == '\0' &&
+        is_cpu_ && (*kernel.defines == '\0' || std::string_view(kernel.defines) == "GN_CUT_OUTS") &&
         std::find(picture_files.begin(), picture_files.end(), std::string_view(kernel.file)) != picture_files.end();
     const std::string file = joins ? picture_program : kernel.file;
     const std::string key_here = file + ' ' + kernel.defines;

@@ -218,12 +218,64 @@ struct PointsCamera {
 /// camera and every batch of samples skip the clusters that they do not need.
 inline constexpr std::size_t triangles_worth_clusters = 1u << 16;
 
+// ---- Cut-outs: triangles with holes, by the alpha of a texture ------------------------------------------------------
+
+/// What a texture coordinate outside of 0..1 stands for.
+enum class TextureWrap : std::uint8_t { repeat, mirror, clamp };
+/// The alpha between texels' centres: that of the nearest texel (of the greatest where a border is hit), or the exact
+/// bilinear mean of four.
+enum class TextureFilter : std::uint8_t { nearest, linear };
+
+/// Row by row; the first texel is at (u, v) = (0, 0). Sides from 1 to 32768.
+struct AlphaTexture {
+    std::uint32_t width = 0, height = 0;
+    std::span<const std::uint8_t> alpha;
+};
+
+inline constexpr std::uint32_t no_texture = 0xFFFFFFFFu;
+inline constexpr std::uint32_t no_cut_out = 0xFFFFFFFFu;
+
+/// A triangle of this material blocks, and is seen, at a point X only where texel(X) * factor * alpha of the corners at
+/// X, all exact, is at least the cutoff: texel(X) >= 255 cutoff / factor, which is rounded once to a multiple of 2^-16.
+/// A cutoff up to 0: everywhere; a cutoff above 1, or a factor up to 0: nowhere.
+struct CutOutMaterial {
+    std::uint32_t texture = no_texture;  ///< of CutOuts::textures; none: 255
+    TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
+    TextureFilter filter = TextureFilter::linear;
+    float cutoff = 0.5f;
+    float alpha_factor = 1.0f;
+};
+
+/// The cut-outs of a scene, in the caller's memory (read by Triangles::upload(), not kept).
+struct CutOuts {
+    std::span<const std::uint32_t> material_of_triangle;  ///< one per triangle; no_cut_out: opaque
+    std::span<const float> texture_coordinates;  ///< u, v of three corners per triangle; none: no texture is used
+    std::span<const float> corner_alphas;        ///< three per triangle, 0 to 1, or none at all
+    std::span<const CutOutMaterial> materials;
+    std::span<const AlphaTexture> textures;
+
+    CutOuts part(std::size_t first, std::size_t count) const;  ///< of some triangles
+};
+
+/// What became of the triangles that have a material: their sum is the number of these.
+struct CutOutCounts {
+    std::size_t masked = 0;  ///< the texture decides, hit by hit
+    std::size_t opaque = 0;  ///< all over
+    std::size_t clear = 0;   ///< all over: they block nothing and are never seen
+    std::size_t unusable =
+        0;  ///< of the opaque: corners that are NaN, or 2^30 texels or more away; alphas outside 0..1
+};
+
 /// Triangles on the device: 9 consecutive float32 each (three world-space vertices). A triangle's id is its index. A
 /// triangle with a NaN or infinite vertex casts no shadow and is never seen; Statistics counts it.
 class Triangles {
 public:
     /// Copies `vertices` (9 floats per triangle) to the device. Throws InvalidArgument if the size is no multiple of 9.
     static Triangles upload(const Device& device, std::span<const float> vertices);
+    /// The same with cut-outs, which are copied, too: 28 bytes for each masked triangle, and the textures. Techniques
+    /// that do not decide exactly take masked triangles for opaque ones (docs/techniques.md). Throws InvalidArgument if
+    /// sizes do not match.
+    static Triangles upload(const Device& device, std::span<const float> vertices, const CutOuts& cut_outs);
     /// Uses the caller's buffer (retained) from float `first_float` on. The caller must not write it during a run.
     static Triangles wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float = 0);
 
@@ -240,6 +292,7 @@ public:
     std::size_t count() const { return count_; }
     cl_mem buffer() const;
     std::size_t first_float() const { return first_float_; }
+    const CutOutCounts& cut_out_counts() const { return cut_out_counts_; }
     bool is_same_as(const Triangles& other) const;  ///< of the same part of the same buffer
 
 private:
@@ -250,6 +303,7 @@ private:
     std::shared_ptr<const Clusters> clusters_;
     std::size_t count_ = 0;
     std::size_t first_float_ = 0;
+    CutOutCounts cut_out_counts_;
 };
 
 /// Coordinate c (0..2) of point i has the index first + i * point_stride + c * coordinate_stride in a buffer of floats.

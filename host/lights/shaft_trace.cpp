@@ -136,16 +136,17 @@ private:
         const std::size_t tasks = blocks * bundle_count_;
         const cl::Range range = session_.is_cpu() ? session_.uneven_items(tasks, 1)
                                                   : cl::Range::groups(std::min<std::size_t>(tasks, 65536), width);
-        session_.launch("lights/shaft_trace.cl", "shaft_trace", range, params_of(part), bundles_, run_.tree.nodes(),
-                        run_.tree.leaves(), run_.tree.ids(), points_.positions(), points_.receivers(),
-                        points_.surface_normals(), masks_, queue_, counters_,
+        session_.launch(triangle_inputs(run_.triangles).kernel("lights/shaft_trace.cl", "shaft_trace"), range,
+                        params_of(part), bundles_, run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(),
+                        points_.positions(), points_.receivers(), points_.surface_normals(), masks_, queue_, counters_,
                         cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
         return session_.read_value<ShaftCounters>(counters_);
     }
 
     void decide_queue(const Part& part) {
-        session_.launch("lights/shaft_trace.cl", "shaft_exact", cl::Range::items(capacity()), params_of(part), bundles_,
-                        triangle_inputs(run_.triangles).vertices, points_.positions(), queue_, masks_, counters_);
+        const TriangleInputs triangles = triangle_inputs(run_.triangles);
+        session_.launch(triangles.kernel("lights/shaft_trace.cl", "shaft_exact"), cl::Range::items(capacity()),
+                        params_of(part), bundles_, triangles.vertices, points_.positions(), queue_, masks_, counters_);
         const auto counted = session_.read_value<ShaftCounters>(counters_);
         queued_ += counted.queued;
         for (int level = 0; level < 3; ++level) by_level_[level] += counted.by_level[level];

@@ -55,8 +55,9 @@ BuiltShaftTree::BuiltShaftTree(const Device& device, const Triangles& given)
 void BuiltShaftTree::build(const TriangleInputs& triangles, const cl::Buffer& numbers) {
     cl::Session& session = session_of(device_);
     const TrianglesLayout& layout = triangles;
-    session.launch("lights/shaft_tree.cl", "shaft_leaves", cl::Range::items(std::size_t(layout_.leaf_count) * width_),
-                   layout_, layout, triangles.vertices, numbers, leaves_, ids_);
+    session.launch(triangles.kernel("lights/shaft_tree.cl", "shaft_leaves"),
+                   cl::Range::items(std::size_t(layout_.leaf_count) * width_), layout_, layout, triangles.vertices,
+                   numbers, leaves_, ids_);
     std::uint32_t boxes = layout_.leaf_count;
     for (std::uint32_t level = 0; level < layout_.level_count; ++level) {
         session.launch("lights/shaft_tree.cl", "shaft_boxes", cl::Range::items(boxes + width_), layout_, level, leaves_,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "api/variants.hpp"
+#include "kernels/exact/cut_outs.h"
 #include "lists/morton.hpp"
 #include "lists/sort.hpp"
 
@@ -97,8 +98,9 @@ void Clusters::reorder(const TriangleInputs& triangles, const MortonGrid& grid, 
     session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(triangles.count), grid,
                    params_of(triangles, count_), triangles.vertices, codes, numbers);
     Sort().run(session, triangles.count, codes, numbers);
-    cl::Buffer vertices(session, 9 * word_bytes), boxes(session, boxes_.bytes());
-    session.launch("occluders/clusters.cl", "cluster_gather", cl::Range::items(triangles.count),
+    const std::size_t class_bytes = triangles.has_cut_outs ? CUT_OUT_CLASS_WORDS(triangles.count) * sizeof(cl_uint) : 0;
+    cl::Buffer vertices(session, 9 * word_bytes + class_bytes), boxes(session, boxes_.bytes());
+    session.launch(triangles.kernel("occluders/clusters.cl", "cluster_gather"), cl::Range::items(triangles.count),
                    params_of(triangles, count_), triangles.vertices, numbers, vertices);
     make_boxes(session, in_order(triangles, vertices), count_, boxes);
     if (spread_of(session, boxes, count_).area > area * most_area_worth_order) return;

@@ -49,7 +49,7 @@ void TriangleSetup::run_bounds(cl::Session& session, const ProjectionInput& proj
         params.samples_per_pixel = projection.camera->samples_per_pixel;
         params.first_sample = projection.camera->first_sample;
     }
-    session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional),
+    session.launch(variant(session, Task::make_triangle_bounds, projection.is_directional, triangles.has_cut_outs),
                    session.blocks(triangles.count), params, projection.buffer, ordered.vertices,
                    clusters ? *clusters : bounds(), pyramid ? *pyramid : bounds(), bounds(), map_candidates_.buffer(),
                    counters, cl::LocalBytes{session.work_group_size() * BOUNDS_AT_ONCE * sizeof(TriangleBounds)});
@@ -75,9 +75,10 @@ void TriangleSetup::run_tiles_for(cl::Session& session, const ProjectionInput& p
         params.samples_per_pixel = projection.camera->samples_per_pixel;
     }
     const Task task = projection.camera ? Task::make_camera_tiles : Task::make_triangle_tiles;
-    session.launch(variant(session, task, projection.is_directional), cl::Range::items(capacity()), params,
-                   projection.buffer, ordered.vertices, selection, pyramid ? *pyramid : bounds(), bounds(), records(),
-                   tiles.buffer(), pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
+    session.launch(variant(session, task, projection.is_directional, triangles.has_cut_outs),
+                   cl::Range::items(capacity()), params, projection.buffer, ordered.vertices, selection,
+                   pyramid ? *pyramid : bounds(), bounds(), records(), tiles.buffer(),
+                   pairs ? pairs->bin_counts : bounds(), pairs ? pairs->pairs : bounds(), counters,
                    cl::LocalBytes{session.work_group_size() * (sizeof(cl_uint4) + 2 * sizeof(cl_uint))});
 }
 

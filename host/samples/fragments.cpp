@@ -95,7 +95,7 @@ private:
     template <typename... Arguments>
     void run_stage(const char* kernel, cl::Range range, const Arguments&... arguments) {
         cl::StageTimer timer(session_, total_, kernel);
-        session_.launch("samples/samples.cl", kernel, range, arguments...);
+        session_.launch(inputs_.kernel("samples/samples.cl", kernel), range, arguments...);
     }
 
     /// Work-groups of samples_fragments; each may leave some of its reserved slots unused.

@@ -46,7 +46,7 @@ void Izb::run(cl::Session& session, const TraceInputs& inputs) {
 
 void Izb::trace(cl::Session& session, const TraceInputs& inputs, const Bins& bins, Trace& queue) {
     queue.reserve_queue(session, inputs.points);
-    session.launch("techniques/izb.cl", "izb_trace", cl::Range::items(bins.pair_capacity()),
+    session.launch(inputs.triangles.kernel("techniques/izb.cl", "izb_trace"), cl::Range::items(bins.pair_capacity()),
                    params(inputs, queue.capacity()), inputs.points.positions, inputs.points.receivers,
                    inputs.triangles.vertices, lists_, offsets_, bins.pairs(), inputs.lists.records, inputs.lists.bounds,
                    inputs.visibility, queue.queue(), inputs.counters);

@@ -79,10 +79,10 @@ Explanation explain_signs(const Device& device, const Triangles& triangles, cons
         params.capacity = std::max(params.capacity, found.count);
         listed.resize(params.capacity);
         list.reserve(session, listed.size() * sizeof(ExplainedTriangle));
-        session.launch(file, "explain_point", cl::Range::items(1), params, inputs.positions, inputs.receivers,
-                       scene.vertices, on_device);
-        session.launch(file, "explain_triangles", cl::Range::items(scene.count), params, scene.vertices, on_device,
-                       list);
+        session.launch(scene.kernel(file, "explain_point"), cl::Range::items(1), params, inputs.positions,
+                       inputs.receivers, scene.vertices, on_device);
+        session.launch(scene.kernel(file, "explain_triangles"), cl::Range::items(scene.count), params, scene.vertices,
+                       on_device, list);
         found = session.read_value<ExplainedPoint>(on_device);
     } while (found.count > params.capacity);
     session.read(list.get(), listed.data(), found.count * sizeof(ExplainedTriangle));

@@ -44,8 +44,9 @@ void Provenance::record(cl::Session& session, Moment moment, const TraceInputs& 
         session.launch(file, "provenance_of_trace", blocks, params, inputs.projections, points.positions,
                        inputs.map != nullptr ? *inputs.map : provenance_, inputs.visibility, provenance_);
     } else if (moment == Moment::after_exact_trace) {
-        session.launch(file, "provenance_of_pairs", cl::Range::items(trace.capacity()), params, points.positions,
-                       inputs.triangles.vertices, trace.queue(), inputs.visibility, provenance_, inputs.counters);
+        session.launch(inputs.triangles.kernel(file, "provenance_of_pairs"), cl::Range::items(trace.capacity()), params,
+                       points.positions, inputs.triangles.vertices, trace.queue(), inputs.visibility, provenance_,
+                       inputs.counters);
     } else {
         session.launch(file, "provenance_of_overflow", blocks, params, points.positions, inputs.visibility,
                        provenance_);

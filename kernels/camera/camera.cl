@@ -70,7 +70,8 @@ static LaneInt pixel_receivers_met(const VisibilityWork* work, const PixelRays* 
         if (receiver == GN_NO_ID) continue;
         if (receiver != outlined) outline = outline_of(load_triangle(work->lists.vertices, receiver), eye);
         outlined = receiver;
-        if (covers(&outline, eye, ray_of_lane(work->lists.rays, &block->rays, lane)))
+        Ray ray = ray_of_lane(work->lists.rays, &block->rays, lane);
+        if (covers(&outline, eye, ray) && is_seen_opaque(&work->lists, receiver, eye, ray))
             LANE_OF_INT(met, lane) = (int)receiver;
     }
     return met;
@@ -156,7 +157,14 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
                                 __global const uint* pixel_receivers, __global uint* visible,
                                 __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    TileLists lists = {ranges, entries, records, bounds, vertices + params.first_float, rays, params.picture};
+    TileLists lists = {ranges,
+                       entries,
+                       records,
+                       bounds,
+                       vertices + params.triangles.first_float,
+                       rays,
+                       params.picture,
+                       params.triangles.count};
     VisibilityWork work = {params, projection, lists, pixel_receivers, visible, GN_NO_ID};
 #if GN_LANES == 1
     __local ListBatch batch;
@@ -182,7 +190,8 @@ GN_NOINLINE_ON_CPU void make_points(ItemRange items, CameraParams params, __glob
         float3 p = (float3)(NAN);
         size_t point = params.first_point + pixel;
         if (visible[point] != GN_NO_ID) {
-            if (visible[point] != seen.id) seen = see_triangle(vertices + params.first_float, visible[point], eye);
+            if (visible[point] != seen.id)
+                seen = see_triangle(vertices + params.triangles.first_float, visible[point], eye);
             p = shading_point(&seen, eye, load_ray(rays, (uint)(pixel % width), width + (uint)(pixel / width)));
         }
         positions[point] = p.x;
@@ -199,7 +208,8 @@ __kernel void camera_points(CameraParams params, __global const float* vertices,
                             __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
 #if GN_LANES > 1 && defined(GN_FP64)
-    PointsWork work = {params, eye_of_camera(params), vertices + params.first_float, rays, visible, positions};
+    PointsWork work = {params,   eye_of_camera(params), vertices + params.triangles.first_float, rays, visible,
+                       positions};
     const uint side = 1u << CAMERA_TILE_LOG2;
     uint tiles = ((params.width + side - 1u) >> CAMERA_TILE_LOG2) * ((params.height + side - 1u) >> CAMERA_TILE_LOG2);
     make_points_of_tiles(item_range(tiles), &work);
@@ -228,7 +238,7 @@ GN_NOINLINE_ON_CPU void make_normals(ItemRange items, CameraParams params, __glo
         if (visible[pixel] != id) {
             id = visible[pixel];
             normal = (float3)(0.0f);
-            if (id != GN_NO_ID) normal = unit_normal(load_triangle(vertices + params.first_float, id), eye);
+            if (id != GN_NO_ID) normal = unit_normal(load_triangle(vertices + params.triangles.first_float, id), eye);
         }
         vstore3(normal, pixel, normals);
     }

@@ -48,14 +48,14 @@ GN_STRUCT_END(RayAxes, 104)
 
 // One sample of every pixel. Pixel i is point first_point + i of point_count.
 GN_STRUCT_BEGIN(CameraParams)
-    ulong first_float;  // where the triangles' vertices begin
+    TrianglesLayout triangles;
     PictureRays picture;
     float eye[3];
     float offset[2];  // of the samples from the pixels' centres, pixels
     uint width, height;
     uint first_point, point_count;
     uint has_pixel_receivers;  // 0: the buffer of the pixels' receivers is not read
-GN_STRUCT_END(CameraParams, 96)
+GN_STRUCT_END(CameraParams, 104)
 
 // Points of a caller that are lifted off their receivers.
 GN_STRUCT_BEGIN(LiftParams)

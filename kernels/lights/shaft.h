@@ -19,6 +19,9 @@
 // Words of local memory on a GPU: shaft_lanes.clh.
 #define SHAFT_LOCAL_WORDS (1u + 7u * SHAFT_WIDTH_ON_GPU + MOST_SHAFT_ENTRIES)
 #define MOST_BUNDLE_LIGHTS 32u
+// In the id of a leaf's masked triangle (exact/cut_outs.h): it blocks nothing for certain. Scenes with cut-outs have
+// fewer triangles than this.
+#define SHAFT_MASKED 0x80000000u
 
 // Lights whose directions lie in one cone. All directions are scaled by powers of two, exactly, so that the largest
 // coordinate of each is between 1/2 and 1. For each light's direction D there are s > 0 and u, v in [-1, 1] with

@@ -46,9 +46,16 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
                                     uint triangle, uint i, LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
     ShaftTriangle t = shaft_triangle(leaf, i);
     uint bits = lane_bits(lanes);
+#ifdef GN_CUT_OUTS
+    bool is_masked = (triangle & SHAFT_MASKED) != 0u;
+    triangle &= ~SHAFT_MASKED;
+#else
+    const bool is_masked = false;
+#endif
     if (GN_LANES == 1 || popcount(bits) >= POINTS_WORTH_CONES) {
         ShaftEdges edges = edges_of(&t, &work->points);
         ShaftDecision cone = decide_cone(&edges, bundle);
+        if (is_masked) cone.blocked = (LaneInt)(0);
         work->open &= ~(cone.blocked & lanes);
         bits = lane_bits(lanes & ~(cone.blocked | cone.missed));
     }
@@ -57,6 +64,7 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
         PointEdges edges = edges_of_point(&t, lane_point(work->points, lane));
         uint open = (uint)LANE_OF_INT(work->open, lane);
         LightDecision decision = decide_lights(&edges, bundle, open);
+        if (is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
         LANE_OF_INT(work->open, lane) = (int)(open & ~decision.dark);
         if (decision.undecided != 0u) queue_pairs(work, SHAFT_LANE(lane), decision.undecided, triangle, scene, mine);
     }
@@ -70,9 +78,12 @@ GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bun
     ShaftHits hits = triangles_in_shaft(rows, bundle, shaft);
     SHARE_LEAST(hits);
     for (uint bits = SHAFT_BITS(hits.some); bits != 0u;) {
-        uint i = take_lowest_bit(&bits);
+        uint i = take_lowest_bit(&bits), id = ids[i];
+#ifdef GN_CUT_OUTS
+        id &= ~SHAFT_MASKED;
+#endif
         LaneInt lanes =
-            LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)ids[i]));
+            LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)id));
         for (uint k = 0; k < 6u; ++k)
             lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, i)), <=, shaft->point_limits[k]);
         if (LANES_ANY(lanes)) test_triangle(work, bundle, rows, ids[i], i, lanes, scene, mine);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The tree of a shaft's triangles (shaft.h), level by level from the leaves. Boxes are exact: minima and maxima of
 // coordinates, compared as keys (float_to_key), so that flushed denormals cannot move a side.
+#include "exact/cut_outs.clh"
 #include "lights/shaft.h"
 
 #ifdef GN_CPU
@@ -10,15 +11,24 @@
 #endif
 
 // Triangles in the order of `numbers`; rows of one leaf lie together. Absent ones, and those with a vertex that is not
-// finite, are NaN: no comparison with one is true.
+// finite, are NaN: no comparison with one is true. With cut-outs, so are clear ones, and masked ones have SHAFT_MASKED
+// in their ids.
 __kernel void shaft_leaves(const ShaftTree tree, const TrianglesLayout layout, __global const float* vertices,
                            __global const uint* numbers, __global float* leaves, __global uint* ids) {
     GN_FOR_EACH(i, tree.leaf_count * SHAFT_WIDTH) {
         bool is_present = i < tree.triangle_count;
         uint id = is_present ? numbers[i] : GN_NO_ID;
         Triangle t = load_triangle(vertices + layout.first_float, is_present ? id : 0u);
+        bool is_masked = false;
+#ifdef GN_CUT_OUTS
+        if (is_present) {
+            uint of_triangle = cut_out_class(triangles_of(vertices, layout), id);
+            is_present = of_triangle != CUT_OUT_CLEAR;
+            is_masked = of_triangle == CUT_OUT_MASKED;
+        }
+#endif
         if (!is_present || !is_finite_triangle(t)) t = (Triangle){(float3)(NAN), (float3)(NAN), (float3)(NAN)};
-        ids[i] = id;
+        ids[i] = is_masked ? id | SHAFT_MASKED : id;
         __global float* row = leaves + i / SHAFT_WIDTH * (SHAFT_LEAF_ROWS * SHAFT_WIDTH) + i % SHAFT_WIDTH;
         row[0] = t.a.x, row[SHAFT_WIDTH] = t.a.y, row[2u * SHAFT_WIDTH] = t.a.z;
         row[3u * SHAFT_WIDTH] = t.b.x, row[4u * SHAFT_WIDTH] = t.b.y, row[5u * SHAFT_WIDTH] = t.b.z;

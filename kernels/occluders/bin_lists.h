@@ -25,11 +25,12 @@
 GN_STRUCT_BEGIN(TriangleBounds)
     ushort x0, y0, x1, y1;
     ushort z;
-    ushort flags;  // BOUNDS_FOR_MAP
+    ushort flags;  // BOUNDS_FOR_MAP or BOUNDS_MASKED
     uint id;
 GN_ALIGNED_STRUCT_END(TriangleBounds, BIN_ENTRY_BYTES)
 
 #define BOUNDS_FOR_MAP 0x8000u  // may cover a whole texel
+#define BOUNDS_MASKED 0x4000u   // of a masked triangle (exact/cut_outs.h)
 
 // A triangle (its record's slot) in a bin, and the pair's index in the bin's list. An unused slot has bin GN_NO_ID.
 GN_STRUCT_BEGIN(Pair)

@@ -2,6 +2,7 @@
 // Clusters: boxes around neighbouring triangles (made once for a scene that does not change), and their cull for a
 // projection (in every run). The cull is that of triangle_bounds, applied to a box (cluster_boxes.clh): it drops only
 // clusters behind the light, outside the grid, or farther from the light than every point that they could cover.
+#include "exact/cut_outs.clh"
 #include "lists/group_scan.clh"
 #include "lists/morton.h"
 #include "occluders/cluster_boxes.clh"
@@ -37,6 +38,16 @@ __kernel void cluster_gather(ClusterParams params, __global const float* vertice
         __global const float* from = vertices + params.triangles.first_float + 9 * (size_t)numbers[i];
         for (uint k = 0; k < 9u; ++k) gathered[9 * i + k] = from[k];
     }
+#ifdef GN_CUT_OUTS
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    __global uint* words = (__global uint*)(gathered + 9 * (size_t)triangles.count);
+    GN_FOR_EACH(group, CUT_OUT_CLASS_WORDS(triangles.count) / 2u) {
+        uint first = (uint)group * CUT_OUT_GROUP, classes = 0u;
+        for (uint k = 0; k < min(CUT_OUT_GROUP, triangles.count - first); ++k)
+            classes |= cut_out_class(triangles, numbers[first + k]) << 2u * k;
+        words[2 * group] = classes;
+    }
+#endif
 }
 
 // ---- Cull -----------------------------------------------------------------------------------------------------------

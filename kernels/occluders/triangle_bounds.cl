@@ -4,7 +4,9 @@
 //
 // A triangle is dropped, and counted, for a NaN or infinite vertex; behind the light or outside the grid; farther from
 // the light than every point that it could cover (by the receiver depth pyramid). Survivors that may cover whole texels
-// are listed as candidates of the conservative map, too.
+// are listed as candidates of the conservative map, too. With cut-outs, a clear triangle is dropped, and a masked one
+// is no candidate.
+#include "exact/cut_outs.clh"
 #include "lists/append.h"
 #include "lists/group_scan.clh"
 #include "occluders/cluster_boxes.clh"
@@ -131,7 +133,18 @@ static LaneInt bound_block(uint block, TriangleSetupParams params, __constant co
     LaneInt finite = LANE_COMPARE((LaneInt)((int)count), >, LANE_INDEX) & finite_triangles(&t);
     counts->visited += count;
     counts->finite += count_lanes(finite);
+#ifdef GN_CUT_OUTS
+    // A block's triangles are of one group of classes: GN_LANES divides CUT_OUT_GROUP.
+    uint classes = cut_out_words((Triangles){vertices, params.triangles.count})[2u * (*first / CUT_OUT_GROUP)] >>
+                   2u * (*first % CUT_OUT_GROUP);
+    LaneInt of_lanes = (LaneInt)((int)classes) >> (2 * LANE_INDEX) & 3;
+    LaneInt survivors = bound_triangles(&t, finite & LANE_COMPARE(of_lanes, !=, (LaneInt)((int)CUT_OUT_CLEAR)), params,
+                                        projection, pyramid, found);
+    LaneInt masked = LANE_COMPARE(of_lanes, ==, (LaneInt)((int)CUT_OUT_MASKED));
+    found->flags = LANES_SELECT(found->flags, (LaneInt)((int)BOUNDS_MASKED), masked);
+#else
     LaneInt survivors = bound_triangles(&t, finite, params, projection, pyramid, found);
+#endif
     counts->survivors += count_lanes(survivors);
     return survivors;
 }
@@ -163,11 +176,11 @@ static void append_block(BoundsWork* work, uint block) {
     LaneInt survivors = bound_block(block, work->params, work->projection, work->vertices, work->pyramid, &first,
                                     &found, &work->counts);
     if (!LANES_ANY(survivors)) return;
-    work->counts.expected +=
-        LANES_SELECT((LaneFloat)(0.0f), found.expected, survivors & LANE_COMPARE(found.flags, !=, (LaneInt)(0)));
+    work->counts.expected += LANES_SELECT((LaneFloat)(0.0f), found.expected,
+                                          survivors & LANE_COMPARE(found.flags, ==, (LaneInt)((int)BOUNDS_FOR_MAP)));
     for (int lane = 0; lane < GN_LANES; ++lane) {
         if (!LANE_OF_INT(survivors, lane)) continue;
-        bool for_map = LANE_OF_INT(found.flags, lane) != 0;
+        bool for_map = LANE_OF_INT(found.flags, lane) == (int)BOUNDS_FOR_MAP;
         work->counts.candidates += for_map;
         uint slot = reservation(&work->slots, &work->counters->slots);
         if (slot >= work->params.capacity) continue;

@@ -64,7 +64,13 @@ __kernel void explain_triangles(const ExplainParams params, __global const float
     GN_FOR_EACH(i, triangles.count) {
         int level;
         if (i == receiver || !is_finite_triangle(load_triangle(triangles.vertices, i))) continue;
-        if (!decide_pair(triangles, (uint)i, p, light, &level) && level == DET3_BY_FLOAT) continue;
+        if (!decide_pair(triangles, (uint)i, p, light, &level) && level == DET3_BY_FLOAT) {
+#ifdef GN_CUT_OUTS
+            // A triangle that is clear where the ray meets it is listed, too.
+            if (!blocks(load_triangle(triangles.vertices, i), p, light, &level))
+#endif
+                continue;
+        }
         uint slot = atomic_inc(&point->count);
         if (slot < params.capacity) list[slot] = signs_of_triangle(triangles, (uint)i, p, light);
     }
