@@ -35,6 +35,26 @@ std::vector<float> gathered(std::span<const float> vertices, std::span<const std
     return part;
 }
 
+/// The triangles `ids` on the device, with their cut-outs if there are any.
+Triangles upload_gathered(const Device& device, std::span<const float> vertices, const CutOuts* cut_outs,
+                          const Ids& ids) {
+    const std::vector<float> part = gathered(vertices, ids);
+    if (cut_outs == nullptr) return Triangles::upload(device, part);
+    CutOuts of_part = *cut_outs;
+    Ids materials;
+    std::vector<float> coordinates, alphas;
+    for (const std::uint32_t id : ids) {
+        const CutOuts one = cut_outs->part(id, 1);
+        materials.push_back(one.material_of_triangle.front());
+        coordinates.insert(coordinates.end(), one.texture_coordinates.begin(), one.texture_coordinates.end());
+        alphas.insert(alphas.end(), one.corner_alphas.begin(), one.corner_alphas.end());
+    }
+    of_part.material_of_triangle = materials;
+    of_part.texture_coordinates = coordinates;
+    of_part.corner_alphas = alphas;
+    return Triangles::upload(device, part, of_part);
+}
+
 /// The visible triangles among the tested triangles `ids`.
 Ids seen_of(const Device& device, const View& view, const Ids& ids) {
     const auto receivers = session_of(device).read_values<std::uint32_t>(view.points.receivers(), view.points.count());
@@ -108,7 +128,7 @@ void close_points(OpenPoints& open, std::span<const float> answers, std::vector<
 }  // namespace
 
 ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices, const Camera& camera,
-                          std::uint32_t width, std::uint32_t height) {
+                          std::uint32_t width, std::uint32_t height, const CutOuts* cut_outs) {
     if (vertices.size() % 9 != 0)
         throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
     const std::size_t total = vertices.size() / 9;
@@ -118,7 +138,7 @@ ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices,
         Ids ids = seen;
         for (std::size_t id = first; id < first + count; ++id) ids.push_back(std::uint32_t(id));
         try {
-            Triangles triangles = Triangles::upload(device, gathered(vertices, ids));
+            Triangles triangles = upload_gathered(device, vertices, cut_outs, ids);
             View view = look(device, triangles, camera, width, height);
             first += count;
             if (first == total) return {std::move(view), std::move(triangles), std::move(ids)};
@@ -132,7 +152,7 @@ ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices,
 
 Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
                         std::span<const float> vertices, const Points& points, std::span<const std::uint32_t> ids,
-                        const Light& light, const Visibility& visibility) {
+                        const Light& light, const Visibility& visibility, const CutOuts* cut_outs) {
     if (vertices.size() % 9 != 0)
         throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
     const auto start = cl::Clock::now();
@@ -146,7 +166,10 @@ Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make,
     for (std::size_t first = 0; first < total;) {
         const std::size_t count = std::min(triangle_part, total - first);
         try {
-            const Part part{Triangles::upload(device, vertices.subspan(9 * first, 9 * count)), first};
+            const auto of_part = vertices.subspan(9 * first, 9 * count);
+            const Part part{cut_outs != nullptr ? Triangles::upload(device, of_part, cut_outs->part(first, count))
+                                                : Triangles::upload(device, of_part),
+                            first};
             std::vector<float> found;
             while (found.size() < open.count()) {
                 const std::size_t some = std::min(point_part, open.count() - found.size());

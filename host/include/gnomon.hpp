@@ -852,7 +852,7 @@ struct ViewOfParts {
 /// look() for triangles on the host (9 floats each), same bits. The device stores as many triangles at a time as fit
 /// into its memory or under the limit given to Device. Throws OutOfDeviceMemory if the view itself does not fit.
 ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices, const Camera& camera,
-                          std::uint32_t width, std::uint32_t height);
+                          std::uint32_t width, std::uint32_t height, const CutOuts* cut_outs = nullptr);
 
 /// Technique::run() for triangles on the host: the device stores as many triangles, and as many points, at a time as
 /// fit. Same bits for an exact technique; for other techniques, each point gets the lowest visibility of its parts.
@@ -860,7 +860,7 @@ ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices,
 /// triangle ids[r] of `vertices`, or r if `ids` is empty. Throws OutOfDeviceMemory if even small parts do not fit.
 Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
                         std::span<const float> vertices, const Points& points, std::span<const std::uint32_t> ids,
-                        const Light& light, const Visibility& visibility);
+                        const Light& light, const Visibility& visibility, const CutOuts* cut_outs = nullptr);
 
 }  // namespace gnomon
 

@@ -8,6 +8,7 @@
 #include "brute_force.hpp"
 
 #include "arguments.hpp"
+#include "masks.hpp"
 #include "parallel.hpp"
 #include "visibility.hpp"
 
@@ -66,7 +67,7 @@ bool is_facing_by_the_contract(const Triangle& triangle, const std::array<float,
 std::vector<std::uint8_t> shadowed_by_brute_force(std::span<const float> triangles, std::span<const float> points,
                                                   std::span<const std::uint32_t> receivers,
                                                   const std::array<float, 4>& light,
-                                                  const std::optional<std::array<float, 3>>& eye) {
+                                                  const std::optional<std::array<float, 3>>& eye, const Masks* masks) {
     check_arguments(triangles, points, receivers, light);
     const std::size_t triangle_count = triangles.size() / 9;
     const auto decide = [&](std::size_t i) {
@@ -78,7 +79,10 @@ std::vector<std::uint8_t> shadowed_by_brute_force(std::span<const float> triangl
             return true;
         for (std::size_t id = 0; id < triangle_count; ++id) {
             const Triangle triangle = triangle_at(triangles, id);
-            if (id != receiver && is_finite(triangle) && blocks_by_the_contract(point, light, triangle)) return true;
+            if (id != receiver && is_finite(triangle) && blocks_by_the_contract(point, light, triangle) &&
+                (masks == nullptr ||
+                 masks->is_opaque(static_cast<std::uint32_t>(id), triangle, Ray::to_light(point, light))))
+                return true;
         }
         return false;
     };

@@ -113,7 +113,7 @@ struct Bvh::Builder {
     }
 };
 
-Bvh::Bvh(std::span<const float> triangles) {
+Bvh::Bvh(std::span<const float> triangles, const Masks* masks) : masks_(masks) {
     std::vector<Box> boxes;
     std::vector<Triangle> finite;
     std::vector<std::uint32_t> finite_ids;

@@ -16,14 +16,20 @@
 #include <span>
 #include <vector>
 
+#include "masks.hpp"
 #include "predicates.hpp"
 
 namespace reference {
 
 class Bvh {
 public:
-    /// `triangles`: 9 floats each.
-    explicit Bvh(std::span<const float> triangles);
+    /// `triangles`: 9 floats each. With masks, which must outlive this, questions are about triangles with holes.
+    explicit Bvh(std::span<const float> triangles, const Masks* masks = nullptr);
+
+    /// Whether the triangle, which the ray meets, is opaque there.
+    bool is_opaque(std::uint32_t id, const Triangle& triangle, const Ray& ray) const {
+        return masks_ == nullptr || masks_->is_opaque(id, triangle, ray);
+    }
 
     /// Calls visit(id, triangle) for every triangle that the ray may meet at a parameter in (0, last], roughly from
     /// near to far, and possibly for others. `last` starts as the ray's last parameter; visit returns the new one,
@@ -55,6 +61,7 @@ private:
     std::vector<Node> nodes_;
     std::vector<Triangle> triangles_;
     std::vector<std::uint32_t> ids_;
+    const Masks* masks_ = nullptr;
 };
 
 inline bool Bvh::may_meet(const Node& node, const Slabs& slabs, double last, double& near) {

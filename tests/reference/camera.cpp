@@ -54,7 +54,7 @@ bool sees(const Bvh& bvh, std::span<const float> triangles, const Ray& ray, std:
     if (!nearest) return false;
     if (*nearest == receiver) return true;
     const Triangle claimed = triangle_at(triangles, receiver);
-    if (!meets(ray, claimed, effort)) return false;
+    if (!meets(ray, claimed, effort) || !bvh.is_opaque(receiver, claimed, ray)) return false;
     ++effort.signs;
     ++effort.exact_signs;
     return depth_between(ray, claimed, triangle_at(triangles, *nearest)) <= depth_slack;
@@ -118,7 +118,7 @@ std::optional<std::uint32_t> nearest_triangle(const Bvh& bvh, const Ray& ray, Ef
     Triangle nearest_shape{};
     ParameterBounds nearest_bounds;
     bvh.traverse(ray, [&](std::uint32_t id, const Triangle& triangle) {
-        if (!meets(ray, triangle, effort)) return nearest_bounds.latest;
+        if (!meets(ray, triangle, effort) || !bvh.is_opaque(id, triangle, ray)) return nearest_bounds.latest;
         const ParameterBounds bounds = parameter_bounds(ray, triangle);
         bool is_nearer = !nearest || bounds.latest < nearest_bounds.earliest;
         if (!is_nearer && bounds.earliest <= nearest_bounds.latest) {

@@ -75,7 +75,7 @@ void check_sizes(const PinholeCamera& camera, const ViewClaim& claim) {
 
 /// Visibility of all pixels that are not sky; the sky's own rules.
 void judge_visibility(std::span<const float> triangles, const PinholeCamera& camera, const std::array<float, 4>& light,
-                      const ViewClaim& claim, ViewReport& report) {
+                      const ViewClaim& claim, const Masks* masks, ViewReport& report) {
     std::vector<float> points;
     std::vector<std::uint32_t> receivers;
     std::vector<std::size_t> pixels;
@@ -85,7 +85,7 @@ void judge_visibility(std::span<const float> triangles, const PinholeCamera& cam
         receivers.push_back(claim.receiver[i]);
         pixels.push_back(i);
     }
-    const auto truth = shadowed(triangles, points, receivers, light, camera.eye, &report.visibility);
+    const auto truth = shadowed(triangles, points, receivers, light, camera.eye, &report.visibility, masks);
     for (std::size_t i = 0; i < pixels.size(); ++i)
         if (claim.visibility[pixels[i]] != (truth[i] ? 0.0f : 1.0f)) report.wrong_visibility.add(pixels[i]);
 }
@@ -116,7 +116,7 @@ void judge_normals_and_sky(std::span<const float> triangles, const PinholeCamera
 
 void judge_camera(std::span<const float> triangles, const PinholeCamera& camera, const ViewClaim& claim,
                   const JudgeOptions& options, ViewReport& report) {
-    const Bvh bvh(triangles);
+    const Bvh bvh(triangles, options.masks);
     const PixelRays rays(camera, options.ray_tolerance);
     const double share = options.camera_sample == 0
                              ? 1
@@ -191,7 +191,7 @@ ViewReport judge_view(std::span<const float> triangles, const PinholeCamera& cam
     ViewReport report;
     report.pixels = claim.receiver.size();
     auto start = std::chrono::steady_clock::now();
-    if (light && !claim.visibility.empty()) judge_visibility(triangles, camera, *light, claim, report);
+    if (light && !claim.visibility.empty()) judge_visibility(triangles, camera, *light, claim, options.masks, report);
     report.visibility_seconds = seconds_since(start);
     start = std::chrono::steady_clock::now();
     judge_normals_and_sky(triangles, camera, claim, report);

@@ -27,6 +27,7 @@ struct JudgeOptions {
     double ray_tolerance = DEFAULT_RAY_TOLERANCE;
     std::uint64_t camera_sample = 0;  ///< judge the camera's promises on about this many pixels; 0: on all
     std::uint64_t seed = 1;           ///< of the sample
+    const Masks* masks = nullptr;     ///< of the triangles
 };
 
 /// How many pixels break one promise, and the first few of them.

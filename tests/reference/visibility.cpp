@@ -15,7 +15,7 @@ namespace {
 bool is_blocked(const Bvh& bvh, const Ray& ray, std::uint32_t receiver, Effort& effort) {
     bool blocked = false;
     bvh.traverse(ray, [&](std::uint32_t id, const Triangle& triangle) {
-        blocked = id != receiver && blocks(ray, triangle, effort);
+        blocked = id != receiver && blocks(ray, triangle, effort) && bvh.is_opaque(id, triangle, ray);
         return blocked ? -1 : ray.last_parameter;
     });
     return blocked;
@@ -36,8 +36,9 @@ VisibilityCounts& VisibilityCounts::operator+=(const VisibilityCounts& other) {
 
 std::vector<std::uint8_t> shadowed(std::span<const float> triangles, std::span<const float> points,
                                    std::span<const std::uint32_t> receivers, const std::array<float, 4>& light,
-                                   const std::optional<std::array<float, 3>>& eye, VisibilityCounts* counts) {
-    return shadowed(Bvh(triangles), triangles, points, receivers, light, eye, counts);
+                                   const std::optional<std::array<float, 3>>& eye, VisibilityCounts* counts,
+                                   const Masks* masks) {
+    return shadowed(Bvh(triangles, masks), triangles, points, receivers, light, eye, counts);
 }
 
 std::vector<std::uint8_t> shadowed(const Bvh& bvh, std::span<const float> triangles, std::span<const float> points,

@@ -20,6 +20,7 @@
 namespace reference {
 
 class Bvh;
+struct Masks;
 
 inline constexpr std::uint32_t NO_RECEIVER = 0xFFFFFFFFu;
 
@@ -43,7 +44,7 @@ struct VisibilityCounts {
 std::vector<std::uint8_t> shadowed(std::span<const float> triangles, std::span<const float> points,
                                    std::span<const std::uint32_t> receivers, const std::array<float, 4>& light,
                                    const std::optional<std::array<float, 3>>& eye = std::nullopt,
-                                   VisibilityCounts* counts = nullptr);
+                                   VisibilityCounts* counts = nullptr, const Masks* masks = nullptr);
 
 /// The same for many questions about the same triangles: `bvh` must be theirs.
 std::vector<std::uint8_t> shadowed(const Bvh& bvh, std::span<const float> triangles, std::span<const float> points,
@@ -55,6 +56,7 @@ std::vector<std::uint8_t> shadowed(const Bvh& bvh, std::span<const float> triang
 std::vector<std::uint8_t> shadowed_by_brute_force(std::span<const float> triangles, std::span<const float> points,
                                                   std::span<const std::uint32_t> receivers,
                                                   const std::array<float, 4>& light,
-                                                  const std::optional<std::array<float, 3>>& eye = std::nullopt);
+                                                  const std::optional<std::array<float, 3>>& eye = std::nullopt,
+                                                  const Masks* masks = nullptr);
 
 }  // namespace reference

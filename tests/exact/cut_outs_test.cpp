@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// Cut-outs: every path of the exact technique against the oracle, which decides them in rationals.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "reference/view.hpp"
+#include "support/cut_out_scenes.hpp"
+#include "support/expect_exact.hpp"
+
+namespace {
+
+using namespace support;
+using gnomon::Device;
+using gnomon::Points;
+using gnomon::Triangles;
+
+struct Family {
+    const char* name;
+    gnomon::DeviceOptions options;
+};
+const std::vector<Family> families = {{"cpu", {}},
+                                      {"gpu", {.gpu_kernels = true}},
+                                      {"cpu without double", {.hide_fp64 = true}},
+                                      {"gpu without double", {.hide_fp64 = true, .gpu_kernels = true}}};
+const std::vector<gnomon::Light> lights = {
+    gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::directional({0, 0, -1}),
+    gnomon::Light::positional({0.2f, 3, 0.1f}), gnomon::Light::positional({0.2f, 0.1f, 0.1f})};
+
+Floats small_scene() {
+    Floats all = soup(60, 0.6f, 1);
+    append(all, soup(10, 1.8f, 2));  // cover whole texels
+    append(all, lattice_blocks(2, 5, 3));
+    return all;
+}
+
+std::vector<float> truth_of_points(const Floats& triangles, const reference::Masks& masks, const Floats& points,
+                                   const std::vector<std::uint32_t>& receivers, const gnomon::Light& light,
+                                   const std::optional<Float3>& eye = {}) {
+    std::vector<float> visibility;
+    for (const std::uint8_t in_shadow :
+         reference::shadowed(triangles, points, receivers, light.xyzw, eye, nullptr, &masks))
+        visibility.push_back(in_shadow ? 0.0f : 1.0f);
+    return visibility;
+}
+
+void expect_same(const std::vector<float>& got, const std::vector<float>& wanted, const std::string& what) {
+    ASSERT_EQ(got.size(), wanted.size());
+    std::size_t wrong = 0, first = 0;
+    for (std::size_t i = got.size(); i-- != 0;)
+        if (got[i] != wanted[i]) ++wrong, first = i;
+    EXPECT_EQ(wrong, 0u) << what << ": first wrong is " << first << ", " << got[first] << " instead of "
+                         << wanted[first];
+}
+
+std::vector<float> run(const Device& device, const Triangles& triangles, const Points& points,
+                       const gnomon::Light& light, const Settings& settings = {}, bool prepares = false,
+                       const char* technique_name = "frustum-traced") {
+    const auto technique = technique_with(device, settings, technique_name);
+    if (prepares) technique->prepare(triangles, light);
+    return answer(device, *technique, triangles, points, light).visibility;
+}
+
+TEST(CutOuts, EqualsReference) {
+    const Floats scene = small_scene();
+    for (const bool has_alphas : {false, true}) {
+        const CutOutData data(mixed_masks(scene.size() / 9, 5, has_alphas));
+        Floats points = random_points(700, -1.2f, 1.2f, 4);
+        append(points, lattice_points(300, 5, 6));
+        for (const gnomon::Light& light : lights) {
+            const auto wanted = truth_of_points(scene, data.masks(), points, {}, light);
+            std::size_t dark = 0, differs = 0;
+            const auto opaque = reference::shadowed(scene, points, {}, light.xyzw);
+            for (std::size_t i = 0; i < wanted.size(); ++i)
+                dark += wanted[i] == 0, differs += opaque[i] != (wanted[i] == 0);
+            EXPECT_GT(dark, 50u);
+            EXPECT_GT(differs, 50u);
+            for (const Family& family : families) {
+                const Device device({}, family.options);
+                const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
+                Triangles clustered = triangles;
+                clustered.keep_clusters(device);
+                const Points given = Points::upload(device, points);
+                const std::string what =
+                    family.name + std::string(has_alphas ? " with alphas " : " ") + std::to_string(light.xyzw[1]);
+                for (const char* map : {"on", "off"}) {
+                    const Settings settings{{"conservative-map", map}};
+                    expect_same(run(device, triangles, given, light, settings), wanted, what + " animated " + map);
+                    expect_same(run(device, clustered, given, light, settings), wanted, what + " clusters " + map);
+                    expect_same(run(device, triangles, given, light, settings, true), wanted,
+                                what + " prepared " + map);
+                }
+                expect_same(run(device, triangles, given, light, {{"first-capacity", "1"}}), wanted,
+                            what + " overflow");
+                expect_same(run(device, triangles, given, light, {}, false, "izb"), wanted, what + " izb");
+            }
+        }
+    }
+}
+
+// Controls: an all-clear texture is as if the triangles were absent, an all-opaque one as if they had no texture.
+TEST(CutOuts, AllClearAndAllOpaqueAreAsAbsentAndPlain) {
+    const Floats scene = small_scene(), points = random_points(2000, -1.2f, 1.2f, 4);
+    const std::size_t count = scene.size() / 9;
+    Floats absent = scene;
+    reference::Masks masks;
+    masks.textures = {made_texture(8, 8, [](auto, auto) { return 100; })};
+    masks.materials = {{.texture = 0, .cutoff = 0.5f}, {.texture = 0, .cutoff = 0.1f}};
+    for (std::size_t i = 0; i < count; ++i) {
+        masks.material.push_back(i % 3 == 0 ? 0 : i % 3 == 1 ? 1 : reference::NO_MATERIAL);
+        for (int k = 0; k < 6; ++k) masks.coordinates.push_back(0.37f * float(k));
+        if (i % 3 == 0) std::fill_n(absent.begin() + std::ptrdiff_t(9 * i), 9, std::numeric_limits<float>::quiet_NaN());
+    }
+    const CutOutData data(masks);
+    for (const Family& family : families) {
+        const Device device({}, family.options);
+        const Triangles given = Triangles::upload(device, scene, data.cut_outs());
+        EXPECT_EQ(given.cut_out_counts().clear, (count + 2) / 3);
+        EXPECT_EQ(given.cut_out_counts().opaque, (count + 1) / 3);
+        EXPECT_EQ(given.cut_out_counts().masked, 0u);
+        const Triangles plain = Triangles::upload(device, absent);
+        const Points at = Points::upload(device, points);
+        for (const gnomon::Light& light : lights)
+            expect_same(run(device, given, at, light), run(device, plain, at, light), family.name);
+        const auto camera = gnomon::Camera::look_at({0.3f, 1.4f, 3.0f}, {0, 0, 0}, {0, 1, 0}, 45);
+        EXPECT_EQ(gnomon::read(device, given, gnomon::look(device, given, camera, 96, 64)).receiver,
+                  gnomon::read(device, plain, gnomon::look(device, plain, camera, 96, 64)).receiver);
+    }
+}
+
+TEST(CutOuts, ACameraSeesThroughHoles) {
+    const Floats scene = small_scene();
+    const reference::PinholeCamera pinhole{{0.3f, 1.4f, 3.0f}, {0, 0, 0}, {0, 1, 0}, 45, 96, 64};
+    const auto camera = gnomon::Camera::look_at(pinhole.eye, pinhole.target, pinhole.up, pinhole.fov_y_degrees);
+    for (const bool has_alphas : {false, true}) {
+        const CutOutData data(mixed_masks(scene.size() / 9, 8, has_alphas));
+        for (const Family& family : families) {
+            const Device device({}, family.options);
+            Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
+            const Triangles plain = Triangles::upload(device, scene);
+            const auto opaque = gnomon::read(device, plain, gnomon::look(device, plain, camera, 96, 64));
+            for (const bool clusters : {false, true}) {
+                if (clusters) triangles.keep_clusters(device);
+                const gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
+                const auto seen = gnomon::read(device, triangles, view);
+                std::size_t differ = 0;
+                for (std::size_t i = 0; i < seen.receiver.size(); ++i) differ += seen.receiver[i] != opaque.receiver[i];
+                EXPECT_GT(differ, 500u);
+                for (const gnomon::Light& light : lights) {
+                    const auto visibility = run(device, triangles, view.points, light);
+                    const auto report = reference::judge_view(scene, pinhole, light.xyzw,
+                                                              {seen.position, seen.normal, seen.receiver, visibility},
+                                                              {.masks = &data.masks()});
+                    EXPECT_EQ(report.wrong(), 0u) << family.name << report.wrong_nearest.count << " nearest, "
+                                                  << report.wrong_visibility.count << " visibility";
+                    EXPECT_LT(report.camera_ambiguous, 3u);
+                    expect_same(run(device, triangles, view.points, light, {}, true), visibility,
+                                std::string(family.name) + " prepared");
+                }
+                const gnomon::CutOuts cut_outs = data.cut_outs();
+                const auto parts = gnomon::look_in_parts(device, scene, camera, 96, 64, &cut_outs);
+                EXPECT_EQ(gnomon::read(device, parts.triangles, parts.view).receiver, seen.receiver);
+            }
+        }
+    }
+}
+
+TEST(CutOuts, FootprintsAreAsSampleBySample) {
+    const Floats scene = small_scene();
+    const auto camera = gnomon::Camera::look_at({0.3f, 1.4f, 3.0f}, {0, 0, 0}, {0, 1, 0}, 45);
+    const CutOutData data(mixed_masks(scene.size() / 9, 9));
+    for (const Family& family : families) {
+        const Device device({}, family.options);
+        const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
+        const gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
+        const auto technique = technique_with(device, {});
+        for (const gnomon::Light& light : lights) {
+            std::vector<float> mean(view.points.count());
+            const gnomon::Visibility means(device, mean.size());
+            gnomon::run_samples(*technique, device, triangles, view, light, 8, means, [&](const Points& samples) {
+                const auto host = gnomon::read(device, samples);
+                const auto one =
+                    truth_of_points(scene, data.masks(), host.position, host.receiver, light, samples.eye());
+                for (std::size_t i = 0; i < one.size(); ++i) mean[i % mean.size()] += one[i] / 8;
+            });
+            expect_same(means.read(), mean, std::string(family.name) + " one by one");
+            gnomon::run_samples(*technique, device, triangles, view, light, 8, means);
+            expect_same(means.read(), mean, std::string(family.name) + " footprints");
+        }
+    }
+}
+
+TEST(CutOuts, ShaftsAndExplainHonourThem) {
+    const Floats scene = small_scene(), points = random_points(600, -1.2f, 1.2f, 8);
+    const auto suns = gnomon::sun_disk({0.3f, -1, 0.2f}, 5, 40);
+    const CutOutData data(mixed_masks(scene.size() / 9, 10, true));
+    for (const Family& family : families) {
+        const Device device({}, family.options);
+        const Points given = Points::upload(device, points);
+        const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
+        std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
+        for (const char* how : {"shafts", "one-by-one"})
+            bits.push_back(gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), device,
+                                                      triangles, given, suns, {.bits = true})
+                               .bits);
+        EXPECT_EQ(bits[0], bits[1]) << family.name;
+        const auto technique = technique_with(device, {{"many-lights", "shafts"}});
+        EXPECT_NE(bits[0], gnomon::run_lights_to_host(*technique, device, Triangles::upload(device, scene), given, suns,
+                                                      {.bits = true})
+                               .bits);
+        for (const gnomon::Light& light : lights) {
+            const auto visibility = run(device, triangles, given, light);
+            for (std::size_t i = 0; i < 40; ++i) {
+                const auto explained = gnomon::explain(device, triangles, given, i, light);
+                EXPECT_EQ(explained.visibility, visibility[i]);
+                EXPECT_EQ(explained.occluders.empty(), visibility[i] == 1);
+            }
+        }
+    }
+}
+
+}  // namespace
