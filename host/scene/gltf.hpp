@@ -5,8 +5,11 @@
 
 #include <tiny_gltf.h>
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <gnomon.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -112,6 +115,35 @@ void unpack_meshopt(tinygltf::Model& model, const std::vector<MeshoptView>& view
 /// primitive. Adds a sentence to `warnings` where the file declares other counts than the stream holds.
 void unpack_draco(tinygltf::Model& model, DecodingBudget& budget, std::vector<std::string>& warnings);
 
+// ---- Cut-outs -------------------------------------------------------------------------------------------------------
+
+/// A base colour texture as a material uses it, before its image is read.
+struct MaskSource {
+    bool is_blend = false;
+    float cutoff = 0.5f, alpha_factor = 1;
+    bool has_texture = false;
+    int coordinates = 0;  ///< TEXCOORD_n
+    /// KHR_texture_transform: u = offset[0] + rows[0][0] u + rows[0][1] v, and so on, in double.
+    std::array<double, 2> offset{0, 0};
+    std::array<std::array<double, 2>, 2> rows{{{1, 0}, {0, 1}}};
+    bool has_transform = false;
+    TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
+    TextureFilter filter = TextureFilter::linear;
+    int image = -1;          ///< of `images`; -1: there is none that can be read
+    std::string unreadable;  ///< why
+};
+
+struct ImageSource {
+    std::string uri;  ///< a file beside the scene, or a data URI; else the bufferView
+    int buffer_view = -1;
+};
+
+/// What the file says of masks.
+struct MaskSources {
+    std::map<int, MaskSource> materials;  ///< those with alphaMode MASK or BLEND
+    std::vector<ImageSource> images;
+};
+
 // ---- The document ---------------------------------------------------------------------------------------------------
 
 /// The file in memory, through tinygltf, with checked references: indices, extents, strides, the node hierarchy. The
@@ -124,7 +156,11 @@ struct GltfDocument {
     std::set<std::string> not_supported;  ///< phrases for the one warning, from the document alone
     std::vector<std::string> warnings, notes;
     std::uint64_t decoded_bytes = 0;  ///< of compressed meshes
+    MaskSources masks;
 };
+
+/// The bytes of a data URI, or of a file beside the scene. Throws SceneError.
+std::vector<unsigned char> bytes_of_uri(const std::filesystem::path& file, const std::string& uri);
 
 /// Throws SceneError. `scene`: a name or an index; none: the file's own choice.
 GltfDocument read_document(const std::filesystem::path& file, const std::optional<std::string>& scene,

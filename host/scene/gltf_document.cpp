@@ -6,6 +6,8 @@
 // file may be longer than byteLength (as glTF allows and tinygltf does not), and each failure gets a sentence.
 #include "gltf.hpp"
 
+#include "cut_outs.hpp"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -101,6 +103,30 @@ std::vector<unsigned char> BufferReader::read(std::size_t index) const {
     require(file_size(path, file), index, "its file " + in_quotes(path.string()) + " has only ");
     return read_bytes(path, {0, source.byte_length}, file);
 }
+
+}  // namespace
+
+std::vector<unsigned char> bytes_of_uri(const std::filesystem::path& file, const std::string& uri) {
+    if (uri.starts_with("data:")) {
+        const std::size_t comma = uri.find(',');
+        std::vector<unsigned char> bytes;
+        std::string mime_type;
+        if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64") ||
+            uri.size() > std::size_t(std::numeric_limits<int>::max()) ||
+            !tinygltf::DecodeDataURI(&bytes, mime_type, "data:application/octet-stream;base64," + uri.substr(comma + 1),
+                                     0, false))
+            fail(file, "an image has a data URI that is broken");
+        return bytes;
+    }
+    if (uri.find("://") != std::string::npos)
+        fail(file, "an image lies at " + in_quotes(uri) + "; only files beside the scene can be read");
+    const std::string name = percent_decoded(uri);
+    if (name.find('\0') != std::string::npos) fail(file, "an image's uri contains a zero byte");
+    const std::filesystem::path path = file.parent_path() / std::filesystem::path(name);
+    return read_bytes(path, {0, file_size(path, file)}, file);
+}
+
+namespace {
 
 /// Replaces the buffers' addresses in the JSON by gnomon's own names.
 std::vector<BufferSource> take_buffer_sources(const std::filesystem::path& file, const GltfContainer& container,
@@ -338,9 +364,9 @@ std::vector<int> root_nodes(const std::filesystem::path& file, const tinygltf::M
 }
 
 /// Extensions that gnomon reads, or that have a phrase of their own at the node, mesh or buffer that uses them.
-constexpr std::array<std::string_view, 5> named_elsewhere{"KHR_lights_punctual", "KHR_draco_mesh_compression",
-                                                          "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
-                                                          "EXT_meshopt_compression"};
+constexpr std::array<std::string_view, 6> named_elsewhere{"KHR_lights_punctual",     "KHR_draco_mesh_compression",
+                                                          "KHR_mesh_quantization",   "EXT_mesh_gpu_instancing",
+                                                          "EXT_meshopt_compression", "KHR_texture_transform"};
 
 std::set<std::string> not_supported(const json& root) {
     std::set<std::string> phrases;
@@ -398,6 +424,7 @@ GltfDocument read_document(const std::filesystem::path& file, const std::optiona
     GltfDocument document;
     document.not_supported = not_supported(root);
     document.notes = notes(root);
+    document.masks = mask_sources(root);
     const std::vector<MeshoptView> packed_views = meshopt_views(root);
     document.model = parse(file, container, root);
     DecodingBudget budget{file, 0, memory_bytes};

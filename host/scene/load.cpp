@@ -18,6 +18,7 @@
 #include "accessors.hpp"
 #include "affine.hpp"
 #include "animation.hpp"
+#include "cut_outs.hpp"
 #include "gltf.hpp"
 #include "pose.hpp"
 #include "scene.hpp"
@@ -43,6 +44,8 @@ struct Part {
     Topology topology = Topology::triangles;
     std::uint64_t triangle_count = 0;
     std::uint32_t material = 0;
+    std::uint32_t cut_out = no_cut_out;  ///< of the scene's cut-outs
+    int coordinates = -1, colors = -1;   ///< accessors that its alpha takes
 };
 
 /// A mesh under a node, drawn `count` times (EXT_mesh_gpu_instancing; else once).
@@ -108,7 +111,9 @@ public:
           memory_bytes_(options.memory_bytes != 0 ? options.memory_bytes : machine_memory_bytes()),
           document_(read_document(file_, options.scene, memory_bytes_)),
           model_(document_.model),
-          accessors_(file_, model_) {
+          accessors_(file_, model_),
+          blend_(options.blend),
+          decode_alpha_(options.decode_alpha) {
         if (options.animation) animation_ = int(chosen_animation(*options.animation));
     }
 
@@ -335,6 +340,7 @@ private:
         part.triangle_count = is_list ? corners / 3 : corners - std::min<std::uint64_t>(corners, 2);
         if (is_list ? corners % 3 != 0 : corners < 3) incomplete_.push_back(what);
         part.material = use_material(primitive.material);
+        plan_cut_out(primitive, what, part);
         return part;
     }
 
@@ -395,9 +401,130 @@ private:
             uses_default_material_ = true;
             return std::uint32_t(model_.materials.size());
         }
-        const std::string& mode = model_.materials[material].alphaMode;
-        if (mode == "MASK" || mode == "BLEND") plan_phrases_.insert("alphaMode " + mode + " (drawn opaque)");
         return std::uint32_t(material);
+    }
+
+    // ---- cut-outs ----
+
+    std::string material_text(int material) const {
+        return text_of("material ", model_.materials[std::size_t(material)].name, material);
+    }
+
+    /// The texture of an image, which is decoded once. Nothing if it cannot be read.
+    std::optional<std::uint32_t> texture_of(int material, const MaskSource& mask) {
+        const auto refuse = [&](const std::string& why) {
+            plan_phrases_.insert("alphaMode " + std::string(mask.is_blend ? "BLEND" : "MASK") + " of " +
+                                 material_text(material) + " (drawn opaque: " + why + ")");
+            return std::nullopt;
+        };
+        if (mask.image < 0) return refuse(mask.unreadable);
+        if (!decode_alpha_) return refuse("images are not read here");
+        if (const auto found = texture_of_image_.find(mask.image); found != texture_of_image_.end())
+            return found->second;
+        try {
+            const auto bytes = image_bytes(file_, model_, document_.masks.images[std::size_t(mask.image)]);
+            cut_outs_.textures.push_back(decode_alpha_(bytes));
+        } catch (const std::exception& error) {
+            return refuse("its image cannot be read, " + std::string(error.what()));
+        }
+        return texture_of_image_[mask.image] = std::uint32_t(cut_outs_.textures.size() - 1);
+    }
+
+    std::uint32_t add_cut_out(const CutOutMaterial& material) {
+        cut_outs_.materials.push_back(material);
+        return std::uint32_t(cut_outs_.materials.size() - 1);
+    }
+
+    /// Which accessors a part's alpha takes, and what decides it.
+    void plan_cut_out(const tinygltf::Primitive& primitive, const std::string& what, Part& part) {
+        const auto found = document_.masks.materials.find(primitive.material);
+        if (found == document_.masks.materials.end()) return;
+        const MaskSource& mask = found->second;
+        if (mask.is_blend && blend_ == BlendCasters::opaque) {
+            plan_phrases_.insert("alphaMode BLEND (drawn opaque; --blend clear or mask)");
+            return;
+        }
+        CutOutMaterial material{.wrap_u = mask.wrap_u,
+                                .wrap_v = mask.wrap_v,
+                                .filter = mask.filter,
+                                .cutoff = mask.cutoff,
+                                .alpha_factor = mask.alpha_factor};
+        if (mask.is_blend && blend_ == BlendCasters::clear) material.cutoff = 2;
+        const std::size_t vertices = accessors_.count(part.vertices.positions);
+        if (mask.has_texture && material.cutoff <= 1) {
+            const auto accessor = primitive.attributes.find("TEXCOORD_" + std::to_string(mask.coordinates));
+            if (accessor != primitive.attributes.end()) {
+                const auto texture = texture_of(primitive.material, mask);
+                if (!texture) return;
+                material.texture = *texture;
+                part.coordinates = accessor->second;
+                accessors_.require(part.coordinates, TINYGLTF_TYPE_VEC2, position_types,
+                                   "the texture coordinates of " + what, "VEC2");
+            }
+        }
+        if (const auto colors = primitive.attributes.find("COLOR_0");
+            colors != primitive.attributes.end() &&
+            model_.accessors[std::size_t(colors->second)].type == TINYGLTF_TYPE_VEC4) {
+            part.colors = colors->second;
+            accessors_.require(part.colors, TINYGLTF_TYPE_VEC4, weight_types, "the colours of " + what,
+                               "VEC4 of float or of normalized unsigned bytes or shorts");
+        }
+        for (const int accessor : {part.coordinates, part.colors})
+            if (accessor >= 0 && accessors_.count(accessor) < vertices)
+                fail(file_, accessor_text(accessor) + " of " + what + " has " +
+                                std::to_string(accessors_.count(accessor)) + " for " + counted(vertices, "position"));
+        part.cut_out = add_cut_out(material);
+        transforms_.resize(cut_outs_.materials.size());
+        transforms_.back() = mask.has_transform ? &mask : nullptr;
+        has_corner_alphas_ = has_corner_alphas_ || part.colors >= 0;
+    }
+
+    /// u and v of a vertex: in double, rounded once.
+    std::array<float, 2> coordinates_of(const Part& part, std::size_t vertex) {
+        const Elements& from = accessors_.elements(part.coordinates);
+        const double u = from.number(vertex, 0), v = from.number(vertex, 1);
+        const MaskSource* transform = transforms_[part.cut_out];
+        if (transform == nullptr) return {float(u), float(v)};
+        std::array<float, 2> uv;
+        for (std::size_t k = 0; k < 2; ++k)
+            uv[k] = float(transform->offset[k] + transform->rows[k][0] * u + transform->rows[k][1] * v);
+        return uv;
+    }
+
+    /// The triangles from `first` on.
+    void write_cut_outs(const Part& part, std::size_t first) {
+        SceneCutOuts& out = work_.scene.cut_outs;
+        if (part.cut_out == no_cut_out || out.empty()) return;
+        const std::uint32_t* index =
+            part.index_accessor < 0 ? nullptr : accessors_.indices(part.index_accessor).value.data();
+        const CutOutMaterial& material = out.materials[part.cut_out];
+        std::size_t unusable = 0;
+        for (std::size_t i = 0; i < part.triangle_count; ++i) {
+            out.material_of_triangle[first + i] = part.cut_out;
+            const std::array<std::size_t, 3> corners = corners_of(part.topology, i);
+            bool is_usable = true;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t vertex = index ? index[corners[k]] : corners[k];
+                if (part.coordinates >= 0) {
+                    const auto uv = coordinates_of(part, vertex);
+                    const auto& texture = out.textures[material.texture];
+                    is_usable = is_usable && std::abs(double(uv[0]) * texture.width) <= 0x1p30 &&
+                                std::abs(double(uv[1]) * texture.height) <= 0x1p30;
+                    std::copy(uv.begin(), uv.end(),
+                              out.texture_coordinates.begin() + std::ptrdiff_t(6 * (first + i) + 2 * k));
+                }
+                if (part.colors >= 0) {
+                    const double alpha = accessors_.elements(part.colors).number(vertex, 3);
+                    is_usable = is_usable && !std::isnan(alpha);
+                    out.corner_alphas[3 * (first + i) + k] =
+                        std::isnan(alpha) ? float(alpha) : float(std::clamp(alpha, 0.0, 1.0));
+                }
+            }
+            unusable += !is_usable;
+        }
+        if (unusable != 0)
+            work_.not_supported.insert("texture coordinates that are no numbers or more than 2^30 texels away (" +
+                                       counted(unusable, "triangle") + " drawn opaque)");
     }
 
     // ---- amount ----
@@ -410,6 +537,7 @@ private:
             for (const Part& part : parts) {
                 const VertexAccessors& vertices = part.vertices;
                 accessors.insert({vertices.positions, part.index_accessor});
+                accessors.insert({part.coordinates, part.colors});
                 for (const auto* more : {&vertices.targets, &vertices.joints, &vertices.weights})
                     accessors.insert(more->begin(), more->end());
             }
@@ -457,6 +585,8 @@ private:
         std::uint64_t bytes = plus(copied_bytes(read_accessors()), document_.decoded_bytes);
         bytes = plus(bytes, times(largest_shape, sizeof(Double3)));
         bytes = plus(bytes, times(triangles, 9 * sizeof(float) + sizeof(std::uint32_t)));
+        if (!cut_outs_.materials.empty())
+            bytes = plus(bytes, times(triangles, (has_corner_alphas_ ? 9 : 6) * sizeof(float) + sizeof(std::uint32_t)));
         if (triangles >= no_receiver)
             fail(file_, "has " + std::to_string(triangles) +
                             " triangles with its instances, more than the 4294967294 "
@@ -501,6 +631,12 @@ private:
                 count += part.triangle_count * instance.count;
         work_.scene.triangles.resize(count * 9);
         work_.scene.materials.triangle_material.resize(count);
+        if (!cut_outs_.materials.empty()) {
+            work_.scene.cut_outs = cut_outs_;
+            work_.scene.cut_outs.material_of_triangle.assign(count, no_cut_out);
+            work_.scene.cut_outs.texture_coordinates.resize(6 * count);
+            work_.scene.cut_outs.corner_alphas.assign(has_corner_alphas_ ? 3 * count : 0, 1.0f);
+        }
         float* out = work_.scene.triangles.data();
         auto material = work_.scene.materials.triangle_material.begin();
         for (const Instance& instance : work_.instances) {
@@ -532,6 +668,7 @@ private:
                 if (node.skin >= 0 && !shape.is_skinned())
                     work_.not_supported.insert("a skin without joints and weights (drawn unskinned)");
                 not_finite += write_part(part, node.mesh, shape.is_skinned() ? Affine{} : world, shape, out);
+                write_cut_outs(part, std::size_t(out - work_.scene.triangles.data()) / 9);
                 out += part.triangle_count * 9;
                 material = std::fill_n(material, part.triangle_count, part.material);
             }
@@ -570,14 +707,18 @@ private:
         });
     }
 
+    /// The vertex orders that glTF defines for its topologies; all keep the winding.
+    static std::array<std::size_t, 3> corners_of(Topology topology, std::size_t i) {
+        if (topology == Topology::strip) return {i, i + 1 + i % 2, i + 2 - i % 2};
+        if (topology == Topology::fan) return {i + 1, i + 2, 0};
+        return {3 * i, 3 * i + 1, 3 * i + 2};
+    }
+
     template <class Place>
     static std::size_t write_corners(const Part& part, const std::uint32_t* index, const Place& place, float* out) {
         std::size_t not_finite = 0;
         for (std::size_t i = 0; i < part.triangle_count; ++i, out += 9) {
-            // The vertex orders that glTF defines for its topologies; all keep the winding.
-            std::array<std::size_t, 3> corner{3 * i, 3 * i + 1, 3 * i + 2};
-            if (part.topology == Topology::strip) corner = {i, i + 1 + i % 2, i + 2 - i % 2};
-            if (part.topology == Topology::fan) corner = {i + 1, i + 2, 0};
+            const std::array<std::size_t, 3> corner = corners_of(part.topology, i);
             for (std::size_t k = 0; k < 3; ++k) {
                 const Float3 p = place(index ? index[corner[k]] : corner[k]);
                 std::memcpy(out + 3 * k, p.data(), sizeof p);
@@ -622,6 +763,12 @@ private:
     std::map<int, std::vector<Part>> parts_;  ///< of the meshes that were drawn so far
     std::set<int> animation_accessors_, other_accessors_;
     bool uses_default_material_ = false;
+    const BlendCasters blend_;
+    const AlphaDecoder decode_alpha_;
+    SceneCutOuts cut_outs_;                      ///< materials and textures
+    std::vector<const MaskSource*> transforms_;  ///< of each of its materials; null: none
+    std::map<int, std::uint32_t> texture_of_image_;
+    bool has_corner_alphas_ = false;
     std::set<std::string> plan_phrases_;
     std::vector<std::string> points_and_lines_, without_positions_, incomplete_;
     Work work_;

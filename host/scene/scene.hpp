@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,11 +35,47 @@ struct NamedLight {
     Light light;       ///< transformed in double, rounded once
 };
 
+/// Cut-outs that the scene owns.
+struct SceneCutOuts {
+    std::vector<std::uint32_t> material_of_triangle;  ///< empty: there are no cut-outs
+    std::vector<float> texture_coordinates, corner_alphas;
+    std::vector<CutOutMaterial> materials;
+    struct Texture {
+        std::uint32_t width = 0, height = 0;
+        std::vector<std::uint8_t> alpha;
+    };
+    std::vector<Texture> textures;
+
+    bool empty() const { return material_of_triangle.empty(); }
+};
+
+/// What Triangles::upload() takes: cut_outs() refers to the arrays of `from` and to its own.
+class CutOutsView {
+public:
+    explicit CutOutsView(const SceneCutOuts& from);
+    CutOutsView(const CutOutsView&) = delete;
+    CutOutsView& operator=(const CutOutsView&) = delete;
+    /// Null if there are no cut-outs.
+    const CutOuts* get() const { return is_empty_ ? nullptr : &cut_outs_; }
+
+private:
+    bool is_empty_;
+    std::vector<AlphaTexture> textures_;
+    CutOuts cut_outs_;
+};
+
+/// Casters with alphaMode BLEND: as opaque ones, as if they were not there, or as masks with a cutoff of .5.
+enum class BlendCasters { opaque, clear, mask };
+
+/// The alpha of an image file in memory, 8 bits each. Throws an exception that says why if it cannot be read.
+using AlphaDecoder = std::function<SceneCutOuts::Texture(std::span<const unsigned char> bytes)>;
+
 struct Scene {
     /// 9 per triangle: world space. Morph targets, skins, node transforms and instances are applied in double and
     /// rounded once; under an identity transform the floats have the file's own bits.
     std::vector<float> triangles;
-    Materials materials;  ///< base colour factors, linear; textures are not read
+    Materials materials;  ///< base colour factors, linear; colours of textures are not read
+    SceneCutOuts cut_outs;
     std::vector<NamedCamera> cameras;
     std::vector<NamedLight> lights;
     std::vector<std::string> warnings;    ///< each one sentence; --strict turns them into errors
@@ -59,6 +97,8 @@ struct LoadOptions {
     std::optional<std::string> scene{};      ///< none: the file's default scene
     std::optional<std::string> animation{};  ///< none: the first, if there is a time
     std::optional<double> time_s{};          ///< none: the pose at rest, or an animation's start if one is named
+    BlendCasters blend = BlendCasters::opaque;
+    AlphaDecoder decode_alpha{};  ///< none: masks with a texture are drawn opaque, with a warning
 };
 
 /// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than they may take.
