@@ -51,7 +51,7 @@ Explanation explain_sample(const ExplainOptions& options, const Device& device, 
 Explained explain_in(const ExplainOptions& options, const Device& device, const scene::Scene& scene) {
     Explained explained{{}, "a point of its own", choose_light(options, scene)};
     const Light& light = explained.light.light;
-    const Triangles triangles = Triangles::upload(device, scene.triangles);
+    const Triangles triangles = upload_triangles(device, scene);
     if (options.point) {
         const Points points = given_point(options, device, triangles.count());
         explained.explanation = gnomon::explain(device, triangles, points, 0, light);

@@ -176,7 +176,7 @@ void gallery(const GalleryOptions& options) {
     const ChosenCamera camera = choose_camera(options, scene);
     const ChosenLight light = choose_light(options, scene);
 
-    const Triangles triangles = Triangles::upload(device, scene.triangles);
+    const Triangles triangles = upload_triangles(device, scene);
     Hall hall{device,      scene,
               triangles,   look(device, triangles, camera.camera, options.size.width, options.size.height),
               light.light, {}};

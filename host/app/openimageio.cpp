@@ -107,4 +107,5 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
 }  // namespace
 }  // namespace gnomon::app
 
-extern "C" const gnomon::app::OpenImageIo gnomon_openimageio{gnomon::app::write_aov, gnomon::app::data_uri};
+extern "C" const gnomon::app::OpenImageIo gnomon_openimageio{gnomon::app::write_aov, gnomon::app::data_uri,
+                                                             gnomon::app::read_alpha};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The command's module gnomon_openimageio: EXR files, and pictures inside a page. OpenImageIO comes with some 250
-// libraries. Loading them takes longer than making a picture, so only runs that need them open the module.
+// The command's module gnomon_openimageio: EXR files, pictures inside a page, and images of scenes. OpenImageIO comes
+// with some 250 libraries. Loading them takes longer than making a picture, so only runs that need them open the
+// module.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <string>
 
 #include <gnomon.hpp>
+#include "alpha_image.hpp"
 #include "output_files.hpp"
 
 namespace gnomon::app {
@@ -21,6 +23,8 @@ struct OpenImageIo {
     /// The first three channels as "data:image/FORMAT;base64,...". `pixel_bytes`: from one pixel to the next.
     std::string (*data_uri)(const std::string& format, std::uint32_t width, std::uint32_t height,
                             std::span<const std::uint8_t> pixels, std::ptrdiff_t pixel_bytes);
+    /// alpha_image.hpp
+    AlphaImage (*read_alpha)(std::span<const unsigned char> bytes);
 };
 
 }  // namespace gnomon::app

@@ -118,6 +118,19 @@ void add_scene_options(CLI::App& app, ViewOptions& options) {
     add("--time", "SECONDS",
         "Shows the scene as the animation has it at this time; its first and last keyframes\nhold before and after it",
         into(options.time_s, parse_double));
+    add("--blend", "opaque|clear|mask",
+        "How triangles of alphaMode BLEND cast shadows and are seen: as opaque ones (the\ndefault), not at all, or as "
+        "masks with a cutoff of .5",
+        [&](const std::string& option, const std::string& text) {
+            if (text == "opaque")
+                options.blend = scene::BlendCasters::opaque;
+            else if (text == "clear")
+                options.blend = scene::BlendCasters::clear;
+            else if (text == "mask")
+                options.blend = scene::BlendCasters::mask;
+            else
+                throw UsageError(option + " needs opaque, clear or mask, not \"" + text + "\"");
+        });
 }
 
 void add_sequence_options(CLI::App& app, RenderOptions& options) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "suns.hpp"
+#include "scene/scene.hpp"
 #include "values.hpp"
 
 namespace gnomon::app {
@@ -29,6 +30,7 @@ struct ViewOptions {
     // Of a scene file; scene::LoadOptions says what each means.
     std::optional<std::string> scene_choice, animation;
     std::optional<double> time_s;
+    scene::BlendCasters blend = scene::BlendCasters::opaque;
 
     // Either a camera of the scene, or eye and target; fov_y_degrees goes with both.
     std::optional<std::string> camera;

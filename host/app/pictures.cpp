@@ -97,7 +97,7 @@ const OpenImageIo& opened_module() {
     void* const module = ::dlopen(module_path().c_str(), RTLD_NOW | RTLD_LOCAL);
     const void* const found = module != nullptr ? ::dlsym(module, "gnomon_openimageio") : nullptr;
     if (found == nullptr)
-        throw Error(std::string("cannot open the module that makes EXR files and galleries, which is built and "
+        throw Error(std::string("cannot open the module for EXR files, galleries and images, which is built and "
                                 "installed with the command: ") +
                     ::dlerror());
     return *static_cast<const OpenImageIo*>(found);
@@ -138,6 +138,8 @@ std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<
     const std::string png = data_uri("png", width, height, rgba), jpeg = data_uri("jpeg", width, height, rgba);
     return png.size() <= jpeg.size() ? png : jpeg;
 }
+
+AlphaImage decode_alpha(std::span<const unsigned char> bytes) { return open_image_io().read_alpha(bytes); }
 
 void require_openimageio() { open_image_io(); }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include <gnomon.hpp>
+#include "alpha_image.hpp"
 #include "output_files.hpp"
 
 namespace gnomon::app {
@@ -28,6 +29,9 @@ std::string data_uri(const char* format, std::uint32_t width, std::uint32_t heig
                      std::span<const std::uint8_t> pixels);
 /// RGBA bytes as a PNG, or as a JPEG where that is shorter: pictures of a few colours stay exact.
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
+
+/// The alpha of an image file in memory (alpha_image.hpp).
+AlphaImage decode_alpha(std::span<const unsigned char> bytes);
 
 /// Throws Error if any function but write_picture() and write_mask() would: to be called before long work.
 void require_openimageio();

@@ -164,11 +164,11 @@ Lights sun_of(const RenderOptions& options, const ChosenLight& chosen) {
                     options.sun_samples.value_or(default_sun_samples));
 }
 
-Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, std::span<const float> vertices,
+Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, const scene::Scene& scene,
          OutputFile* point_dump) {
     const auto [width, height] = report.options.size;
     const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device", [&] {
-        Triangles uploaded = Triangles::upload(device, vertices);
+        Triangles uploaded = upload_triangles(device, scene);
         if (uploaded.count() >= triangles_worth_clusters) uploaded.keep_clusters(device);
         device.finish();
         return uploaded;
@@ -206,10 +206,12 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
 }
 
 /// The same bits with the triangles on the host, for a scene that the device cannot hold at once.
-Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<const float> vertices) {
+Seen see_in_parts(Steps& steps, Report& report, const Device& device, const scene::Scene& scene) {
+    const std::span<const float> vertices = scene.triangles;
+    const scene::CutOutsView cut_outs(scene.cut_outs);
     const auto [width, height] = report.options.size;
     ViewOfParts looked = steps.run("camera_in_parts", "camera, in parts", [&] {
-        return look_in_parts(device, vertices, report.camera.camera, width, height);
+        return look_in_parts(device, vertices, report.camera.camera, width, height, cut_outs.get());
     });
     report.camera_statistics = looked.view.statistics;
     std::vector<Visibility> visibilities = visibilities_for(device, looked.view, report);
@@ -217,7 +219,7 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<
     std::vector<std::vector<float>> visible = steps.run("shadow_in_parts", "shadows, in parts", [&] {
         for (std::size_t i = 0; i < visibilities.size(); ++i)
             report.lights[i].statistics = run_in_parts(make, device, vertices, looked.view.points, looked.ids,
-                                                       report.lights[i].chosen.light, visibilities[i]);
+                                                       report.lights[i].chosen.light, visibilities[i], cut_outs.get());
         return read_all(visibilities);
     });
     return {looked.triangles, looked.view, std::move(visibilities), std::move(visible), std::move(looked.ids)};
@@ -228,6 +230,14 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, std::span<
 bool can_be_in_parts(const RenderOptions& options) {
     return options.samples == 1 && !options.sun_angle_degrees && !options.point_dump && !options.diagnostic &&
            describe_technique(options.technique).exact;
+}
+
+/// Only exact techniques decide masks. Others are warned about, and refused under --strict.
+void require_exact_for_cut_outs(const RenderOptions& options, const scene::Scene& scene) {
+    if (scene.cut_outs.empty() || describe_technique(options.technique).exact) return;
+    const std::string what = options.technique + " takes triangles that are cut out by their alpha for opaque ones";
+    if (options.strict) throw Error(what + " (an error because of --strict)");
+    print_warning(what);
 }
 
 Materials materials_of(const scene::Scene& scene, const Seen& seen) {
@@ -319,6 +329,7 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
     const Device& device = shared.device;
     const scene::Scene scene =
         steps.run("load_scene", "loading the scene", [&] { return shared.source.at(options.time_s); });
+    require_exact_for_cut_outs(options, scene);
     report.camera = camera_of_frame(options, scene, shared);
     for (ChosenLight& light : choose_lights(options, scene)) report.lights.push_back({std::move(light), {}, {}});
     outputs.open(options, report.lights.size());
@@ -327,12 +338,12 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
     // The camera's view, then the points that each light reaches.
     const Seen seen = [&] {
         try {
-            return see(steps, report, device, *shared.technique, scene.triangles, outputs["dump-points"]);
+            return see(steps, report, device, *shared.technique, scene, outputs["dump-points"]);
         } catch (const OutOfDeviceMemory&) {
             if (!can_be_in_parts(options)) throw;
         }
         shared.technique.reset();  // frees its memory for the next attempt
-        return see_in_parts(steps, report, device, scene.triangles);
+        return see_in_parts(steps, report, device, scene);
     }();
     if (options.frames == 0) shared.technique.reset();  // frees its memory for the pictures
 

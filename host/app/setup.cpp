@@ -9,6 +9,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "pictures.hpp"
 #include "terminal.hpp"
 
 namespace gnomon::app {
@@ -72,6 +73,11 @@ SceneSource::SceneSource(const ViewOptions& options) : strict_(options.strict), 
     scene::LoadOptions choices;
     choices.scene = options.scene_choice;
     choices.animation = options.animation;
+    choices.blend = options.blend;
+    choices.decode_alpha = [](std::span<const unsigned char> bytes) {
+        AlphaImage image = decode_alpha(bytes);
+        return scene::SceneCutOuts::Texture{image.width, image.height, std::move(image.alpha)};
+    };
     file_ = std::make_unique<scene::SceneFile>(*options.scene, choices);
 }
 
@@ -99,6 +105,12 @@ scene::Scene load_triangles(const std::filesystem::path& file) {
     scene.triangles.resize(bytes.size() / sizeof(float));
     std::memcpy(scene.triangles.data(), bytes.data(), bytes.size());
     return scene;
+}
+
+Triangles upload_triangles(const Device& device, const scene::Scene& scene) {
+    const scene::CutOutsView cut_outs(scene.cut_outs);
+    return cut_outs.get() ? Triangles::upload(device, scene.triangles, *cut_outs.get())
+                          : Triangles::upload(device, scene.triangles);
 }
 
 ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene) {

@@ -34,6 +34,9 @@ private:
 /// The scene of the options, with its warnings printed as SceneSource does.
 scene::Scene load_scene(const ViewOptions& options);
 
+/// The scene's triangles on the device, with their cut-outs.
+Triangles upload_triangles(const Device& device, const scene::Scene& scene);
+
 /// Triangles alone, nine little-endian float32 each, as --dump-triangles writes them. Throws Error.
 scene::Scene load_triangles(const std::filesystem::path& file);
 

@@ -751,6 +751,11 @@ private:
         if (!work_.unusable.empty())
             warn("left out, for the node's transform is degenerate: " + listed(work_.unusable));
         if (work_.scene.triangle_count() == 0) warn("has no triangles");
+        if (const auto& cut_outs = work_.scene.cut_outs.material_of_triangle; !cut_outs.empty())
+            work_.scene.notes.push_back(file_.string() + ": cut out by their alpha: " +
+                                        counted(std::size_t(std::count_if(cut_outs.begin(), cut_outs.end(),
+                                                                          [](auto m) { return m != no_cut_out; })),
+                                                "triangle"));
         for (const std::string& note : document_.notes) work_.scene.notes.push_back(file_.string() + ": " + note);
     }
 
