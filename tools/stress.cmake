@@ -7,6 +7,7 @@ find_package(embree 3 QUIET)
 
 add_library(gnomon_stress STATIC
   ${CMAKE_CURRENT_LIST_DIR}/stress/cases.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/stress/cut_out_cases.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress/exact_path.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress/judge.cpp
   ${CMAKE_CURRENT_LIST_DIR}/stress/points.cpp

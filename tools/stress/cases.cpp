@@ -513,6 +513,7 @@ Cases all_cases(const CaseOptions& options) {
     add_made_scenes(cases.list, options);
     add_extremes(cases.list, seed);
     add_borders(cases.list, options);
+    add_cut_outs(cases.list, seed);
     add_shared_scenes(cases, options);
     return cases;
 }

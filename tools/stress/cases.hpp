@@ -35,5 +35,6 @@ struct Cases {
 };
 
 Cases all_cases(const CaseOptions& options);
+void add_cut_outs(std::vector<Case>& list, std::uint64_t seed);  ///< cut_out_cases.cpp
 
 }  // namespace stress

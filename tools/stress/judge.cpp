@@ -184,13 +184,15 @@ Tally& Tally::operator+=(const Tally& other) {
 
 /// What is built once for questions about the same triangles.
 struct Judge::Trees {
-    Trees(const gnomon::Device& device, std::shared_ptr<const Floats> held_triangles)
-        : held(std::move(held_triangles)),
-          triangles(gnomon::Triangles::upload(device, *held)),
-          bvh(*held),
+    Trees(const gnomon::Device& device, const Question& question)
+        : held(question.triangles),
+          cut_outs(question.cut_outs),
+          triangles(upload_triangles(device, question)),
+          bvh(*held, cut_outs ? &cut_outs->masks() : nullptr),
           size(size_of(*held)) {}
 
     std::shared_ptr<const Floats> held;
+    std::shared_ptr<const support::CutOutData> cut_outs;
     gnomon::Triangles triangles;
     reference::Bvh bvh;
     double size;
@@ -201,10 +203,10 @@ Judge::Judge(const gnomon::Device& device, bool with_embree) : device_(device), 
 Judge::~Judge() = default;
 
 void Judge::hold_triangles(const Question& question) {
-    if (trees_ && trees_->held == question.triangles) return;
+    if (trees_ && trees_->held == question.triangles && trees_->cut_outs == question.cut_outs) return;
     trees_.reset();
-    trees_ = std::make_unique<Trees>(device_, question.triangles);
-    if (!with_embree_) return;
+    trees_ = std::make_unique<Trees>(device_, question);
+    if (!with_embree_ || question.cut_outs) return;
     trees_->embree[0].emplace(*question.triangles, EmbreeFlags::none);
     trees_->embree[1].emplace(*question.triangles, EmbreeFlags::robust);
 }
@@ -242,6 +244,7 @@ void Judge::ask(const Question& question, const std::vector<std::pair<std::strin
     }
     if (question.star_view) judge_star(trees_->bvh, question, kinds, tally);
 
+    if (question.cut_outs) return;  // the others know nothing of cut-outs
     Stopwatch plain_time;
     tally.plain_wrong += count_wrong(shadowed_by_plain_float(trees_->bvh, question), truth, kinds);
     tally.plain_seconds += plain_time.seconds();

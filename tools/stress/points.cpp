@@ -135,7 +135,7 @@ void points_exactly_behind(const PointRequest& request, Question& question) {
 
 void add_view(const gnomon::Device& device, const Viewpoint& from, std::uint32_t width, std::uint32_t height,
               Question& question) {
-    const auto triangles = gnomon::Triangles::upload(device, *question.triangles);
+    const auto triangles = upload_triangles(device, question);
     const auto camera = gnomon::Camera::look_at(from.eye, from.target, from.up, from.fov_y_degrees);
     auto view = gnomon::read(device, triangles, gnomon::look(device, triangles, camera, width, height));
     for (std::size_t i = 0; i < view.receiver.size(); ++i)

@@ -23,6 +23,7 @@ struct Subject {
     double reach = 2;  ///< how far from a triangle its shadow is looked for
     double scale = 1;  ///< of what was made in the unit cube, and where it was put
     std::array<double, 3> offset{};
+    std::shared_ptr<const support::CutOutData> cut_outs{};  ///< of the triangles; null: all are opaque
 };
 
 struct PointRequest {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "reference/camera.hpp"
+#include "support/cut_out_scenes.hpp"
 #include "support/scene_makers.hpp"
 
 namespace stress {
@@ -26,6 +27,13 @@ struct Question {
     /// The points are this camera's, row by row, and the triangles a closed mesh that is star-shaped around the origin:
     /// a point that sees the origin has slipped through a face.
     std::optional<reference::PinholeCamera> star_view{};
+    std::shared_ptr<const support::CutOutData> cut_outs{};  ///< shared as the triangles are
 };
+
+/// With the question's cut-outs.
+inline gnomon::Triangles upload_triangles(const gnomon::Device& device, const Question& question) {
+    return question.cut_outs ? gnomon::Triangles::upload(device, *question.triangles, question.cut_outs->cut_outs())
+                             : gnomon::Triangles::upload(device, *question.triangles);
+}
 
 }  // namespace stress

@@ -20,6 +20,7 @@ CaseResult run_case(const Case& a_case, const gnomon::Device& device, Judge& jud
             Random random(options.seed * 1'000'003 + variant * 1009 + round);
             const std::size_t light = round % subject.lights.size(), maker = round / subject.lights.size();
             Question question{subject.triangles, {}, {}, subject.lights[light]};
+            question.cut_outs = subject.cut_outs;
             a_case.make_points[maker](
                 {device, subject, std::clamp<std::size_t>(count, 24, a_case.largest_question), variant, random},
                 question);
