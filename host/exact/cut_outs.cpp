@@ -255,6 +255,12 @@ private:
             words.resize(words.size() + (texture.alpha.size() + 3) / 4);
             std::memcpy(&words[texels_at.back()], texture.alpha.data(), texture.alpha.size());
         }
+        std::vector<std::size_t> classes_at(in_.materials.size(), 0);
+        for (std::size_t m = 0; m < in_.materials.size() && !has_alphas; ++m)
+            if (thresholds_[m].of_all == CUT_OUT_MASKED && has_texture(in_.materials[m])) {
+                classes_at[m] = words.size();
+                write_neighbours(m, words);
+            }
         if (words.size() > std::numeric_limits<std::uint32_t>::max())
             throw InvalidArgument("the cut-outs take more than 16 GiB: give smaller textures");
         for (std::size_t m = 0; m < in_.materials.size(); ++m) {
@@ -266,7 +272,7 @@ private:
                               .is_linear = 0,
                               .threshold = thresholds_[m].value,
                               .has_alphas = has_alphas,
-                              .padding = 0};
+                              .first_class = std::uint32_t(classes_at[m])};
             if (has_texture(from)) {
                 to.first_texel = std::uint32_t(texels_at[from.texture]);
                 to.width = in_.textures[from.texture].width;
@@ -277,6 +283,41 @@ private:
             std::memcpy(&words[materials_at + m * (sizeof(to) / 4)], &to, sizeof(to));
         }
         std::memcpy(&words[header_at], &header, sizeof(header));
+    }
+
+    /// The class of each texel with its eight neighbours.
+    void write_neighbours(std::size_t m, std::vector<std::uint32_t>& words) const {
+        const CutOutMaterial& material = in_.materials[m];
+        const AlphaTexture& texture = in_.textures[material.texture];
+        const std::size_t width = texture.width, height = texture.height, first = words.size();
+        words.resize(first + (width * height + CUT_OUT_GROUP - 1) / CUT_OUT_GROUP);
+        const auto neighbour = [](std::size_t i, std::size_t side, TextureWrap wrap, bool after) -> std::size_t {
+            if (after ? i + 1 < side : i > 0) return after ? i + 1 : i - 1;
+            return wrap != TextureWrap::repeat ? i : after ? 0 : side - 1;
+        };
+        std::vector<AlphaRange> columns(width);  // of three rows
+        for (std::size_t y = 0; y < height; ++y) {
+            const std::size_t rows[3] = {neighbour(y, height, material.wrap_v, false), y,
+                                         neighbour(y, height, material.wrap_v, true)};
+            for (std::size_t x = 0; x < width; ++x) {
+                columns[x] = {};
+                for (const std::size_t row : rows) {
+                    const std::uint8_t alpha = texture.alpha[row * width + x];
+                    columns[x].add({alpha, alpha});
+                }
+            }
+            for (std::size_t x = 0; x < width; ++x) {
+                AlphaRange range = columns[x];
+                range.add(columns[neighbour(x, width, material.wrap_u, false)]);
+                range.add(columns[neighbour(x, width, material.wrap_u, true)]);
+                const std::uint32_t threshold = thresholds_[m].value;
+                const std::uint32_t of_texel = std::uint32_t(range.least) << 16 >= threshold ? CUT_OUT_OPAQUE
+                                               : std::uint32_t(range.most) << 16 < threshold ? CUT_OUT_CLEAR
+                                                                                             : CUT_OUT_MASKED;
+                const std::size_t at = y * width + x;
+                words[first + at / CUT_OUT_GROUP] |= of_texel << 2 * (at % CUT_OUT_GROUP);
+            }
+        }
     }
 
     std::size_t count_;

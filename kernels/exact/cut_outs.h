@@ -43,11 +43,11 @@ GN_STRUCT_END(CutOutHeader, 16)
 GN_STRUCT_BEGIN(DeviceMaterial)
     uint first_texel;  // in words
     uint width, height;
-    uint wraps;       // of u, and of v << 2
-    uint is_linear;   // 0: the nearest texel
-    uint threshold;   // in units of 2^-16 / 255
-    uint has_alphas;  // 1: times the interpolated alpha of the corners, from 0 to 1
-    uint padding;
+    uint wraps;        // of u, and of v << 2
+    uint is_linear;    // 0: the nearest texel
+    uint threshold;    // in units of 2^-16 / 255
+    uint has_alphas;   // 1: times the interpolated alpha of the corners, from 0 to 1
+    uint first_class;  // in words: of each texel with its eight neighbours the class, two bits; 0: there are none
 GN_STRUCT_END(DeviceMaterial, 32)
 
 // A texture's sides are at most 2^15 texels, and no corner is farther than this many texels from (0, 0) in u or v.
