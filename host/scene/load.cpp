@@ -418,7 +418,6 @@ private:
             return std::nullopt;
         };
         if (mask.image < 0) return refuse(mask.unreadable);
-        if (!decode_alpha_) return refuse("images are not read here");
         if (const auto found = texture_of_image_.find(mask.image); found != texture_of_image_.end())
             return found->second;
         try {
@@ -440,6 +439,10 @@ private:
         const auto found = document_.masks.materials.find(primitive.material);
         if (found == document_.masks.materials.end()) return;
         const MaskSource& mask = found->second;
+        if (!decode_alpha_) {  // the caller takes no cut-outs
+            plan_phrases_.insert("alphaMode " + std::string(mask.is_blend ? "BLEND" : "MASK") + " (drawn opaque)");
+            return;
+        }
         if (mask.is_blend && blend_ == BlendCasters::opaque) {
             plan_phrases_.insert("alphaMode BLEND (drawn opaque; --blend clear or mask)");
             return;

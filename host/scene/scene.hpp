@@ -98,7 +98,7 @@ struct LoadOptions {
     std::optional<std::string> animation{};  ///< none: the first, if there is a time
     std::optional<double> time_s{};          ///< none: the pose at rest, or an animation's start if one is named
     BlendCasters blend = BlendCasters::opaque;
-    AlphaDecoder decode_alpha{};  ///< none: masks with a texture are drawn opaque, with a warning
+    AlphaDecoder decode_alpha{};  ///< none: the scene has no cut-outs, and a warning says that they are drawn opaque
 };
 
 /// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than they may take.
