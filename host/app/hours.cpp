@@ -189,7 +189,7 @@ void hours(const HoursOptions& options) {
     const Device device = open_device(options, false);
     const auto technique = make_technique(device, "frustum-traced", options.settings);
     const scene::Scene scene = load_scene(options);
-    Triangles triangles = Triangles::upload(device, scene.triangles);
+    Triangles triangles = upload_triangles(device, scene);
     if (triangles.count() >= triangles_worth_clusters) triangles.keep_clusters(device);
     const Computed computed = options.points
                                   ? hours_of_points(options, device, *technique, triangles, table, outputs)

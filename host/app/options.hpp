@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "suns.hpp"
 #include "scene/scene.hpp"
+#include "suns.hpp"
 #include "values.hpp"
 
 namespace gnomon::app {
