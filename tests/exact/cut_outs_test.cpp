@@ -200,14 +200,14 @@ TEST(CutOuts, ShaftsAndExplainHonourThem) {
         const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
         std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
         for (const char* how : {"shafts", "one-by-one"})
-            bits.push_back(gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), device,
-                                                      triangles, given, suns, {.bits = true})
+            bits.push_back(gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), triangles, given,
+                                                      suns, {.bits = true})
                                .bits);
         EXPECT_EQ(bits[0], bits[1]) << family.name;
         const auto technique = technique_with(device, {{"many-lights", "shafts"}});
-        EXPECT_NE(bits[0], gnomon::run_lights_to_host(*technique, device, Triangles::upload(device, scene), given, suns,
-                                                      {.bits = true})
-                               .bits);
+        EXPECT_NE(
+            bits[0],
+            gnomon::run_lights_to_host(*technique, Triangles::upload(device, scene), given, suns, {.bits = true}).bits);
         for (const gnomon::Light& light : lights) {
             const auto visibility = run(device, triangles, given, light);
             for (std::size_t i = 0; i < 40; ++i) {
