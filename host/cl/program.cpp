@@ -157,6 +157,7 @@ std::string Session::build_options() const {
     std::string options = "-cl-std=CL1.2 -w -D GN_LANES=" + std::to_string(lanes());
     if (is_cpu_) options += " -D GN_CPU";
     if (has_fp64_) options += " -D GN_FP64";
+    if (keeps_items_apart_) options += " -D GN_KEEP_ITEMS_APART";
     cl_device_fp_config config = 0;
     clGetDeviceInfo(description_.device_id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof(config), &config, nullptr);
     if (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) options += " -cl-fp32-correctly-rounded-divide-sqrt";
