@@ -21,12 +21,14 @@ function(gnomon_lie name lies program)
                        ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
 endfunction()
 
-# gnomon_refused_lie(NAME LIES SENTENCE): gnomon must refuse with this sentence.
+# gnomon_refused_lie(NAME LIES SENTENCE [ARGUMENT...]): gnomon must refuse with this sentence.
 function(gnomon_refused_lie name lies sentence)
+  if(NOT ARGN)
+    set(ARGN render --size 64x64 --output "${CMAKE_CURRENT_BINARY_DIR}/lie_${name}.png")
+  endif()
   if(GNOMON_COMMAND)
     add_test(NAME lie_${name} COMMAND "${CMAKE_CURRENT_LIST_DIR}/under_lies.sh" "$<TARGET_FILE:gnomon_lying_layer>"
-                                      "${lies}" "${sentence}" "$<TARGET_FILE:gnomon_command>" render --size 64x64
-                                      --output "${CMAKE_CURRENT_BINARY_DIR}/lie_${name}.png")
+                                      "${lies}" "${sentence}" "$<TARGET_FILE:gnomon_command>" ${ARGN})
     set_tests_properties(lie_${name} PROPERTIES LABELS drivers TIMEOUT ${lie_seconds}
                          ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
   endif()
@@ -78,3 +80,12 @@ gnomon_refused_lie(refused_launch_of_a_gpu type=gpu,fail=EnqueueNDRangeKernel:3:
 gnomon_refused_lie(refused_program fail=BuildProgram:2:-11 "compiling kernels/.* failed with CL_BUILD_PROGRAM_FAILURE")
 gnomon_refused_lie(lost_queue fail=Finish:1:-36 "waiting for the device failed with CL_INVALID_COMMAND_QUEUE")
 gnomon_refused_lie(refused_reading fail=EnqueueReadBuffer:1:-5 "reading from the device failed with CL_OUT_OF_RESOURCES")
+
+# `gnomon devices --check` tells a device that is right from one that is not.
+if(GNOMON_COMMAND)
+  gnomon_lie(checked compute_units=2 gnomon_command devices --check)
+  gnomon_lie(checked_gpu type=gpu,work_group=64 gnomon_command devices --check)
+  set_tests_properties(lie_checked lie_checked_gpu PROPERTIES PASS_REGULAR_EXPRESSION "RIGHT: [0-9,]+ answers, none wrong")
+endif()
+gnomon_refused_lie(checked_and_wrong wrong_bit=8000 "of the answers of the device .* are wrong: do not use it"
+                   devices --check)

@@ -22,6 +22,7 @@
 //   fail=CALL:N:CODE     the N-th call of clCALL fails with the code, and does nothing
 //   lost=N               the N-th launch succeeds, is not run, and fails later: its event has a negative state, and the
 //                        next call that waits returns the error
+//   wrong_bit=BYTES      a read of at least so many bytes has a wrong bit
 #define CL_TARGET_OPENCL_VERSION 120
 #define CL_USE_DEPRECATED_OPENCL_1_1_APIS
 #include <CL/cl_layer.h>
@@ -47,11 +48,11 @@ using Lies = std::map<std::string, std::string>;
 
 const Lies& lies() {
     static const Lies all = [] {
-        const char* const known[] = {"type",        "local_memory", "work_group",       "kernel_work_group",
-                                     "no_fp64",     "multiple",     "no_int64_atomics", "compute_units",
-                                     "fail",        "allocation",   "no_exact_divide",  "address_bits",
-                                     "lost",        "opencl_c",     "no_clock",         "unified",
-                                     "vector_width"};
+        const char* const known[] = {"type",         "local_memory", "work_group",       "kernel_work_group",
+                                     "no_fp64",      "multiple",     "no_int64_atomics", "compute_units",
+                                     "fail",         "allocation",   "no_exact_divide",  "address_bits",
+                                     "lost",         "opencl_c",     "no_clock",         "unified",
+                                     "vector_width", "wrong_bit"};
         Lies found;
         const char* text = std::getenv("GNOMON_TEST_LIES");
         std::istringstream words(text != nullptr ? text : "");
@@ -309,7 +310,10 @@ cl_int CL_API_CALL read_buffer(cl_command_queue queue, cl_mem buffer, cl_bool bl
     cl_int code;
     if (fails("EnqueueReadBuffer", &code)) return code;
     if (blocks && has_lost.exchange(false)) return CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST;
-    return driver->clEnqueueReadBuffer(queue, buffer, blocks, first, bytes, data, count, waits, event);
+    code = driver->clEnqueueReadBuffer(queue, buffer, blocks, first, bytes, data, count, waits, event);
+    if (tells("wrong_bit") && blocks && bytes >= number_of("wrong_bit"))
+        static_cast<unsigned char*>(data)[bytes / 2] ^= 1;
+    return code;
 }
 
 cl_int CL_API_CALL get_event_times(cl_event event, cl_profiling_info what, size_t room, void* out, size_t* needed) {
