@@ -100,7 +100,7 @@ static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key 
 #endif
 
 // Prefetches these bytes where a CPU's compiler can. Changes no value.
-#if defined(GN_CPU) && defined(__has_builtin)
+#if defined(GN_CPU) && defined(__has_builtin) && !defined(__SPIRV__) && !defined(__SPIR__)
 #if __has_builtin(__builtin_prefetch)
 #define GN_PREFETCH(address) __builtin_prefetch(address)
 #endif

@@ -72,26 +72,18 @@ void Session::deallocate(cl_mem memory, std::size_t bytes) noexcept {
 
 // ---- Session --------------------------------------------------------------------------------------------------------
 
-namespace {
-
-// PoCL compiles a kernel, or loads it from its own cache, when a thread begins the kernel's first launch.
-bool is_pocl(const DeviceDescription& description) {
-    return description.platform.find("Portable Computing Language") != std::string::npos;
-}
-
-}  // namespace
-
 Session::Session(const DeviceDescription& description, const DeviceOptions& options) : description_(description) {
     cl_int code;
     const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                                 reinterpret_cast<cl_context_properties>(description.platform_id), 0};
     context_ = clCreateContext(properties, 1, &description_.device_id, nullptr, nullptr, &code);
     check(code, "opening device " + description.name);
-    const bool has_clock = options.profile || is_pocl(description);
+    // A CPU's driver may build a kernel at its first launch (PoCL does): the clock tells how long that takes.
+    const bool has_clock = options.profile || description.type == "CPU";
     queue_ = clCreateCommandQueue(context_, description_.device_id, has_clock ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
     if (code != CL_SUCCESS) clReleaseContext(context_);
     check(code, "making a command queue on " + description.name);
-    times_first_launches_ = is_pocl(description);
+    times_first_launches_ = description.type == "CPU";
     configure(options);
 }
 
@@ -118,7 +110,7 @@ Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions
     queue_ = queue;
     DeviceOptions adjusted = options;
     adjusted.profile = (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
-    times_first_launches_ = adjusted.profile && is_pocl(description_);
+    times_first_launches_ = adjusted.profile && description_.type == "CPU";
     configure(adjusted);
 }
 
@@ -135,8 +127,7 @@ void Session::configure(const DeviceOptions& options) {
     profiles_ = options.profile;
     memory_limit_bytes_ = options.memory_limit_bytes;
     traces_ = std::getenv("GNOMON_TRACE") != nullptr;
-    // PoCL keeps a cache of its own, and reading its binaries costs an extra build.
-    caches_binaries_ = !is_pocl(description_);
+    if (description_.type != "CPU") caches_binaries_ = true;  // of a CPU: see keeps_binaries()
     std::size_t largest = 1;
     clGetDeviceInfo(description_.device_id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof(largest), &largest, nullptr);
     const std::size_t wanted = options.work_group_size != 0 ? options.work_group_size : is_cpu_ ? 1 : 128;

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <unordered_map>
@@ -242,7 +243,8 @@ private:
     DeviceDescription description_;
     cl_context context_ = nullptr;
     cl_command_queue queue_ = nullptr;
-    bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false, caches_binaries_ = false;
+    bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false;
+    std::optional<bool> caches_binaries_;  ///< none: not yet known
     bool keeps_items_apart_ = false;
     std::size_t work_group_size_ = 1;
     std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, run_peak_bytes_ = 0, memory_limit_bytes_ = 0;
