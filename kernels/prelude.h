@@ -7,10 +7,17 @@
 // fused product calls fma(). No relaxed-math build option is passed.
 //
 // Host-given macros: GN_FP64 (the device has double precision), GN_CPU (work-items run one after the other, so each
-// takes a contiguous chunk), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU).
+// takes a contiguous chunk), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU),
+// GN_KEEP_ITEMS_APART (a CPU's compiler has the extension cl_intel_vec_len_hint).
 #pragma once
 
 #ifndef __cplusplus
+
+// A compiler for CPUs must not join work-items to vectors: kernels for CPUs are written with vectors. Intel's compiler
+// crashes or gives wrong bits where it does so (docs/drivers.md), and takes six times as long.
+#ifdef GN_KEEP_ITEMS_APART
+#define __kernel __attribute__((intel_vec_len_hint(1))) kernel
+#endif
 
 #pragma OPENCL FP_CONTRACT OFF
 #ifdef GN_FP64
@@ -93,7 +100,7 @@ static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key 
 #endif
 
 // Prefetches these bytes where a CPU's compiler can. Changes no value.
-#if defined(GN_CPU) && defined(__has_builtin)
+#if defined(GN_CPU) && defined(__has_builtin) && !defined(__SPIRV__) && !defined(__SPIR__)
 #if __has_builtin(__builtin_prefetch)
 #define GN_PREFETCH(address) __builtin_prefetch(address)
 #endif

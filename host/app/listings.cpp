@@ -11,21 +11,6 @@
 namespace gnomon::app {
 namespace {
 
-std::string text_of(const DeviceDescription& device) {
-    const std::string indent(6, ' ');
-    std::ostringstream out;
-    out << std::left << std::setw(6) << device.selector << device.name << '\n';
-    if (device.is_default) out << indent << "the default: " << device.why_default << '\n';
-    if (!device.lacks.empty()) out << indent << "cannot be used, it lacks " << device.lacks << '\n';
-    out << indent << device.type << " of " << device.vendor << ", " << device.compute_units << " compute units, "
-        << bytes_for_people(device.global_memory_bytes) << " of memory (largest buffer "
-        << bytes_for_people(device.largest_allocation_bytes) << "), "
-        << (device.has_fp64 ? "double precision" : "no double precision (not needed)") << '\n';
-    out << indent << device.platform << ", driver " << device.driver_version << ", " << device.opencl_version << ", "
-        << device.opencl_c_version << '\n';
-    return out.str();
-}
-
 std::string settings_text(const TechniqueDescription& technique) {
     std::ostringstream out;
     if (technique.settings.empty()) out << "    no settings\n";
@@ -44,10 +29,25 @@ std::string line_of(const TechniqueDescription& technique) {
 
 }  // namespace
 
+std::string device_text(const DeviceDescription& device) {
+    const std::string indent(6, ' ');
+    std::ostringstream out;
+    out << std::left << std::setw(6) << device.selector << device.name << '\n';
+    if (device.is_default) out << indent << "the default: " << device.why_default << '\n';
+    if (!device.lacks.empty()) out << indent << "cannot be used, it lacks " << device.lacks << '\n';
+    out << indent << device.type << " of " << device.vendor << ", " << device.compute_units << " compute units, "
+        << bytes_for_people(device.global_memory_bytes) << " of memory (largest buffer "
+        << bytes_for_people(device.largest_allocation_bytes) << "), "
+        << (device.has_fp64 ? "double precision" : "no double precision (not needed)") << '\n';
+    out << indent << device.platform << ", driver " << device.driver_version << ", " << device.opencl_version << ", "
+        << device.opencl_c_version << '\n';
+    return out.str();
+}
+
 std::string device_list() {
     std::string text;
     load_opencl();
-    for (const DeviceDescription& device : devices()) text += text_of(device);
+    for (const DeviceDescription& device : devices()) text += device_text(device);
     if (text.empty())
         throw DeviceNotFound(
             "there is no OpenCL device: install a driver (for the processor, Debian and Ubuntu have "

@@ -484,6 +484,21 @@ void check_hours(const HoursOptions& options) {
         throw UsageError("--points is in place of a picture: leave out --aov, --most and the camera");
 }
 
+CLI::App* add_devices(CLI::App& app, ListDevices& options) {
+    CLI::App* devices = app.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
+    devices->add_flag("--check", options.checks,
+                      "Check one of them instead: known answers and times, on one page\nto send; under a minute");
+    devices->add_option("--device", options.device, "The device to check (default: as for render)")
+        ->type_name("P:D|NAME");
+    return devices;
+}
+
+Command checked_devices(const ListDevices& options) {
+    if (options.checks) return [=] { check_device(options); };
+    if (!options.device.empty()) throw UsageError("--device needs --check as well: the device to check");
+    return [] { print_result(device_list()); };
+}
+
 CLI::App* add_techniques(CLI::App& app, ListTechniques& options) {
     CLI::App* techniques = app.add_subcommand("techniques", "Lists the techniques, a line each");
     techniques->add_option("NAME", options.name, "Only this one, with its settings")->type_name("");
@@ -526,6 +541,7 @@ std::optional<std::string> parse_or_text(CLI::App& parser, const std::vector<std
 
 Command parse_command_line(const std::vector<std::string>& arguments) {
     RenderOptions render_options;
+    ListDevices devices_options;
     ListTechniques techniques_options;
     ExplainOptions explain_options;
     GalleryOptions gallery_options;
@@ -545,8 +561,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     CLI::App* const explain = add_explain(parser, explain_options);
     CLI::App* const gallery = add_gallery(parser, gallery_options);
     CLI::App* const hours = add_hours(parser, hours_options, place);
-    CLI::App* const devices =
-        parser.add_subcommand("devices", "Lists every OpenCL device and says which is the default");
+    CLI::App* const devices = add_devices(parser, devices_options);
     CLI::App* const techniques = add_techniques(parser, techniques_options);
     for (CLI::App* command : {render, explain, gallery, hours, devices, techniques}) command->allow_extras();
 
@@ -567,7 +582,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
         return checked(app::explain, explain_options, check_scene_options, check_explained, check_light_options);
     if (*gallery)
         return checked(app::gallery, gallery_options, check_scene_options, check_camera_options, check_light_options);
-    if (*devices) return [] { print_result(device_list()); };
+    if (*devices) return checked_devices(devices_options);
     if (*techniques) return [=] { print_result(technique_list(techniques_options)); };
     return print(help_of(parser));
 }

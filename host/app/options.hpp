@@ -16,6 +16,12 @@
 
 namespace gnomon::app {
 
+/// `gnomon devices [--check [--device D]]`
+struct ListDevices {
+    bool checks = false;
+    std::string device;  ///< the one to check; empty: the default
+};
+
 /// `gnomon techniques [NAME] [--verbose]`
 struct ListTechniques {
     std::string name;  ///< empty: all of them
@@ -125,6 +131,11 @@ void gallery(const GalleryOptions& options);
 
 /// `gnomon devices`, as text: the default with the reason, and what each lacks. Throws DeviceNotFound if there is none.
 std::string device_list();
+std::string device_text(const DeviceDescription& device);  ///< its lines of the list
+
+/// `gnomon devices --check`: prints one page about a device: its self-check, answers that are known bit for bit, and
+/// times. Throws DeviceNotFound as Device does, and Error, after the page, if an answer is wrong.
+void check_device(const ListDevices& options);
 
 /// `gnomon techniques`, as text: a line each, with its settings under --verbose. Throws Error with the list for an
 /// unknown name.

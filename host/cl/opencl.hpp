@@ -15,8 +15,8 @@
     use(clCreateProgramWithBinary) use(clCreateProgramWithSource) use(clCreateSubBuffer) use(clEnqueueCopyBuffer) \
     use(clEnqueueFillBuffer) use(clEnqueueMarkerWithWaitList) use(clEnqueueNDRangeKernel) use(clEnqueueReadBuffer) \
     use(clEnqueueWriteBuffer) use(clFinish) use(clGetCommandQueueInfo) use(clGetDeviceIDs) use(clGetDeviceInfo) \
-    use(clGetEventProfilingInfo) use(clGetKernelInfo) use(clGetMemObjectInfo) use(clGetPlatformIDs) \
-    use(clGetPlatformInfo) use(clGetProgramBuildInfo) use(clGetProgramInfo) use(clReleaseCommandQueue) \
+    use(clGetEventProfilingInfo) use(clGetKernelInfo) use(clGetKernelWorkGroupInfo) use(clGetMemObjectInfo) \
+    use(clGetPlatformIDs) use(clGetPlatformInfo) use(clGetProgramBuildInfo) use(clGetProgramInfo) use(clReleaseCommandQueue) \
     use(clReleaseContext) use(clReleaseEvent) use(clReleaseKernel) use(clReleaseMemObject) use(clReleaseProgram) \
     use(clRetainCommandQueue) use(clRetainContext) use(clRetainEvent) use(clRetainMemObject) use(clSetKernelArg)
 // clang-format on

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Programs: one per kernel file or for several, headers pasted in with #line so that a compiler error names the true
-// file and line; compiled when first used, and kept on disk as binaries where the platform has no cache of its own.
+// file and line; compiled when first used, and kept on disk as binaries unless the driver builds kernels at launch.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -96,6 +96,52 @@ std::filesystem::path cache_directory() {
     return {};
 }
 
+/// The time by which the first launch of a kernel that no driver has seen exceeds its second.
+double first_launch_ms(const Session& session) {
+    const auto number = Clock::now().time_since_epoch().count();
+    const std::string text = "__kernel void probe(__global ulong* out) { out[0] = " + std::to_string(number) + "ul; }";
+    const char* source = text.c_str();
+    cl_int code;
+    cl_program program = clCreateProgramWithSource(session.context(), 1, &source, nullptr, &code);
+    if (program == nullptr) return 0;
+    clBuildProgram(program, 1, &session.description().device_id, "-cl-std=CL1.2", nullptr, nullptr);
+    cl_kernel kernel = clCreateKernel(program, "probe", &code);
+    cl_mem memory = clCreateBuffer(session.context(), CL_MEM_READ_WRITE, sizeof(cl_ulong), nullptr, &code);
+    if (kernel != nullptr) clSetKernelArg(kernel, 0, sizeof(memory), &memory);
+    const auto launch = [&] {
+        const auto start = Clock::now();
+        const std::size_t one = 1;
+        clEnqueueNDRangeKernel(session.queue(), kernel, 1, nullptr, &one, &one, 0, nullptr, nullptr);
+        clFinish(session.queue());
+        return ms_since(start);
+    };
+    double ms = 0;
+    if (kernel != nullptr && memory != nullptr) {
+        const double first = launch();
+        ms = first - launch();
+    }
+    if (kernel != nullptr) clReleaseKernel(kernel);
+    if (memory != nullptr) clReleaseMemObject(memory);
+    clReleaseProgram(program);
+    return ms;
+}
+
+/// Whether this driver's binaries are worth keeping. A driver for CPUs that builds kernels at their first launch keeps
+/// them itself, as PoCL does, and its binaries cost an extra build. Measured once, by the quicker of two (PoCL takes 30
+/// ms or more, Intel's runtime less than 8 on a busy machine); the answer is kept beside the binaries.
+bool keeps_binaries(const Session& session) {
+    const DeviceDescription& d = session.description();
+    const std::filesystem::path file =
+        cache_directory() / ("keeps-binaries-" + hash_of(d.platform + '\0' + d.name + '\0' + d.driver_version));
+    if (const auto known = content_of(file)) return *known == "1";
+    constexpr double builds_at_launch_ms = 20;
+    const bool keeps = std::min(first_launch_ms(session), first_launch_ms(session)) < builds_at_launch_ms;
+    std::error_code ignored;
+    std::filesystem::create_directories(cache_directory(), ignored);
+    std::ofstream(file) << (keeps ? "1" : "0");
+    return keeps;
+}
+
 std::string build_log(cl_program program, cl_device_id device) {
     std::size_t size = 0;
     clGetProgramBuildInfo(program, device, CL_PROGRAM_BUILD_LOG, 0, nullptr, &size);
@@ -157,6 +203,7 @@ std::string Session::build_options() const {
     std::string options = "-cl-std=CL1.2 -w -D GN_LANES=" + std::to_string(lanes());
     if (is_cpu_) options += " -D GN_CPU";
     if (has_fp64_) options += " -D GN_FP64";
+    if (keeps_items_apart_) options += " -D GN_KEEP_ITEMS_APART";
     cl_device_fp_config config = 0;
     clGetDeviceInfo(description_.device_id, CL_DEVICE_SINGLE_FP_CONFIG, sizeof(config), &config, nullptr);
     if (config & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) options += " -cl-fp32-correctly-rounded-divide-sqrt";
@@ -240,14 +287,15 @@ cl_program Session::build(const std::string& file, const std::string& source) {
 
 cl_program Session::load_or_build(const std::string& file, const std::string& defines) {
     const std::string source = source_of(file, defines);
-    if (!caches_binaries_ || cache_directory().empty()) return build(file, source);
+    if (cache_directory().empty()) return build(file, source);
     const std::string key = cache_key(source);
     if (cl_program cached = load_cached(key)) {
         ++builds_.from_cache;
         return cached;
     }
     cl_program program = build(file, source);
-    store_cached(key, program);
+    if (!caches_binaries_) caches_binaries_ = keeps_binaries(*this);
+    if (*caches_binaries_) store_cached(key, program);
     return program;
 }
 

@@ -15,6 +15,8 @@ void check(cl_int code, std::string_view call) {
     if (code == CL_MEM_OBJECT_ALLOCATION_FAILURE || code == CL_OUT_OF_RESOURCES || code == CL_OUT_OF_HOST_MEMORY ||
         code == CL_INVALID_BUFFER_SIZE)
         throw OutOfDeviceMemory(call, code);
+    if (code == CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST)
+        throw OpenClError(std::string(call) + ", after a command that the device did not complete,", code);
     throw OpenClError(call, code);
 }
 
@@ -70,26 +72,18 @@ void Session::deallocate(cl_mem memory, std::size_t bytes) noexcept {
 
 // ---- Session --------------------------------------------------------------------------------------------------------
 
-namespace {
-
-// PoCL compiles a kernel, or loads it from its own cache, when a thread begins the kernel's first launch.
-bool is_pocl(const DeviceDescription& description) {
-    return description.platform.find("Portable Computing Language") != std::string::npos;
-}
-
-}  // namespace
-
 Session::Session(const DeviceDescription& description, const DeviceOptions& options) : description_(description) {
     cl_int code;
     const cl_context_properties properties[] = {CL_CONTEXT_PLATFORM,
                                                 reinterpret_cast<cl_context_properties>(description.platform_id), 0};
     context_ = clCreateContext(properties, 1, &description_.device_id, nullptr, nullptr, &code);
     check(code, "opening device " + description.name);
-    const bool has_clock = options.profile || is_pocl(description);
+    // A CPU's driver may build a kernel at its first launch (PoCL does): the clock tells how long that takes.
+    const bool has_clock = options.profile || description.type == "CPU";
     queue_ = clCreateCommandQueue(context_, description_.device_id, has_clock ? CL_QUEUE_PROFILING_ENABLE : 0, &code);
     if (code != CL_SUCCESS) clReleaseContext(context_);
     check(code, "making a command queue on " + description.name);
-    times_first_launches_ = is_pocl(description);
+    times_first_launches_ = description.type == "CPU";
     configure(options);
 }
 
@@ -116,18 +110,24 @@ Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions
     queue_ = queue;
     DeviceOptions adjusted = options;
     adjusted.profile = (properties & CL_QUEUE_PROFILING_ENABLE) != 0;
-    times_first_launches_ = adjusted.profile && is_pocl(description_);
+    times_first_launches_ = adjusted.profile && description_.type == "CPU";
     configure(adjusted);
 }
 
 void Session::configure(const DeviceOptions& options) {
-    is_cpu_ = description_.type == "CPU" && !options.gpu_kernels && std::getenv("GNOMON_GPU_KERNELS") == nullptr;
+    // A driver for CPUs without vectors of floats joins work-items to vectors itself (llvmpipe): kernels for GPUs suit
+    // it.
+    cl_uint vector_width = 0;
+    clGetDeviceInfo(description_.device_id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, sizeof(vector_width), &vector_width,
+                    nullptr);
+    is_cpu_ = description_.type == "CPU" && vector_width > 1 && !options.gpu_kernels &&
+              std::getenv("GNOMON_GPU_KERNELS") == nullptr;
     has_fp64_ = description_.has_fp64 && !options.hide_fp64;
+    keeps_items_apart_ = description_.type == "CPU" && has_extension(description_.device_id, "cl_intel_vec_len_hint");
     profiles_ = options.profile;
     memory_limit_bytes_ = options.memory_limit_bytes;
     traces_ = std::getenv("GNOMON_TRACE") != nullptr;
-    // PoCL keeps a cache of its own, and reading its binaries costs an extra build.
-    caches_binaries_ = !is_pocl(description_);
+    if (description_.type != "CPU") caches_binaries_ = true;  // of a CPU: see keeps_binaries()
     std::size_t largest = 1;
     clGetDeviceInfo(description_.device_id, CL_DEVICE_MAX_WORK_GROUP_SIZE, sizeof(largest), &largest, nullptr);
     const std::size_t wanted = options.work_group_size != 0 ? options.work_group_size : is_cpu_ ? 1 : 128;
@@ -171,7 +171,7 @@ void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index
     if (code != CL_SUCCESS) check(code, "setting argument " + std::to_string(index) + " of kernel " + name);
 }
 
-cl_kernel Session::kernel_of(const Kernel& which, std::size_t argument_count) {
+const Session::BuiltKernel& Session::kernel_of(const Kernel& which, std::size_t argument_count) {
     const auto& [file, name, defines] = which;
     const std::string key = std::string(file) + ' ' + name + ' ' + defines;
     auto found = kernels_.find(key);
@@ -185,17 +185,23 @@ cl_kernel Session::kernel_of(const Kernel& which, std::size_t argument_count) {
         });
         cl_uint count = 0;
         clGetKernelInfo(kernel, CL_KERNEL_NUM_ARGS, sizeof(count), &count, nullptr);
-        found = kernels_.emplace(key, CachedKernel{kernel, count}).first;
+        std::size_t largest = 0;
+        clGetKernelWorkGroupInfo(kernel, description_.device_id, CL_KERNEL_WORK_GROUP_SIZE, sizeof(largest), &largest,
+                                 nullptr);
+        found = kernels_.emplace(key, BuiltKernel{kernel, count, largest != 0 ? largest : work_group_size_}).first;
         is_first_launch_ = true;
     }
     if (found->second.argument_count != argument_count)
         throw Error(std::string("kernel ") + name + " takes " + std::to_string(found->second.argument_count) +
                     " arguments and was given " + std::to_string(argument_count));
-    return found->second.kernel;
+    return found->second;
 }
 
-void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
-    const std::size_t local = range.local != 0 ? range.local : work_group_size_;
+void Session::enqueue(const BuiltKernel& kernel, const char* name, Range range) {
+    const std::size_t local = std::min(range.local != 0 ? range.local : work_group_size_, kernel.largest_group);
+    if (range.is_exact && local != range.local)
+        throw Error("kernel " + std::string(name) + " needs work-groups of " + std::to_string(range.local) +
+                    " items, and the device allows it " + std::to_string(local) + ": use another device");
     std::size_t groups = range.count;
     if (range.kind == Range::Kind::items) groups = std::min((range.count + local - 1) / local, many_groups());
     const std::size_t global = std::max<std::size_t>(groups, 1) * local;
@@ -204,7 +210,7 @@ void Session::enqueue(cl_kernel kernel, const char* name, Range range) {
     const auto start = Clock::now();
     attempt(std::string("launching kernel ") + name, [&] {
         if (is_first) clEnqueueMarkerWithWaitList(queue_, 0, nullptr, &before);
-        const cl_int code = clEnqueueNDRangeKernel(queue_, kernel, 1, nullptr, &global, &local, 0, nullptr,
+        const cl_int code = clEnqueueNDRangeKernel(queue_, kernel.kernel, 1, nullptr, &global, &local, 0, nullptr,
                                                    profiles_ || before != nullptr ? &event : nullptr);
         if (code != CL_SUCCESS && before != nullptr) clReleaseEvent(before);
         return code;

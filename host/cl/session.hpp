@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <unordered_map>
@@ -22,6 +23,7 @@ inline double ms_since(Clock::time_point start) {
 void check(cl_int code, std::string_view call);
 
 DeviceDescription describe(cl_device_id device);
+bool has_extension(cl_device_id device, std::string_view name);
 
 /// The device that a selector names (see Device). Throws DeviceNotFound with the list of all devices.
 DeviceDescription select_device(std::string_view selector);
@@ -79,13 +81,16 @@ struct Kernel {
     const char* defines = "";
 };
 
-/// The number of work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of `local` items if not 0).
+/// The number of work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of at most `local` items if
+/// not 0; of exactly so many where `is_exact`).
 struct Range {
     enum class Kind { items, groups } kind;
     std::size_t count;
     std::size_t local = 0;
+    bool is_exact = false;
     static Range items(std::size_t count) { return {Kind::items, count}; }
     static Range groups(std::size_t count, std::size_t local = 0) { return {Kind::groups, count, local}; }
+    static Range groups_of(std::size_t local, std::size_t count) { return {Kind::groups, count, local, true}; }
 };
 
 class Session {
@@ -127,9 +132,9 @@ public:
     /// Enqueues a kernel. Arguments: Buffer, cl_mem, LocalBytes or plain values, all of them.
     template <typename... Arguments>
     void launch(const Kernel& which, Range range, const Arguments&... arguments) {
-        cl_kernel kernel = kernel_of(which, sizeof...(Arguments));
+        const BuiltKernel& kernel = kernel_of(which, sizeof...(Arguments));
         cl_uint index = 0;
-        (set_argument(kernel, which.name, index++, arguments), ...);
+        (set_argument(kernel.kernel, which.name, index++, arguments), ...);
         enqueue(kernel, which.name, range);
     }
     template <typename... Arguments>
@@ -204,7 +209,12 @@ private:
     cl_mem allocate(std::size_t bytes);
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
     std::string source_of(const std::string& program, const std::string& defines) const;
-    cl_kernel kernel_of(const Kernel& which, std::size_t argument_count);
+    struct BuiltKernel {
+        cl_kernel kernel;
+        cl_uint argument_count;
+        std::size_t largest_group;  ///< on a GPU a kernel that needs many registers may allow less than the device
+    };
+    const BuiltKernel& kernel_of(const Kernel& which, std::size_t argument_count);
     cl_program program_of(const Kernel& kernel);
     cl_program load_or_build(const std::string& file, const std::string& defines);
     cl_program build(const std::string& file, const std::string& source);
@@ -212,7 +222,7 @@ private:
     void store_cached(const std::string& key, cl_program program);
     std::string build_options() const;
     std::string cache_key(const std::string& source) const;
-    void enqueue(cl_kernel kernel, const char* name, Range range);
+    void enqueue(const BuiltKernel& kernel, const char* name, Range range);
     void fill_all(std::span<const Fill> fills);
     void configure(const DeviceOptions& options);
 
@@ -233,17 +243,15 @@ private:
     DeviceDescription description_;
     cl_context context_ = nullptr;
     cl_command_queue queue_ = nullptr;
-    bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false, caches_binaries_ = false;
+    bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false;
+    std::optional<bool> caches_binaries_;  ///< none: not yet known
+    bool keeps_items_apart_ = false;
     std::size_t work_group_size_ = 1;
     std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, run_peak_bytes_ = 0, memory_limit_bytes_ = 0;
     FaultInjector injector_;
     std::unordered_map<std::string, std::string> added_sources_;
     std::unordered_map<std::string, cl_program> programs_;
-    struct CachedKernel {
-        cl_kernel kernel;
-        cl_uint argument_count;
-    };
-    std::unordered_map<std::string, CachedKernel> kernels_;
+    std::unordered_map<std::string, BuiltKernel> kernels_;
     std::vector<cl_event> events_;
     KernelBuilds builds_;
     bool times_first_launches_ = false, is_first_launch_ = false;

@@ -135,7 +135,7 @@ private:
         const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
         const std::size_t tasks = blocks * bundle_count_;
         const cl::Range range = session_.is_cpu() ? session_.uneven_items(tasks, 1)
-                                                  : cl::Range::groups(std::min<std::size_t>(tasks, 65536), width);
+                                                  : cl::Range::groups_of(width, std::min<std::size_t>(tasks, 65536));
         session_.launch(triangle_inputs(run_.triangles).kernel("lights/shaft_trace.cl", "shaft_trace"), range,
                         params_of(part), bundles_, run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(),
                         points_.positions(), points_.receivers(), points_.surface_normals(), masks_, queue_, counters_,
