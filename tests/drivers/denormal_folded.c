@@ -6,8 +6,8 @@
 //
 // The kernel asks two things of one float read from memory, 0x807FFFFF: is it that, and if so, is its fabs()
 // 0x007FFFFF? Each alone is answered with yes. Together, the compiler knows the number in the second question, folds
-// fabs(), flushes the result to zero, and answers no. gnomon does not depend on it: its exact path only loads, selects and
-// stores denormals (check_copies in kernels/exact/self_check.cl).
+// fabs(), flushes the result to zero, and answers no. gnomon does not depend on it: its exact path only loads, selects
+// and stores denormals (check_copies in kernels/exact/self_check.cl).
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 #include <stdio.h>
