@@ -8,10 +8,10 @@
 
 #include "api/settings_table.hpp"
 #include "lights/many_lights.hpp"
-#include "trace/light_order.hpp"
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
 #include "samples/classify_footprints.hpp"
+#include "trace/light_order.hpp"
 #include "trace/provenance.hpp"
 
 namespace gnomon {

@@ -109,8 +109,9 @@ std::string summary(const HoursOptions& options, const SunTable& table, const Co
     if (options.place)
         text += std::string("; positions by ERFA, elevations ") +
                 (options.place->is_apparent ? "with refraction (Saemundsson, 1010 hPa, 10 C)" : "without refraction");
-    text += "\n" + grouped(count) + " points: on average " + formatted("%.6g ", count != 0 ? sum / double(count) : 0) +
-            options.unit + ", at most " + formatted("%.6g", largest_of(computed.values));
+    text += std::string("\n") + grouped(count) + " points: on average " +
+            formatted("%.6g ", count != 0 ? sum / double(count) : 0) + options.unit + ", at most " +
+            formatted("%.6g", largest_of(computed.values));
     return text + "; " + formatted("%.0f ms", computed.statistics.total_wall_ms) + "\n";
 }
 

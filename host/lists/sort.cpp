@@ -7,8 +7,7 @@
 
 namespace gnomon {
 
-void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values,
-               std::uint32_t bits) {
+void Sort::run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values, std::uint32_t bits) {
     const std::uint32_t chunk = sort_chunk(session.is_cpu()), chunks = (count + chunk - 1) / chunk;
     if (chunks == 0) return;
     const std::uint32_t counters = chunks * SORT_DIGITS;

@@ -8,8 +8,8 @@ namespace gnomon {
 
 class Sort {
 public:
-    /// Puts the first `count` keys and values in order of the keys' lowest `bits`. The buffers may be swapped with others
-    /// of the same size.
+    /// Puts the first `count` keys and values in order of the keys' lowest `bits`. The buffers may be swapped with
+    /// others of the same size.
     void run(cl::Session& session, std::uint32_t count, cl::Buffer& keys, cl::Buffer& values, std::uint32_t bits = 32);
 
 private:

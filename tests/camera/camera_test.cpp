@@ -405,7 +405,7 @@ TEST(Camera, WritesOnlyItsOwn) {
     put_canaries(session, positions);
     put_canaries(session, normals);
     gnomon::CameraParams params{};
-    params.first_float = inputs.first_float;
+    params.triangles = inputs;
     std::copy(scene.eye.begin(), scene.eye.end(), params.eye);
     params.width = scene.width;
     params.height = scene.height;

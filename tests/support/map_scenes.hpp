@@ -135,7 +135,8 @@ inline Triangles uploaded_triangles(gnomon::cl::Session& session, const Floats& 
     Triangles triangles{uploaded(session, vertices), {}};
     triangles.inputs = {{.first_float = 0, .count = static_cast<cl_uint>(vertices.size() / 9), .padding = 0},
                         triangles.vertices.get(),
-                        nullptr};
+                        nullptr,
+                        false};
     return triangles;
 }
 
