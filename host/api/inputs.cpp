@@ -87,13 +87,17 @@ void require_count(std::size_t count, const char* what) {
 
 // ---- Triangles ------------------------------------------------------------------------------------------------------
 
+void require_whole_triangles(std::span<const float> vertices) {
+    if (vertices.size() % 9 == 0) return;
+    throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+}
+
 bool has_cut_outs(const Triangles& triangles) {
     return triangles.cut_out_counts().masked + triangles.cut_out_counts().clear != 0;
 }
 
 Triangles Triangles::upload(const Device& device, std::span<const float> vertices) {
-    if (vertices.size() % 9 != 0)
-        throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+    require_whole_triangles(vertices);
     require_count(vertices.size() / 9, "triangles");
     Triangles triangles;
     triangles.buffer_ = uploaded(device, vertices.data(), vertices.size_bytes());
@@ -102,13 +106,14 @@ Triangles Triangles::upload(const Device& device, std::span<const float> vertice
 }
 
 Triangles Triangles::upload(const Device& device, std::span<const float> vertices, const CutOuts& cut_outs) {
+    require_whole_triangles(vertices);
     const PackedCutOuts packed = pack_cut_outs(vertices.size() / 9, cut_outs);
     Triangles triangles;
     if (packed.words.empty()) {
         triangles = upload(device, vertices);
     } else {
         std::vector<cl_uint> words(vertices.size() + packed.words.size());
-        if (vertices.size() % 9 == 0) std::memcpy(words.data(), vertices.data(), vertices.size_bytes());
+        std::memcpy(words.data(), vertices.data(), vertices.size_bytes());
         std::copy(packed.words.begin(), packed.words.end(), words.begin() + std::ptrdiff_t(vertices.size()));
         triangles = upload(device, vertices.first(0));
         triangles.buffer_ = uploaded(device, words.data(), words.size() * sizeof(cl_uint));

@@ -69,6 +69,8 @@ struct TriangleInputs : TrianglesLayout {
     }
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);
+/// Throws InvalidArgument if the floats are no multiple of 9.
+void require_whole_triangles(std::span<const float> vertices);
 /// Some triangles are masked or clear.
 bool has_cut_outs(const Triangles& triangles);
 

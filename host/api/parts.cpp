@@ -129,8 +129,7 @@ void close_points(OpenPoints& open, std::span<const float> answers, std::vector<
 
 ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices, const Camera& camera,
                           std::uint32_t width, std::uint32_t height, const CutOuts* cut_outs) {
-    if (vertices.size() % 9 != 0)
-        throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+    require_whole_triangles(vertices);
     const std::size_t total = vertices.size() / 9;
     Ids seen;  // of the triangles before `first`
     for (std::size_t first = 0, part = total;;) {
@@ -153,8 +152,7 @@ ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices,
 Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
                         std::span<const float> vertices, const Points& points, std::span<const std::uint32_t> ids,
                         const Light& light, const Visibility& visibility, const CutOuts* cut_outs) {
-    if (vertices.size() % 9 != 0)
-        throw InvalidArgument("triangles take 9 floats each, and " + std::to_string(vertices.size()) + " were given");
+    require_whole_triangles(vertices);
     const auto start = cl::Clock::now();
     require_run(Triangles(), points, light, visibility);
     Statistics statistics;

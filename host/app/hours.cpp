@@ -12,6 +12,7 @@
 #include "setup.hpp"
 #include "suns.hpp"
 #include "terminal.hpp"
+#include "values.hpp"
 
 namespace gnomon::app {
 namespace {
@@ -50,8 +51,7 @@ SunTable suns_of(const HoursOptions& options) {
 /// Float64 values as NumPy's .npy (version 1.0).
 void write_npy(OutputFile& file, std::span<const double> values) {
     static_assert(std::endian::native == std::endian::little);
-    std::string header =
-        "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(values.size()) + ",), }";
+    std::string header = formatted("{'descr': '<f8', 'fortran_order': False, 'shape': (%zu,), }", values.size());
     constexpr std::size_t preamble = 10, aligned = 64;
     header.resize((preamble + header.size() + 1 + aligned - 1) / aligned * aligned - preamble - 1, ' ');
     header += '\n';
@@ -68,12 +68,6 @@ void write_csv(OutputFile& file, std::span<const float> positions, std::span<con
         text += float3_text({positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}) +
                 formatted(",%.17g\n", values[i]);
     file.write_all(text.data(), text.size());
-}
-
-std::string lower_extension(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-    return extension;
 }
 
 struct Computed {
@@ -109,9 +103,8 @@ std::string summary(const HoursOptions& options, const SunTable& table, const Co
     if (options.place)
         text += std::string("; positions by ERFA, elevations ") +
                 (options.place->is_apparent ? "with refraction (Saemundsson, 1010 hPa, 10 C)" : "without refraction");
-    text += std::string("\n") + grouped(count) + " points: on average " +
-            formatted("%.6g ", count != 0 ? sum / double(count) : 0) + options.unit + ", at most " +
-            formatted("%.6g", largest_of(computed.values));
+    text += formatted("\n%s points: on average %.6g ", grouped(count).c_str(), count != 0 ? sum / double(count) : 0);
+    text += options.unit + formatted(", at most %.6g", largest_of(computed.values));
     return text + "; " + formatted("%.0f ms", computed.statistics.total_wall_ms) + "\n";
 }
 
@@ -190,8 +183,7 @@ void hours(const HoursOptions& options) {
     const Device device = open_device(options, false);
     const auto technique = make_technique(device, "frustum-traced", options.settings);
     const scene::Scene scene = load_scene(options);
-    Triangles triangles = upload_triangles(device, scene);
-    if (triangles.count() >= triangles_worth_clusters) triangles.keep_clusters(device);
+    const Triangles triangles = upload_triangles(device, scene);
     const Computed computed = options.points
                                   ? hours_of_points(options, device, *technique, triangles, table, outputs)
                                   : hours_of_picture(options, device, *technique, scene, triangles, table, outputs);

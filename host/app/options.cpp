@@ -470,11 +470,11 @@ void complete_place(HoursOptions& options, const SunsOfPlace& place, bool has_of
 }
 
 void check_hours(const HoursOptions& options) {
-    const std::string extension = options.result ? options.result->extension().string() : "";
+    const std::string extension = options.result ? lower_extension(*options.result) : "";
     if (!options.result && !options.aov) throw UsageError("nothing to write: give -o FILE.png or --aov FILE.exr");
     if (options.most && !(*options.most > 0)) throw UsageError("--most needs a number above 0");
     if (!options.points) {
-        if (options.result && extension != ".png" && extension != ".PNG")
+        if (options.result && extension != ".png")
             throw UsageError("-o needs a file that ends with .png (.csv and .npy are for --points)");
         return;
     }

@@ -169,7 +169,6 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
     const auto [width, height] = report.options.size;
     const Triangles triangles = steps.run("upload_triangles", "copying the triangles to the device", [&] {
         Triangles uploaded = upload_triangles(device, scene);
-        if (uploaded.count() >= triangles_worth_clusters) uploaded.keep_clusters(device);
         device.finish();
         return uploaded;
     });

@@ -109,8 +109,10 @@ scene::Scene load_triangles(const std::filesystem::path& file) {
 
 Triangles upload_triangles(const Device& device, const scene::Scene& scene) {
     const scene::CutOutsView cut_outs(scene.cut_outs);
-    return cut_outs.get() ? Triangles::upload(device, scene.triangles, *cut_outs.get())
-                          : Triangles::upload(device, scene.triangles);
+    Triangles triangles = cut_outs.get() ? Triangles::upload(device, scene.triangles, *cut_outs.get())
+                                         : Triangles::upload(device, scene.triangles);
+    if (triangles.count() >= triangles_worth_clusters) triangles.keep_clusters(device);
+    return triangles;
 }
 
 ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene) {

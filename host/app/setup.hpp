@@ -34,7 +34,7 @@ private:
 /// The scene of the options, with its warnings printed as SceneSource does.
 scene::Scene load_scene(const ViewOptions& options);
 
-/// The scene's triangles on the device, with their cut-outs.
+/// The scene's triangles on the device, with their cut-outs, and with clusters if there are enough triangles.
 Triangles upload_triangles(const Device& device, const scene::Scene& scene);
 
 /// Triangles alone, nine little-endian float32 each, as --dump-triangles writes them. Throws Error.

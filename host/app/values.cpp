@@ -138,10 +138,12 @@ std::string parse_name(const std::string& option, const std::string& text) {
 std::filesystem::path parse_file(const std::string& option, const std::string& text, std::string_view extension) {
     if (text.empty() || text.starts_with("-")) refuse(option, "a file name (./-name if it begins with a minus)", text);
     const std::filesystem::path file(text);
-    if (!extension.empty() && lower_case(file.extension().string()) != extension)
+    if (!extension.empty() && lower_extension(file) != extension)
         refuse(option, "a file name that ends in " + std::string(extension), text);
     return file;
 }
+
+std::string lower_extension(const std::filesystem::path& file) { return lower_case(file.extension().string()); }
 
 std::string float_text(float value) {
     return formatted("%.*g", std::numeric_limits<float>::max_digits10, double(value));

@@ -54,6 +54,9 @@ std::string parse_name(const std::string& option, const std::string& text);
 /// A file name with the given extension in any case (".png"); an empty extension allows all.
 std::filesystem::path parse_file(const std::string& option, const std::string& text, std::string_view extension);
 
+/// The extension in lower case, with its dot.
+std::string lower_extension(const std::filesystem::path& file);
+
 /// 9 significant digits: strtof gives the same float again.
 std::string float_text(float value);
 /// "x,y,z" by float_text, in the form that an option takes.

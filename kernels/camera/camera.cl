@@ -68,7 +68,7 @@ static LaneInt pixel_receivers_met(const VisibilityWork* work, const PixelRays* 
         if (!LANE_OF_INT(block->present, lane)) continue;
         uint receiver = work->pixel_receivers[LANE_OF_INT(block->pixels, lane)];
         if (receiver == GN_NO_ID) continue;
-        if (receiver != outlined) outline = outline_of(load_triangle(work->lists.vertices, receiver), eye);
+        if (receiver != outlined) outline = outline_of(load_triangle(work->lists.triangles.vertices, receiver), eye);
         outlined = receiver;
         Ray ray = ray_of_lane(work->lists.rays, &block->rays, lane);
         if (covers(&outline, eye, ray) && is_seen_opaque(&work->lists, receiver, eye, ray))
@@ -157,14 +157,8 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
                                 __global const uint* pixel_receivers, __global uint* visible,
                                 __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
-    TileLists lists = {ranges,
-                       entries,
-                       records,
-                       bounds,
-                       vertices + params.triangles.first_float,
-                       rays,
-                       params.picture,
-                       params.triangles.count};
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     VisibilityWork work = {params, projection, lists, pixel_receivers, visible, GN_NO_ID};
 #if GN_LANES == 1
     __local ListBatch batch;

@@ -7,9 +7,9 @@
 //
 // Float arithmetic may flush denormals: the float filter of det3.clh allows for it, and the exact level computes with
 // bit patterns. A copy must not change a denormal or its sign: the exact level would then get other coordinates than
-// the caller gave. A denormal must also not vanish when it is widened to
-// double: the double filter would take the result for exact. A double narrowed to a denormal must give the nearest one:
-// the camera rounds its points near the origin in this way.
+// the caller gave. A denormal must also not vanish when it is widened to double: the double filter would take the
+// result for exact. A double narrowed to a denormal must give the nearest one: the camera rounds its points near the
+// origin in this way.
 #include "exact/det3.clh"
 #include "exact/self_check.h"
 

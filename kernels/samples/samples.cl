@@ -116,14 +116,8 @@ __kernel void samples_guess(SamplesParams params, __constant const SamplePattern
                             __global const uint2* ranges, __global const BinEntries* entries,
                             __global const uint* pixel_receivers, __global uint* edges, __global uint* fragment_words,
                             __global SampleCounters* counters) {
-    TileLists lists = {ranges,
-                       entries,
-                       records,
-                       bounds,
-                       vertices + params.triangles.first_float,
-                       rays,
-                       params.picture,
-                       params.triangles.count};
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     SampleRays sample_rays = {rays, params.batch.width, pattern->count};
     Fragments fragments = fragments_of(fragment_words, params.batch);
     __global uint* unproven = edges + params.batch.edge_slots;
@@ -158,14 +152,8 @@ __kernel void samples_fragments(SamplesParams params, __constant const SamplePat
                                 __global const uint* pixel_receivers, __global const uint* edges,
                                 __global uint* fragment_words, __global SampleCounters* counters) {
     __local FragmentGroup group;
-    TileLists lists = {ranges,
-                       entries,
-                       records,
-                       bounds,
-                       vertices + params.triangles.first_float,
-                       rays,
-                       params.picture,
-                       params.triangles.count};
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     Fragments fragments = fragments_of(fragment_words, params.batch);
     __global const uint* unproven = edges + params.batch.edge_slots;
     float3 eye = eye_of_samples(params);
@@ -194,14 +182,8 @@ __kernel void samples_receivers(SamplesParams params, __constant const Projectio
                                 __global const TriangleBounds* bounds, __global const uint2* ranges,
                                 __global const BinEntries* entries, __global const uint* pixel_receivers,
                                 __global const uint* edges, __global uint* sample_receivers) {
-    TileLists lists = {ranges,
-                       entries,
-                       records,
-                       bounds,
-                       vertices + params.triangles.first_float,
-                       rays,
-                       params.picture,
-                       params.triangles.count};
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     PixelBatch batch = params.batch;
     __global const uint* unproven = edges + batch.edge_slots + params.first;
     float3 eye = eye_of_samples(params);
