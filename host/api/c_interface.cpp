@@ -87,6 +87,32 @@ Camera camera_at(const gnomon_camera* camera) {
             .fov_y_radians = from.fov_y_radians};
 }
 
+std::vector<CutOutMaterial> materials_at(const gnomon_cut_out_material* materials, std::size_t count) {
+    std::vector<CutOutMaterial> all;
+    for (const gnomon_cut_out_material& from : array(materials, count, 1, "materials")) {
+        if (std::max(from.wrap_u, from.wrap_v) > GNOMON_WRAP_CLAMP || from.filter > GNOMON_FILTER_LINEAR)
+            throw InvalidArgument("materials[" + std::to_string(all.size()) +
+                                  "] has a wrap or a filter that is none: begin with GNOMON_CUT_OUT_MATERIAL_INIT");
+        all.push_back({from.texture, TextureWrap(from.wrap_u), TextureWrap(from.wrap_v), TextureFilter(from.filter),
+                       from.cutoff, from.alpha_factor});
+    }
+    return all;
+}
+
+CutOutsArgument::CutOutsArgument(const gnomon_cut_outs* from, std::size_t count) : is_given_(from != nullptr) {
+    if (!is_given_) return;
+    materials_ = materials_at(from->materials, from->material_count);
+    for (const gnomon_alpha_texture& texture : array(from->textures, from->texture_count, 1, "textures"))
+        textures_.push_back({texture.width,
+                             texture.height,
+                             {&at(texture.alpha, "textures[i].alpha"), std::size_t(texture.width) * texture.height}});
+    const auto optional = [&](const float* values, std::size_t each) {
+        return array(values, values == nullptr ? 0 : count, each, "");
+    };
+    cut_outs_ = {array(from->material_of_triangle, count, 1, "material_of_triangle"),
+                 optional(from->texture_coordinates, 6), optional(from->corner_alphas, 3), materials_, textures_};
+}
+
 std::vector<Visibility> visibilities_at(const gnomon_visibility* const* visibilities, std::size_t count) {
     std::vector<Visibility> all;
     for (const gnomon_visibility* one : array(visibilities, count, 1, "visibilities"))
@@ -227,6 +253,12 @@ gnomon_status gnomon_triangles_upload(const gnomon_device* device, const float* 
                 [&](const Device& on) { return Triangles::upload(on, array(vertices, count, 9, "vertices")); });
 }
 
+gnomon_status gnomon_triangles_share(const gnomon_device* device, const float* vertices, size_t count,
+                                     gnomon_triangles** triangles_out) {
+    return made(device, triangles_out, "triangles_out",
+                [&](const Device& on) { return Triangles::share(on, array(vertices, count, 9, "vertices")); });
+}
+
 gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t first_float, size_t count,
                                     gnomon_triangles** triangles_out) {
     return made(device, triangles_out, "triangles_out",
@@ -234,6 +266,39 @@ gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices
 }
 
 void gnomon_triangles_destroy(gnomon_triangles* triangles) { delete triangles; }
+
+gnomon_status gnomon_triangles_upload_cut_outs(const gnomon_device* device, const float* vertices, size_t count,
+                                               const gnomon_cut_outs* cut_outs, gnomon_triangles** triangles_out) {
+    return made(device, triangles_out, "triangles_out", [&](const Device& on) {
+        const auto all = array(vertices, count, 9, "vertices");
+        at(cut_outs, "cut_outs");
+        return Triangles::upload(on, all, *CutOutsArgument(cut_outs, count).get());
+    });
+}
+
+gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem vertices, size_t first_float,
+                                             size_t count, const gnomon_cut_out_buffers* cut_outs,
+                                             gnomon_triangles** triangles_out) {
+    return made(device, triangles_out, "triangles_out", [&](const Device& on) {
+        at(vertices, "vertices");
+        const gnomon_cut_out_buffers& from = at(cut_outs, "cut_outs");
+        const std::vector<CutOutMaterial> materials = materials_at(from.materials, from.material_count);
+        std::vector<CutOutBuffers::Texture> textures;
+        for (const gnomon_alpha_texture_buffer& texture : array(from.textures, from.texture_count, 1, "textures"))
+            textures.push_back({texture.width, texture.height, &at(texture.alpha, "textures[i].alpha")});
+        return Triangles::copy(
+            on, vertices, count,
+            {from.material_of_triangle, from.texture_coordinates, from.corner_alphas, materials, textures},
+            first_float);
+    });
+}
+
+gnomon_status gnomon_triangles_cut_out_counts(const gnomon_triangles* triangles, gnomon_cut_out_counts* counts_out) {
+    return guarded([&] {
+        const CutOutCounts& counts = at(triangles, "triangles").triangles.cut_out_counts();
+        at(counts_out, "counts_out") = {counts.masked, counts.opaque, counts.clear, counts.unusable};
+    });
+}
 
 gnomon_status gnomon_triangles_keep_clusters(gnomon_triangles* triangles, cl_event* event_out) {
     return guarded([&] {
@@ -267,6 +332,14 @@ gnomon_status gnomon_points_upload(const gnomon_device* device, const float* pos
     return made(device, points_out, "points_out", [&](const Device& on) {
         const auto ids = array(receivers, receivers == nullptr ? 0 : count, 1, "receivers");
         return Points::upload(on, array(positions, count, 3, "positions"), ids);
+    });
+}
+
+gnomon_status gnomon_points_share(const gnomon_device* device, const float* positions, const uint32_t* receivers,
+                                  size_t count, gnomon_points** points_out) {
+    return made(device, points_out, "points_out", [&](const Device& on) {
+        const auto ids = array(receivers, receivers == nullptr ? 0 : count, 1, "receivers");
+        return Points::share(on, array(positions, count, 3, "positions"), ids);
     });
 }
 
@@ -343,6 +416,18 @@ gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer,
                                      gnomon_visibility** visibility_out) {
     return made(device, visibility_out, "visibility_out",
                 [&](const Device& on) { return Visibility(on, buffer, count, first_float); });
+}
+
+gnomon_status gnomon_visibility_share(const gnomon_device* device, float* values, size_t count,
+                                      gnomon_visibility** visibility_out) {
+    return made(device, visibility_out, "visibility_out", [&](const Device& on) {
+        array(values, count, 1, "values");
+        return Visibility::share(on, {values, count});
+    });
+}
+
+gnomon_status gnomon_visibility_fetch(const gnomon_visibility* visibility) {
+    return guarded([&] { at(visibility, "visibility").visibility.fetch(); });
 }
 
 void gnomon_visibility_destroy(gnomon_visibility* visibility) { delete visibility; }

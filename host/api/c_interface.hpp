@@ -116,6 +116,23 @@ std::array<T, size> values_at(const T* values, const char* argument) {
 }
 inline Float3 float3_at(const float* values, const char* argument) { return values_at<float, 3>(values, argument); }
 
+std::vector<CutOutMaterial> materials_at(const gnomon_cut_out_material* materials, std::size_t count);
+
+/// The cut-outs of `count` triangles in the caller's arrays; none if `from` is null.
+class CutOutsArgument {
+public:
+    CutOutsArgument(const gnomon_cut_outs* from, std::size_t count);
+    CutOutsArgument(const CutOutsArgument&) = delete;
+    CutOutsArgument& operator=(const CutOutsArgument&) = delete;
+    const CutOuts* get() const { return is_given_ ? &cut_outs_ : nullptr; }
+
+private:
+    bool is_given_;
+    std::vector<CutOutMaterial> materials_;
+    std::vector<AlphaTexture> textures_;
+    CutOuts cut_outs_;
+};
+
 inline Light light_of(const gnomon_light& light) { return {values_at<float, 4>(light.xyzw, "light")}; }
 inline PointLayout layout_or_packed(const gnomon_point_layout* layout) {
     if (layout == nullptr) return {};

@@ -148,6 +148,7 @@ gnomon_device_description description_of(const DeviceDescription& from) {
             .largest_allocation_bytes = from.largest_allocation_bytes,
             .compute_units = from.compute_units,
             .has_fp64 = from.has_fp64,
+            .shares_host_memory = from.shares_host_memory,
             .is_default = from.is_default};
 }
 
@@ -185,12 +186,13 @@ void gnomon_explanation_destroy(const gnomon_explanation* explanation) {
 }
 
 gnomon_status gnomon_look_in_parts(const gnomon_device* device, const float* vertices, size_t count,
-                                   const gnomon_camera* camera, uint32_t width, uint32_t height,
-                                   const gnomon_view_of_parts** view_out) {
+                                   const gnomon_cut_outs* cut_outs, const gnomon_camera* camera, uint32_t width,
+                                   uint32_t height, const gnomon_view_of_parts** view_out) {
     return result_of(view_out, "view_out", [&] {
         const Device& on = at(device, "device").device;
-        return new OwnedViewOfParts(
-            on, look_in_parts(on, array(vertices, count, 9, "vertices"), camera_at(camera), width, height));
+        const CutOutsArgument masks(cut_outs, count);
+        return new OwnedViewOfParts(on, look_in_parts(on, array(vertices, count, 9, "vertices"), camera_at(camera),
+                                                      width, height, masks.get()));
     });
 }
 

@@ -274,15 +274,17 @@ gnomon_status gnomon_run_samples(gnomon_technique* technique, const gnomon_trian
 
 gnomon_status gnomon_run_in_parts(const gnomon_device* device, const char* technique, const gnomon_setting* settings,
                                   size_t setting_count, const float* vertices, size_t count,
-                                  const gnomon_points* points, const uint32_t* ids, size_t id_count, gnomon_light light,
-                                  const gnomon_visibility* visibility, const gnomon_statistics** statistics_out) {
+                                  const gnomon_cut_outs* cut_outs, const gnomon_points* points, const uint32_t* ids,
+                                  size_t id_count, gnomon_light light, const gnomon_visibility* visibility,
+                                  const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(nullptr, statistics_out);
         const Device& on = at(device, "device").device;
         const auto chosen = array(settings, setting_count, 1, "settings");
+        const CutOutsArgument masks(cut_outs, count);
         results.finish(on, run_in_parts([&] { return make_with_settings(on, technique, chosen); }, on,
                                         array(vertices, count, 9, "vertices"), at(points, "points").points,
                                         array(ids, ids == nullptr ? 0 : id_count, 1, "ids"), light_of(light),
-                                        at(visibility, "visibility").visibility));
+                                        at(visibility, "visibility").visibility, masks.get()));
     });
 }

@@ -16,24 +16,44 @@ namespace {
 
 constexpr std::size_t largest_index = std::numeric_limits<cl_uint>::max();
 
-std::shared_ptr<void> retained(const Device& device, cl_mem memory, const char* what) {
+void require_context(const Device& device, cl_mem memory, const char* what) {
     if (memory == nullptr) throw InvalidArgument(std::string("the ") + what + " buffer must not be null");
     cl_context context = nullptr;
     cl::check(clGetMemObjectInfo(memory, CL_MEM_CONTEXT, sizeof(context), &context, nullptr),
               "asking a buffer for its context");
     if (context != device.context())
         throw InvalidArgument(std::string("the ") + what + " buffer belongs to another OpenCL context than the device");
+}
+
+std::shared_ptr<void> retained(const Device& device, cl_mem memory, const char* what) {
+    require_context(device, memory, what);
     cl::check(clRetainMemObject(memory), std::string("retaining the ") + what + " buffer");
     return {memory, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
 }
 
 // The caller chooses `first`: the sum of both may exceed the range of a size.
-void require_floats(cl_mem memory, std::size_t floats, const char* what, std::size_t first = 0) {
-    const std::size_t held = bytes_of(memory) / sizeof(float);
-    if (first <= held && floats <= held - first) return;
+template <typename Value = float>
+void require_values(cl_mem memory, std::size_t count, const char* what, std::size_t first = 0) {
+    const std::size_t held = bytes_of(memory) / sizeof(Value);
+    if (first <= held && count <= held - first) return;
     throw InvalidArgument(std::string("the ") + what + " buffer holds " + std::to_string(bytes_of(memory)) +
-                          " bytes, fewer than the " + std::to_string(floats * sizeof(float)) + " its layout needs" +
-                          (first != 0 ? " after the first " + std::to_string(first) + " floats" : ""));
+                          " bytes, fewer than the " + std::to_string(count * sizeof(Value)) + " its layout needs" +
+                          (first != 0 ? " after the first " + std::to_string(first) + " values" : ""));
+}
+
+/// The values of a caller's buffer from `first` on; none if it is null. Waits for the queue.
+template <typename Value>
+std::vector<Value> values_of(const Device& device, cl_mem memory, std::size_t count, const char* what,
+                             std::size_t first = 0) {
+    if (memory == nullptr) return {};
+    require_context(device, memory, what);
+    require_values<Value>(memory, count, what, first);
+    std::vector<Value> values(count);
+    if (count != 0)
+        cl::check(clEnqueueReadBuffer(device.queue(), memory, CL_TRUE, first * sizeof(Value), count * sizeof(Value),
+                                      values.data(), 0, nullptr, nullptr),
+                  std::string("reading the ") + what + " buffer");
+    return values;
 }
 
 /// Bytes [first, end) of a buffer that has no parent (a sub-buffer counts as part of its parent).
@@ -83,6 +103,29 @@ void require_count(std::size_t count, const char* what) {
         throw InvalidArgument(std::to_string(count) + " " + what + " are too many: ids are 32 bits wide");
 }
 
+void require_points(std::span<const float> positions, std::span<const std::uint32_t> receivers) {
+    if (positions.size() % 3 != 0)
+        throw InvalidArgument("points take 3 floats each, and " + std::to_string(positions.size()) + " were given");
+    require_count(positions.size() / 3, "points");
+    if (!receivers.empty() && receivers.size() != positions.size() / 3)
+        throw InvalidArgument("there are " + std::to_string(receivers.size()) + " receivers for " +
+                              std::to_string(positions.size() / 3) + " points: give one each, or none at all");
+}
+
+/// A buffer in the host's memory; null if the device has memory of its own, or refuses.
+std::shared_ptr<void> shared_memory(const Device& device, const void* data, std::size_t bytes, cl_mem_flags use) {
+    if (!device.description().shares_host_memory || bytes == 0) return nullptr;
+    cl_int code;
+    cl_mem made = clCreateBuffer(device.context(), CL_MEM_USE_HOST_PTR | use, bytes, const_cast<void*>(data), &code);
+    if (code != CL_SUCCESS) return nullptr;
+    return {made, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
+}
+
+std::shared_ptr<void> shared_or_uploaded(const Device& device, const void* data, std::size_t bytes) {
+    const std::shared_ptr<void> shared = shared_memory(device, data, bytes, CL_MEM_READ_ONLY);
+    return shared ? shared : uploaded(device, data, bytes);
+}
+
 }  // namespace
 
 // ---- Triangles ------------------------------------------------------------------------------------------------------
@@ -123,11 +166,38 @@ Triangles Triangles::upload(const Device& device, std::span<const float> vertice
     return triangles;
 }
 
+Triangles Triangles::copy(const Device& device, cl_mem vertices, std::size_t count, const CutOutBuffers& cut_outs,
+                          std::size_t first_float) {
+    require_count(count, "triangles");
+    const auto materials = values_of<std::uint32_t>(device, cut_outs.material_of_triangle, count, "material");
+    const auto coordinates = values_of<float>(device, cut_outs.texture_coordinates, 6 * count, "texture coordinate");
+    const auto alphas = values_of<float>(device, cut_outs.corner_alphas, 3 * count, "corner alpha");
+    std::vector<std::vector<std::uint8_t>> texels;
+    std::vector<AlphaTexture> textures;
+    for (const CutOutBuffers::Texture& texture : cut_outs.textures) {
+        const std::size_t size = std::size_t(texture.width) * texture.height;
+        texels.push_back(values_of<std::uint8_t>(device, texture.alpha, size, "texture"));
+        textures.push_back({texture.width, texture.height, texels.back()});
+    }
+    require_context(device, vertices, "triangle");
+    return upload(device, values_of<float>(device, vertices, 9 * count, "triangle", first_float),
+                  {materials, coordinates, alphas, cut_outs.materials, textures});
+}
+
+Triangles Triangles::share(const Device& device, std::span<const float> vertices) {
+    require_whole_triangles(vertices);
+    require_count(vertices.size() / 9, "triangles");
+    Triangles triangles;
+    triangles.buffer_ = shared_or_uploaded(device, vertices.data(), vertices.size_bytes());
+    triangles.count_ = vertices.size() / 9;
+    return triangles;
+}
+
 Triangles Triangles::wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float) {
     require_count(count, "triangles");
     Triangles triangles;
     triangles.buffer_ = retained(device, vertices, "triangle");
-    require_floats(vertices, 9 * count, "triangle", first_float);
+    require_values(vertices, 9 * count, "triangle", first_float);
     triangles.count_ = count;
     triangles.first_float_ = first_float;
     return triangles;
@@ -144,16 +214,20 @@ bool Triangles::is_same_as(const Triangles& other) const {
 
 Points Points::upload(const Device& device, std::span<const float> positions,
                       std::span<const std::uint32_t> receivers) {
-    if (positions.size() % 3 != 0)
-        throw InvalidArgument("points take 3 floats each, and " + std::to_string(positions.size()) + " were given");
-    require_count(positions.size() / 3, "points");
-    if (!receivers.empty() && receivers.size() != positions.size() / 3)
-        throw InvalidArgument("there are " + std::to_string(receivers.size()) + " receivers for " +
-                              std::to_string(positions.size() / 3) + " points: give one each, or none at all");
+    require_points(positions, receivers);
     Points points;
     points.count_ = positions.size() / 3;
     points.positions_ = uploaded(device, positions.data(), positions.size_bytes());
     if (!receivers.empty()) points.receivers_ = uploaded(device, receivers.data(), receivers.size_bytes());
+    return points;
+}
+
+Points Points::share(const Device& device, std::span<const float> positions, std::span<const std::uint32_t> receivers) {
+    require_points(positions, receivers);
+    Points points;
+    points.count_ = positions.size() / 3;
+    points.positions_ = shared_or_uploaded(device, positions.data(), positions.size_bytes());
+    if (!receivers.empty()) points.receivers_ = shared_or_uploaded(device, receivers.data(), receivers.size_bytes());
     return points;
 }
 
@@ -177,10 +251,10 @@ Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& l
     points.count_ = count;
     points.layout_ = layout;
     points.positions_ = retained(device, positions, "point");
-    if (count != 0) require_floats(positions, end_of(layout, count), "point");
+    if (count != 0) require_values(positions, end_of(layout, count), "point");
     if (receivers != nullptr) {
         points.receivers_ = retained(device, receivers, "receiver");
-        require_floats(receivers, count, "receiver");
+        require_values(receivers, count, "receiver");
     }
     return points;
 }
@@ -211,8 +285,29 @@ Visibility::Visibility(const Device& device, std::size_t count)
 
 Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count, std::size_t first_float)
     : device_(device), buffer_(retained(device, buffer, "visibility")), count_(count) {
-    require_floats(buffer, count, "visibility", first_float);
+    require_values(buffer, count, "visibility", first_float);
     if (first_float != 0 && count != 0) buffer_ = retained_part(device, buffer, first_float, count);
+}
+
+Visibility Visibility::share(const Device& device, std::span<float> values) {
+    Visibility shared(device, 0);
+    shared.buffer_ = shared_memory(device, values.data(), values.size_bytes(), CL_MEM_READ_WRITE);
+    if (!shared.buffer_) shared = Visibility(device, values.size());
+    shared.count_ = values.size();
+    shared.shared_ = values.data();
+    return shared;
+}
+
+void Visibility::fetch() const {
+    if (shared_ == nullptr && count_ != 0)
+        throw InvalidArgument("fetch() is for visibility that Visibility::share() made: call read()");
+    void* host = nullptr;
+    cl::check(clGetMemObjectInfo(buffer(), CL_MEM_HOST_PTR, sizeof(host), &host, nullptr),
+              "asking a buffer for its place");
+    if (host == shared_ && count_ != 0)
+        session_of(device_).bring_to_host(buffer(), count_ * sizeof(float));
+    else
+        session_of(device_).read(buffer(), shared_, count_ * sizeof(float));
 }
 
 cl_mem Visibility::buffer() const { return static_cast<cl_mem>(buffer_.get()); }

@@ -38,7 +38,8 @@ std::string device_text(const DeviceDescription& device) {
     out << indent << device.type << " of " << device.vendor << ", " << device.compute_units << " compute units, "
         << bytes_for_people(device.global_memory_bytes) << " of memory (largest buffer "
         << bytes_for_people(device.largest_allocation_bytes) << "), "
-        << (device.has_fp64 ? "double precision" : "no double precision (not needed)") << '\n';
+        << (device.has_fp64 ? "double precision" : "no double precision (not needed)")
+        << (device.shares_host_memory ? ", memory shared with the host" : "") << '\n';
     out << indent << device.platform << ", driver " << device.driver_version << ", " << device.opencl_version << ", "
         << device.opencl_c_version << '\n';
     return out.str();

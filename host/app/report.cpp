@@ -70,6 +70,7 @@ ordered_json device_json(const DeviceDescription& device) {
             {"global_memory_bytes", device.global_memory_bytes},
             {"largest_allocation_bytes", device.largest_allocation_bytes},
             {"has_fp64", device.has_fp64},
+            {"shares_host_memory", device.shares_host_memory},
             {"note", device.note}};
 }
 

@@ -116,6 +116,7 @@ DeviceDescription describe(cl_device_id device) {
     d.global_memory_bytes = value_of<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);
     d.largest_allocation_bytes = value_of<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
     d.has_fp64 = value_of<cl_device_fp_config>(device, CL_DEVICE_DOUBLE_FP_CONFIG) != 0;
+    d.shares_host_memory = value_of<cl_bool>(device, CL_DEVICE_HOST_UNIFIED_MEMORY) == CL_TRUE;
     d.lacks = missing(device, d);
     return d;
 }

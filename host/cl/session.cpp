@@ -266,6 +266,16 @@ void Session::read(cl_mem buffer, void* data, std::size_t bytes) {
             [&] { return clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr); });
 }
 
+void Session::bring_to_host(cl_mem buffer, std::size_t bytes) {
+    void* mapped = nullptr;
+    attempt("mapping a buffer", [&] {
+        cl_int code;
+        mapped = clEnqueueMapBuffer(queue_, buffer, CL_TRUE, CL_MAP_READ, 0, bytes, 0, nullptr, nullptr, &code);
+        return code;
+    });
+    attempt("unmapping a buffer", [&] { return clEnqueueUnmapMemObject(queue_, buffer, mapped, 0, nullptr, nullptr); });
+}
+
 void Session::finish() {
     attempt("waiting for the device", [&] { return clFinish(queue_); });
 }

@@ -159,6 +159,8 @@ public:
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     void write(cl_mem buffer, const void* data, std::size_t bytes);
     void read(cl_mem buffer, void* data, std::size_t bytes);
+    /// Makes a buffer's bytes appear in the host's memory that the buffer was made of.
+    void bring_to_host(cl_mem buffer, std::size_t bytes);
     /// The first bytes of the buffer.
     template <typename Value>
     Value read_value(const Buffer& buffer) {

@@ -222,7 +222,8 @@ typedef struct gnomon_device_description {
     uint64_t global_memory_bytes, largest_allocation_bytes;
     uint32_t compute_units;
     bool has_fp64;
-    bool is_default;  ///< gnomon_device_open() without a selector opens this one
+    bool shares_host_memory;  ///< CL_DEVICE_HOST_UNIFIED_MEMORY: the gnomon_*_share() copy nothing
+    bool is_default;          ///< gnomon_device_open() without a selector opens this one
 } gnomon_device_description;
 
 typedef struct gnomon_device_list {
@@ -287,11 +288,90 @@ typedef struct gnomon_triangles gnomon_triangles;
 /// Copies 9 * count floats to the device. `vertices` may be NULL if count is 0.
 gnomon_status gnomon_triangles_upload(const gnomon_device* device, const float* vertices, size_t count,
                                       gnomon_triangles** triangles_out);
+/// Uses the caller's memory itself where device and host share memory, and copies it elsewhere. The caller must keep
+/// it, unchanged, until the triangles are destroyed and no work that uses them is left. (Many drivers copy nothing only
+/// if the memory begins at a multiple of 4096 bytes.)
+gnomon_status gnomon_triangles_share(const gnomon_device* device, const float* vertices, size_t count,
+                                     gnomon_triangles** triangles_out);
 /// Uses 9 * count floats of the caller's buffer (retained) from `first_float` on. The caller must not write them during
 /// a run. Fails if the buffer is smaller or belongs to another context.
 gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t first_float, size_t count,
                                     gnomon_triangles** triangles_out);
 void gnomon_triangles_destroy(gnomon_triangles* triangles);
+
+// Cut-outs: triangles with holes, by the alpha of a texture. All is decided exactly (docs/numerics.md, 15).
+
+#define GNOMON_NO_CUT_OUT 0xFFFFFFFFu  ///< the material of an opaque triangle
+#define GNOMON_NO_TEXTURE 0xFFFFFFFFu
+
+/// What a texture coordinate outside of 0..1 stands for.
+typedef uint32_t gnomon_texture_wrap;
+enum { GNOMON_WRAP_REPEAT = 0, GNOMON_WRAP_MIRROR = 1, GNOMON_WRAP_CLAMP = 2 };
+/// The alpha between texels' centres: that of the nearest texel (of the greatest where a border is hit), or the exact
+/// bilinear mean of four.
+typedef uint32_t gnomon_texture_filter;
+enum { GNOMON_FILTER_NEAREST = 0, GNOMON_FILTER_LINEAR = 1 };
+
+/// A triangle of this material blocks, and is seen, at a point X only where texel(X) * alpha_factor * alpha of the
+/// corners at X is at least the cutoff: texel(X) >= 255 cutoff / alpha_factor, which is rounded once to a multiple of
+/// 2^-16. A cutoff up to 0: everywhere; a cutoff above 1, or a factor up to 0: nowhere.
+typedef struct gnomon_cut_out_material {
+    uint32_t texture;  ///< an index, or GNOMON_NO_TEXTURE: 255
+    gnomon_texture_wrap wrap_u, wrap_v;
+    gnomon_texture_filter filter;
+    float cutoff, alpha_factor;
+} gnomon_cut_out_material;
+/// glTF's defaults: no texture, repeat, linear, cutoff .5, factor 1.
+#define GNOMON_CUT_OUT_MATERIAL_INIT \
+    { GNOMON_NO_TEXTURE, GNOMON_WRAP_REPEAT, GNOMON_WRAP_REPEAT, GNOMON_FILTER_LINEAR, 0.5f, 1.0f }
+
+/// width * height alphas, row by row; the first texel is at (u, v) = (0, 0). Sides from 1 to 32768.
+typedef struct gnomon_alpha_texture {
+    uint32_t width, height;
+    const uint8_t* alpha;
+} gnomon_alpha_texture;
+typedef struct gnomon_alpha_texture_buffer {
+    uint32_t width, height;
+    cl_mem alpha;
+} gnomon_alpha_texture_buffer;
+
+/// The cut-outs of `count` triangles.
+typedef struct gnomon_cut_outs {
+    const uint32_t* material_of_triangle;  ///< count: an index of materials, or GNOMON_NO_CUT_OUT
+    const float* texture_coordinates;      ///< 6 * count: u, v of each corner. NULL: no texture is used
+    const float* corner_alphas;            ///< 3 * count, 0 to 1. NULL: 1
+    const gnomon_cut_out_material* materials;
+    size_t material_count;
+    const gnomon_alpha_texture* textures;
+    size_t texture_count;
+} gnomon_cut_outs;
+/// The same in buffers of the device's context, each from its beginning.
+typedef struct gnomon_cut_out_buffers {
+    cl_mem material_of_triangle, texture_coordinates, corner_alphas;
+    const gnomon_cut_out_material* materials;
+    size_t material_count;
+    const gnomon_alpha_texture_buffer* textures;
+    size_t texture_count;
+} gnomon_cut_out_buffers;
+
+/// What became of the triangles that have a material: masked + opaque + clear is their number.
+typedef struct gnomon_cut_out_counts {
+    size_t masked;    ///< the texture decides, hit by hit
+    size_t opaque;    ///< all over
+    size_t clear;     ///< all over: they block nothing and are never seen
+    size_t unusable;  ///< of the opaque: coordinates that are NaN or 2^30 texels or more away; alphas outside of 0..1
+} gnomon_cut_out_counts;
+
+/// gnomon_triangles_upload() with cut-outs, which are copied, too: 28 bytes for each masked triangle, and the textures.
+/// Techniques that do not decide exactly take masked triangles for opaque ones.
+gnomon_status gnomon_triangles_upload_cut_outs(const gnomon_device* device, const float* vertices, size_t count,
+                                               const gnomon_cut_outs* cut_outs, gnomon_triangles** triangles_out);
+/// The same from buffers, of which all is copied: 9 * count floats of `vertices` from `first_float` on, and the
+/// cut-outs. Waits for the queue, since the host finds the triangles that are opaque or clear all over.
+gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem vertices, size_t first_float,
+                                             size_t count, const gnomon_cut_out_buffers* cut_outs,
+                                             gnomon_triangles** triangles_out);
+gnomon_status gnomon_triangles_cut_out_counts(const gnomon_triangles* triangles, gnomon_cut_out_counts* counts_out);
 
 /// For a mesh that does not change: builds boxes around clusters of triangles on the device, so that stages skip
 /// clusters. Same bits. Worth it from about two views or lights on. The caller promises not to write the vertices from
@@ -315,6 +395,9 @@ typedef struct gnomon_points gnomon_points;
 /// count is 0.
 gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, const uint32_t* receivers,
                                    size_t count, gnomon_points** points_out);
+/// As gnomon_triangles_share(), for both arrays.
+gnomon_status gnomon_points_share(const gnomon_device* device, const float* positions, const uint32_t* receivers,
+                                  size_t count, gnomon_points** points_out);
 /// Uses the caller's buffers (retained). `layout` NULL: packed xyz triples from the buffer's beginning. `receivers`:
 /// `count` uint32 from the buffer's beginning (a sub-buffer for another place), or NULL: no point has one. Fails if a
 /// buffer is smaller than that or belongs to another context.
@@ -357,6 +440,13 @@ gnomon_status gnomon_visibility_create(const gnomon_device* device, size_t count
 /// Fails if it is not, or if the buffer is smaller or belongs to another context.
 gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer, size_t first_float, size_t count,
                                      gnomon_visibility** visibility_out);
+/// The results' place is the caller's `values`, which must be kept until the visibility is destroyed. They are there
+/// after gnomon_visibility_fetch(), from then on until the next run; where device and host share memory, nothing is
+/// copied.
+gnomon_status gnomon_visibility_share(const gnomon_device* device, float* values, size_t count,
+                                      gnomon_visibility** visibility_out);
+/// Waits for the queue. Fails if gnomon_visibility_share() did not make the visibility.
+gnomon_status gnomon_visibility_fetch(const gnomon_visibility* visibility);
 void gnomon_visibility_destroy(gnomon_visibility* visibility);
 gnomon_status gnomon_visibility_count(const gnomon_visibility* visibility, size_t* count_out);
 /// The buffer whose first `count` floats are the visibility: the caller's own, or gnomon's (sub-)buffer.
@@ -666,9 +756,10 @@ typedef struct gnomon_view_of_parts {
 } gnomon_view_of_parts;
 
 /// gnomon_look() for 9 * count floats on the host, same bits: the device stores as many triangles at a time as fit.
+/// `cut_outs`, of all these triangles, may be NULL.
 gnomon_status gnomon_look_in_parts(const gnomon_device* device, const float* vertices, size_t count,
-                                   const gnomon_camera* camera, uint32_t width, uint32_t height,
-                                   const gnomon_view_of_parts** view_out);
+                                   const gnomon_cut_outs* cut_outs, const gnomon_camera* camera, uint32_t width,
+                                   uint32_t height, const gnomon_view_of_parts** view_out);
 void gnomon_view_of_parts_destroy(const gnomon_view_of_parts* view);
 
 typedef struct gnomon_setting {
@@ -677,11 +768,13 @@ typedef struct gnomon_setting {
 } gnomon_setting;
 /// A run of the technique of this name and settings for 9 * count floats on the host: the device stores as many
 /// triangles, and as many points, at a time as fit. Same bits for an exact technique. A receiver r of the points is
-/// triangle ids[r] of `vertices`, or r if `ids` is NULL. The visibility is there when the function returns.
+/// triangle ids[r] of `vertices`, or r if `ids` is NULL. `cut_outs` may be NULL. The visibility is there when the
+/// function returns.
 gnomon_status gnomon_run_in_parts(const gnomon_device* device, const char* technique, const gnomon_setting* settings,
                                   size_t setting_count, const float* vertices, size_t count,
-                                  const gnomon_points* points, const uint32_t* ids, size_t id_count, gnomon_light light,
-                                  const gnomon_visibility* visibility, const gnomon_statistics** statistics_out);
+                                  const gnomon_cut_outs* cut_outs, const gnomon_points* points, const uint32_t* ids,
+                                  size_t id_count, gnomon_light light, const gnomon_visibility* visibility,
+                                  const gnomon_statistics** statistics_out);
 
 #ifdef __GNUC__
 #pragma GCC visibility pop

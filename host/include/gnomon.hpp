@@ -125,7 +125,8 @@ struct DeviceDescription {
     std::uint64_t global_memory_bytes = 0;
     std::uint64_t largest_allocation_bytes = 0;
     bool has_fp64 = false;
-    std::string lacks;        ///< empty if the device can be used, else the features that it lacks
+    bool shares_host_memory = false;  ///< CL_DEVICE_HOST_UNIFIED_MEMORY: share() copies nothing
+    std::string lacks;                ///< empty if the device can be used, else the features that it lacks
     std::string note;         ///< of an open device: features that its start-up check switched off, and why; else empty
     bool is_default = false;  ///< a Device without a selector opens this one
     std::string why_default;  ///< for the default: the rule that chose it
@@ -257,6 +258,19 @@ struct CutOuts {
     CutOuts part(std::size_t first, std::size_t count) const;  ///< of some triangles
 };
 
+/// The same in buffers of the device's context: one value per element from the beginning, as in CutOuts.
+struct CutOutBuffers {
+    struct Texture {
+        std::uint32_t width = 0, height = 0;
+        cl_mem alpha = nullptr;  ///< width * height bytes
+    };
+    cl_mem material_of_triangle = nullptr;
+    cl_mem texture_coordinates = nullptr;  ///< null: no texture is used
+    cl_mem corner_alphas = nullptr;        ///< null: none
+    std::span<const CutOutMaterial> materials;
+    std::span<const Texture> textures;
+};
+
 /// What became of the triangles that have a material: their sum is the number of these.
 struct CutOutCounts {
     std::size_t masked = 0;  ///< the texture decides, hit by hit
@@ -276,6 +290,15 @@ public:
     /// that do not decide exactly take masked triangles for opaque ones (docs/techniques.md). Throws InvalidArgument if
     /// sizes do not match.
     static Triangles upload(const Device& device, std::span<const float> vertices, const CutOuts& cut_outs);
+    /// The same from buffers, of which all is copied: 9 * count floats of `vertices` from `first_float` on, and the
+    /// cut-outs. Waits for the queue, since the host finds the triangles that are opaque or clear all over. Throws
+    /// InvalidArgument also if a buffer is too small or belongs to another context.
+    static Triangles copy(const Device& device, cl_mem vertices, std::size_t count, const CutOutBuffers& cut_outs,
+                          std::size_t first_float = 0);
+    /// Uses the caller's memory itself where device and host share memory, and copies it elsewhere. The caller must
+    /// keep it, unchanged, while this handle or a copy of it exists. (Many drivers copy nothing only if the memory
+    /// begins at a multiple of 4096 bytes.)
+    static Triangles share(const Device& device, std::span<const float> vertices);
     /// Uses the caller's buffer (retained) from float `first_float` on. The caller must not write it during a run.
     static Triangles wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float = 0);
 
@@ -322,6 +345,9 @@ public:
     /// Copies `positions` (3 floats per point) and `receivers` (one per point, or none at all) to the device.
     static Points upload(const Device& device, std::span<const float> positions,
                          std::span<const std::uint32_t> receivers = {});
+    /// As Triangles::share(), for both arrays.
+    static Points share(const Device& device, std::span<const float> positions,
+                        std::span<const std::uint32_t> receivers = {});
     /// Uses the caller's buffers (retained). `receivers` may be null: no point has one.
     static Points wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
                        cl_mem receivers = nullptr);
@@ -380,16 +406,23 @@ public:
     /// and no copy goes through the host. first_float * 4 must be a multiple of the device's
     /// CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8 (gnomon makes a sub-buffer), else the constructor throws InvalidArgument.
     Visibility(const Device& device, cl_mem buffer, std::size_t count, std::size_t first_float = 0);
+    /// The results' place is `values`, which the caller must keep while this handle or a copy of it exists. They are
+    /// there after fetch(), from then on until the next run; where device and host share memory, nothing is copied.
+    static Visibility share(const Device& device, std::span<float> values);
 
     std::size_t count() const { return count_; }
     cl_mem buffer() const;
     /// Waits for the queue and copies to the host.
     std::vector<float> read() const;
+    /// Waits for the queue and brings the values to the place that share() was given. Throws InvalidArgument if this
+    /// was not made by share().
+    void fetch() const;
 
 private:
     Device device_;
     std::shared_ptr<void> buffer_;
     std::size_t count_ = 0;
+    float* shared_ = nullptr;  ///< the caller's
 };
 
 /// A directional light or a point light. Float32 as given, never normalised.

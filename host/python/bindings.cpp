@@ -25,6 +25,7 @@ namespace {
 using Released = nb::call_guard<nb::gil_scoped_release>;
 using Floats = nb::ndarray<const float, nb::c_contig, nb::device::cpu>;
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Bytes = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Ids = nb::ndarray<const std::uint32_t, nb::c_contig, nb::device::cpu>;
 
 template <typename Value>
@@ -59,6 +60,32 @@ auto released(const Call& call) {
 template <typename Handle>
 Handle handle_of(std::uintptr_t integer) {
     return reinterpret_cast<Handle>(integer);
+}
+
+// Cut-outs that own their arrays.
+struct OwnedCutOuts {
+    struct Texture {
+        std::uint32_t width, height;
+        std::vector<std::uint8_t> alpha;
+    };
+    std::vector<std::uint32_t> material_of_triangle;
+    std::vector<float> texture_coordinates, corner_alphas;
+    std::vector<gnomon::CutOutMaterial> materials;
+    std::vector<Texture> textures;
+};
+
+gnomon::Triangles upload_with_cut_outs(const gnomon::Device& device, const Floats& vertices, const OwnedCutOuts& of) {
+    std::vector<gnomon::AlphaTexture> textures;
+    for (const auto& [width, height, alpha] : of.textures) textures.push_back({width, height, alpha});
+    return gnomon::Triangles::upload(
+        device, span_of(vertices),
+        {of.material_of_triangle, of.texture_coordinates, of.corner_alphas, of.materials, textures});
+}
+
+template <typename Array>
+auto vector_of(const Array& array) {
+    const auto values = span_of(array);
+    return std::vector(values.begin(), values.end());
 }
 
 gnomon::Light light_of(const std::array<float, 4>& xyzw) { return gnomon::Light{xyzw}; }
@@ -102,6 +129,29 @@ void bind_devices(nb::module_& m) {
         .def_prop_ro("memory_bytes", &gnomon::Device::memory_bytes);
 }
 
+void bind_cut_outs(nb::module_& m) {
+    nb::class_<gnomon::CutOutCounts>(m, "CutOutCounts")
+        .def_ro("masked", &gnomon::CutOutCounts::masked)
+        .def_ro("opaque", &gnomon::CutOutCounts::opaque)
+        .def_ro("clear", &gnomon::CutOutCounts::clear)
+        .def_ro("unusable", &gnomon::CutOutCounts::unusable);
+    nb::class_<OwnedCutOuts>(m, "CutOuts")
+        .def("__init__",
+             [](OwnedCutOuts* self, const Ids& material_of_triangle, const Floats& coordinates, const Floats& alphas) {
+                 new (self)
+                     OwnedCutOuts{vector_of(material_of_triangle), vector_of(coordinates), vector_of(alphas), {}, {}};
+             })
+        .def("add_material",
+             [](OwnedCutOuts& to, std::uint32_t texture, int wrap_u, int wrap_v, int filter, float cutoff,
+                float factor) {
+                 to.materials.push_back({texture, gnomon::TextureWrap(wrap_u), gnomon::TextureWrap(wrap_v),
+                                         gnomon::TextureFilter(filter), cutoff, factor});
+             })
+        .def("add_texture", [](OwnedCutOuts& to, const Bytes& alpha) {
+            to.textures.push_back({std::uint32_t(alpha.shape(1)), std::uint32_t(alpha.shape(0)), vector_of(alpha)});
+        });
+}
+
 void bind_inputs(nb::module_& m) {
     using gnomon::Points;
     using gnomon::Triangles;
@@ -110,6 +160,8 @@ void bind_inputs(nb::module_& m) {
             "upload",
             [](const gnomon::Device& device, const Floats& v) { return Triangles::upload(device, span_of(v)); },
             Released())
+        .def_static("upload", &upload_with_cut_outs, Released())
+        .def_prop_ro("cut_out_counts", &Triangles::cut_out_counts)
         .def_static(
             "wrap",
             [](const gnomon::Device& device, std::uintptr_t memory, std::size_t count, std::size_t first_float) {
@@ -364,6 +416,26 @@ void bind_views(nb::module_& m) {
 }
 
 #ifdef GNOMON_PYTHON_GLTF
+// Alpha images are decoded by `decode`, a Python function from bytes to an array (height, width).
+gnomon::scene::AlphaDecoder decoder_of(const nb::callable& decode) {
+    return [&decode](std::span<const unsigned char> bytes) {
+        const nb::gil_scoped_acquire held;
+        const auto alpha = nb::cast<Bytes>(decode(nb::bytes(bytes.data(), bytes.size())));
+        return gnomon::scene::SceneCutOuts::Texture{std::uint32_t(alpha.shape(1)), std::uint32_t(alpha.shape(0)),
+                                                    vector_of(alpha)};
+    };
+}
+
+OwnedCutOuts moved_cut_outs(gnomon::scene::SceneCutOuts&& from) {
+    OwnedCutOuts to{std::move(from.material_of_triangle),
+                    std::move(from.texture_coordinates),
+                    std::move(from.corner_alphas),
+                    std::move(from.materials),
+                    {}};
+    for (auto& [width, height, alpha] : from.textures) to.textures.push_back({width, height, std::move(alpha)});
+    return to;
+}
+
 void bind_scenes(nb::module_& m) {
     using namespace gnomon::scene;
     nb::class_<Scene>(m, "SceneFile")
@@ -377,6 +449,11 @@ void bind_scenes(nb::module_& m) {
              [](Scene& scene) {
                  const std::size_t count = scene.materials.triangle_material.size();
                  return numpy_of(std::move(scene.materials.triangle_material), {count});
+             })
+        .def("take_cut_outs",
+             [](Scene& scene) -> std::optional<OwnedCutOuts> {
+                 if (scene.cut_outs.empty()) return std::nullopt;
+                 return moved_cut_outs(std::move(scene.cut_outs));
              })
         .def_prop_ro("base_color", [](const Scene& scene) { return scene.materials.base_color; })
         .def_prop_ro("cameras",
@@ -396,14 +473,17 @@ void bind_scenes(nb::module_& m) {
     m.def(
         "load_scene",
         [](const std::string& file, const std::optional<std::string>& scene,
-           const std::optional<std::string>& animation, std::optional<double> time_s) {
+           const std::optional<std::string>& animation, std::optional<double> time_s, int blend,
+           const std::optional<nb::callable>& decode_alpha) {
             LoadOptions options;
             options.scene = scene;
             options.animation = animation;
             options.time_s = time_s;
-            return load(file, options);
+            options.blend = BlendCasters(blend);
+            if (decode_alpha) options.decode_alpha = decoder_of(*decode_alpha);
+            return released([&] { return load(file, options); });
         },
-        "file"_a, "scene"_a.none(), "animation"_a.none(), "time_s"_a.none(), Released());
+        "file"_a, "scene"_a.none(), "animation"_a.none(), "time_s"_a.none(), "blend"_a, "decode_alpha"_a.none());
 }
 #else
 void bind_scenes(nb::module_&) {}
@@ -435,6 +515,7 @@ NB_MODULE(_gnomon, m) {
     m.attr("__version__") = std::string(gnomon::version());
     bind_errors(m);
     bind_devices(m);
+    bind_cut_outs(m);
     bind_inputs(m);
     bind_techniques(m);
     bind_many_lights(m);

@@ -305,12 +305,12 @@ static void check_parts_and_reasons(const gnomon_device* device, const gnomon_tr
     EXPECT(explanation->visibility == 0 && strlen(explanation->stage) > 0);
     gnomon_explanation_destroy(explanation);
     DONE(gnomon_visibility_create(device, 3, &visibility));
-    DONE(gnomon_run_in_parts(device, "frustum-traced", settings, 1, roof, 2, points, NULL, 0, light, visibility,
+    DONE(gnomon_run_in_parts(device, "frustum-traced", settings, 1, roof, 2, NULL, points, NULL, 0, light, visibility,
                              &statistics));
     expect_shadows(visibility);
     gnomon_statistics_destroy(statistics);
     gnomon_visibility_destroy(visibility);
-    DONE(gnomon_look_in_parts(device, roof, 2, camera, width, height, &view));
+    DONE(gnomon_look_in_parts(device, roof, 2, NULL, camera, width, height, &view));
     EXPECT(view->id_count == 2 && view->ids[1] == 1 && view->view != NULL && view->triangles != NULL);
     gnomon_view_of_parts_destroy(view);
 }

@@ -11,6 +11,7 @@
 
 #include <gnomon.h>
 #include <gnomon.hpp>
+#include "support/cut_out_scenes.hpp"
 #include "support/environment.hpp"
 #include "support/scene_makers.hpp"
 
@@ -27,6 +28,7 @@ using testing::AssertionSuccess;
 
 /// Frees what a C function made.
 struct Destroy {
+    void operator()(cl_mem m) const { clReleaseMemObject(m); }
     void operator()(gnomon_device* d) const { gnomon_device_destroy(d); }
     void operator()(gnomon_triangles* t) const { gnomon_triangles_destroy(t); }
     void operator()(gnomon_points* p) const { gnomon_points_destroy(p); }
@@ -397,11 +399,12 @@ TEST_F(BesideCpp, ExplanationsAndParts) {
     const gnomon_setting settings[] = {{"map-size", "64"}};
     const auto result = visibility(points_count);
     EXPECT_DONE(gnomon_run_in_parts(device.get(), "frustum-traced", settings, 1, vertices.data(), triangle_count,
-                                    points.get(), nullptr, 0, lights[0], result.get(), nullptr));
+                                    nullptr, points.get(), nullptr, 0, lights[0], result.get(), nullptr));
     EXPECT_EQ(values(result.get()), cpp_run("frustum-traced", cpp_lights[0]));
 
     const auto view = made<const gnomon_view_of_parts>([&](auto out) {
-        return gnomon_look_in_parts(device.get(), vertices.data(), triangle_count, &camera, width, height, out);
+        return gnomon_look_in_parts(device.get(), vertices.data(), triangle_count, nullptr, &camera, width, height,
+                                    out);
     });
     std::vector<std::uint32_t> receiver(pixels);
     EXPECT_DONE(gnomon_view_read(view->view, view->triangles, nullptr, nullptr, receiver.data()));
@@ -697,6 +700,13 @@ TEST_F(BesideCpp, WrongSizesOffsetsAndBuffers) {
     gnomon_triangles* t = nullptr;
     gnomon_points* p = nullptr;
     gnomon_visibility* v = nullptr;
+    gnomon_cut_out_material material = GNOMON_CUT_OUT_MATERIAL_INIT;
+    material.wrap_v = 3;
+    gnomon_cut_outs cut_outs{};
+    cut_outs.materials = &material;
+    cut_outs.material_count = 1;
+    EXPECT_TRUE(fails(gnomon_triangles_upload_cut_outs(device.get(), nullptr, 0, &cut_outs, &t),
+                      GNOMON_INVALID_ARGUMENT, {"materials[0]", "wrap"}));
     constexpr std::size_t huge = std::numeric_limits<std::size_t>::max();
     constexpr auto invalid = GNOMON_INVALID_ARGUMENT;
     const gnomon_device* on = device.get();
@@ -728,6 +738,110 @@ TEST_F(BesideCpp, WrongSizesOffsetsAndBuffers) {
     EXPECT_EQ(t, nullptr);
     EXPECT_EQ(p, nullptr);
     EXPECT_EQ(v, nullptr);
+}
+
+TEST_F(BesideCpp, SharedMemory) {
+    EXPECT_TRUE(fails(gnomon_visibility_fetch(visibility(1).get()), GNOMON_INVALID_ARGUMENT, {"share"}));
+    triangles = made<gnomon_triangles>(
+        [&](auto out) { return gnomon_triangles_share(device.get(), vertices.data(), triangle_count, out); });
+    const auto ids = receivers();
+    points = made<gnomon_points>(
+        [&](auto out) { return gnomon_points_share(device.get(), positions.data(), ids.data(), points_count, out); });
+    EXPECT_DONE(gnomon_points_set_eye(points.get(), eye.data()));
+    Floats values(points_count, 42);
+    const auto result = made<gnomon_visibility>(
+        [&](auto out) { return gnomon_visibility_share(device.get(), values.data(), points_count, out); });
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_DONE(gnomon_technique_run(technique("frustum-traced").get(), triangles.get(), points.get(), lights[i],
+                                         result.get(), nullptr, nullptr));
+        EXPECT_DONE(gnomon_visibility_fetch(result.get()));
+        EXPECT_EQ(values, cpp_run("frustum-traced", cpp_lights[i]));
+        EXPECT_EQ(BesideCpp::values(result.get()), values);
+    }
+}
+
+/// A buffer of the device with these values.
+template <typename Value>
+Owned<std::remove_pointer_t<cl_mem>> buffer_of(cl_context context, const std::vector<Value>& values) {
+    return Owned<std::remove_pointer_t<cl_mem>>(clCreateBuffer(context, CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR,
+                                                               values.size() * sizeof(Value),
+                                                               const_cast<Value*>(values.data()), nullptr));
+}
+
+// From arrays, from buffers and in parts, for shadows and a view.
+TEST_F(BesideCpp, CutOuts) {
+    const support::CutOutData data(support::mixed_masks(triangle_count, 5, true));
+    const gnomon::CutOuts& wanted = data.cut_outs();
+    std::vector<gnomon_cut_out_material> materials;
+    for (const gnomon::CutOutMaterial& m : wanted.materials)
+        materials.push_back({m.texture, gnomon_texture_wrap(m.wrap_u), gnomon_texture_wrap(m.wrap_v),
+                             gnomon_texture_filter(m.filter), m.cutoff, m.alpha_factor});
+    std::vector<gnomon_alpha_texture> textures;
+    for (const gnomon::AlphaTexture& texture : wanted.textures)
+        textures.push_back({texture.width, texture.height, texture.alpha.data()});
+    const gnomon_cut_outs arrays{wanted.material_of_triangle.data(),
+                                 wanted.texture_coordinates.data(),
+                                 wanted.corner_alphas.data(),
+                                 materials.data(),
+                                 materials.size(),
+                                 textures.data(),
+                                 textures.size()};
+    cpp_triangles = gnomon::Triangles::upload(cpp_device, vertices, wanted);
+    const Floats lit = cpp_run("frustum-traced", cpp_lights[0]);
+    EXPECT_NE(lit, run(technique("frustum-traced").get(), lights[0])) << "the masks must matter";
+
+    triangles = made<gnomon_triangles>([&](auto out) {
+        return gnomon_triangles_upload_cut_outs(device.get(), vertices.data(), triangle_count, &arrays, out);
+    });
+    EXPECT_EQ(run(technique("frustum-traced").get(), lights[0]), lit);
+    gnomon_cut_out_counts counts;
+    EXPECT_DONE(gnomon_triangles_cut_out_counts(triangles.get(), &counts));
+    const gnomon::CutOutCounts cpp_counts = cpp_triangles.cut_out_counts();
+    EXPECT_EQ(std::tie(counts.masked, counts.opaque, counts.clear, counts.unusable),
+              std::tie(cpp_counts.masked, cpp_counts.opaque, cpp_counts.clear, cpp_counts.unusable));
+
+    const auto parts = visibility(points_count);
+    EXPECT_DONE(gnomon_run_in_parts(device.get(), "frustum-traced", nullptr, 0, vertices.data(), triangle_count,
+                                    &arrays, points.get(), nullptr, 0, lights[0], parts.get(), nullptr));
+    EXPECT_EQ(values(parts.get()), lit);
+    const auto view = made<const gnomon_view_of_parts>([&](auto out) {
+        return gnomon_look_in_parts(device.get(), vertices.data(), triangle_count, &arrays, &camera, width, height,
+                                    out);
+    });
+    std::vector<std::uint32_t> receiver(pixels);
+    EXPECT_DONE(gnomon_view_read(view->view, view->triangles, nullptr, nullptr, receiver.data()));
+    const auto seen = gnomon::look(cpp_device, cpp_triangles, cpp_camera, width, height);
+    EXPECT_EQ(receiver, gnomon::read(cpp_device, cpp_triangles, seen).receiver);
+
+    cl_context context;
+    EXPECT_DONE(gnomon_device_context(device.get(), &context));
+    const auto copy = [](auto span) { return std::vector(span.begin(), span.end()); };
+    Floats behind_three(3, 0.0f);
+    behind_three.insert(behind_three.end(), vertices.begin(), vertices.end());
+    const auto vertex_buffer = buffer_of(context, behind_three);
+    const auto ids = buffer_of(context, copy(wanted.material_of_triangle));
+    const auto coordinates = buffer_of(context, copy(wanted.texture_coordinates));
+    const auto alphas = buffer_of(context, copy(wanted.corner_alphas));
+    std::vector<Owned<std::remove_pointer_t<cl_mem>>> texels;
+    std::vector<gnomon_alpha_texture_buffer> texture_buffers;
+    for (const gnomon::AlphaTexture& texture : wanted.textures) {
+        texels.push_back(buffer_of(context, copy(texture.alpha)));
+        texture_buffers.push_back({texture.width, texture.height, texels.back().get()});
+    }
+    gnomon_cut_out_buffers buffers{ids.get(),        coordinates.get(),      alphas.get(),          materials.data(),
+                                   materials.size(), texture_buffers.data(), texture_buffers.size()};
+    const auto copied = [&](gnomon_triangles** out) {
+        return gnomon_triangles_copy_cut_outs(device.get(), vertex_buffer.get(), 3, triangle_count, &buffers, out);
+    };
+    triangles = made<gnomon_triangles>(copied);
+    EXPECT_EQ(run(technique("frustum-traced").get(), lights[0]), lit);
+    gnomon_triangles* refused = nullptr;
+    texture_buffers[0].width = 8;
+    EXPECT_TRUE(fails(copied(&refused), GNOMON_INVALID_ARGUMENT, {"texture buffer holds 35 bytes", "40"}));
+    texture_buffers[0].width = 7;
+    std::swap(buffers.texture_coordinates, buffers.corner_alphas);
+    EXPECT_TRUE(fails(copied(&refused), GNOMON_INVALID_ARGUMENT, {"texture coordinate buffer holds"}));
+    EXPECT_EQ(refused, nullptr);
 }
 
 // Every function, with a null for each of its arguments that must not be null, one at a time.
@@ -768,6 +882,15 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
     const gnomon_visibility* const one[1] = {nullptr};
     const gnomon_materials no_ids{nullptr, 2, floats, 1};
     const gnomon_setting bad_setting{"map-size", nullptr};
+    const gnomon_cut_outs no_cut_outs{};
+    gnomon_cut_outs without_materials{}, without_alpha{};
+    const gnomon_alpha_texture no_alpha{1, 1, nullptr};
+    without_materials.material_count = without_alpha.texture_count = 1;
+    without_alpha.textures = &no_alpha;
+    const gnomon_cut_out_buffers no_buffers{};
+    gnomon_cut_out_counts cut_out_counts;
+    cl_mem vertex_buffer;
+    EXPECT_DONE(gnomon_triangles_buffer(t, &vertex_buffer, nullptr));
     const struct {
         gnomon_status status;
         const char* argument;
@@ -794,6 +917,28 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
         REFUSES("device", gnomon_triangles_upload(nullptr, xyz, 0, &triangles_out)),
         REFUSES("vertices", gnomon_triangles_upload(d, nullptr, 1, &triangles_out)),
         REFUSES("triangles_out", gnomon_triangles_upload(d, xyz, 0, nullptr)),
+        REFUSES("device", gnomon_triangles_upload_cut_outs(nullptr, xyz, 0, &no_cut_outs, &triangles_out)),
+        REFUSES("vertices", gnomon_triangles_upload_cut_outs(d, nullptr, 1, &no_cut_outs, &triangles_out)),
+        REFUSES("cut_outs", gnomon_triangles_upload_cut_outs(d, xyz, 0, nullptr, &triangles_out)),
+        REFUSES("materials", gnomon_triangles_upload_cut_outs(d, xyz, 0, &without_materials, &triangles_out)),
+        REFUSES("textures[i].alpha", gnomon_triangles_upload_cut_outs(d, xyz, 0, &without_alpha, &triangles_out)),
+        REFUSES("triangles_out", gnomon_triangles_upload_cut_outs(d, xyz, 0, &no_cut_outs, nullptr)),
+        REFUSES("device", gnomon_triangles_copy_cut_outs(nullptr, nullptr, 0, 0, &no_buffers, &triangles_out)),
+        REFUSES("vertices", gnomon_triangles_copy_cut_outs(d, nullptr, 0, 0, &no_buffers, &triangles_out)),
+        REFUSES("cut_outs", gnomon_triangles_copy_cut_outs(d, vertex_buffer, 0, 0, nullptr, &triangles_out)),
+        REFUSES("triangles_out", gnomon_triangles_copy_cut_outs(d, nullptr, 0, 0, &no_buffers, nullptr)),
+        REFUSES("triangles", gnomon_triangles_cut_out_counts(nullptr, &cut_out_counts)),
+        REFUSES("counts_out", gnomon_triangles_cut_out_counts(t, nullptr)),
+        REFUSES("device", gnomon_triangles_share(nullptr, xyz, 0, &triangles_out)),
+        REFUSES("vertices", gnomon_triangles_share(d, nullptr, 1, &triangles_out)),
+        REFUSES("triangles_out", gnomon_triangles_share(d, xyz, 0, nullptr)),
+        REFUSES("device", gnomon_points_share(nullptr, xyz, nullptr, 0, &points_out)),
+        REFUSES("positions", gnomon_points_share(d, nullptr, nullptr, 1, &points_out)),
+        REFUSES("points_out", gnomon_points_share(d, xyz, nullptr, 0, nullptr)),
+        REFUSES("device", gnomon_visibility_share(nullptr, floats, 1, &visibility_out)),
+        REFUSES("values", gnomon_visibility_share(d, nullptr, 1, &visibility_out)),
+        REFUSES("visibility_out", gnomon_visibility_share(d, floats, 1, nullptr)),
+        REFUSES("visibility", gnomon_visibility_fetch(nullptr)),
         REFUSES("device", gnomon_triangles_wrap(nullptr, nullptr, 0, 0, &triangles_out)),
         REFUSES("triangles", gnomon_triangles_keep_clusters(nullptr, nullptr)),
         REFUSES("triangles", gnomon_triangles_forget_clusters(nullptr)),
@@ -879,10 +1024,11 @@ TEST_F(BesideCpp, NullArgumentsAreNamed) {
         REFUSES("mean", gnomon_run_samples(k, t, w, sun, 4, nullptr, nullptr, nullptr, nullptr, nullptr)),
         REFUSES("points", gnomon_explain(t, nullptr, 0, sun, &why)),
         REFUSES("explanation_out", gnomon_explain(t, p, 0, sun, nullptr)),
-        REFUSES("vertices", gnomon_look_in_parts(d, nullptr, 1, &camera, 1, 1, &parts)),
-        REFUSES("technique", gnomon_run_in_parts(d, nullptr, nullptr, 0, xyz, 0, p, nullptr, 0, sun, v, nullptr)),
+        REFUSES("vertices", gnomon_look_in_parts(d, nullptr, 1, nullptr, &camera, 1, 1, &parts)),
+        REFUSES("technique",
+                gnomon_run_in_parts(d, nullptr, nullptr, 0, xyz, 0, nullptr, p, nullptr, 0, sun, v, nullptr)),
         REFUSES("settings[i].value",
-                gnomon_run_in_parts(d, "izb", &bad_setting, 1, xyz, 0, p, nullptr, 0, sun, v, nullptr)),
+                gnomon_run_in_parts(d, "izb", &bad_setting, 1, xyz, 0, nullptr, p, nullptr, 0, sun, v, nullptr)),
 #undef REFUSES
     };
     // A getter that fails gives null, whatever was there.

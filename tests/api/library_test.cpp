@@ -299,6 +299,47 @@ TEST_F(Embedder, DeviceTimesComeFromTheCallersProfilingQueue) {
 
 // ---- Arguments ------------------------------------------------------------------------------------------------------
 
+// Where device and host share memory, a run neither writes nor reads as many bytes as the arrays have. The memory is
+// aligned as drivers want it, and once as no driver does.
+TEST(SharedMemory, IsUsedInPlaceWhereThereIsSome) {
+    const Floats scene = support::soup(3000, 0.3f, 5), places = support::random_points(5000, -1, 1, 6);
+    const gnomon::Light light = gnomon::Light::directional({0.2f, -1, 0.1f});
+    const Device plain;
+    Visibility copied(plain, 5000);
+    gnomon::make_technique("frustum-traced", plain)
+        ->run(Triangles::upload(plain, scene), Points::upload(plain, places), light, copied);
+    const Floats wanted = copied.read();
+    for (const std::size_t first : {0, 1}) {
+        const auto aligned = [&](const Floats& from) {
+            const std::size_t bytes = (from.size() * sizeof(float) / 4096 + 2) * 4096;
+            std::unique_ptr<float, decltype(&std::free)> memory(static_cast<float*>(std::aligned_alloc(4096, bytes)),
+                                                                &std::free);
+            std::copy(from.begin(), from.end(), memory.get() + first);
+            return memory;
+        };
+        const auto triangles = aligned(scene), points = aligned(places), values = aligned(Floats(5000, 42));
+        const Environment trace("GNOMON_TRACE", "1");
+        testing::internal::CaptureStderr();
+        bool is_shared = false;
+        {
+            const Device device;
+            is_shared = device.description().shares_host_memory;
+            const auto visibility = Visibility::share(device, {values.get() + first, 5000});
+            const auto technique = gnomon::make_technique("frustum-traced", device);
+            technique->run(Triangles::share(device, {triangles.get() + first, scene.size()}),
+                           Points::share(device, {points.get() + first, places.size()}), light, visibility);
+            visibility.fetch();
+        }
+        const std::string traced = testing::internal::GetCapturedStderr();
+        EXPECT_TRUE(std::equal(wanted.begin(), wanted.end(), values.get() + first));
+        for (const std::size_t bytes : {scene.size() * 4, places.size() * 4, wanted.size() * 4})
+            EXPECT_EQ(traced.find("ing " + std::to_string(bytes) + " bytes") == std::string::npos, is_shared) << bytes;
+    }
+    EXPECT_THROW(copied.fetch(), gnomon::InvalidArgument);
+    EXPECT_THROW(Triangles::share(plain, Floats(8)), gnomon::InvalidArgument);
+    EXPECT_THROW(Points::share(plain, Floats(4)), gnomon::InvalidArgument);
+}
+
 TEST(Arguments, SizesThatDoNotMatch) {
     const Device device;
     using gnomon::InvalidArgument;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <gnomon.hpp>
+#include "support/cut_out_scenes.hpp"
 #include "support/scene_makers.hpp"
 
 namespace {
@@ -58,9 +59,10 @@ struct Bits {
     std::vector<std::uint8_t> picture;
 };
 
-Bits whole(const Device& device) {
+Bits whole(const Device& device, const gnomon::CutOuts* cut_outs = nullptr) {
     Bits bits;
-    const auto triangles = gnomon::Triangles::upload(device, vertices());
+    const auto triangles = cut_outs != nullptr ? gnomon::Triangles::upload(device, vertices(), *cut_outs)
+                                               : gnomon::Triangles::upload(device, vertices());
     const gnomon::View view = look(device, triangles, camera, width, height);
     bits.view = read(device, triangles, view);
     const auto points = gnomon::Points::upload(device, places());
@@ -78,9 +80,9 @@ Bits whole(const Device& device) {
     return bits;
 }
 
-Bits in_parts(const Device& device, std::uint64_t& most_parts) {
+Bits in_parts(const Device& device, std::uint64_t& most_parts, const gnomon::CutOuts* cut_outs = nullptr) {
     Bits bits;
-    const gnomon::ViewOfParts looked = look_in_parts(device, vertices(), camera, width, height);
+    const gnomon::ViewOfParts looked = look_in_parts(device, vertices(), camera, width, height, cut_outs);
     bits.view = read(device, looked.triangles, looked.view);
     for (std::uint32_t& receiver : bits.view.receiver)
         if (receiver != gnomon::no_receiver) receiver = looked.ids.at(receiver);
@@ -90,8 +92,8 @@ Bits in_parts(const Device& device, std::uint64_t& most_parts) {
     most_parts = 0;
     for (int i = 0; i < 2; ++i) {
         for (const gnomon::Statistics& run :
-             {run_in_parts(make, device, vertices(), points, {}, lights[i], scattered),
-              run_in_parts(make, device, vertices(), looked.view.points, looked.ids, lights[i], seen)})
+             {run_in_parts(make, device, vertices(), points, {}, lights[i], scattered, cut_outs),
+              run_in_parts(make, device, vertices(), looked.view.points, looked.ids, lights[i], seen, cut_outs)})
             most_parts = std::max(most_parts, run.count("parts"));
         bits.scattered[i] = scattered.read();
         bits.seen[i] = seen.read();
@@ -128,6 +130,19 @@ TEST(Parts, GiveTheBitsOfTheWhole) {
         EXPECT_LE(device.peak_memory_bytes(), limit);
         EXPECT_EQ(device.memory_bytes(), 0u);
     }
+    EXPECT_GT(parts, 1u);
+}
+
+TEST(Parts, HonourCutOuts) {
+    const Device plenty;
+    const support::CutOutData data(support::mixed_masks(triangle_count, 3, true));
+    const gnomon::CutOuts cut_outs = data.cut_outs();
+    const Bits opaque = whole(plenty), wanted = whole(plenty, &cut_outs);
+    EXPECT_NE(wanted.seen[0], opaque.seen[0]) << "the masks must matter";
+    EXPECT_NE(wanted.view.receiver, opaque.view.receiver);
+    const Device device = limited_to(plenty.peak_memory_bytes() / 2);
+    std::uint64_t parts = 0;
+    expect_same(in_parts(device, parts, &cut_outs), wanted);
     EXPECT_GT(parts, 1u);
 }
 

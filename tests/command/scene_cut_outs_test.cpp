@@ -16,6 +16,7 @@
 #include "gltf_file.hpp"
 #include "reference/view.hpp"
 #include "scene/scene.hpp"
+#include "support/scene_masks.hpp"
 
 namespace {
 
@@ -30,20 +31,6 @@ scene::SceneCutOuts::Texture decoded(std::span<const unsigned char> bytes) {
     return {image.width, image.height, std::move(image.alpha)};
 }
 
-reference::Masks masks_of(const scene::SceneCutOuts& from) {
-    reference::Masks masks{from.material_of_triangle, from.texture_coordinates, from.corner_alphas, {}, {}};
-    const auto wrap = [](TextureWrap w) {
-        return w == TextureWrap::repeat   ? reference::MaskWrap::repeat
-               : w == TextureWrap::mirror ? reference::MaskWrap::mirror
-                                          : reference::MaskWrap::clamp;
-    };
-    for (const CutOutMaterial& m : from.materials)
-        masks.materials.push_back({m.texture == no_texture ? -1 : std::int64_t(m.texture), wrap(m.wrap_u),
-                                   wrap(m.wrap_v), m.filter == TextureFilter::linear, m.cutoff, m.alpha_factor});
-    for (const auto& t : from.textures) masks.textures.push_back({t.width, t.height, t.alpha});
-    return masks;
-}
-
 TEST(SceneCutOuts, SponzaEqualsReference) {
     const std::filesystem::path file = GNOMON_SHARED_SCENES "/crytek_sponza_textured.glb";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
@@ -51,7 +38,7 @@ TEST(SceneCutOuts, SponzaEqualsReference) {
     if (const char* size = std::getenv("GNOMON_CUT_OUT_SIZE")) std::sscanf(size, "%ux%u", &width, &height);
     const scene::Scene scene = scene::load(file, {.decode_alpha = decoded});
     EXPECT_TRUE(scene.warnings.empty());
-    const reference::Masks masks = masks_of(scene.cut_outs);
+    const reference::Masks masks = support::masks_of(scene.cut_outs);
     const scene::CutOutsView cut_outs(scene.cut_outs);
     const reference::PinholeCamera views[] = {{{-1000, 150, -40}, {200, 200, -30}, {0, 1, 0}, 60, width, height},
                                               {{800, 600, -35}, {-300, 120, -40}, {0, 1, 0}, 65, width, height}};

@@ -61,6 +61,8 @@ while(small_devices)
       --gtest_filter=*/sundial_default_sun:*/degenerate_main_sun:*/lattice_main_lamp_samples_8:*/pillars_point_light_main_lamp)
   endif()
 endwhile()
+gnomon_lie(memory_of_its_own_is_copied unified=0 library_test --gtest_filter=SharedMemory.*)
+gnomon_lie(shared_memory_is_used_in_place type=gpu,unified=1 library_test --gtest_filter=SharedMemory.*)
 gnomon_lie(groups_of_64_many_lights type=gpu,work_group=64,local_memory=16384 many_lights_test)
 gnomon_lie(kernels_of_32_items_many_lights type=gpu,kernel_work_group=32 many_lights_test)
 # A shaft's group has an item for each child of a node.

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import ceil, floor
 
 import numpy as np
 
@@ -24,8 +25,9 @@ def _cross(a, b):
     return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 
 
-def blocks(triangle, point, towards, is_position) -> bool:
-    """Whether the closed triangle meets the open ray from the point: solves P + t D = a + u (b - a) + v (c - a)."""
+def met(triangle, point, towards, is_position):
+    """Where the open ray from the point meets the closed triangle, as weights of its corners; None where it does not:
+    solves P + t D = a + u (b - a) + v (c - a)."""
     a, b, c = (_vector(v) for v in triangle)
     p, light = _vector(point), _vector(towards)
     d = _minus(light, p) if is_position else light
@@ -33,19 +35,51 @@ def blocks(triangle, point, towards, is_position) -> bool:
     n = _cross(e1, e2)
     along = _dot(n, d)
     if along == 0:
-        return False  # edge-on, or without area
+        return None  # edge-on, or without area
     t = _dot(n, _minus(a, p)) / along
     if t <= 0 or (is_position and t >= 1):
-        return False
+        return None
     hit = _minus([x + t * y for x, y in zip(p, d, strict=True)], a)
     size = _dot(n, n)
     u = _dot(_cross(hit, e2), n) / size
     v = _dot(_cross(e1, hit), n) / size
-    return u >= 0 and v >= 0 and u + v <= 1
+    return (1 - u - v, u, v) if u >= 0 and v >= 0 and u + v <= 1 else None
 
 
-def lit(triangles, points, *, direction=None, position=None, receivers=None, normals=None, front=False):
-    """bool per point."""
+def is_opaque(weights, uv, alpha, material) -> bool:
+    """Whether a hit is opaque: texel(X) * alpha of the corners >= the threshold, with texel(X) by the material's wrap
+    and filter. `uv` (3, 2); `alpha` three values, one for each corner."""
+    threshold = round(255 * float(np.float32(material.cutoff)) / float(np.float32(material.factor)) * 65536)
+    if np.float32(material.cutoff) > 1 or material.factor <= 0:
+        return False
+    wraps = (material.wrap,) * 2 if isinstance(material.wrap, str) else material.wrap
+    sides = material.alpha.shape[::-1]
+    at = [sum(w * Fraction(float(corner[i])) for w, corner in zip(weights, uv, strict=True)) * sides[i] for i in (0, 1)]
+
+    def texel(x, y):
+        place = []
+        for i, wrap, side in zip((x, y), wraps, sides, strict=True):
+            if wrap == "clamp":
+                i = min(max(i, 0), side - 1)
+            elif wrap == "repeat":
+                i %= side
+            else:
+                i = min(i % (2 * side), 2 * side - 1 - i % (2 * side))
+            place.append(i)
+        return int(material.alpha[place[1], place[0]])
+
+    if material.filter == "nearest":
+        columns, rows = ({floor(a), ceil(a) - 1} for a in at)
+        value = max(texel(x, y) for x in columns for y in rows)
+    else:
+        (x, f), (y, g) = ((floor(a - Fraction(1, 2)), a - Fraction(1, 2) - floor(a - Fraction(1, 2))) for a in at)
+        upper = (1 - f) * texel(x, y) + f * texel(x + 1, y)
+        value = (1 - g) * upper + g * ((1 - f) * texel(x, y + 1) + f * texel(x + 1, y + 1))
+    return value * sum(w * Fraction(float(a)) for w, a in zip(weights, alpha, strict=True)) * 65536 >= threshold
+
+
+def lit(triangles, points, *, direction=None, position=None, receivers=None, normals=None, front=False, opaque=None):
+    """bool per point. `opaque`: whether a triangle, by its index, is opaque at a hit, by the weights of its corners."""
     towards = np.float32(position) if position is not None else -np.float32(direction)
     result = []
     for i, point in enumerate(points):
@@ -60,7 +94,12 @@ def lit(triangles, points, *, direction=None, position=None, receivers=None, nor
             side = side and _dot(_cross(_minus(b, a), _minus(c, a)), of) > 0
         result.append(
             side
-            and not any(k != own and blocks(t, point, towards, position is not None) for k, t in enumerate(triangles))
+            and not any(
+                k != own
+                and (hit := met(t, point, towards, position is not None)) is not None
+                and (opaque is None or opaque(k, hit))
+                for k, t in enumerate(triangles)
+            )
         )
     return np.array(result, bool)
 

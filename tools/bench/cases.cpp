@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "cases.hpp"
 
+#include <stb_image.h>
+
 #include <charconv>
 #include <fstream>
+#include <limits>
+#include <memory>
 #include <random>
 
 #include "make_scenes/recipes.hpp"
@@ -21,6 +25,26 @@ Json read_json(const std::filesystem::path& file) {
     } catch (const Json::exception& error) {
         throw InvalidArgument("the views in " + file.string() + " are not JSON: " + error.what());
     }
+}
+
+// By stb, since the benchmark must also run where OpenImageIO is not.
+scene::SceneCutOuts::Texture alpha_of(std::span<const unsigned char> bytes) {
+    const int size = int(std::min<std::size_t>(bytes.size(), std::numeric_limits<int>::max()));
+    int width = 0, height = 0, channels = 0;
+    if (stbi_is_16_bit_from_memory(bytes.data(), size) != 0) throw InvalidArgument("16-bit images are not read");
+    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
+        stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free);
+    if (!pixels) throw InvalidArgument(stbi_failure_reason());
+    scene::SceneCutOuts::Texture texture{std::uint32_t(width), std::uint32_t(height), {}};
+    for (std::size_t i = 0; i < std::size_t(width) * std::size_t(height); ++i)
+        texture.alpha.push_back(pixels.get()[4 * i + 3]);
+    return texture;
+}
+
+scene::Scene loaded_from(const std::filesystem::path& file) {
+    scene::LoadOptions options;
+    options.decode_alpha = alpha_of;
+    return scene::load(file, options);
 }
 
 // RECIPE:TRIANGLES, through a file as a user would make it; the file is removed again.
@@ -46,7 +70,7 @@ scene::Scene made(const std::string& recipe_name, const std::string& count) {
                 std::filesystem::remove(file, ignored);
             }
         } remover{file};
-        return scene::load(file);
+        return loaded_from(file);
     }
     throw InvalidArgument("make_scenes has no recipe \"" + recipe_name + "\"; make_scenes --list shows their names");
 }
@@ -76,7 +100,7 @@ const NamedScene& SceneShelf::get(const std::string& name) {
                    made(name.substr(0, colon), name.substr(colon + 1)),
                    {}};
     else
-        loaded_ = {std::filesystem::path(name).stem().string(), scene::load(name), {}};
+        loaded_ = {std::filesystem::path(name).stem().string(), loaded_from(name), {}};
     loaded_.cases = cases_of(loaded_);
     asked_ = name;
     return loaded_;
@@ -84,8 +108,10 @@ const NamedScene& SceneShelf::get(const std::string& name) {
 
 std::vector<Case> SceneShelf::cases_of(const NamedScene& loaded) const {
     std::vector<Case> cases;
-    if (views_.contains(loaded.name)) {
-        const Json& of_scene = views_[loaded.name];
+    // NAME_textured shows what NAME shows.
+    const std::string viewed = loaded.name.substr(0, loaded.name.find("_textured"));
+    if (views_.contains(viewed)) {
+        const Json& of_scene = views_[viewed];
         for (const Json& view : of_scene["views"])
             for (const Json& light : of_scene["lights"])
                 cases.push_back({view["name"], light["name"],

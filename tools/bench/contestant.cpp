@@ -27,6 +27,12 @@ std::vector<std::pair<std::string, double>> stage_times(const std::vector<Statis
     return stages;
 }
 
+Triangles uploaded(const Device& device, const scene::Scene& scene) {
+    const scene::CutOutsView cut_outs(scene.cut_outs);
+    return cut_outs.get() != nullptr ? Triangles::upload(device, scene.triangles, *cut_outs.get())
+                                     : Triangles::upload(device, scene.triangles);
+}
+
 Row row_of(const Configuration& configuration, const Seen& seen) {
     Row row = seen.row;
     row.technique = configuration.technique;
@@ -63,9 +69,7 @@ std::unique_ptr<Technique> make(const Configuration& configuration, const Device
 }
 
 Place::Place(const std::string& selector, const NamedScene& named, bool profile)
-    : device(selector, DeviceOptions{.profile = profile}),
-      scene(named),
-      triangles(Triangles::upload(device, named.scene.triangles)) {}
+    : device(selector, DeviceOptions{.profile = profile}), scene(named), triangles(uploaded(device, named.scene)) {}
 
 Times Place::time_camera(const Triangles& seen, const Case& c, Size size) const {
     std::vector<double> ms;

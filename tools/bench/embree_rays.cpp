@@ -170,8 +170,14 @@ void ShadowRays::trace(Shape shape, RTCScene scene, const RayPoints& points, std
 // ---- Camera ---------------------------------------------------------------------------------------------------------
 
 CameraRays::CameraRays(const Camera& camera, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
-                       const Light& light, float lift)
-    : width_(width), height_(height), samples_(samples), eye_(camera.eye), light_(light.xyzw), lift_(lift) {
+                       const Light& light, const Mesh& mesh, float lift)
+    : mesh_(mesh),
+      width_(width),
+      height_(height),
+      samples_(samples),
+      eye_(camera.eye),
+      light_(light.xyzw),
+      lift_(lift) {
     // 1024, 256, 128, 64 or 32 pixels.
     tile_width_ = samples == 1 ? 32 : samples <= 8 ? 16 : 8;
     tile_height_ = static_cast<std::uint32_t>(tile_rays) / samples / tile_width_;
@@ -218,7 +224,7 @@ inline void CameraRays::keep(Hits& hits, std::size_t at, const float direction[3
     hits.x[at] = x;
     hits.y[at] = y;
     hits.z[at] = z;
-    hits.triangle[at] = is_hit ? triangle : no_receiver;
+    hits.triangle[at] = is_hit ? mesh_.triangle_of(geometry, triangle) : no_receiver;
     hits.faces_light[at] = is_hit & (light * along < 0);
 }
 

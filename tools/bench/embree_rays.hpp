@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <gnomon.hpp>
+#include "embree_scene.hpp"
 
 namespace gnomon::bench::embree {
 
@@ -63,7 +64,7 @@ class CameraRays {
 public:
     /// `lift`: how far along the normal a hit's shading point stands off its triangle.
     CameraRays(const Camera& camera, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
-               const Light& light, float lift);
+               const Light& light, const Mesh& mesh, float lift);
 
     std::size_t tiles() const { return tiles_per_row_ * tiles_per_column_; }
     static constexpr std::size_t no_pixel = ~std::size_t{0};
@@ -87,6 +88,7 @@ private:
     void keep(Hits& hits, std::size_t at, const float direction[3], float t, const float normal[3],
               std::uint32_t geometry, std::uint32_t triangle) const;
 
+    const Mesh& mesh_;
     std::uint32_t width_, height_, samples_;
     std::uint32_t tile_width_, tile_height_;  ///< in pixels
     std::size_t tiles_per_row_, tiles_per_column_;

@@ -40,6 +40,15 @@ private:
     std::vector<std::uint32_t> slots_;
 };
 
+// By comparisons alone for a texel that lies at most one texture away, as nearly all do.
+int wrapped(int texel, int side, TextureWrap wrap) {
+    if (wrap == TextureWrap::clamp) return std::clamp(texel, 0, side - 1);
+    if (wrap == TextureWrap::repeat && texel >= -side && texel < side) return texel < 0 ? texel + side : texel;
+    const int period = wrap == TextureWrap::mirror ? 2 * side : side;
+    const int in_period = (texel % period + period) % period;
+    return std::min(in_period, period - 1 - in_period + (wrap == TextureWrap::mirror ? 0 : period));
+}
+
 double diagonal_of(std::span<const float> triangles) {
     double low[3], high[3];
     std::fill_n(low, 3, std::numeric_limits<double>::infinity());
@@ -54,10 +63,17 @@ double diagonal_of(std::span<const float> triangles) {
 
 }  // namespace
 
-Mesh::Mesh(std::span<const float> triangles, unsigned threads) : diagonal_(diagonal_of(triangles)) {
+Mesh::Mesh(std::span<const float> triangles, const scene::SceneCutOuts& cut_outs, unsigned threads)
+    : cut_outs_(cut_outs), diagonal_(diagonal_of(triangles)) {
     Welder welder(triangles.size() / 3);
-    indices_.reserve(triangles.size() / 3);
-    for (std::size_t i = 0; i < triangles.size(); i += 3) indices_.push_back(welder.index_of(&triangles[i], vertices_));
+    const std::size_t count = triangles.size() / 9;
+    indices_[0].reserve(3 * count);
+    for (std::size_t id = 0; id < count; ++id) {
+        const bool is_masked = !cut_outs.empty() && cut_outs.material_of_triangle[id] != no_cut_out;
+        for (std::size_t corner = 0; corner < 3; ++corner)
+            indices_[is_masked].push_back(welder.index_of(&triangles[9 * id + 3 * corner], vertices_));
+        if (!cut_outs.empty()) ids_[is_masked].push_back(std::uint32_t(id));
+    }
     device_ = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
     if (device_ == nullptr) throw Error("Embree could not be started");
     rtcSetDeviceMemoryMonitorFunction(
@@ -70,20 +86,68 @@ Mesh::Mesh(std::span<const float> triangles, unsigned threads) : diagonal_(diago
     vertices_.resize(vertices_.size() + 4);
 }
 
+void Mesh::attach(RTCScene scene, const Build& build, unsigned geometry) {
+    RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetGeometryBuildQuality(mesh, build.flag);
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices_.data(), 0,
+                               3 * sizeof(float), vertices_.size() / 3 - 1);
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_[geometry].data(), 0,
+                               3 * sizeof(std::uint32_t), indices_[geometry].size() / 3);
+    if (geometry == 1) {
+        rtcSetGeometryUserData(mesh, this);
+        rtcSetGeometryOccludedFilterFunction(mesh, filter);
+        rtcSetGeometryIntersectFilterFunction(mesh, filter);
+    }
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometryByID(scene, mesh, geometry);
+    rtcReleaseGeometry(mesh);
+}
+
+// Hits on cut-outs: those in a hole do not count.
+void Mesh::filter(const RTCFilterFunctionNArguments* hits) {
+    const Mesh& mesh = *static_cast<const Mesh*>(hits->geometryUserPtr);
+    for (unsigned i = 0; i < hits->N; ++i)
+        if (hits->valid[i] == -1 && !mesh.is_opaque(RTCHitN_primID(hits->hit, hits->N, i),
+                                                    RTCHitN_u(hits->hit, hits->N, i), RTCHitN_v(hits->hit, hits->N, i)))
+            hits->valid[i] = 0;
+}
+
+// The look-up of the contract (docs/numerics.md, 15), in float.
+bool Mesh::is_opaque(std::uint32_t masked, float u, float v) const {
+    const std::uint32_t id = ids_[1][masked];
+    const CutOutMaterial& material = cut_outs_.materials[cut_outs_.material_of_triangle[id]];
+    const float weights[] = {1 - u - v, u, v};
+    float alpha = material.alpha_factor;
+    if (!cut_outs_.corner_alphas.empty()) {
+        const float* corners = &cut_outs_.corner_alphas[3 * std::size_t(id)];
+        alpha *= weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+    }
+    if (material.texture == no_texture) return alpha >= material.cutoff;
+    const auto& texture = cut_outs_.textures[material.texture];
+    const float* at = &cut_outs_.texture_coordinates[6 * std::size_t(id)];
+    const float x = (weights[0] * at[0] + weights[1] * at[2] + weights[2] * at[4]) * float(texture.width);
+    const float y = (weights[0] * at[1] + weights[1] * at[3] + weights[2] * at[5]) * float(texture.height);
+    const auto row = [&](int j) {
+        return &texture.alpha[std::size_t(wrapped(j, int(texture.height), material.wrap_v)) * texture.width];
+    };
+    const auto column = [&](int i) { return wrapped(i, int(texture.width), material.wrap_u); };
+    if (material.filter == TextureFilter::nearest)
+        return float(row(int(std::floor(y)))[column(int(std::floor(x)))]) * alpha >= 255 * material.cutoff;
+    const float left = std::floor(x - 0.5f), top = std::floor(y - 0.5f), f = x - 0.5f - left, g = y - 0.5f - top;
+    const int columns[] = {column(int(left)), column(int(left) + 1)};
+    const std::uint8_t *upper = row(int(top)), *lower = row(int(top) + 1);
+    const float above = float(upper[columns[0]]) * (1 - f) + float(upper[columns[1]]) * f;
+    const float below = float(lower[columns[0]]) * (1 - f) + float(lower[columns[1]]) * f;
+    return (above * (1 - g) + below * g) * alpha >= 255 * material.cutoff;
+}
+
 std::unique_ptr<Scene> Mesh::build(const Build& build) {
     const std::int64_t before = bytes_;
     RTCScene scene = rtcNewScene(device_);
     rtcSetSceneFlags(scene, build.scene_flags);
     rtcSetSceneBuildQuality(scene, build.flag);
-    RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetGeometryBuildQuality(mesh, build.flag);
-    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices_.data(), 0,
-                               3 * sizeof(float), vertices_.size() / 3 - 1);
-    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_.data(), 0,
-                               3 * sizeof(std::uint32_t), indices_.size() / 3);
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometry(scene, mesh);
-    rtcReleaseGeometry(mesh);
+    attach(scene, build, 0);
+    if (!indices_[1].empty()) attach(scene, build, 1);
     rtcCommitScene(scene);
     if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE)
         throw Error("Embree could not build its tree: error " + std::to_string(error));

@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "scene/scene.hpp"
+
 namespace gnomon::bench::embree {
 
 /// How a tree is built.
@@ -45,18 +47,29 @@ private:
 /// The triangles in the form that Embree shares: indexed, equal vertices once, readable 16 bytes past the end.
 class Mesh {
 public:
-    Mesh(std::span<const float> triangles, unsigned threads);
+    /// With cut-outs, which must outlive this, their triangles are a geometry of their own, whose hits a filter judges.
+    Mesh(std::span<const float> triangles, const scene::SceneCutOuts& cut_outs, unsigned threads);
     Mesh(const Mesh&) = delete;
     Mesh& operator=(const Mesh&) = delete;
     ~Mesh() { rtcReleaseDevice(device_); }
 
     std::unique_ptr<Scene> build(const Build& build);
+    /// The id of a geometry's triangle.
+    std::uint32_t triangle_of(std::uint32_t geometry, std::uint32_t primitive) const {
+        return ids_[geometry].empty() ? primitive : ids_[geometry][primitive];
+    }
     /// The length of the diagonal of the finite vertices' box.
     double diagonal() const { return diagonal_; }
 
 private:
+    void attach(RTCScene scene, const Build& build, unsigned geometry);
+    bool is_opaque(std::uint32_t masked, float u, float v) const;
+    static void filter(const RTCFilterFunctionNArguments* hits);
+
+    const scene::SceneCutOuts& cut_outs_;
     std::vector<float> vertices_;
-    std::vector<std::uint32_t> indices_;
+    std::vector<std::uint32_t> indices_[2];  ///< of opaque triangles, and of cut-outs
+    std::vector<std::uint32_t> ids_[2];      ///< empty: all of them in order
     double diagonal_ = 0;
     std::atomic<std::int64_t> bytes_{0};
     RTCDevice device_ = nullptr;

@@ -8,6 +8,7 @@
 #include "peers.hpp"
 #include "pictures.hpp"
 #include "reference/visibility.hpp"
+#include "support/scene_masks.hpp"
 
 namespace gnomon::bench {
 
@@ -43,8 +44,11 @@ struct AskedPoints {
 // none.
 std::map<std::size_t, std::uint32_t> shadowed_by_oracle(const NamedScene& scene, const Case& c,
                                                         const AskedPoints& points) {
+    const bool has_cut_outs = !scene.scene.cut_outs.empty();
+    const reference::Masks masks = support::masks_of(scene.scene.cut_outs);
     const std::vector<std::uint8_t> shadowed =
-        reference::shadowed(scene.scene.triangles, points.positions, points.receivers, c.light.xyzw, c.camera.eye);
+        reference::shadowed(scene.scene.triangles, points.positions, points.receivers, c.light.xyzw, c.camera.eye,
+                            nullptr, has_cut_outs ? &masks : nullptr);
     std::map<std::size_t, std::uint32_t> counts;
     for (std::size_t k = 0; k < shadowed.size(); ++k) counts[points.pixels[k]] += shadowed[k];
     return counts;

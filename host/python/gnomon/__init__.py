@@ -12,6 +12,7 @@ Coordinates may be in any unit. float32 values are taken as they are, float64 va
 """
 
 from . import _gnomon
+from ._cut_outs import CutOut, CutOutCounts, CutOuts
 from ._devices import Device, devices, use
 from ._gnomon import (
     DeviceDescription,
@@ -28,6 +29,9 @@ from ._scene import Scene, VertexReport, View
 __version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out
 
 __all__ = [
+    "CutOut",
+    "CutOutCounts",
+    "CutOuts",
     "Device",
     "DeviceDescription",
     "DeviceNotFoundError",

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _gnomon, _lights
+from . import _arrays, _cut_outs, _gnomon, _lights
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 
@@ -22,6 +22,7 @@ EXACT = "frustum-traced"
 #: Points of one run: more are computed in several runs, so that the device's memory is bounded.
 POINTS_AT_ONCE = 1 << 24
 GREY = (0.8, 0.8, 0.8)
+BLENDS = ("opaque", "clear", "mask")
 
 
 class _OnDevice:
@@ -104,7 +105,9 @@ class Scene:
 
     vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
         trimesh.Trimesh, or a pyvista mesh. Any unit. A triangle's id is its row. A pyopencl array of float32
-        triangles is used where it lies, without a copy: do not write it while the scene is used.
+        triangles is used where it lies, without a copy (with cut-outs it is copied): do not write it while the scene is
+        used.
+    cut_outs: triangles with holes, by the alpha of a texture, decided exactly at every hit: gnomon.CutOuts.
     lattice: a step, a power of two such as 2**-10, in the unit of the coordinates. float64 coordinates, of the mesh, of
         points and of point lights, are then snapped once to whole steps, floor(x / step + 1/2), and stay exact from
         there on, wherever the origin lies: a scene cut into tiles gives the same bits as a whole, if all tiles have the
@@ -117,7 +120,13 @@ class Scene:
     """
 
     def __init__(
-        self, vertices: Any, faces: Any = None, *, lattice: float | None = None, device: str | Device | None = None
+        self,
+        vertices: Any,
+        faces: Any = None,
+        *,
+        cut_outs: _cut_outs.CutOuts | None = None,
+        lattice: float | None = None,
+        device: str | Device | None = None,
     ) -> None:
         vertices, faces = _mesh_of(vertices, faces)
         self._host: NDArray[np.float32] | None = None
@@ -134,11 +143,14 @@ class Scene:
         self.animations: list[str] = []
         self._material: NDArray[np.uint32] | None = None
         self._base_color: list[tuple[float, float, float]] = [GREY]
+        self._cut_outs: _gnomon.CutOuts | None = None
         if _arrays.is_on_device(vertices):
             if lattice is not None:
                 raise ValueError("lattice: not for a pyopencl array, which holds float32 coordinates already")
-            self._device = self._wrap(vertices, faces)
-            return
+            if cut_outs is None:
+                self._device = self._wrap(vertices, faces)
+                return
+            vertices, device = vertices.get(), device_of_queue(vertices.queue)
         triangles = _arrays.triangles_of(vertices, faces)
         if lattice is None and _arrays.not_float32(triangles) is None:
             self._host = np.ascontiguousarray(triangles, dtype=np.float32)
@@ -146,6 +158,9 @@ class Scene:
             self.lattice = _world.lattice_of(np.ascontiguousarray(triangles, dtype=np.float64), lattice)
             self._host = self.lattice.triangles
         self._count = len(self._host)
+        if cut_outs is not None:
+            corners = None if faces is None else _arrays.on_host(faces, "faces")
+            self._cut_outs = _cut_outs.native_of(cut_outs, corners, self._count)
         self._device = (
             device if isinstance(device, Device) else default_device() if device is None else open_device(device)
         )
@@ -171,14 +186,17 @@ class Scene:
         time: float | None = None,
         animation: str | int | None = None,
         scene: str | int | None = None,
+        blend: Literal["opaque", "clear", "mask"] = "opaque",
         device: str | Device | None = None,
     ) -> Scene:
         """The scene of a .glb or .gltf file, with its `cameras` and `lights` by name, the names of its `animations`,
         and `warnings`: what the file has and gnomon leaves out, a sentence each.
 
         `time`: seconds into `animation` (a name or an index; default: the first). Without both the pose is the one at
-        rest. `scene`: one of the file's scenes, by name or index. Raises FileNotFoundError, or ValueError that names
-        the wrong part.
+        rest. `scene`: one of the file's scenes, by name or index. Materials with alphaMode MASK are cut-outs, if Pillow
+        is installed to decode their images. `blend`: triangles with alphaMode BLEND block as opaque ones, as if they
+        were not there, or as masks with a cutoff of .5. Raises FileNotFoundError, or ValueError that names the wrong
+        part.
         """
         file = Path(path)
         if not file.exists():
@@ -188,13 +206,18 @@ class Scene:
                 "this build of gnomon reads no glTF files (tinygltf or GLM was missing when it was built): use "
                 "gnomon.Scene(trimesh.load(path, force='mesh'))"
             )
+        if blend not in BLENDS:
+            raise ValueError(f"blend: must be one of {', '.join(BLENDS)}, not {blend!r}")
         loaded = _gnomon.load_scene(
             str(file),
             scene=None if scene is None else str(scene),
             animation=None if animation is None else str(animation),
             time_s=None if time is None else float(time),
+            blend=BLENDS.index(blend),
+            decode_alpha=_cut_outs.decode_alpha if _cut_outs.has_decoder() else None,
         )
         result = cls(loaded.take_triangles(), device=device)
+        result._cut_outs = loaded.take_cut_outs()
         result.cameras = dict(loaded.cameras)
         for name, (x, y, z, w) in loaded.lights:
             result.lights[name] = {"position": (x, y, z)} if w else {"direction": (-x, -y, -z)}
@@ -228,6 +251,14 @@ class Scene:
         if len(corners) == 0:
             return np.full((2, 3), np.nan, np.float32)
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+    @property
+    def cut_out_counts(self) -> _cut_outs.CutOutCounts:
+        """What became of the triangles with holes; zeros without cut-outs. Uploads the scene if it is not yet."""
+        if self._cut_outs is None:
+            return _cut_outs.CutOutCounts()
+        counts = self._on(self._device).triangles.cut_out_counts
+        return _cut_outs.CutOutCounts(counts.masked, counts.opaque, counts.clear, counts.unusable)
 
     @property
     def device(self) -> Device:
@@ -268,8 +299,15 @@ class Scene:
                 raise ValueError(
                     "the scene's triangles lie on another OpenCL queue than the points: give both one queue"
                 )
-            self._uploads[device] = _uploaded(device, self._host)
+            self._uploads[device] = self._uploaded(device, self._host)
         return self._uploads[device]
+
+    def _uploaded(self, device: Device, triangles: NDArray[np.float32]) -> _OnDevice:
+        cut_outs = () if self._cut_outs is None else (self._cut_outs,)
+        on_device = device.call(_gnomon.Triangles.upload, device.native, triangles, *cut_outs)
+        if len(on_device) >= _gnomon.TRIANGLES_WORTH_CLUSTERS:
+            device.call(on_device.keep_clusters, device.native)
+        return _OnDevice(device, on_device)
 
     # ---- Points ------------------------------------------------------------------------------------------------------
 
@@ -612,8 +650,8 @@ class Scene:
         if (side == "front" or towards is not None) and self.lattice is not None and self.lattice.is_changed.any():
             raise ValueError(
                 f"{'side' if side == 'front' else 'eye'}: snapping changed triangle "
-                f"{int(np.flatnonzero(self.lattice.is_changed)[0])} (Scene.lattice names all), and points on the device "
-                "would be decided by the triangles after snapping: give normals=, or points on the host"
+                f"{int(np.flatnonzero(self.lattice.is_changed)[0])} (Scene.lattice names all), and points on the "
+                "device would be decided by the triangles after snapping: give normals=, or points on the host"
             )
         at_normals = None if normals is None else (normals.base_data.int_ptr, _packed_from(normals))
         upload = self._on(device_of_queue(points.queue))
@@ -672,15 +710,8 @@ class Scene:
         key = tuple(here.origin)
         if key not in self._moved:
             moved = self.lattice.native.rebased(np.ascontiguousarray(self.triangles.reshape(-1, 3)), here)
-            self._moved = {key: _uploaded(self._device, moved)}
+            self._moved = {key: self._uploaded(self._device, moved)}
         return (0.0, 0.0, 0.0), to, here, self._moved[key]
-
-
-def _uploaded(device: Device, triangles: NDArray[np.float32]) -> _OnDevice:
-    on_device = device.call(_gnomon.Triangles.upload, device.native, triangles)
-    if len(on_device) >= _gnomon.TRIANGLES_WORTH_CLUSTERS:
-        device.call(on_device.keep_clusters, device.native)
-    return _OnDevice(device, on_device)
 
 
 def _packed_from(array: Any) -> _gnomon.PointLayout:
