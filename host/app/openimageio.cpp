@@ -39,25 +39,36 @@ struct AovPixel {
     float normal[3];
     float value;
     std::uint32_t receiver;
+    float albedo[3];
+    float shading_normal[3];
 };
-static_assert(sizeof(AovPixel) == 32);
+static_assert(sizeof(AovPixel) == 56);
 
-OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel) {
-    OIIO::ImageSpec spec(int(width), int(height), 8, OIIO::TypeFloat);
+/// With surfaces there are all channels, else the first eight.
+OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel, bool has_surfaces) {
+    OIIO::ImageSpec spec(int(width), int(height), has_surfaces ? 14 : 8, OIIO::TypeFloat);
     spec.channelnames = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", channel, "receiver"};
-    spec.channelformats.assign(7, OIIO::TypeFloat);
-    spec.channelformats.push_back(OIIO::TypeUInt32);
+    if (has_surfaces)
+        for (const char* name : {"albedo.R", "albedo.G", "albedo.B", "Ns.X", "Ns.Y", "Ns.Z"})
+            spec.channelnames.emplace_back(name);
+    spec.channelformats.assign(spec.channelnames.size(), OIIO::TypeFloat);
+    spec.channelformats[7] = OIIO::TypeUInt32;
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "");  // else OpenImageIO writes the time of day, and equal values give unequal files
     return spec;
 }
 
-AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> values, std::size_t pixel) {
+AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> values, const SurfacesOnHost* surfaces,
+                   std::size_t pixel) {
     AovPixel result{};
     std::copy_n(view.position.begin() + std::ptrdiff_t(3 * pixel), 3, result.position);
     std::copy_n(view.normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.normal);
     result.value = values[pixel];
     result.receiver = view.receiver[pixel];
+    if (surfaces != nullptr) {
+        std::copy_n(surfaces->albedo.begin() + std::ptrdiff_t(3 * pixel), 3, result.albedo);
+        std::copy_n(surfaces->normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.shading_normal);
+    }
     return result;
 }
 
@@ -79,7 +90,8 @@ std::string data_uri(const std::string& format, std::uint32_t width, std::uint32
 }
 
 void write_aov(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
-               std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel) {
+               std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel,
+               const SurfacesOnHost* surfaces) {
     FileProxy proxy(file, name);
     const auto output = OIIO::ImageOutput::create("exr");
     if (!output || !output->supports("ioproxy"))
@@ -88,7 +100,7 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
         file.check();  // first, as the system's reason, if there is one, is more precise
         if (!is_done) throw Error("cannot write " + name + ": " + output->geterror());
     };
-    OIIO::ImageSpec spec = aov_spec(width, height, channel);
+    OIIO::ImageSpec spec = aov_spec(width, height, channel, surfaces != nullptr);
     spec.attribute("Software", software);
     // The argument names the format: the file's own name may be anything (a temporary, a device).
     require(output->set_ioproxy(&proxy) && output->open("picture.exr", spec));
@@ -97,9 +109,10 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
         const std::uint32_t rows = std::min(band_rows, height - first);
         const std::size_t first_pixel = std::size_t(first) * width;
         band.resize(std::size_t(rows) * width);
-        for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, values, first_pixel + i);
-        // Packed rows, each channel's bits as they are: unknown means native.
-        require(output->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, band.data()));
+        for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, values, surfaces, first_pixel + i);
+        // Each channel's bits as they are: unknown means native.
+        require(output->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, band.data(),
+                                        sizeof(AovPixel)));
     }
     require(output->close());
 }
@@ -108,4 +121,4 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
 }  // namespace gnomon::app
 
 extern "C" const gnomon::app::OpenImageIo gnomon_openimageio{gnomon::app::write_aov, gnomon::app::data_uri,
-                                                             gnomon::app::read_alpha};
+                                                             gnomon::app::read_alpha, gnomon::app::read_colors};

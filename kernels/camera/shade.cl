@@ -59,10 +59,10 @@ __kernel void shade_light_smooth(ShadeParams params, __global const float* posit
 
 // The light that a pixel shows, linear. With shares of the sky, the light of the sky takes the place of most of the
 // ambient light; a little stays for what surfaces reflect.
-static float3 light_of(PictureParams params, uint id, size_t pixel, __global const float* normals,
-                       __global const float* lambert, __global const uint* triangle_material,
-                       __global const float* base_colors, __global const float* albedos,
-                       __global const float* sky_shares) {
+static float3 light_of_pixel(PictureParams params, uint id, size_t pixel, __global const float* normals,
+                             __global const float* lambert, __global const uint* triangle_material,
+                             __global const float* base_colors, __global const float* albedos,
+                             __global const float* sky_shares) {
     if (id == GN_NO_ID) return (float3)(0.46f, 0.62f, 0.86f) * params.exposure;  // sky
     float3 base = params.has_albedos != 0u ? vload3(pixel, albedos) : vload3(triangle_material[id], base_colors);
     float3 n = vload3(pixel, normals);
@@ -89,8 +89,8 @@ __kernel void shade(PictureParams params, __global const uint* visible, __global
                     __global const float* base_colors, __global const float* albedos, __global const float* sky_shares,
                     __global const uchar* srgb_table, __global uchar4* picture) {
     GN_FOR_EACH(pixel, params.count) {
-        float3 linear = tone_mapped(light_of(params, visible[pixel], pixel, normals, lambert, triangle_material,
-                                             base_colors, albedos, sky_shares));
+        float3 linear = tone_mapped(light_of_pixel(params, visible[pixel], pixel, normals, lambert, triangle_material,
+                                                   base_colors, albedos, sky_shares));
         picture[pixel] = (uchar4)(to_srgb(linear.x, srgb_table), to_srgb(linear.y, srgb_table),
                                   to_srgb(linear.z, srgb_table), (uchar)255);
     }
@@ -102,8 +102,8 @@ __kernel void brightest_channels(PictureParams params, __global const uint* visi
                                  __global const float* base_colors, __global const float* albedos,
                                  __global const float* sky_shares, __global float* brightest) {
     GN_FOR_EACH(pixel, params.count) {
-        float3 linear = light_of(params, visible[pixel], pixel, normals, lambert, triangle_material, base_colors,
-                                 albedos, sky_shares);
+        float3 linear = light_of_pixel(params, visible[pixel], pixel, normals, lambert, triangle_material, base_colors,
+                                       albedos, sky_shares);
         brightest[pixel] = visible[pixel] == GN_NO_ID ? -1.0f : fmax(fmax(linear.x, linear.y), linear.z);
     }
 }

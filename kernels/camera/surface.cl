@@ -8,21 +8,21 @@ typedef struct Barycentric {
     float3 at, across, down;
 } Barycentric;
 
-static float3 vector_of(const float* v) { return (float3)(v[0], v[1], v[2]); }
+static float3 surface_vector(const float* v) { return (float3)(v[0], v[1], v[2]); }
 
-static float3 cross_of(float3 v, float3 w) {
+static float3 surface_cross(float3 v, float3 w) {
     return (float3)(v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x);
 }
-static float dot_of(float3 v, float3 w) { return v.x * w.x + v.y * w.y + v.z * w.z; }
+static float surface_dot(float3 v, float3 w) { return v.x * w.x + v.y * w.y + v.z * w.z; }
 
 static Barycentric barycentric_of(Triangle t, SurfaceParams params, float x, float y) {
-    float3 eye = vector_of(params.eye);
-    float3 across = vector_of(params.across), down = vector_of(params.down);
-    float3 d = vector_of(params.corner) + across * x + down * y;
+    float3 eye = surface_vector(params.eye);
+    float3 across = surface_vector(params.across), down = surface_vector(params.down);
+    float3 d = surface_vector(params.corner) + across * x + down * y;
     float3 a = t.a - eye, b = t.b - eye, c = t.c - eye;
     // An edge as second row: the rounding grows with distance x edge, not with distance squared.
-    float3 of_a = cross_of(b, t.c - t.b), of_b = cross_of(c, t.a - t.c), of_c = cross_of(a, t.b - t.a);
-    float3 w = (float3)(dot_of(of_a, d), dot_of(of_b, d), dot_of(of_c, d));
+    float3 of_a = surface_cross(b, t.c - t.b), of_b = surface_cross(c, t.a - t.c), of_c = surface_cross(a, t.b - t.a);
+    float3 w = (float3)(surface_dot(of_a, d), surface_dot(of_b, d), surface_dot(of_c, d));
     float sum = w.x + w.y + w.z, inverse = 1.0f / sum;
     Barycentric found;
     found.at = w * inverse;
@@ -31,8 +31,8 @@ static Barycentric barycentric_of(Triangle t, SurfaceParams params, float x, flo
         found.across = found.down = (float3)(0.0f);
         return found;
     }
-    float3 w_across = (float3)(dot_of(of_a, across), dot_of(of_b, across), dot_of(of_c, across));
-    float3 w_down = (float3)(dot_of(of_a, down), dot_of(of_b, down), dot_of(of_c, down));
+    float3 w_across = (float3)(surface_dot(of_a, across), surface_dot(of_b, across), surface_dot(of_c, across));
+    float3 w_down = (float3)(surface_dot(of_a, down), surface_dot(of_b, down), surface_dot(of_c, down));
     found.across = (w_across - found.at * (w_across.x + w_across.y + w_across.z)) * inverse;
     found.down = (w_down - found.at * (w_down.x + w_down.y + w_down.z)) * inverse;
     // The ray meets the triangle: what is outside is rounding.
@@ -63,10 +63,10 @@ static float3 shading_normal(__global const SurfaceRecord* record, float3 at, fl
     if (record->normals[0] == 0u || record->normals[1] == 0u || record->normals[2] == 0u) return geometric;
     float3 n = unpacked_normal(record->normals[0]) * at.x + unpacked_normal(record->normals[1]) * at.y +
                unpacked_normal(record->normals[2]) * at.z;
-    float size = sqrt(dot_of(n, n));
+    float size = sqrt(surface_dot(n, n));
     if (!(size > 1e-3f)) return geometric;
     n /= size;
-    float side = dot_of(n, geometric);
+    float side = surface_dot(n, geometric);
     return fabs(side) > 1e-3f ? (side < 0.0f ? -n : n) : geometric;
 }
 
@@ -74,7 +74,7 @@ static float3 albedo_of(__global const SurfaceRecord* record, const Barycentric*
                         __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,
                         __global const uchar4* texels, __global const float* decoded) {
     SurfaceMaterial material = materials[record->material];
-    float3 albedo = vector_of(material.base_color);
+    float3 albedo = surface_vector(material.base_color);
     if (has_colors) {
         __global const float* c = record->colors;
         albedo *= clamp(vload3(0, c) * at->at.x + vload3(1, c) * at->at.y + vload3(2, c) * at->at.z, 0.0f, 1.0f);
@@ -82,8 +82,8 @@ static float3 albedo_of(__global const SurfaceRecord* record, const Barycentric*
     if (material.texture == GN_NO_ID) return albedo;
     SurfaceTexture of = textures[material.texture];
     Texels texture = {texels + of.first_texel, decoded, of.width, of.height, material.wrap_u, material.wrap_v};
-    Footprint footprint = {blended_coordinates(record, at->at), blended_coordinates(record, at->across),
-                           blended_coordinates(record, at->down)};
+    TextureFootprint footprint = {blended_coordinates(record, at->at), blended_coordinates(record, at->across),
+                                  blended_coordinates(record, at->down)};
     return albedo * filtered(&texture, &footprint, material.is_nearest != 0u);
 }
 

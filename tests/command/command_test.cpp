@@ -214,7 +214,7 @@ Bytes read_bytes(const fs::path& file) {
 std::array<int, 3> shape(const OIIO::ImageSpec& spec) { return {spec.width, spec.height, spec.nchannels}; }
 
 struct Pixel {
-    std::array<float, 3> position{}, normal{};
+    std::array<float, 3> position{}, normal{}, albedo{}, shading_normal{};
     float visibility = -1;
     std::uint32_t receiver = 0;
 };
@@ -224,12 +224,14 @@ std::vector<Pixel> read_aov(const fs::path& file, const std::string& value = "vi
     const auto input = OIIO::ImageInput::open(file.string());
     if (!input) throw std::runtime_error("not a picture: " + file.string());
     const OIIO::ImageSpec spec = input->spec();
-    EXPECT_EQ(spec.nchannels, 8);
+    const bool has_surfaces = value == "visibility";
+    EXPECT_EQ(spec.nchannels, has_surfaces ? 14 : 8);
     EXPECT_EQ(spec.get_string_attribute("compression"), "zip");
     std::vector<char> native(spec.image_bytes(true));
-    if (!input->read_image(0, 0, 0, 8, OIIO::TypeUnknown, native.data())) throw std::runtime_error(input->geterror());
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeUnknown, native.data()))
+        throw std::runtime_error(input->geterror());
     const std::size_t pixel_bytes = spec.pixel_bytes(true);
-    EXPECT_EQ(pixel_bytes, 32u);
+    EXPECT_EQ(pixel_bytes, has_surfaces ? 56u : 32u);
     std::vector<Pixel> pixels(std::size_t(spec.width) * std::size_t(spec.height));
     const auto take = [&](const std::string& channel, OIIO::TypeDesc type, auto&& place_of) {
         const int index = spec.channelindex(channel);
@@ -242,6 +244,11 @@ std::vector<Pixel> read_aov(const fs::path& file, const std::string& value = "vi
     for (std::size_t c = 0; c < 3; ++c) {
         take("P." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.position[c]; });
         take("N." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.normal[c]; });
+    }
+    const std::array<std::string, 3> colors{"R", "G", "B"};
+    for (std::size_t c = 0; c < 3 && has_surfaces; ++c) {
+        take("albedo." + colors[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.albedo[c]; });
+        take("Ns." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.shading_normal[c]; });
     }
     take(value, OIIO::TypeFloat, [](Pixel& pixel) { return &pixel.visibility; });
     take("receiver", OIIO::TypeUInt32, [](Pixel& pixel) { return &pixel.receiver; });
