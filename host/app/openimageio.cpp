@@ -41,16 +41,19 @@ struct AovPixel {
     std::uint32_t receiver;
     float albedo[3];
     float shading_normal[3];
+    float sky;
 };
-static_assert(sizeof(AovPixel) == 56);
+static_assert(sizeof(AovPixel) == 60);
 
-/// With surfaces there are all channels, else the first eight.
-OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel, bool has_surfaces) {
-    OIIO::ImageSpec spec(int(width), int(height), has_surfaces ? 14 : 8, OIIO::TypeFloat);
+/// The first eight channels, and more with surfaces and with shares of the sky.
+OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel, const AovSurfaces& surfaces) {
+    OIIO::ImageSpec spec(int(width), int(height), 8, OIIO::TypeFloat);
     spec.channelnames = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", channel, "receiver"};
-    if (has_surfaces)
+    if (surfaces.surfaces != nullptr)
         for (const char* name : {"albedo.R", "albedo.G", "albedo.B", "Ns.X", "Ns.Y", "Ns.Z"})
             spec.channelnames.emplace_back(name);
+    if (!surfaces.sky_shares.empty()) spec.channelnames.emplace_back("sky");
+    spec.nchannels = int(spec.channelnames.size());
     spec.channelformats.assign(spec.channelnames.size(), OIIO::TypeFloat);
     spec.channelformats[7] = OIIO::TypeUInt32;
     spec.attribute("compression", "zip");
@@ -58,17 +61,18 @@ OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* 
     return spec;
 }
 
-AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> values, const SurfacesOnHost* surfaces,
+AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> values, const AovSurfaces& surfaces,
                    std::size_t pixel) {
     AovPixel result{};
     std::copy_n(view.position.begin() + std::ptrdiff_t(3 * pixel), 3, result.position);
     std::copy_n(view.normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.normal);
     result.value = values[pixel];
     result.receiver = view.receiver[pixel];
-    if (surfaces != nullptr) {
-        std::copy_n(surfaces->albedo.begin() + std::ptrdiff_t(3 * pixel), 3, result.albedo);
-        std::copy_n(surfaces->normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.shading_normal);
+    if (surfaces.surfaces != nullptr) {
+        std::copy_n(surfaces.surfaces->albedo.begin() + std::ptrdiff_t(3 * pixel), 3, result.albedo);
+        std::copy_n(surfaces.surfaces->normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.shading_normal);
     }
+    if (!surfaces.sky_shares.empty()) result.sky = surfaces.sky_shares[pixel];
     return result;
 }
 
@@ -91,7 +95,7 @@ std::string data_uri(const std::string& format, std::uint32_t width, std::uint32
 
 void write_aov(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
                std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel,
-               const SurfacesOnHost* surfaces) {
+               const AovSurfaces& surfaces) {
     FileProxy proxy(file, name);
     const auto output = OIIO::ImageOutput::create("exr");
     if (!output || !output->supports("ioproxy"))
@@ -100,7 +104,7 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
         file.check();  // first, as the system's reason, if there is one, is more precise
         if (!is_done) throw Error("cannot write " + name + ": " + output->geterror());
     };
-    OIIO::ImageSpec spec = aov_spec(width, height, channel, surfaces != nullptr);
+    OIIO::ImageSpec spec = aov_spec(width, height, channel, surfaces);
     spec.attribute("Software", software);
     // The argument names the format: the file's own name may be anything (a temporary, a device).
     require(output->set_ioproxy(&proxy) && output->open("picture.exr", spec));

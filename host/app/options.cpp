@@ -153,7 +153,8 @@ void add_output_options(CLI::App& app, RenderOptions& options) {
         into(options.mask, parse_file, ".png"));
     add("--aov", "FILE.exr",
         "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint), and of the\n"
-        "surfaces albedo.R albedo.G albedo.B (linear) Ns.X Ns.Y Ns.Z (shading normal); "
+        "surfaces albedo.R albedo.G albedo.B (linear) Ns.X Ns.Y Ns.Z (shading normal), with\n--ambient sky the sky's "
+        "share; "
         "sky: P = N = 0, visibility 1, receiver 4294967295",
         into(options.aov, parse_file, ".exr"));
     add("--dump-triangles", "FILE",
@@ -316,8 +317,8 @@ void check_outputs(const RenderOptions& options) {
     const bool has_picture = options.picture && !options.diagnostic;
     if ((options.exposure_ev || options.is_metered) && !has_picture)
         throw UsageError("--exposure is for the picture: give -o FILE.png, without --diagnostic");
-    if (options.sky_division != 0 && !has_picture)
-        throw UsageError("--ambient is for the picture: give -o FILE.png, without --diagnostic");
+    if (options.sky_division != 0 && !has_picture && !options.aov)
+        throw UsageError("--ambient is for the picture: give -o FILE.png or --aov FILE.exr, without --diagnostic");
     if (options.light == "all" && (options.aov || options.diagnostic))
         throw UsageError("--aov and --diagnostic show one light: name it with --light instead of all");
     if (!options.picture && !options.mask && !options.aov && !options.triangle_dump && !options.point_dump &&

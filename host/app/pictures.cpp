@@ -125,7 +125,7 @@ void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std
 }
 
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
-               std::span<const float> values, const char* channel, const SurfacesOnHost* surfaces) {
+               std::span<const float> values, const char* channel, const AovSurfaces& surfaces) {
     open_image_io().write_aov(file, file.target().string(), software(), width, height, view, values, channel, surfaces);
 }
 

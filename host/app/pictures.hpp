@@ -8,7 +8,7 @@
 #include <string>
 
 #include <gnomon.hpp>
-#include "decoded_image.hpp"
+#include "openimageio.hpp"
 #include "output_files.hpp"
 
 namespace gnomon::app {
@@ -20,10 +20,9 @@ void write_picture(OutputFile& file, std::uint32_t width, std::uint32_t height, 
 void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const float> visibility);
 
 /// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z and the values' channel FLOAT, receiver UINT; with surfaces
-/// albedo.R .G .B and Ns.X .Y .Z FLOAT, too.
+/// albedo.R .G .B and Ns.X .Y .Z FLOAT, too, and with shares of the sky channel sky.
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
-               std::span<const float> values, const char* channel = "visibility",
-               const SurfacesOnHost* surfaces = nullptr);
+               std::span<const float> values, const char* channel = "visibility", const AovSurfaces& surfaces = {});
 
 /// A picture inside a page, from RGB or RGBA bytes: "data:image/png;base64,..." is exact, "data:image/jpeg..." for
 /// looks.

@@ -353,7 +353,7 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
         steps.run("write_aov", "writing the EXR", [&] {
             const ViewOnHost view = view_of(device, seen);
             const SurfacesOnHost shown = surfaces->surfaces.read(surfaces->materials);
-            write_aov(*aov, width, height, view, seen.visible.front(), "visibility", &shown);
+            write_aov(*aov, width, height, view, seen.visible.front(), "visibility", {&shown, surfaces->sky_shares});
         });
     if (OutputFile* const dump = outputs["dump-triangles"])
         steps.run("write_triangles", "writing the triangles",
@@ -426,7 +426,7 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
     if (shows_surfaces(options))
         surfaces =
             steps.run("surfaces", "the surfaces' colours", [&] { return surfaces_of(report, device, scene, seen); });
-    if (surfaces && options.picture && options.sky_division != 0)
+    if (surfaces && options.sky_division != 0)
         surfaces->sky_shares = steps.run("sky", "the sky's light", [&] {
             return sky_shares_of(device, *shared.technique, seen, surfaces->surfaces, options.sky_division);
         });

@@ -70,7 +70,22 @@ Level first_level(const ColorTexture& texture, bool weighs_alpha) {
     return level;
 }
 
+/// The next level of one with even sides: the mean of four.
+Level halved(const Level& from) {
+    Level to{from.width / 2, from.height / 2, {}};
+    to.texels.resize(std::size_t(4) * to.width * to.height);
+    const std::size_t row = std::size_t(4) * from.width;
+    for (std::uint32_t y = 0; y < to.height; ++y) {
+        const float* in = &from.texels[2 * row * y];
+        float* out = &to.texels[std::size_t(4) * to.width * y];
+        for (std::uint32_t x = 0; x < to.width; ++x, in += 8, out += 4)
+            for (int k = 0; k < 4; ++k) out[k] = 0.25f * ((in[k] + in[k + 4]) + (in[row + k] + in[row + k + 4]));
+    }
+    return to;
+}
+
 Level next_level(const Level& from) {
+    if (from.width % 2 == 0 && from.height % 2 == 0) return halved(from);
     Level to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
     to.texels.assign(std::size_t(4) * to.width * to.height, 0.0f);
     const std::vector<Taps> columns = taps_of(from.width, to.width), rows = taps_of(from.height, to.height);
