@@ -40,7 +40,7 @@ void add_lights(cl::Session& session, const Surfaces::Inside& of, std::span<cons
         const ShadeParams params{.layout = points.layout, .light = {x, y, z, w}};
         if (of.has_shading_normals)
             session.launch("camera/shade.cl", "shade_light_smooth", pixels, params, points.positions, points.receivers,
-                           of.geometric_normals, of.shading_normals, visibilities[i].buffer(), lambert);
+                           of.shading_normals, of.spreads, visibilities[i].buffer(), lambert);
         else
             session.launch("camera/shade.cl", "shade_light", pixels, params, points.positions, points.receivers,
                            of.geometric_normals, visibilities[i].buffer(), lambert);

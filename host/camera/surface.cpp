@@ -228,14 +228,18 @@ Surfaces::Surfaces(const Device& device, const Triangles& triangles, const View&
     upload(decoded, linear_of_srgb());
     made->albedos.reserve(session, pixels * sizeof(Float3));
     made->has_shading_normals = params.has_normals != 0;
-    if (made->has_shading_normals) made->shading_normals.reserve(session, pixels * sizeof(Float3));
+    if (made->has_shading_normals) {
+        made->shading_normals.reserve(session, pixels * sizeof(Float3));
+        made->spreads.reserve(session, pixels * sizeof(float));
+    }
     const TexturesOnDevice on_device(session, textures, detail.textures);
     made->texture_bytes = textures.textures.empty() ? 0 : on_device.bytes;
     made->left_out_levels = on_device.left_out;
     session.launch("camera/surface.cl", "surfaces", cl::Range::items(pixels), params,
                    triangle_inputs(triangles).vertices, view.points.receivers(), slots, made->geometric_normals,
                    records_on_device, materials_on_device, on_device.headers, on_device.texels, decoded, made->albedos,
-                   made->has_shading_normals ? made->shading_normals : slots);
+                   made->has_shading_normals ? made->shading_normals : slots,
+                   made->has_shading_normals ? made->spreads : slots);
     session.finish();  // the inputs' buffers go
 }
 

@@ -17,6 +17,7 @@ struct Surfaces::Inside {
     cl::Buffer geometric_normals;               ///< 3 floats per pixel, as camera_normals() makes them
     cl::Buffer triangle_material, base_colors;  ///< without detail
     cl::Buffer albedos, shading_normals;        ///< with detail: 3 floats per pixel
+    cl::Buffer spreads;                         ///< with shading normals, a float per pixel: kernels/camera/surface.cl
     bool has_detail = false, has_shading_normals = false;
     std::uint64_t texture_bytes = 0;
     std::uint32_t left_out_levels = 0;

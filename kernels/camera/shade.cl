@@ -6,6 +6,9 @@
 
 #define AMBIENT 0.25f
 
+// Normals that are farther apart than this sine (30 degrees) are meant to show edges.
+#define MOST_SHIFT 0.5f
+
 // The light of the whole sky, beside the 1 - AMBIENT of a light that shines from above; and the part of the ambient
 // light that stays beside it.
 #define SKY_LIGHT 0.45f
@@ -37,23 +40,22 @@ __kernel void shade_light(ShadeParams params, __global const float* positions, _
     }
 }
 
-// The same with shading normals: visibility is that of the geometric normal, so that light which the shading normal
-// would still get ends at the edges of triangles. The factor g' of Chiang, Li and Burley 2019 ("Taming the Shadow
-// Terminator") fades it out before: it is 0 where the light is in the triangle's plane, and 1 where both normals agree.
+// The same with shading normals. Visibility is that of the triangle: it ends where the light lies in the triangle's
+// plane, and there the shading normal would still get light, up to the sine of its angle to the triangle's (`spreads`),
+// so that the edges of triangles would show. So the cosine is shifted: it is 0 from that sine on, and 1 where it is 1,
+// as appleseed (F. Beaune 2019) and Blender's Cycles ("Shading Offset") shift it; here the triangle tells by how much.
 __kernel void shade_light_smooth(ShadeParams params, __global const float* positions, __global const uint* visible,
-                                 __global const float* geometric_normals, __global const float* normals,
+                                 __global const float* normals, __global const float* spreads,
                                  __global const float* visibility, __global float* lambert) {
     PointsLayout layout = params.layout;
     float4 light = (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
     GN_FOR_EACH(pixel, layout.count) {
         if (visible[pixel] == GN_NO_ID) continue;
-        float3 g = vload3(pixel, geometric_normals), n = vload3(pixel, normals);
+        float3 n = vload3(pixel, normals);
         float3 l = towards_light(load_point(positions, layout, pixel), light);
-        float geometric = g.x * l.x + g.y * l.y + g.z * l.z, cosine = n.x * l.x + n.y * l.y + n.z * l.z;
-        float between = g.x * n.x + g.y * n.y + g.z * n.z;
-        if (!(geometric > 0.0f && cosine > 0.0f && between > 0.0f)) continue;
-        float ratio = fmin(geometric / (cosine * between), 1.0f);
-        lambert[pixel] += visibility[pixel] * cosine * (ratio * (1.0f + ratio - ratio * ratio));
+        float shift = fmin(spreads[pixel], MOST_SHIFT);
+        float cosine = (n.x * l.x + n.y * l.y + n.z * l.z - shift) / (1.0f - shift);
+        lambert[pixel] += visibility[pixel] * fmax(cosine, 0.0f);
     }
 }
 

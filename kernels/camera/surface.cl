@@ -70,6 +70,16 @@ static float3 shading_normal(__global const SurfaceRecord* record, float3 at, fl
     return fabs(side) > 1e-3f ? (side < 0.0f ? -n : n) : geometric;
 }
 
+// The sine of the largest angle between the triangle's normal and a corner's; 0 where corners have none.
+static float spread_of_normals(__global const SurfaceRecord* record, float3 geometric) {
+    float least = 1.0f;
+    for (int i = 0; i < 3; ++i) {
+        if (record->normals[i] == 0u) return 0.0f;
+        least = fmin(least, fabs(surface_dot(unpacked_normal(record->normals[i]), geometric)));
+    }
+    return sqrt(fmax(1.0f - least * least, 0.0f));
+}
+
 static float3 albedo_of(__global const SurfaceRecord* record, const Barycentric* at, bool has_colors,
                         __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,
                         __global const uchar4* texels, __global const float* decoded) {
@@ -92,17 +102,23 @@ __kernel void surfaces(SurfaceParams params, __global const float* vertices, __g
                        __global const uint* slots, __global const float* normals, __global const SurfaceRecord* records,
                        __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,
                        __global const uchar4* texels, __global const float* decoded, __global float* albedos,
-                       __global float* shading_normals) {
+                       __global float* shading_normals, __global float* spreads) {
     GN_FOR_EACH(pixel, params.width * params.height) {
         float3 albedo = (float3)(0.0f), normal = albedo;
+        float spread = 0.0f;
         if (slots[pixel] != GN_NO_ID) {
             __global const SurfaceRecord* record = records + slots[pixel];
             Triangle t = load_triangle(vertices + params.triangles.first_float, visible[pixel]);
             Barycentric at = barycentric_of(t, params, (float)(pixel % params.width), (float)(pixel / params.width));
             albedo = albedo_of(record, &at, params.has_colors != 0u, materials, textures, texels, decoded);
-            if (params.has_normals != 0u) normal = shading_normal(record, at.at, vload3(pixel, normals));
+            if (params.has_normals != 0u) {
+                normal = shading_normal(record, at.at, vload3(pixel, normals));
+                spread = spread_of_normals(record, vload3(pixel, normals));
+            }
         }
         vstore3(albedo, pixel, albedos);
-        if (params.has_normals != 0u) vstore3(normal, pixel, shading_normals);
+        if (params.has_normals == 0u) continue;
+        vstore3(normal, pixel, shading_normals);
+        spreads[pixel] = spread;
     }
 }

@@ -47,8 +47,7 @@ double largest_step(const Sphere& sphere, bool is_smooth) {
     constexpr std::uint32_t side = 256;
     const Device device;
     const Triangles triangles = Triangles::upload(device, sphere.triangles);
-    const View view =
-        look(device, triangles, Camera::look_at({0, 0.4f, 4}, {0, 0, 0}, {0, 1, 0}, 30), side, side);
+    const View view = look(device, triangles, Camera::look_at({0, 0.4f, 4}, {0, 0, 0}, {0, 1, 0}, 30), side, side);
     SurfaceDetail detail;
     if (is_smooth) detail.corner_normals = sphere.normals;
     const Surfaces surfaces(device, triangles, view, sphere.materials, detail);

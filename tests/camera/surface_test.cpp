@@ -238,10 +238,9 @@ TEST(Surfaces, TexturesThatDoNotFitLoseTheirFinestLevels) {
     const View view = look(device, triangles, Camera::look_at({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 90), 8, 8);
     const std::vector<std::uint8_t> white(std::size_t(4) * 2048 * 2048, 255);
     const ColorTexture texture{2048, 2048, white};
-    const Surfaces surfaces(device, triangles, view, square.materials,
-                            {.texture_coordinates = square.coordinates,
-                             .texture_uses = {&square.use, 1},
-                             .textures = {&texture, 1}});
+    const Surfaces surfaces(
+        device, triangles, view, square.materials,
+        {.texture_coordinates = square.coordinates, .texture_uses = {&square.use, 1}, .textures = {&texture, 1}});
     EXPECT_GE(surfaces.left_out_levels(), 2u);  // 22 MiB, 5.6 MiB, 1.4 MiB
     EXPECT_LT(surfaces.texture_bytes(), 3u << 20);
     for (const float albedo : surfaces.read(square.materials).albedo) EXPECT_EQ(albedo, 1);
