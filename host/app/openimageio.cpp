@@ -8,6 +8,7 @@
 #include <OpenImageIO/strutil.h>
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,18 +34,6 @@ private:
     ByteSink& file_;
 };
 
-/// One pixel of the EXR, as its channels lie in memory. Floats and an unsigned integer, all of 4 bytes: no padding.
-struct AovPixel {
-    float position[3];
-    float normal[3];
-    float value;
-    std::uint32_t receiver;
-    float albedo[3];
-    float shading_normal[3];
-    float sky;
-};
-static_assert(sizeof(AovPixel) == 60);
-
 /// The first eight channels, and more with surfaces and with shares of the sky.
 OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel, const AovSurfaces& surfaces) {
     OIIO::ImageSpec spec(int(width), int(height), 8, OIIO::TypeFloat);
@@ -61,19 +50,22 @@ OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* 
     return spec;
 }
 
-AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> values, const AovSurfaces& surfaces,
-                   std::size_t pixel) {
-    AovPixel result{};
-    std::copy_n(view.position.begin() + std::ptrdiff_t(3 * pixel), 3, result.position);
-    std::copy_n(view.normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.normal);
-    result.value = values[pixel];
-    result.receiver = view.receiver[pixel];
+/// Appends the channels of a pixel, floats and an unsigned integer, of 4 bytes each and without gaps.
+void put_aov_pixel(const ViewOnHost& view, std::span<const float> values, const AovSurfaces& surfaces,
+                   std::size_t pixel, std::vector<std::uint32_t>& band) {
+    const auto put = [&](float value) { band.push_back(std::bit_cast<std::uint32_t>(value)); };
+    const auto put_three = [&](const std::vector<float>& from) {
+        for (std::size_t k = 0; k < 3; ++k) put(from[3 * pixel + k]);
+    };
+    put_three(view.position);
+    put_three(view.normal);
+    put(values[pixel]);
+    band.push_back(view.receiver[pixel]);
     if (surfaces.surfaces != nullptr) {
-        std::copy_n(surfaces.surfaces->albedo.begin() + std::ptrdiff_t(3 * pixel), 3, result.albedo);
-        std::copy_n(surfaces.surfaces->normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.shading_normal);
+        put_three(surfaces.surfaces->albedo);
+        put_three(surfaces.surfaces->normal);
     }
-    if (!surfaces.sky_shares.empty()) result.sky = surfaces.sky_shares[pixel];
-    return result;
+    if (!surfaces.sky_shares.empty()) put(surfaces.sky_shares[pixel]);
 }
 
 std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
@@ -108,15 +100,15 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
     spec.attribute("Software", software);
     // The argument names the format: the file's own name may be anything (a temporary, a device).
     require(output->set_ioproxy(&proxy) && output->open("picture.exr", spec));
-    std::vector<AovPixel> band;
+    std::vector<std::uint32_t> band;
     for (std::uint32_t first = 0; first < height; first += band_rows) {
         const std::uint32_t rows = std::min(band_rows, height - first);
         const std::size_t first_pixel = std::size_t(first) * width;
-        band.resize(std::size_t(rows) * width);
-        for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, values, surfaces, first_pixel + i);
-        // Each channel's bits as they are: unknown means native.
-        require(output->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, band.data(),
-                                        sizeof(AovPixel)));
+        band.clear();
+        for (std::size_t i = 0; i < std::size_t(rows) * width; ++i)
+            put_aov_pixel(view, values, surfaces, first_pixel + i, band);
+        // Packed rows, each channel's bits as they are: unknown means native.
+        require(output->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, band.data()));
     }
     require(output->close());
 }

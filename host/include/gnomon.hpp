@@ -608,8 +608,8 @@ struct Picture {
 /// Lambert with visibility, plus ambient light, times the exposure: the sum over the lights, each as bright as the
 /// others. Where normals are interpolated, each cosine is shifted, so that a light fades out before its triangle is
 /// backfacing (the shadow terminator; as appleseed and Cycles do). Colours up to .8 stay as they are, brighter ones
-/// follow the curve of Khronos' PBR Neutral tone mapper. visibilities[i] belongs to lights[i]: throws InvalidArgument if
-/// the two numbers differ.
+/// follow the curve of Khronos' PBR Neutral tone mapper. visibilities[i] belongs to lights[i]: throws InvalidArgument
+/// if the two numbers differ.
 Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities, std::span<const Light> lights,
               const ShadeOptions& options = {});
 /// The same with base colours alone, as 8-bit sRGB, 4 bytes (RGBA) per pixel.

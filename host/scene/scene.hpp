@@ -155,7 +155,9 @@ private:
 /// The built-in sundial, with a camera and a light.
 Scene sundial();
 
-/// A camera that frames all finite triangles from a three-quarter view (fov_y 50 degrees); for scenes without one.
+/// For scenes without a camera: one that frames all finite triangles from a three-quarter view (fov_y 50 degrees). An
+/// interior, whose walls and floor show their fronts to its middle and mostly backs to the outside, is seen from
+/// inside.
 Camera framing_camera(const Scene& scene);
 
 /// The light of a scene without lights, if no option gives one: directional, travelling along (-0.4, -1, -0.3).

@@ -366,6 +366,12 @@ TEST_F(Command, WrongCommandLines) {
         {{"render", "-o", "a.png", "--stats="}, "--stats= has no value"},
         {{"render", "-o", "a.png", "--paint"}, "unknown option --paint"},
         {{"render", "-o", "a.png", "one.glb", "two.glb"}, "unexpected argument two.glb"},
+        {{"render", "-o", "a.png", "--exposure", "bright"}, "--exposure needs"},
+        {{"render", "-o", "a.png", "--exposure", "31"}, "--exposure needs auto or a number from -30 to 30"},
+        {{"render", "--mask", "a.png", "--exposure", "1"}, "--exposure is for the picture"},
+        {{"render", "--mask", "a.png", "--ambient", "sky"}, "--ambient is for the picture"},
+        {{"render", "-o", "a.png", "--ambient", "blue"}, "--ambient needs constant, sky or sky:N"},
+        {{"render", "-o", "a.png", "--ambient", "sky:17"}, "--ambient needs"},
         {{"render", "-o", "a.png", "--size", "0x0"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "0x5"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "16385x1"}, "from 1 to 16384"},
@@ -814,6 +820,68 @@ TEST_F(Command, TheDefaultSceneWithEveryOutput) {
     EXPECT_EQ(stats.at("pixels").at("in_shadow"), in_shadow);
     EXPECT_GT(lit, 0u);
     EXPECT_GT(in_shadow, 0u);  // a sundial without a shadow would be none
+}
+
+/// sRGB's formula, inverted.
+double linear_of(std::uint8_t byte) {
+    const double encoded = byte / 255.0;
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+/// An exposure of +1 doubles the light of all that stays below .8; masks stay.
+TEST_F(Command, ExposureDoublesLight) {
+    const auto picture = [&](const char* name, const char* exposure) {
+        render_quietly({"--size", "64x48", "-o", name, "--mask", "m.png", "--exposure", exposure});
+        return read_bytes(in_folder(name)).values;
+    };
+    const auto plain = picture("a.png", "-2");
+    const std::string mask = text_of(in_folder("m.png"));
+    const auto doubled = picture("b.png", "-1");
+    EXPECT_EQ(text_of(in_folder("m.png")), mask);
+    ASSERT_EQ(plain.size(), doubled.size());
+    for (std::size_t i = 0; i < plain.size(); ++i) ASSERT_NEAR(linear_of(doubled[i]), 2 * linear_of(plain[i]), 0.01);
+    // Metered: one pixel of twenty of the scene is above .8, and no channel is much above 1.
+    render_quietly({"--size", "64x48", "-o", "c.png", "--exposure", "auto", "--aov", "c.exr", "--stats", "s.json"});
+    const auto metered = read_bytes(in_folder("c.png")).values;
+    const std::vector<Pixel> pixels = read_aov(in_folder("c.exr"));
+    std::size_t seen = 0, bright = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        if (pixels[i].receiver == sky) continue;
+        ++seen;
+        bright += linear_of(*std::max_element(&metered[3 * i], &metered[3 * i] + 3)) > 0.803;
+    }
+    EXPECT_NEAR(double(bright) / double(seen), 0.05, 0.02);
+    EXPECT_TRUE(statistics("s.json").at("exposure_ev").is_number());
+}
+
+/// The share of the sky that an infinite street between walls as high as half its width sees from its middle:
+/// the walls hide all but 45 degrees to each side of the zenith, sin(45) = .707 with cosine weights. Beside it an open
+/// field, which sees all, and the outer side of a wall, which sees half.
+TEST_F(Command, AStreetSeesItsShareOfTheSky) {
+    constexpr float far = 4000;
+    std::vector<float> triangles;
+    const auto add = [&](std::array<float, 3> a, std::array<float, 3> b, std::array<float, 3> c,
+                         std::array<float, 3> d) {
+        for (const auto& p : {a, b, c, a, c, d}) triangles.insert(triangles.end(), p.begin(), p.end());
+    };
+    add({-20, 0, -far}, {-20, 0, far}, {1, 0, far}, {1, 0, -far});
+    add({-1, 0, -far}, {-1, 0, far}, {-1, 1, far}, {-1, 1, -far});
+    add({1, 0, -far}, {1, 0, far}, {1, 1, far}, {1, 1, -far});
+    write_scene(folder_, "street", triangles);
+    const auto share = [&](const char* eye, const char* target, const char* ambient) {
+        render_quietly({"street.gltf", "--size", "1x1", "--aov", "a.exr", "--eye", eye, "--target", target, "--up",
+                        "0,0,1", "--fovy", "1", "--light", "sun", "--ambient", ambient});
+        const auto input = OIIO::ImageInput::open(in_folder("a.exr").string());
+        const int channel = input->spec().channelindex("sky");
+        float value = -1;
+        EXPECT_TRUE(channel >= 0 && input->read_image(0, 0, channel, channel + 1, OIIO::TypeFloat, &value));
+        return double(value);
+    };
+    EXPECT_NEAR(share("0,0.5,0", "0,0,0", "sky"), std::sqrt(0.5), 0.04);  // 145 patches
+    EXPECT_NEAR(share("0,0.5,0", "0,0,0", "sky:5"), std::sqrt(0.5), 0.01);
+    EXPECT_NEAR(share("-15,4,0", "-15,0,0", "sky:5"), 1, 0.01);
+    // The wall's outer side: the half of the sky that is on its side.
+    EXPECT_NEAR(share("-5,0.5,0", "-1,0.5,0", "sky:5"), 0.5, 0.01);
 }
 
 TEST_F(Command, ShadowsOfASquareOverAFloorUnderAVerticalLight) {
