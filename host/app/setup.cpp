@@ -56,7 +56,7 @@ ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::S
     }
     if (!scene.cameras.empty())
         return {scene.cameras.front().camera, "the scene's first camera, \"" + scene.cameras.front().name + "\""};
-    return {scene::framing_camera(scene), "frames the whole scene"};
+    return {scene::framing_camera(scene), "the default: frames the scene, or stands in an interior"};
 }
 
 }  // namespace

@@ -40,12 +40,13 @@ Bounds bounds_of_finite_triangles(const Scene& scene) {
 
 // ---- Interiors ------------------------------------------------------------------------------------------------------
 // Walls of a room show their fronts (counter-clockwise vertices) to those inside. So a scene is an interior if its
-// middle has walls on four sides and a floor, all with their fronts to it, and most of what is seen from outside are
-// backs.
+// middle has walls on four sides and a floor, all with their fronts to it, and there is nothing to see from outside:
+// mostly backs, or a plain box around it all.
 
 /// Lines parallel to an axis of the box that do not meet its middle's own planes: fractions of its sides.
 constexpr double line_positions[] = {0.137, 0.319, 0.5071, 0.683, 0.871};
-constexpr double least_backs_outside = 0.5;
+constexpr double least_backs_outside = 0.5, least_on_box = 0.9;
+constexpr double box_share = 0.03;  ///< of a side: how near to the bounding box a plain box is
 
 /// What a line along an axis meets: the triangle nearest to the middle on each side, and the outermost on each side.
 struct LineHits {
@@ -90,7 +91,8 @@ public:
                 e[k] = (a[u] - x) * (b[v] - y) - (a[v] - y) * (b[u] - x);
                 sum += e[k];
             }
-            if (!((e[0] > 0 && e[1] > 0 && e[2] > 0) || (e[0] < 0 && e[1] < 0 && e[2] < 0))) continue;
+            const bool is_inside = (e[0] >= 0 && e[1] >= 0 && e[2] >= 0) || (e[0] <= 0 && e[1] <= 0 && e[2] <= 0);
+            if (!is_inside || sum == 0) continue;
             hits[i].add((e[0] * t[axis_] + e[1] * t[axis_ + 3] + e[2] * t[axis_ + 6]) / sum, sum > 0, middle_[axis_]);
         }
     }
@@ -114,25 +116,28 @@ void meet(const Scene& scene, std::span<Lines> lines) {
             for (Lines& of_axis : lines) of_axis.add(&scene.triangles[9 * i]);
 }
 
-/// True if most of what lines from the four sides meet first are backs.
-bool shows_backs(const Scene& scene, const Bounds& bounds, const Double3& middle) {
+/// True if lines from the four sides mostly meet backs first, or a plain box.
+bool hides_its_inside(const Scene& scene, const Bounds& bounds, const Double3& middle) {
     std::array<Lines, 2> lines{Lines(0, middle), Lines(2, middle)};
     for (Lines& of_axis : lines) of_axis.all_over(bounds);
     meet(scene, lines);
-    std::size_t backs = 0, seen = 0;
-    for (const Lines& of_axis : lines)
-        for (const LineHits& line : of_axis.hits) {
+    std::size_t backs = 0, seen = 0, on_box = 0;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const double least = bounds.least[2 * i], most = bounds.most[2 * i], near = box_share * (most - least);
+        for (const LineHits& line : lines[i].hits) {
             if (!std::isfinite(line.outer[0])) continue;
             seen += 2;
             backs += std::size_t(line.is_outer_up[0]) + std::size_t(!line.is_outer_up[1]);
+            on_box += std::size_t(line.outer[0] - least < near) + std::size_t(most - line.outer[1] < near);
         }
-    return double(backs) > least_backs_outside * double(seen);
+    }
+    return double(backs) > least_backs_outside * double(seen) || double(on_box) > least_on_box * double(seen);
 }
 
 /// The camera of an interior: above the middle of its floor, near one end of the longer axis and looking along it.
 /// Nothing for other scenes.
 std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) {
-    constexpr double eye_height = 0.3, eye_distance = 0.08, interior_fov_y_degrees = 65;
+    constexpr double eye_height = 0.3, eye_distance = 0.2, interior_fov_y_degrees = 65;
     Double3 middle;
     for (int i = 0; i < 3; ++i) middle[i] = bounds.least[i] / 2 + bounds.most[i] / 2;
     middle[1] = bounds.least[1] + eye_height * (bounds.most[1] - bounds.least[1]);
@@ -142,7 +147,7 @@ std::optional<Camera> interior_camera(const Scene& scene, const Bounds& bounds) 
     const LineHits &x = lines[0].hits[0], &y = lines[1].hits[0], &z = lines[2].hits[0];
     for (const LineHits* line : {&x, &z})
         if (!line->is_met(0) || !line->is_met(1) || !line->is_inner_up[0] || line->is_inner_up[1]) return {};
-    if (!y.is_met(0) || !y.is_inner_up[0] || !shows_backs(scene, bounds, middle)) return {};
+    if (!y.is_met(0) || !y.is_inner_up[0] || !hides_its_inside(scene, bounds, middle)) return {};
     const std::size_t axis = x.inner[1] - x.inner[0] >= z.inner[1] - z.inner[0] ? 0 : 2;
     const LineHits& longer = axis == 0 ? x : z;
     Double3 eye = middle, target = middle;

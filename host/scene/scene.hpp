@@ -156,8 +156,8 @@ private:
 Scene sundial();
 
 /// For scenes without a camera: one that frames all finite triangles from a three-quarter view (fov_y 50 degrees). An
-/// interior, whose walls and floor show their fronts to its middle and mostly backs to the outside, is seen from
-/// inside.
+/// interior, whose walls and floor show their fronts to its middle and to the outside backs or a plain box, is seen
+/// from inside (65 degrees).
 Camera framing_camera(const Scene& scene);
 
 /// The light of a scene without lights, if no option gives one: directional, travelling along (-0.4, -1, -0.3).

@@ -840,17 +840,21 @@ TEST_F(Command, ExposureDoublesLight) {
     EXPECT_EQ(text_of(in_folder("m.png")), mask);
     ASSERT_EQ(plain.size(), doubled.size());
     for (std::size_t i = 0; i < plain.size(); ++i) ASSERT_NEAR(linear_of(doubled[i]), 2 * linear_of(plain[i]), 0.01);
-    // Metered: one pixel of twenty of the scene is above .8, and no channel is much above 1.
+    // Metered: at most one pixel of twenty of the scene is above .8 (one byte more is .807), and at least one of twenty
+    // is there.
     render_quietly({"--size", "64x48", "-o", "c.png", "--exposure", "auto", "--aov", "c.exr", "--stats", "s.json"});
     const auto metered = read_bytes(in_folder("c.png")).values;
     const std::vector<Pixel> pixels = read_aov(in_folder("c.exr"));
-    std::size_t seen = 0, bright = 0;
+    std::size_t seen = 0, above = 0, at_least = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         if (pixels[i].receiver == sky) continue;
         ++seen;
-        bright += linear_of(*std::max_element(&metered[3 * i], &metered[3 * i] + 3)) > 0.803;
+        const double brightest = linear_of(*std::max_element(&metered[3 * i], &metered[3 * i] + 3));
+        above += brightest > 0.803;
+        at_least += brightest > 0.79;
     }
-    EXPECT_NEAR(double(bright) / double(seen), 0.05, 0.02);
+    EXPECT_LE(above, seen / 20);
+    EXPECT_GE(at_least, seen / 20);
     EXPECT_TRUE(statistics("s.json").at("exposure_ev").is_number());
 }
 
