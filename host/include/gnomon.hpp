@@ -548,7 +548,7 @@ struct ColorTexture {
     std::uint32_t width = 0, height = 0;
     std::span<const std::uint8_t> rgba;
 };
-/// How a material takes its texture. Its colours are filtered in linear light over the pixel's footprint, through all
+/// How a material takes its texture. Its colours are filtered in linear light over the pixel's area in it, through all
 /// levels of half the size; `filter` is for texels larger than pixels.
 struct ColorTextureUse {
     std::uint32_t texture = no_texture;

@@ -12,7 +12,7 @@
 // The light of the whole sky, beside the 1 - AMBIENT of a light that shines from above; and the part of the ambient
 // light that stays beside it.
 #define SKY_LIGHT 0.45f
-#define REFLECTED_AMBIENT 0.3f
+#define REFLECTED_AMBIENT 0.5f
 
 static uchar to_srgb(float linear, __global const uchar* table) {
     return table[(int)(clamp(linear, 0.0f, 1.0f) * (float)(SRGB_TABLE_SIZE - 1) + 0.5f)];

@@ -92,9 +92,9 @@ static float3 albedo_of(__global const SurfaceRecord* record, const Barycentric*
     if (material.texture == GN_NO_ID) return albedo;
     SurfaceTexture of = textures[material.texture];
     Texels texture = {texels + of.first_texel, decoded, of.width, of.height, material.wrap_u, material.wrap_v};
-    TextureFootprint footprint = {blended_coordinates(record, at->at), blended_coordinates(record, at->across),
-                                  blended_coordinates(record, at->down)};
-    return albedo * filtered(&texture, &footprint, material.is_nearest != 0u);
+    TextureArea area = {blended_coordinates(record, at->at), blended_coordinates(record, at->across),
+                        blended_coordinates(record, at->down)};
+    return albedo * filtered(&texture, &area, material.is_nearest != 0u);
 }
 
 // `slots`: of each pixel the record, or GN_NO_ID. Sky: 0.

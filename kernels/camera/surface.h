@@ -5,7 +5,7 @@
 // The host gathers a record for each triangle that the picture shows (its slot), with what the corners have: texture
 // coordinates, colours, normals. A pixel's barycentric coordinates are those of its centre's ray, weights w_i . d with
 // w_a = (B - E) x (C - B) and so on, which are linear in the ray's direction d: so their derivatives per pixel, the
-// footprint of the pixel in the texture, are exact for the pinhole camera (Igehy 1999, "Tracing Ray Differentials").
+// area of the pixel in the texture, are exact for the pinhole camera (Igehy 1999, "Tracing Ray Differentials").
 //
 // Texels: 8-bit sRGB, and a weight. Each texture has all its levels, one behind the other, each of half the sides
 // (rounded down, at least 1). Texels are decoded before they are filtered.
@@ -18,7 +18,7 @@
 #define SURFACE_MIRROR 1u
 #define SURFACE_CLAMP 2u
 
-// The most probes of a footprint, each trilinear, along its longer axis.
+// The most probes of a pixel, each trilinear, along its longer axis.
 #define SURFACE_MOST_PROBES 16
 
 GN_STRUCT_BEGIN(SurfaceParams)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Surfaces of a view: textures of which every texel is known, seen where each pixel's footprint is known.
+// Surfaces of a view: textures of which every texel is known, seen where each pixel's area is known.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -151,8 +151,8 @@ TEST(Surfaces, ClearTexelsGiveNoColourWhereAlphaWeighs) {
     EXPECT_NEAR(weighed.albedo[13], 3.0 / 258, 0.01);
 }
 
-/// Stripes across a floor, along the view. At ten times the eye's height a pixel is 1.4 texels wide and 14 long: a
-/// footprint as wide as it is long would make stripes of 8 texels grey.
+/// Stripes across a floor, along the view. At ten times the eye's height a pixel is 1.4 texels wide and 14 long: an
+/// area as wide as it is long would make stripes of 8 texels grey.
 TEST(Surfaces, StripesAlongTheViewStaySharp) {
     Square square;
     square.triangles = {-99, 0, -1, 99, 0, -1, 99, 0, -99, -99, 0, -1, 99, 0, -99, -99, 0, -99};
