@@ -77,4 +77,65 @@ TEST(Shade, ASphereShowsNoTriangles) {
     EXPECT_LT(smooth, 0.035);
 }
 
+/// The square from (-1, -1, 0) to (1, 1, 0), seen and lit from the front.
+struct Lit {
+    Device device;
+    Triangles triangles = Triangles::upload(device, {{-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0}});
+    View view;
+    Visibility visibility;
+    Light light = Light::directional({0, 0, -1});
+
+    explicit Lit(std::uint32_t side = 1, double distance = 1)
+        : view(look(device, triangles, Camera::look_at({0, 0, float(distance)}, {0, 0, 0}, {0, 1, 0}, 90), side, side)),
+          visibility(device, view.points.count()) {
+        make_technique("frustum-traced", device)->run(triangles, view.points, light, visibility);
+    }
+    Picture shaded(const Float3& color, std::size_t lights, const ShadeOptions& options = {}) const {
+        const Surfaces surfaces(device, triangles, view, {{0, 0}, {color}});
+        return shade(surfaces, std::vector<Visibility>(lights, visibility), std::vector<Light>(lights, light), options);
+    }
+    double brightness(const Float3& color, std::size_t lights, const ShadeOptions& options = {}) const {
+        return linear(shaded(color, lights, options).rgba[0]);
+    }
+};
+
+/// White under n lights: .25 ambient + .75 n. From .8 on Khronos' curve has 1 - .04 / (x - .6).
+TEST(Shade, BrightLightFollowsTheToneCurve) {
+    const Lit lit;
+    const double half_a_byte = 0.005;
+    EXPECT_NEAR(lit.brightness({0.8f, 0.8f, 0.8f}, 0), 0.2, half_a_byte);
+    EXPECT_NEAR(lit.brightness({0.8f, 0.8f, 0.8f}, 1), 0.8, half_a_byte);
+    EXPECT_NEAR(lit.brightness({1, 1, 1}, 1), 0.9, half_a_byte);
+    EXPECT_NEAR(lit.brightness({1, 1, 1}, 3), 1 - 0.04 / 1.9, half_a_byte);
+    EXPECT_NEAR(lit.brightness({1, 1, 1}, 1, {.exposure_ev = -1}), 0.5, half_a_byte);
+    EXPECT_NEAR(lit.brightness({1, 1, 1}, 1, {.exposure_ev = 1}), 1 - 0.04 / 1.4, half_a_byte);
+    // Red at 5 times its light is nearly white: 1 - .04 / 4.4 and a share 1 / (1 + .15 (5 - .99)) of its own colour.
+    const std::vector<std::uint8_t> red = lit.shaded({1, 0, 0}, 1, {.exposure_ev = std::log2(5)}).rgba;
+    EXPECT_NEAR(linear(red[0]), 1 - 0.04 / 4.4, half_a_byte);
+    EXPECT_NEAR(linear(red[1]), (1 - 0.04 / 4.4) * (1 - 1 / (1 + 0.15 * (5 - (1 - 0.04 / 4.4)))), half_a_byte);
+}
+
+TEST(Shade, MeteredLightIsBelowTheCurve) {
+    const Lit lit;
+    const Picture metered = lit.shaded({0.1f, 0.1f, 0.1f}, 1, {.exposure_ev = std::nullopt});
+    EXPECT_NEAR(metered.exposure_ev, 3, 1e-5);  // .1 to .8
+    EXPECT_NEAR(linear(metered.rgba[0]), 0.8, 0.005);
+    const Picture black = lit.shaded({0, 0, 0}, 1, {.exposure_ev = std::nullopt});
+    EXPECT_EQ(black.exposure_ev, 0);
+    const Lit sky(1, -3);  // the eye looks away from behind: nothing of the square is in the middle
+    EXPECT_TRUE(std::isfinite(sky.shaded({1, 1, 1}, 1, {.exposure_ev = std::nullopt}).exposure_ev));
+}
+
+/// Ambient light is .25 here. Of the sky it is half of that and .45 of blueish white: .8, .97, 1.26.
+TEST(Shade, TheSkysLightTakesThePlaceOfAmbientLight) {
+    const Lit lit;
+    const std::vector<float> none{0}, half{0.5f}, two{0, 0};
+    EXPECT_NEAR(lit.brightness({1, 1, 1}, 0, {.sky_shares = none}), 0.125, 0.003);
+    const std::vector<std::uint8_t> rgba = lit.shaded({1, 1, 1}, 0, {.sky_shares = half}).rgba;
+    EXPECT_NEAR(linear(rgba[0]), 0.125 + 0.5 * 0.45 * 0.8, 0.003);
+    EXPECT_NEAR(linear(rgba[2]), 0.125 + 0.5 * 0.45 * 1.26, 0.003);
+    EXPECT_THROW(lit.shaded({1, 1, 1}, 0, {.sky_shares = two}), InvalidArgument);
+    EXPECT_THROW(lit.shaded({1, 1, 1}, 0, {.exposure_ev = NAN}), InvalidArgument);
+}
+
 }  // namespace
