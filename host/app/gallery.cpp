@@ -68,6 +68,7 @@ struct Hall {
     const scene::Scene& scene;
     Triangles triangles;
     View view;
+    Surfaces surfaces;
     Light light;
     std::vector<float> truth;
 };
@@ -93,7 +94,7 @@ ordered_json results(Hall& hall, const Chosen& chosen, std::uint32_t runs) {
     if (hall.truth.empty()) hall.truth = visible;
     const std::uint32_t width = hall.view.width, height = hall.view.height;
     const measure::VisibilityErrors errors = measure::visibility_errors(visible, hall.truth, width, height);
-    const auto shaded = shade(hall.device, hall.triangles, hall.view, visibility, hall.scene.materials, hall.light);
+    const Picture shaded = shade(hall.surfaces, {&visibility, 1}, {&hall.light, 1});
     ordered_json diagnostics = ordered_json::array();
     for (const auto& [name, meaning] : chosen.technique.diagnostics) {
         const auto drawn = technique->diagnose(name, hall.triangles, hall.view.points, hall.light);
@@ -110,7 +111,7 @@ ordered_json results(Hall& hall, const Chosen& chosen, std::uint32_t runs) {
             {"mean_absolute", errors.mean_absolute},
             {"worst_tile", errors.worst_tile},
             {"ssim", errors.ssim},
-            {"picture", data_uri("jpeg", width, height, shaded)},
+            {"picture", data_uri("jpeg", width, height, shaded.rgba)},
             {"difference", data_uri("png", width, height, measure::difference_picture(visible, hall.truth))},
             {"diagnostics", diagnostics}};
 }
@@ -172,13 +173,14 @@ void gallery(const GalleryOptions& options) {
     const Device device = open_device(options, false);
     // A wrong setting is refused before the long work.
     for (const Chosen& one : all) make_technique(device, one.technique.name, one.settings);
-    const scene::Scene scene = load_scene(options);
+    const scene::Scene scene = load_scene(options, true);
     const ChosenCamera camera = choose_camera(options, scene);
     const ChosenLight light = choose_light(options, scene);
 
     const Triangles triangles = upload_triangles(device, scene);
-    Hall hall{device,      scene,
-              triangles,   look(device, triangles, camera.camera, options.size.width, options.size.height),
+    const View view = look(device, triangles, camera.camera, options.size.width, options.size.height);
+    const scene::SurfaceDetailView detail(scene);
+    Hall hall{device,      scene, triangles, view, {device, triangles, view, scene.materials, detail.get()},
               light.light, {}};
     ordered_json page = page_json(options, device, scene, camera, light);
     for (const Chosen& one : all) {

@@ -8,6 +8,7 @@
 #include <OpenImageIO/strutil.h>
 
 #include <algorithm>
+#include <bit>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,32 +34,38 @@ private:
     ByteSink& file_;
 };
 
-/// One pixel of the EXR, as its channels lie in memory. Floats and an unsigned integer, all of 4 bytes: no padding.
-struct AovPixel {
-    float position[3];
-    float normal[3];
-    float value;
-    std::uint32_t receiver;
-};
-static_assert(sizeof(AovPixel) == 32);
-
-OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel) {
+/// The first eight channels, and more with surfaces and with shares of the sky.
+OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel, const AovSurfaces& surfaces) {
     OIIO::ImageSpec spec(int(width), int(height), 8, OIIO::TypeFloat);
     spec.channelnames = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", channel, "receiver"};
-    spec.channelformats.assign(7, OIIO::TypeFloat);
-    spec.channelformats.push_back(OIIO::TypeUInt32);
+    if (surfaces.surfaces != nullptr)
+        for (const char* name : {"albedo.R", "albedo.G", "albedo.B", "Ns.X", "Ns.Y", "Ns.Z"})
+            spec.channelnames.emplace_back(name);
+    if (!surfaces.sky_shares.empty()) spec.channelnames.emplace_back("sky");
+    spec.nchannels = int(spec.channelnames.size());
+    spec.channelformats.assign(spec.channelnames.size(), OIIO::TypeFloat);
+    spec.channelformats[7] = OIIO::TypeUInt32;
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "");  // else OpenImageIO writes the time of day, and equal values give unequal files
     return spec;
 }
 
-AovPixel aov_pixel(const ViewOnHost& view, std::span<const float> values, std::size_t pixel) {
-    AovPixel result{};
-    std::copy_n(view.position.begin() + std::ptrdiff_t(3 * pixel), 3, result.position);
-    std::copy_n(view.normal.begin() + std::ptrdiff_t(3 * pixel), 3, result.normal);
-    result.value = values[pixel];
-    result.receiver = view.receiver[pixel];
-    return result;
+/// Appends the channels of a pixel, floats and an unsigned integer, of 4 bytes each and without gaps.
+void put_aov_pixel(const ViewOnHost& view, std::span<const float> values, const AovSurfaces& surfaces,
+                   std::size_t pixel, std::vector<std::uint32_t>& band) {
+    const auto put = [&](float value) { band.push_back(std::bit_cast<std::uint32_t>(value)); };
+    const auto put_three = [&](const std::vector<float>& from) {
+        for (std::size_t k = 0; k < 3; ++k) put(from[3 * pixel + k]);
+    };
+    put_three(view.position);
+    put_three(view.normal);
+    put(values[pixel]);
+    band.push_back(view.receiver[pixel]);
+    if (surfaces.surfaces != nullptr) {
+        put_three(surfaces.surfaces->albedo);
+        put_three(surfaces.surfaces->normal);
+    }
+    if (!surfaces.sky_shares.empty()) put(surfaces.sky_shares[pixel]);
 }
 
 std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,
@@ -79,7 +86,8 @@ std::string data_uri(const std::string& format, std::uint32_t width, std::uint32
 }
 
 void write_aov(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
-               std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel) {
+               std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel,
+               const AovSurfaces& surfaces) {
     FileProxy proxy(file, name);
     const auto output = OIIO::ImageOutput::create("exr");
     if (!output || !output->supports("ioproxy"))
@@ -88,16 +96,17 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
         file.check();  // first, as the system's reason, if there is one, is more precise
         if (!is_done) throw Error("cannot write " + name + ": " + output->geterror());
     };
-    OIIO::ImageSpec spec = aov_spec(width, height, channel);
+    OIIO::ImageSpec spec = aov_spec(width, height, channel, surfaces);
     spec.attribute("Software", software);
     // The argument names the format: the file's own name may be anything (a temporary, a device).
     require(output->set_ioproxy(&proxy) && output->open("picture.exr", spec));
-    std::vector<AovPixel> band;
+    std::vector<std::uint32_t> band;
     for (std::uint32_t first = 0; first < height; first += band_rows) {
         const std::uint32_t rows = std::min(band_rows, height - first);
         const std::size_t first_pixel = std::size_t(first) * width;
-        band.resize(std::size_t(rows) * width);
-        for (std::size_t i = 0; i < band.size(); ++i) band[i] = aov_pixel(view, values, first_pixel + i);
+        band.clear();
+        for (std::size_t i = 0; i < std::size_t(rows) * width; ++i)
+            put_aov_pixel(view, values, surfaces, first_pixel + i, band);
         // Packed rows, each channel's bits as they are: unknown means native.
         require(output->write_scanlines(int(first), int(first + rows), 0, OIIO::TypeUnknown, band.data()));
     }
@@ -108,4 +117,4 @@ void write_aov(ByteSink& file, const std::string& name, const std::string& softw
 }  // namespace gnomon::app
 
 extern "C" const gnomon::app::OpenImageIo gnomon_openimageio{gnomon::app::write_aov, gnomon::app::data_uri,
-                                                             gnomon::app::read_alpha};
+                                                             gnomon::app::read_alpha, gnomon::app::read_colors};

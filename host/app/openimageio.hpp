@@ -10,21 +10,29 @@
 #include <string>
 
 #include <gnomon.hpp>
-#include "alpha_image.hpp"
+#include "decoded_image.hpp"
 #include "output_files.hpp"
 
 namespace gnomon::app {
+
+/// More channels of an EXR; either may be empty.
+struct AovSurfaces {
+    const SurfacesOnHost* surfaces = nullptr;
+    std::span<const float> sky_shares{};
+};
 
 /// The functions of the module. Failures are Error.
 struct OpenImageIo {
     /// As write_aov() of pictures.hpp; errors call the file `name`, and the file names `software` as its maker.
     void (*write_aov)(ByteSink& file, const std::string& name, const std::string& software, std::uint32_t width,
-                      std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel);
+                      std::uint32_t height, const ViewOnHost& view, std::span<const float> values, const char* channel,
+                      const AovSurfaces& surfaces);
     /// The first three channels as "data:image/FORMAT;base64,...". `pixel_bytes`: from one pixel to the next.
     std::string (*data_uri)(const std::string& format, std::uint32_t width, std::uint32_t height,
                             std::span<const std::uint8_t> pixels, std::ptrdiff_t pixel_bytes);
-    /// alpha_image.hpp
+    /// decoded_image.hpp
     AlphaImage (*read_alpha)(std::span<const unsigned char> bytes);
+    RgbaImage (*read_colors)(std::span<const unsigned char> bytes, std::uint64_t most_bytes);
 };
 
 }  // namespace gnomon::app

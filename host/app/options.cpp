@@ -152,7 +152,9 @@ void add_output_options(CLI::App& app, RenderOptions& options) {
         "Visibility, 8-bit, one channel: 255 lit (and sky), 0 in shadow, else the mean of --samples",
         into(options.mask, parse_file, ".png"));
     add("--aov", "FILE.exr",
-        "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint); "
+        "One EXR, lossless: P.X P.Y P.Z N.X N.Y N.Z visibility (float), receiver (uint), and of the\n"
+        "surfaces albedo.R albedo.G albedo.B (linear) Ns.X Ns.Y Ns.Z (shading normal), with\n--ambient sky the sky's "
+        "share; "
         "sky: P = N = 0, visibility 1, receiver 4294967295",
         into(options.aov, parse_file, ".exr"));
     add("--dump-triangles", "FILE",
@@ -169,6 +171,34 @@ void add_output_options(CLI::App& app, RenderOptions& options) {
     add.flag("--profile", options.profile,
              "Time each stage on the device, for the table and --stats. The host waits after each\n"
              "stage, so that the run as a whole takes a little longer");
+}
+
+void parse_ambient(RenderOptions& options, const std::string& option, const std::string& text) {
+    if (text == "constant")
+        options.sky_division = 0;
+    else if (text == "sky")
+        options.sky_division = 1;
+    else if (text.starts_with("sky:"))
+        options.sky_division = parse_count(option, text.substr(4), 1, 16);
+    else
+        throw UsageError(option + " needs constant, sky or sky:N, not \"" + text + "\"");
+}
+
+void add_picture_options(CLI::App& app, RenderOptions& options) {
+    const Group add{app, "Picture (masks and --aov's visibility do not depend on these)"};
+    add("--exposure", "EV|auto",
+        "All light times 2^EV; auto: so that 95 % of the surfaces' pixels are no brighter than .8\n"
+        "(default: 0 for one light, auto for more and for --ambient sky)",
+        [&](const std::string& option, const std::string& text) {
+            options.is_metered = text == "auto";
+            options.exposure_ev = options.is_metered ? std::nullopt : std::optional(parse_double(option, text));
+            if (options.exposure_ev && std::abs(*options.exposure_ev) > 30)
+                throw UsageError(option + " needs auto or a number from -30 to 30, not \"" + text + "\"");
+        });
+    add("--ambient", "constant|sky[:N]",
+        "sky: each pixel gets the light of those patches of the sky that it sees, each decided\n"
+        "exactly: Tregenza's 145 patches (N = 1, the default), or N * N times as many, N up to 16",
+        [&](const std::string& option, const std::string& text) { parse_ambient(options, option, text); });
 }
 
 void add_samples(const Group& add, const std::string& meaning, std::uint32_t& samples) {
@@ -284,6 +314,11 @@ void check_sequence(const RenderOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
+    const bool has_picture = options.picture && !options.diagnostic;
+    if ((options.exposure_ev || options.is_metered) && !has_picture)
+        throw UsageError("--exposure is for the picture: give -o FILE.png, without --diagnostic");
+    if (options.sky_division != 0 && !has_picture && !options.aov)
+        throw UsageError("--ambient is for the picture: give -o FILE.png or --aov FILE.exr, without --diagnostic");
     if (options.light == "all" && (options.aov || options.diagnostic))
         throw UsageError("--aov and --diagnostic show one light: name it with --light instead of all");
     if (!options.picture && !options.mask && !options.aov && !options.triangle_dump && !options.point_dump &&
@@ -325,6 +360,7 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
     add_light_options(*render, options,
                       ";\nall: every light of the scene, each with its own mask and statistics; the picture\n"
                       "is lit by all, and --mask NAME.png writes NAME_0.png, NAME_1.png, ...");
+    add_picture_options(*render, options);
     add_technique_options(*render, options);
     add_device_options(*render, options);
     return render;

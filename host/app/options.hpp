@@ -71,6 +71,10 @@ struct RenderOptions : ViewOptions {
     std::optional<float> sun_angle_degrees;    ///< of the disk that a directional light is; none: a point of the sky
     std::optional<std::uint32_t> sun_samples;  ///< of the disk
 
+    std::optional<double> exposure_ev;  ///< of the picture; none: metered, or 0
+    bool is_metered = false;
+    std::uint32_t sky_division = 0;  ///< of sky_patches(), for the picture's ambient light; 0: ambient light everywhere
+
     std::string technique = "frustum-traced";
     std::vector<std::pair<std::string, std::string>> settings;  ///< for Technique::set, in this order
 };

@@ -125,8 +125,8 @@ void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std
 }
 
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
-               std::span<const float> values, const char* channel) {
-    open_image_io().write_aov(file, file.target().string(), software(), width, height, view, values, channel);
+               std::span<const float> values, const char* channel, const AovSurfaces& surfaces) {
+    open_image_io().write_aov(file, file.target().string(), software(), width, height, view, values, channel, surfaces);
 }
 
 std::string data_uri(const char* format, std::uint32_t width, std::uint32_t height,
@@ -140,6 +140,10 @@ std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<
 }
 
 AlphaImage decode_alpha(std::span<const unsigned char> bytes) { return open_image_io().read_alpha(bytes); }
+
+RgbaImage decode_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
+    return open_image_io().read_colors(bytes, most_bytes);
+}
 
 void require_openimageio() { open_image_io(); }
 

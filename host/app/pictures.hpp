@@ -8,7 +8,7 @@
 #include <string>
 
 #include <gnomon.hpp>
-#include "alpha_image.hpp"
+#include "openimageio.hpp"
 #include "output_files.hpp"
 
 namespace gnomon::app {
@@ -19,9 +19,10 @@ void write_picture(OutputFile& file, std::uint32_t width, std::uint32_t height, 
 /// An 8-bit PNG of one channel: 255 lit (and sky), 0 in shadow, rounded between.
 void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const float> visibility);
 
-/// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z and the values' channel FLOAT, receiver UINT.
+/// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z and the values' channel FLOAT, receiver UINT; with surfaces
+/// albedo.R .G .B and Ns.X .Y .Z FLOAT, too, and with shares of the sky channel sky.
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
-               std::span<const float> values, const char* channel = "visibility");
+               std::span<const float> values, const char* channel = "visibility", const AovSurfaces& surfaces = {});
 
 /// A picture inside a page, from RGB or RGBA bytes: "data:image/png;base64,..." is exact, "data:image/jpeg..." for
 /// looks.
@@ -30,8 +31,9 @@ std::string data_uri(const char* format, std::uint32_t width, std::uint32_t heig
 /// RGBA bytes as a PNG, or as a JPEG where that is shorter: pictures of a few colours stay exact.
 std::string short_data_uri(std::uint32_t width, std::uint32_t height, std::span<const std::uint8_t> rgba);
 
-/// The alpha of an image file in memory (alpha_image.hpp).
+/// The alpha of an image file in memory (decoded_image.hpp).
 AlphaImage decode_alpha(std::span<const unsigned char> bytes);
+RgbaImage decode_colors(std::span<const unsigned char> bytes, std::uint64_t most_bytes);
 
 /// Throws Error if any function but write_picture() and write_mask() would: to be called before long work.
 void require_openimageio();

@@ -207,7 +207,7 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
 /// The same bits with the triangles on the host, for a scene that the device cannot hold at once.
 Seen see_in_parts(Steps& steps, Report& report, const Device& device, const scene::Scene& scene) {
     const std::span<const float> vertices = scene.triangles;
-    const scene::CutOutsView cut_outs(scene.cut_outs);
+    const scene::CutOutsView cut_outs(scene);
     const auto [width, height] = report.options.size;
     ViewOfParts looked = steps.run("camera_in_parts", "camera, in parts", [&] {
         return look_in_parts(device, vertices, report.camera.camera, width, height, cut_outs.get());
@@ -227,8 +227,8 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, const scen
 /// An exact technique gives the whole's visibility from parts. Samples, dumped points and diagnostics are for scenes
 /// that fit.
 bool can_be_in_parts(const RenderOptions& options) {
-    return options.samples == 1 && !options.sun_angle_degrees && !options.point_dump && !options.diagnostic &&
-           describe_technique(options.technique).exact;
+    return options.samples == 1 && !options.sun_angle_degrees && options.sky_division == 0 && !options.point_dump &&
+           !options.diagnostic && describe_technique(options.technique).exact;
 }
 
 /// Only exact techniques decide masks. Others are warned about, and refused under --strict.
@@ -239,12 +239,83 @@ void require_exact_for_cut_outs(const RenderOptions& options, const scene::Scene
     print_warning(what);
 }
 
-Materials materials_of(const scene::Scene& scene, const Seen& seen) {
-    if (seen.ids.empty()) return scene.materials;
-    Materials materials{{}, scene.materials.base_color};
-    for (const std::uint32_t id : seen.ids)
-        materials.triangle_material.push_back(scene.materials.triangle_material[id]);
-    return materials;
+/// True if a file shows what light falls on.
+bool shows_surfaces(const RenderOptions& options) { return (options.picture && !options.diagnostic) || options.aov; }
+
+/// The entries of these triangles, `each` numbers per triangle. Nothing of nothing.
+template <typename Value>
+std::vector<Value> gathered(const std::vector<Value>& from, const std::vector<std::uint32_t>& ids, std::size_t each) {
+    std::vector<Value> out;
+    if (from.empty()) return out;
+    out.reserve(ids.size() * each);
+    for (const std::uint32_t id : ids)
+        out.insert(out.end(), from.begin() + std::ptrdiff_t(each * id), from.begin() + std::ptrdiff_t(each * (id + 1)));
+    return out;
+}
+
+/// What a picture shows of these triangles.
+scene::Scene part_of(const scene::Scene& scene, const std::vector<std::uint32_t>& ids) {
+    scene::Scene part;
+    part.materials = {gathered(scene.materials.triangle_material, ids, 1), scene.materials.base_color};
+    part.texture_coordinates = gathered(scene.texture_coordinates, ids, 6);
+    part.colors = {scene.colors.texture_uses, scene.colors.images, gathered(scene.colors.corner_colors, ids, 9),
+                   gathered(scene.colors.corner_normals, ids, 3)};
+    return part;
+}
+
+/// The surfaces that the camera sees.
+struct SeenSurfaces {
+    SeenSurfaces(const Device& device, const scene::Scene& scene, const Seen& seen)
+        : part(seen.ids.empty() ? scene::Scene() : part_of(scene, seen.ids)),
+          materials(seen.ids.empty() ? scene.materials : part.materials),
+          detail(seen.ids.empty() ? scene : part),
+          surfaces(device, seen.triangles, seen.view, materials, detail.get()) {}
+
+    scene::Scene part;  ///< of a scene that was processed in parts
+    const Materials& materials;
+    scene::SurfaceDetailView detail;
+    Surfaces surfaces;
+    std::vector<float> sky_shares;
+};
+
+std::unique_ptr<SeenSurfaces> surfaces_of(Report& report, const Device& device, const scene::Scene& scene,
+                                          const Seen& seen) {
+    auto made = std::make_unique<SeenSurfaces>(device, scene, seen);
+    report.texture_bytes = made->surfaces.texture_bytes();
+    if (const std::uint32_t levels = made->surfaces.left_out_levels(); levels != 0) {
+        const std::string what = "the textures do not fit into the device's memory: their " + std::to_string(levels) +
+                                 " finest level" + (levels == 1 ? " is" : "s are") + " left out";
+        if (report.options.strict) throw Error(what + " (an error because of --strict)");
+        print_warning(what);
+    }
+    return made;
+}
+
+/// Patches of the sky that give light from all sides: a weight is the patch's solid angle over pi.
+Lights sky_of(std::uint32_t division) {
+    const Lights patches = sky_patches({0, 1, 0}, {0, 0, -1}, division);
+    const std::span<const Light> lights = patches.lights();
+    std::vector<float> weights;
+    for (std::size_t i = 0; i < lights.size(); ++i) weights.push_back(patches.weights()[i] / lights[i].xyzw[1]);
+    return Lights({lights.begin(), lights.end()}, std::move(weights));
+}
+
+/// For each pixel the part of the sky's light that reaches it, by the cosines to its shading normal.
+std::vector<float> sky_shares_of(const Device& device, Technique& technique, const Seen& seen, const Surfaces& surfaces,
+                                 std::uint32_t division) {
+    const Points& of = seen.view.points;
+    // Without the eye: the shading normals decide the side.
+    const Points points = Points::wrap(device, of.positions(), of.layout(), of.count(), of.receivers());
+    const LightsOnHost found = run_lights_to_host(technique, seen.triangles, points, sky_of(division), {.sums = true},
+                                                  {.normals = surfaces.normals(), .cosines = true});
+    return {found.sums.begin(), found.sums.end()};
+}
+
+/// One light without a sky is as bright as the tone curve expects it. Other exposures are metered, if not given; in a
+/// sequence all frames have that of the first.
+std::optional<double> exposure_of(const RenderOptions& options, std::size_t light_count) {
+    if (options.exposure_ev || options.is_metered) return options.exposure_ev;
+    return light_count > 1 || options.sky_division != 0 ? std::nullopt : std::optional<double>(0);
 }
 
 ViewOnHost view_of(const Device& device, const Seen& seen) {
@@ -256,14 +327,18 @@ ViewOnHost view_of(const Device& device, const Seen& seen) {
 }
 
 /// Fills every file but the statistics.
-void write_files(Steps& steps, const Outputs& outputs, const Device& device, const scene::Scene& scene,
-                 const Report& report, const Seen& seen) {
+void write_files(Steps& steps, const Outputs& outputs, const Device& device, const scene::Scene& scene, Report& report,
+                 const Seen& seen, const std::unique_ptr<SeenSurfaces>& surfaces) {
     const std::uint32_t width = seen.view.width, height = seen.view.height;
     const std::vector<Light> lights = lights_of(report);
     if (OutputFile* const picture = outputs["output"]) {
         const auto rgba = steps.run("shade", "shading the picture", [&] {
-            if (!report.options.diagnostic)
-                return shade(device, seen.triangles, seen.view, seen.visibilities, materials_of(scene, seen), lights);
+            if (!report.options.diagnostic) {
+                Picture made = shade(surfaces->surfaces, seen.visibilities, lights,
+                                     {.exposure_ev = report.exposure_ev, .sky_shares = surfaces->sky_shares});
+                report.exposure_ev = made.exposure_ev;
+                return std::move(made.rgba);
+            }
             const auto technique = make_technique(device, report.options.technique, report.options.settings);
             return technique->diagnose(*report.options.diagnostic, seen.triangles, seen.view.points, lights.front());
         });
@@ -277,7 +352,8 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
     if (OutputFile* const aov = outputs["aov"])
         steps.run("write_aov", "writing the EXR", [&] {
             const ViewOnHost view = view_of(device, seen);
-            write_aov(*aov, width, height, view, seen.visible.front());
+            const SurfacesOnHost shown = surfaces->surfaces.read(surfaces->materials);
+            write_aov(*aov, width, height, view, seen.visible.front(), "visibility", {&shown, surfaces->sky_shares});
         });
     if (OutputFile* const dump = outputs["dump-triangles"])
         steps.run("write_triangles", "writing the triangles",
@@ -302,6 +378,7 @@ struct Shared {
     std::unique_ptr<Technique> technique;
     SceneSource source;
     std::optional<ChosenCamera> framing;  ///< the first frame's, for a scene without cameras
+    std::optional<double> exposure_ev;    ///< the first frame's
 };
 
 /// All checks that can refuse the request at once: the device, the technique, the scene's file.
@@ -311,8 +388,9 @@ Shared prepare(Steps& steps, const RenderOptions& options) {
     steps.set_device(device);
     auto technique = steps.run("prepare_technique", "preparing the technique (compiles kernels the first time)",
                                [&] { return make_technique(device, options.technique, options.settings); });
-    SceneSource source = steps.run("read_scene", "reading the scene", [&] { return SceneSource(options); });
-    return {device, std::move(technique), std::move(source), {}};
+    SceneSource source =
+        steps.run("read_scene", "reading the scene", [&] { return SceneSource(options, shows_surfaces(options)); });
+    return {device, std::move(technique), std::move(source), {}, {}};
 }
 
 ChosenCamera camera_of_frame(const RenderOptions& options, const scene::Scene& scene, Shared& shared) {
@@ -344,10 +422,20 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
         shared.technique.reset();  // frees its memory for the next attempt
         return see_in_parts(steps, report, device, scene);
     }();
+    std::unique_ptr<SeenSurfaces> surfaces;
+    if (shows_surfaces(options))
+        surfaces =
+            steps.run("surfaces", "the surfaces' colours", [&] { return surfaces_of(report, device, scene, seen); });
+    if (surfaces && options.sky_division != 0)
+        surfaces->sky_shares = steps.run("sky", "the sky's light", [&] {
+            return sky_shares_of(device, *shared.technique, seen, surfaces->surfaces, options.sky_division);
+        });
     if (options.frames == 0) shared.technique.reset();  // frees its memory for the pictures
+    report.exposure_ev = shared.exposure_ev ? shared.exposure_ev : exposure_of(options, report.lights.size());
 
     // The files, each complete before the first appears.
-    write_files(steps, outputs, device, scene, report, seen);
+    write_files(steps, outputs, device, scene, report, seen, surfaces);
+    if (options.frames > 0) shared.exposure_ev = report.exposure_ev;
     complete(report, device, scene, seen);
     steps.finish();
 }

@@ -243,11 +243,13 @@ nlohmann::ordered_json statistics_json(const Report& report) {
     else
         for (const LightReport& light : report.lights)
             json["lights"].push_back(light_part_json(light, options.profile));
-    json.update(
-        {{"memory",
-          {{"device_bytes", report.device_memory_bytes}, {"device_peak_bytes", report.device_memory_peak_bytes}}},
-         {"phases_ms", phases},
-         {"outputs", object_of(outputs_of(options, report.lights.size()))}});
+    if (options.picture && !options.diagnostic) json["exposure_ev"] = report.exposure_ev.value_or(0);
+    json.update({{"memory",
+                  {{"device_bytes", report.device_memory_bytes},
+                   {"device_peak_bytes", report.device_memory_peak_bytes},
+                   {"texture_bytes", report.texture_bytes}}},
+                 {"phases_ms", phases},
+                 {"outputs", object_of(outputs_of(options, report.lights.size()))}});
     return json;
 }
 
@@ -291,6 +293,10 @@ std::string summary(const Report& report) {
         if (options.profile) text += stages_text("shadow", statistics);
         text += counts_text(statistics) + fact("result", shares_text(shares));
     }
+    if (report.texture_bytes != 0) text += '\n' + fact("textures", bytes_for_people(report.texture_bytes));
+    if (report.exposure_ev.value_or(0) != 0)
+        text += fact("exposure",
+                     formatted("--exposure %.3g", *report.exposure_ev) + (options.exposure_ev ? "" : " (metered)"));
     text += '\n' + fact("memory", bytes_for_people(report.device_memory_peak_bytes) + " on the device at most");
     return text + fact("wrote", file_list(report)) + '\n' + steps_text(report);
 }

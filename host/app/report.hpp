@@ -35,7 +35,9 @@ struct Report {
         std::string shown;               ///< empty: the pose at rest
     } animations;
     ChosenCamera camera;
-    std::vector<LightReport> lights;  ///< one; more with --light all
+    std::vector<LightReport> lights;    ///< one; more with --light all
+    std::optional<double> exposure_ev;  ///< of the picture, once it is made
+    std::uint64_t texture_bytes = 0;    ///< on the device
     DeviceDescription device;
     Statistics camera_statistics;
     std::uint64_t device_memory_bytes = 0, device_memory_peak_bytes = 0;

@@ -56,7 +56,7 @@ ChosenCamera camera_with_its_own_view(const ViewOptions& options, const scene::S
     }
     if (!scene.cameras.empty())
         return {scene.cameras.front().camera, "the scene's first camera, \"" + scene.cameras.front().name + "\""};
-    return {scene::framing_camera(scene), "frames the whole scene"};
+    return {scene::framing_camera(scene), "the default: frames the scene, or stands in an interior"};
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ Device open_device(const ViewOptions& options, bool profile) {
     return Device(options.device, device_options);
 }
 
-SceneSource::SceneSource(const ViewOptions& options) : strict_(options.strict), quiet_(options.quiet) {
+SceneSource::SceneSource(const ViewOptions& options, bool has_colors) : strict_(options.strict), quiet_(options.quiet) {
     if (!options.scene) return;
     scene::LoadOptions choices;
     choices.scene = options.scene_choice;
@@ -78,6 +78,11 @@ SceneSource::SceneSource(const ViewOptions& options) : strict_(options.strict), 
         AlphaImage image = decode_alpha(bytes);
         return scene::SceneCutOuts::Texture{image.width, image.height, std::move(image.alpha)};
     };
+    if (has_colors)
+        choices.decode_colors = [](std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
+            RgbaImage image = decode_colors(bytes, most_bytes);
+            return scene::ColorImage{image.width, image.height, std::move(image.rgba)};
+        };
     file_ = std::make_unique<scene::SceneFile>(*options.scene, choices);
 }
 
@@ -91,7 +96,9 @@ scene::Scene SceneSource::at(std::optional<double> time_s) {
     return loaded;
 }
 
-scene::Scene load_scene(const ViewOptions& options) { return SceneSource(options).at(options.time_s); }
+scene::Scene load_scene(const ViewOptions& options, bool has_colors) {
+    return SceneSource(options, has_colors).at(options.time_s);
+}
 
 scene::Scene load_triangles(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -108,7 +115,7 @@ scene::Scene load_triangles(const std::filesystem::path& file) {
 }
 
 Triangles upload_triangles(const Device& device, const scene::Scene& scene) {
-    const scene::CutOutsView cut_outs(scene.cut_outs);
+    const scene::CutOutsView cut_outs(scene);
     Triangles triangles = cut_outs.get() ? Triangles::upload(device, scene.triangles, *cut_outs.get())
                                          : Triangles::upload(device, scene.triangles);
     if (triangles.count() >= triangles_worth_clusters) triangles.keep_clusters(device);

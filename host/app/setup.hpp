@@ -21,7 +21,8 @@ Device open_device(const ViewOptions& options, bool profile);
 /// The scene's file, read once, or the built-in sundial.
 class SceneSource {
 public:
-    explicit SceneSource(const ViewOptions& options);
+    /// `has_colors`: with textures, vertex colours and normals, for a picture.
+    SceneSource(const ViewOptions& options, bool has_colors);
     /// Prints the warnings that no earlier time had (or throws the first, under --strict).
     scene::Scene at(std::optional<double> time_s);
 
@@ -32,7 +33,7 @@ private:
 };
 
 /// The scene of the options, with its warnings printed as SceneSource does.
-scene::Scene load_scene(const ViewOptions& options);
+scene::Scene load_scene(const ViewOptions& options, bool has_colors = false);
 
 /// The scene's triangles on the device, with their cut-outs, and with clusters if there are enough triangles.
 Triangles upload_triangles(const Device& device, const scene::Scene& scene);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Stage shade: the picture of a view (kernels/camera/shade.cl). Its public function is shade() of gnomon.hpp.
+#include <algorithm>
 #include <cmath>
 
-#include "camera/camera.hpp"
+#include "camera/surface.hpp"
 #include "kernels/camera/shade.h"
 
 namespace gnomon {
@@ -18,47 +19,88 @@ std::vector<std::uint8_t> srgb_table() {
     return table;
 }
 
+/// The exposure at which this part of the surfaces' pixels is no brighter than the light that the tone curve keeps.
+constexpr double metered_part = 0.95, metered_light = 0.8, most_metered_ev = 8;
+
+double metered_ev(std::vector<float> brightest) {
+    std::erase_if(brightest, [](float light) { return !(light >= 0); });
+    if (brightest.empty()) return 0;
+    const auto at = brightest.begin() + std::ptrdiff_t(metered_part * double(brightest.size() - 1));
+    std::nth_element(brightest.begin(), at, brightest.end());
+    return *at > 0 ? std::clamp(std::log2(metered_light / double(*at)), -most_metered_ev, most_metered_ev) : 0;
+}
+
+/// Adds the lights' Lambert terms.
+void add_lights(cl::Session& session, const Surfaces::Inside& of, std::span<const Visibility> visibilities,
+                std::span<const Light> lights, const cl::Buffer& lambert) {
+    const PointInputs points = point_inputs(of.points);
+    const cl::Range pixels = cl::Range::items(of.points.count());
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const auto& [x, y, z, w] = lights[i].xyzw;
+        const ShadeParams params{.layout = points.layout, .light = {x, y, z, w}};
+        if (of.has_shading_normals)
+            session.launch("camera/shade.cl", "shade_light_smooth", pixels, params, points.positions, points.receivers,
+                           of.shading_normals, of.spreads, visibilities[i].buffer(), lambert);
+        else
+            session.launch("camera/shade.cl", "shade_light", pixels, params, points.positions, points.receivers,
+                           of.geometric_normals, visibilities[i].buffer(), lambert);
+    }
+}
+
 }  // namespace
 
-std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
-                                std::span<const Visibility> visibilities, const Materials& materials,
-                                std::span<const Light> lights) {
-    cl::Session& session = session_of(device);
-    const std::size_t pixels = view.points.count();
+Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities, std::span<const Light> lights,
+              const ShadeOptions& options) {
+    const Surfaces::Inside& of = surfaces.inside();
+    cl::Session& session = session_of(of.device);
+    const std::size_t pixels = surfaces.count();
     if (lights.size() != visibilities.size())
         throw InvalidArgument("there are " + std::to_string(visibilities.size()) + " visibilities for " +
                               std::to_string(lights.size()) + " lights");
     for (const Visibility& visibility : visibilities)
         if (visibility.count() < pixels)
             throw InvalidArgument("the visibility buffer has fewer entries than the view has pixels");
-    if (materials.triangle_material.size() != triangles.count())
-        throw InvalidArgument("there are " + std::to_string(materials.triangle_material.size()) + " material ids for " +
-                              std::to_string(triangles.count()) + " triangles");
-    for (std::uint32_t id : materials.triangle_material)
-        if (id >= materials.base_color.size())
-            throw InvalidArgument("a triangle names material " + std::to_string(id) + " of " +
-                                  std::to_string(materials.base_color.size()));
+    if (!options.sky_shares.empty() && options.sky_shares.size() != pixels)
+        throw InvalidArgument("there are " + std::to_string(options.sky_shares.size()) + " shares of the sky for " +
+                              std::to_string(pixels) + " pixels");
+    if (options.exposure_ev && !std::isfinite(*options.exposure_ev))
+        throw InvalidArgument("the exposure must be a finite number");
     const std::vector<std::uint8_t> table = srgb_table();
-    cl::Buffer ids(session, materials.triangle_material.size() * sizeof(cl_uint));
-    cl::Buffer colors(session, materials.base_color.size() * sizeof(Float3)), table_buffer(session, table.size());
-    session.write(ids.get(), materials.triangle_material.data(), materials.triangle_material.size() * sizeof(cl_uint));
-    session.write(colors.get(), materials.base_color.data(), materials.base_color.size() * sizeof(Float3));
+    cl::Buffer table_buffer(session, table.size()), sky_shares(session, options.sky_shares.size_bytes());
     session.write(table_buffer.get(), table.data(), table.size());
-    const cl::Buffer normals = camera_normals(device, triangles, view);
-    const PointInputs points = point_inputs(view.points);
+    session.write(sky_shares.get(), options.sky_shares.data(), options.sky_shares.size_bytes());
     const cl::Buffer lambert(session, pixels * sizeof(float)), picture(session, pixels * 4);
     session.fill(lambert, 0, pixels * sizeof(float));
-    for (std::size_t i = 0; i < lights.size(); ++i) {
-        const auto& [x, y, z, w] = lights[i].xyzw;
-        session.launch("camera/shade.cl", "shade_light", cl::Range::items(pixels),
-                       ShadeParams{.layout = points.layout, .light = {x, y, z, w}}, points.positions, points.receivers,
-                       normals, visibilities[i].buffer(), lambert);
+    add_lights(session, of, visibilities, lights, lambert);
+
+    PictureParams params{.count = static_cast<cl_uint>(pixels),
+                         .has_albedos = of.has_detail,
+                         .has_sky_shares = !options.sky_shares.empty(),
+                         .exposure = 1};
+    // Without detail there are no albedos, and with it no materials: any buffer stands for what is not read.
+    const cl::Buffer& any = table_buffer;
+    const cl::Buffer &ids = of.has_detail ? any : of.triangle_material, &colors = of.has_detail ? any : of.base_colors;
+    const cl::Buffer& albedos = of.has_detail ? of.albedos : any;
+    Picture made;
+    made.exposure_ev = options.exposure_ev.value_or(0);
+    if (!options.exposure_ev) {
+        const cl::Buffer brightest(session, pixels * sizeof(float));
+        session.launch("camera/shade.cl", "brightest_channels", cl::Range::items(pixels), params, of.points.receivers(),
+                       of.normals(), lambert, ids, colors, albedos, sky_shares, brightest);
+        made.exposure_ev = metered_ev(session.read_values<float>(brightest.get(), pixels));
     }
-    session.launch("camera/shade.cl", "shade", cl::Range::items(pixels), points.layout, points.receivers, normals,
-                   lambert, ids, colors, table_buffer, picture);
-    std::vector<std::uint8_t> rgba(pixels * 4);
-    session.read(picture.get(), rgba.data(), rgba.size());
-    return rgba;
+    params.exposure = static_cast<float>(std::exp2(made.exposure_ev));
+    session.launch("camera/shade.cl", "shade", cl::Range::items(pixels), params, of.points.receivers(), of.normals(),
+                   lambert, ids, colors, albedos, sky_shares, table_buffer, picture);
+    made.rgba.resize(pixels * 4);
+    session.read(picture.get(), made.rgba.data(), made.rgba.size());
+    return made;
+}
+
+std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
+                                std::span<const Visibility> visibilities, const Materials& materials,
+                                std::span<const Light> lights) {
+    return shade(Surfaces(device, triangles, view, materials), visibilities, lights).rgba;
 }
 
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,

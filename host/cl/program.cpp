@@ -33,6 +33,7 @@ constexpr std::array picture_files = {"occluders/triangle_bounds.cl",
                                       "receivers/receiver_depth_pyramid.cl",
                                       "trace/trace.cl",
                                       "trace/exact_trace.cl",
+                                      "camera/surface.cl",
                                       "camera/shade.cl",
                                       "occluders/conservative_map.cl"};
 

@@ -252,11 +252,11 @@ void Session::copy(const Buffer& from, std::size_t from_first, const Buffer& to,
     });
 }
 
-void Session::write(cl_mem buffer, const void* data, std::size_t bytes) {
+void Session::write(cl_mem buffer, const void* data, std::size_t bytes, std::size_t first) {
     if (bytes == 0) return;
     if (traces_) std::fprintf(stderr, "gnomon: trace: writing %zu bytes to the device\n", bytes);
     attempt("writing to the device",
-            [&] { return clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr); });
+            [&] { return clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, first, bytes, data, 0, nullptr, nullptr); });
 }
 
 void Session::read(cl_mem buffer, void* data, std::size_t bytes) {

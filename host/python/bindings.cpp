@@ -426,9 +426,10 @@ gnomon::scene::AlphaDecoder decoder_of(const nb::callable& decode) {
     };
 }
 
-OwnedCutOuts moved_cut_outs(gnomon::scene::SceneCutOuts&& from) {
+OwnedCutOuts moved_cut_outs(gnomon::scene::Scene& scene) {
+    gnomon::scene::SceneCutOuts& from = scene.cut_outs;
     OwnedCutOuts to{std::move(from.material_of_triangle),
-                    std::move(from.texture_coordinates),
+                    std::move(scene.texture_coordinates),
                     std::move(from.corner_alphas),
                     std::move(from.materials),
                     {}};
@@ -453,7 +454,7 @@ void bind_scenes(nb::module_& m) {
         .def("take_cut_outs",
              [](Scene& scene) -> std::optional<OwnedCutOuts> {
                  if (scene.cut_outs.empty()) return std::nullopt;
-                 return moved_cut_outs(std::move(scene.cut_outs));
+                 return moved_cut_outs(scene);
              })
         .def_prop_ro("base_color", [](const Scene& scene) { return scene.materials.base_color; })
         .def_prop_ro("cameras",

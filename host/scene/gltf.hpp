@@ -115,11 +115,11 @@ void unpack_meshopt(tinygltf::Model& model, const std::vector<MeshoptView>& view
 /// primitive. Adds a sentence to `warnings` where the file declares other counts than the stream holds.
 void unpack_draco(tinygltf::Model& model, DecodingBudget& budget, std::vector<std::string>& warnings);
 
-// ---- Cut-outs -------------------------------------------------------------------------------------------------------
+// ---- Materials ------------------------------------------------------------------------------------------------------
 
-/// A base colour texture as a material uses it, before its image is read.
-struct MaskSource {
-    bool is_blend = false;
+/// A material's alpha and base colour texture, before its image is read.
+struct MaterialSource {
+    bool is_mask = false, is_blend = false;
     float cutoff = 0.5f, alpha_factor = 1;
     bool has_texture = false;
     int coordinates = 0;  ///< TEXCOORD_n
@@ -138,10 +138,10 @@ struct ImageSource {
     int buffer_view = -1;
 };
 
-/// What the file says of masks.
-struct MaskSources {
-    std::map<int, MaskSource> materials;  ///< those with alphaMode MASK or BLEND
-    std::vector<ImageSource> images;
+/// What the file says of alpha and textures.
+struct MaterialSources {
+    std::map<int, MaterialSource> materials;
+    std::map<int, ImageSource> images;  ///< those that materials use, by their index in the file
 };
 
 // ---- The document ---------------------------------------------------------------------------------------------------
@@ -156,7 +156,7 @@ struct GltfDocument {
     std::set<std::string> not_supported;  ///< phrases for the one warning, from the document alone
     std::vector<std::string> warnings, notes;
     std::uint64_t decoded_bytes = 0;  ///< of compressed meshes
-    MaskSources masks;
+    MaterialSources materials;
 };
 
 /// The bytes of a data URI, or of a file beside the scene. Throws SceneError.

@@ -6,7 +6,7 @@
 // file may be longer than byteLength (as glTF allows and tinygltf does not), and each failure gets a sentence.
 #include "gltf.hpp"
 
-#include "cut_outs.hpp"
+#include "materials.hpp"
 
 #include <algorithm>
 #include <array>
@@ -424,7 +424,7 @@ GltfDocument read_document(const std::filesystem::path& file, const std::optiona
     GltfDocument document;
     document.not_supported = not_supported(root);
     document.notes = notes(root);
-    document.masks = mask_sources(root);
+    document.materials = material_sources(root);
     const std::vector<MeshoptView> packed_views = meshopt_views(root);
     document.model = parse(file, container, root);
     DecodingBudget budget{file, 0, memory_bytes};

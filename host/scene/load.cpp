@@ -18,8 +18,8 @@
 #include "accessors.hpp"
 #include "affine.hpp"
 #include "animation.hpp"
-#include "cut_outs.hpp"
 #include "gltf.hpp"
+#include "images.hpp"
 #include "pose.hpp"
 #include "scene.hpp"
 #include "shape.hpp"
@@ -45,7 +45,9 @@ struct Part {
     std::uint64_t triangle_count = 0;
     std::uint32_t material = 0;
     std::uint32_t cut_out = no_cut_out;  ///< of the scene's cut-outs
-    int coordinates = -1, colors = -1;   ///< accessors that its alpha takes
+    int coordinates = -1;                ///< accessor of the texture coordinates
+    int alphas = -1, colors = -1;        ///< accessor of the vertices' colours, where their alpha or colour is taken
+    const MaterialSource* transform = nullptr;  ///< of the texture coordinates
 };
 
 /// A mesh under a node, drawn `count` times (EXT_mesh_gpu_instancing; else once).
@@ -113,7 +115,7 @@ public:
           model_(document_.model),
           accessors_(file_, model_),
           blend_(options.blend),
-          decode_alpha_(options.decode_alpha) {
+          images_(file_, model_, document_.materials.images, options, memory_bytes_) {
         if (options.animation) animation_ = int(chosen_animation(*options.animation));
     }
 
@@ -341,6 +343,7 @@ private:
         if (is_list ? corners % 3 != 0 : corners < 3) incomplete_.push_back(what);
         part.material = use_material(primitive.material);
         plan_cut_out(primitive, what, part);
+        if (images_.has_colors()) plan_colors(primitive, what, part);
         return part;
     }
 
@@ -410,23 +413,21 @@ private:
         return text_of("material ", model_.materials[std::size_t(material)].name, material);
     }
 
-    /// The texture of an image, which is decoded once. Nothing if it cannot be read.
-    std::optional<std::uint32_t> texture_of(int material, const MaskSource& mask) {
+    /// The alpha of an image, which is loaded once. Nothing if it cannot be read.
+    std::optional<std::uint32_t> alpha_of(int material, const MaterialSource& mask) {
         const auto refuse = [&](const std::string& why) {
             plan_phrases_.insert("alphaMode " + std::string(mask.is_blend ? "BLEND" : "MASK") + " of " +
                                  material_text(material) + " (drawn opaque: " + why + ")");
             return std::nullopt;
         };
         if (mask.image < 0) return refuse(mask.unreadable);
-        if (const auto found = texture_of_image_.find(mask.image); found != texture_of_image_.end())
-            return found->second;
+        if (const auto found = alpha_of_image_.find(mask.image); found != alpha_of_image_.end()) return found->second;
         try {
-            const auto bytes = image_bytes(file_, model_, document_.masks.images[std::size_t(mask.image)]);
-            cut_outs_.textures.push_back(decode_alpha_(bytes));
+            cut_outs_.textures.push_back(images_.alpha(mask.image));
         } catch (const std::exception& error) {
             return refuse("its image cannot be read, " + std::string(error.what()));
         }
-        return texture_of_image_[mask.image] = std::uint32_t(cut_outs_.textures.size() - 1);
+        return alpha_of_image_[mask.image] = std::uint32_t(cut_outs_.textures.size() - 1);
     }
 
     std::uint32_t add_cut_out(const CutOutMaterial& material) {
@@ -436,10 +437,11 @@ private:
 
     /// Which accessors a part's alpha takes, and what decides it.
     void plan_cut_out(const tinygltf::Primitive& primitive, const std::string& what, Part& part) {
-        const auto found = document_.masks.materials.find(primitive.material);
-        if (found == document_.masks.materials.end()) return;
-        const MaskSource& mask = found->second;
-        if (!decode_alpha_) {  // the caller takes no cut-outs
+        const auto found = document_.materials.materials.find(primitive.material);
+        if (found == document_.materials.materials.end()) return;
+        const MaterialSource& mask = found->second;
+        if (!mask.is_mask && !mask.is_blend) return;
+        if (!images_.has_alpha()) {  // the caller takes no cut-outs
             plan_phrases_.insert("alphaMode " + std::string(mask.is_blend ? "BLEND" : "MASK") + " (drawn opaque)");
             return;
         }
@@ -457,7 +459,7 @@ private:
         if (mask.has_texture && material.cutoff <= 1) {
             const auto accessor = primitive.attributes.find("TEXCOORD_" + std::to_string(mask.coordinates));
             if (accessor != primitive.attributes.end()) {
-                const auto texture = texture_of(primitive.material, mask);
+                const auto texture = alpha_of(primitive.material, mask);
                 if (!texture) return;
                 material.texture = *texture;
                 part.coordinates = accessor->second;
@@ -468,66 +470,159 @@ private:
         if (const auto colors = primitive.attributes.find("COLOR_0");
             colors != primitive.attributes.end() &&
             model_.accessors[std::size_t(colors->second)].type == TINYGLTF_TYPE_VEC4) {
-            part.colors = colors->second;
-            accessors_.require(part.colors, TINYGLTF_TYPE_VEC4, weight_types, "the colours of " + what,
+            part.alphas = colors->second;
+            accessors_.require(part.alphas, TINYGLTF_TYPE_VEC4, weight_types, "the colours of " + what,
                                "VEC4 of float or of normalized unsigned bytes or shorts");
         }
-        for (const int accessor : {part.coordinates, part.colors})
+        for (const int accessor : {part.coordinates, part.alphas})
             if (accessor >= 0 && accessors_.count(accessor) < vertices)
                 fail(file_, accessor_text(accessor) + " of " + what + " has " +
                                 std::to_string(accessors_.count(accessor)) + " for " + counted(vertices, "position"));
         part.cut_out = add_cut_out(material);
-        transforms_.resize(cut_outs_.materials.size());
-        transforms_.back() = mask.has_transform ? &mask : nullptr;
-        has_corner_alphas_ = has_corner_alphas_ || part.colors >= 0;
+        part.transform = &mask;
+        has_corner_alphas_ = has_corner_alphas_ || part.alphas >= 0;
+    }
+
+    // ---- colours ----
+
+    /// An attribute that only the picture needs: -1 where the primitive has none, or one that cannot be used.
+    int picture_attribute(const tinygltf::Primitive& primitive, const std::string& name, std::span<const int> types,
+                          std::span<const int> component_types, const std::string& what) {
+        const auto found = primitive.attributes.find(name);
+        if (found == primitive.attributes.end()) return -1;
+        const int accessor = found->second, type = model_.accessors[std::size_t(accessor)].type;
+        const bool has_type = std::ranges::find(types, type) != types.end();
+        const bool is_long_enough = accessors_.count(accessor) >= accessors_.count(part_positions(primitive));
+        try {
+            if (has_type && is_long_enough) {
+                accessors_.require(accessor, type, component_types, name + " of " + what, "of a type that glTF allows");
+                return accessor;
+            }
+        } catch (const SceneError&) {  // the phrase says it
+        }
+        plan_phrases_.insert(name + " of " + what + " (ignored: of the wrong type or length)");
+        return -1;
+    }
+    static int part_positions(const tinygltf::Primitive& primitive) { return primitive.attributes.at("POSITION"); }
+
+    /// What a part's picture takes: texture, vertex colours, normals.
+    void plan_colors(const tinygltf::Primitive& primitive, const std::string& what, Part& part) {
+        constexpr std::array color_types{TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4};
+        constexpr std::array pair{TINYGLTF_TYPE_VEC2};
+        constexpr std::array vector{TINYGLTF_TYPE_VEC3};
+        part.colors = picture_attribute(primitive, "COLOR_0", color_types, weight_types, what);
+        part.vertices.normals = picture_attribute(primitive, "NORMAL", vector, position_types, what);
+        for (const auto& target : primitive.targets) {
+            const auto normal = target.find("NORMAL");
+            const bool is_usable = part.vertices.normals >= 0 && normal != target.end() &&
+                                   model_.accessors[std::size_t(normal->second)].type == TINYGLTF_TYPE_VEC3 &&
+                                   accessors_.count(normal->second) >= accessors_.count(part.vertices.positions);
+            part.vertices.normal_targets.push_back(is_usable ? normal->second : -1);
+        }
+        has_corner_colors_ = has_corner_colors_ || part.colors >= 0;
+        has_corner_normals_ = has_corner_normals_ || part.vertices.normals >= 0;
+        const auto found = document_.materials.materials.find(primitive.material);
+        if (found == document_.materials.materials.end() || !found->second.has_texture) return;
+        const MaterialSource& source = found->second;
+        const std::string coordinates = "TEXCOORD_" + std::to_string(source.coordinates);
+        if (part.coordinates < 0)
+            part.coordinates = picture_attribute(primitive, coordinates, pair, position_types, what);
+        if (part.coordinates < 0) return;
+        part.transform = &source;
+        use_texture(primitive.material, source);
+    }
+
+    void use_texture(int material, const MaterialSource& source) {
+        const auto refuse = [&](const std::string& why) {
+            plan_phrases_.insert("the base colour texture of " + material_text(material) + " (left out: " + why + ")");
+        };
+        if (texture_uses_.contains(material)) return;
+        ColorTextureUse& use = texture_uses_[material];
+        if (source.image < 0) return refuse(source.unreadable);
+        try {
+            use.texture = images_.colors(source.image);
+        } catch (const std::exception& error) {
+            return refuse("its image cannot be read, " + std::string(error.what()));
+        }
+        use.wrap_u = source.wrap_u;
+        use.wrap_v = source.wrap_v;
+        use.filter = source.filter;
+        use.weigh_by_alpha = source.is_mask || source.is_blend;
     }
 
     /// u and v of a vertex: in double, rounded once.
     std::array<float, 2> coordinates_of(const Part& part, std::size_t vertex) {
         const Elements& from = accessors_.elements(part.coordinates);
         const double u = from.number(vertex, 0), v = from.number(vertex, 1);
-        const MaskSource* transform = transforms_[part.cut_out];
-        if (transform == nullptr) return {float(u), float(v)};
+        const MaterialSource* transform = part.transform;
+        if (transform == nullptr || !transform->has_transform) return {float(u), float(v)};
         std::array<float, 2> uv;
         for (std::size_t k = 0; k < 2; ++k)
             uv[k] = float(transform->offset[k] + transform->rows[k][0] * u + transform->rows[k][1] * v);
         return uv;
     }
 
-    /// The triangles from `first` on.
+    /// Calls write(corner, vertex) for all corners of a part, whose first triangle is `first` of the scene.
+    template <class Write>
+    void for_each_corner(const Part& part, std::size_t first, const Write& write) {
+        const std::uint32_t* index =
+            part.index_accessor < 0 ? nullptr : accessors_.indices(part.index_accessor).value.data();
+        for (std::size_t i = 0; i < part.triangle_count; ++i) {
+            const std::array<std::size_t, 3> corners = corners_of(part.topology, i);
+            for (std::size_t k = 0; k < 3; ++k) write(3 * (first + i) + k, index ? index[corners[k]] : corners[k]);
+        }
+    }
+
+    void write_coordinates(const Part& part, std::size_t first) {
+        std::vector<float>& out = work_.scene.texture_coordinates;
+        if (part.coordinates < 0 || out.empty()) return;
+        for_each_corner(part, first, [&](std::size_t corner, std::size_t vertex) {
+            std::ranges::copy(coordinates_of(part, vertex), out.begin() + std::ptrdiff_t(2 * corner));
+        });
+    }
+
+    /// The triangles from `first` on. Their coordinates are written.
     void write_cut_outs(const Part& part, std::size_t first) {
         SceneCutOuts& out = work_.scene.cut_outs;
         if (part.cut_out == no_cut_out || out.empty()) return;
-        const std::uint32_t* index =
-            part.index_accessor < 0 ? nullptr : accessors_.indices(part.index_accessor).value.data();
         const CutOutMaterial& material = out.materials[part.cut_out];
-        std::size_t unusable = 0;
-        for (std::size_t i = 0; i < part.triangle_count; ++i) {
-            out.material_of_triangle[first + i] = part.cut_out;
-            const std::array<std::size_t, 3> corners = corners_of(part.topology, i);
+        std::fill_n(out.material_of_triangle.begin() + std::ptrdiff_t(first), part.triangle_count, part.cut_out);
+        std::vector<char> is_unusable(part.triangle_count, 0);
+        for_each_corner(part, first, [&](std::size_t corner, std::size_t vertex) {
             bool is_usable = true;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::size_t vertex = index ? index[corners[k]] : corners[k];
-                if (part.coordinates >= 0) {
-                    const auto uv = coordinates_of(part, vertex);
-                    const auto& texture = out.textures[material.texture];
-                    is_usable = is_usable && std::abs(double(uv[0]) * texture.width) <= 0x1p30 &&
-                                std::abs(double(uv[1]) * texture.height) <= 0x1p30;
-                    std::copy(uv.begin(), uv.end(),
-                              out.texture_coordinates.begin() + std::ptrdiff_t(6 * (first + i) + 2 * k));
-                }
-                if (part.colors >= 0) {
-                    const double alpha = accessors_.elements(part.colors).number(vertex, 3);
-                    is_usable = is_usable && !std::isnan(alpha);
-                    out.corner_alphas[3 * (first + i) + k] =
-                        std::isnan(alpha) ? float(alpha) : float(std::clamp(alpha, 0.0, 1.0));
-                }
+            if (material.texture != no_texture) {
+                const auto& texture = out.textures[material.texture];
+                const float* uv = &work_.scene.texture_coordinates[2 * corner];
+                is_usable = std::abs(double(uv[0]) * texture.width) <= 0x1p30 &&
+                            std::abs(double(uv[1]) * texture.height) <= 0x1p30;
             }
-            unusable += !is_usable;
-        }
-        if (unusable != 0)
+            if (part.alphas >= 0) {
+                const double alpha = accessors_.elements(part.alphas).number(vertex, 3);
+                is_usable = is_usable && !std::isnan(alpha);
+                out.corner_alphas[corner] = std::isnan(alpha) ? float(alpha) : float(std::clamp(alpha, 0.0, 1.0));
+            }
+            if (!is_usable) is_unusable[corner / 3 - first] = 1;
+        });
+        if (const auto unusable = std::size_t(std::ranges::count(is_unusable, 1)); unusable != 0)
             work_.not_supported.insert("texture coordinates that are no numbers or more than 2^30 texels away (" +
                                        counted(unusable, "triangle") + " drawn opaque)");
+    }
+
+    void write_colors(const Part& part, const Shape& shape, const Affine& world, std::size_t first) {
+        SceneColors& out = work_.scene.colors;
+        if (part.colors >= 0 && !out.corner_colors.empty()) {
+            const Elements& colors = accessors_.elements(part.colors);
+            for_each_corner(part, first, [&](std::size_t corner, std::size_t vertex) {
+                for (int i = 0; i < 3; ++i) {
+                    const double color = colors.number(vertex, i);
+                    out.corner_colors[3 * corner + std::size_t(i)] = float(color >= 0 ? std::min(color, 1.0) : 0.0);
+                }
+            });
+        }
+        if (!shape.has_normals() || out.corner_normals.empty()) return;
+        for_each_corner(part, first, [&](std::size_t corner, std::size_t vertex) {
+            out.corner_normals[corner] = pack_normal(shape.normal(vertex, world));
+        });
     }
 
     // ---- amount ----
@@ -540,8 +635,9 @@ private:
             for (const Part& part : parts) {
                 const VertexAccessors& vertices = part.vertices;
                 accessors.insert({vertices.positions, part.index_accessor});
-                accessors.insert({part.coordinates, part.colors});
-                for (const auto* more : {&vertices.targets, &vertices.joints, &vertices.weights})
+                accessors.insert({part.coordinates, part.alphas, part.colors, vertices.normals});
+                for (const auto* more :
+                     {&vertices.targets, &vertices.joints, &vertices.weights, &vertices.normal_targets})
                     accessors.insert(more->begin(), more->end());
             }
         accessors.erase(-1);
@@ -571,6 +667,15 @@ private:
         return vertices.targets.empty() && vertices.joints.empty() && type == TINYGLTF_COMPONENT_TYPE_FLOAT;
     }
 
+    bool has_coordinates() const { return !cut_outs_.materials.empty() || !texture_uses_.empty(); }
+
+    /// Of a triangle.
+    std::uint64_t bytes_beside_positions() const {
+        std::uint64_t words = has_coordinates() ? 6 : 0;
+        if (!cut_outs_.materials.empty()) words += has_corner_alphas_ ? 4 : 1;
+        return 4 * (words + (has_corner_colors_ ? 9 : 0) + (has_corner_normals_ ? 3 : 0));
+    }
+
     /// A few hundred bytes of JSON can describe terabytes (instances of instances). So all elements are counted before
     /// the first allocation.
     void check_amount() const {
@@ -588,8 +693,7 @@ private:
         std::uint64_t bytes = plus(copied_bytes(read_accessors()), document_.decoded_bytes);
         bytes = plus(bytes, times(largest_shape, sizeof(Double3)));
         bytes = plus(bytes, times(triangles, 9 * sizeof(float) + sizeof(std::uint32_t)));
-        if (!cut_outs_.materials.empty())
-            bytes = plus(bytes, times(triangles, (has_corner_alphas_ ? 9 : 6) * sizeof(float) + sizeof(std::uint32_t)));
+        bytes = plus(bytes, times(triangles, bytes_beside_positions()));
         if (triangles >= no_receiver)
             fail(file_, "has " + std::to_string(triangles) +
                             " triangles with its instances, more than the 4294967294 "
@@ -637,9 +741,10 @@ private:
         if (!cut_outs_.materials.empty()) {
             work_.scene.cut_outs = cut_outs_;
             work_.scene.cut_outs.material_of_triangle.assign(count, no_cut_out);
-            work_.scene.cut_outs.texture_coordinates.resize(6 * count);
             work_.scene.cut_outs.corner_alphas.assign(has_corner_alphas_ ? 3 * count : 0, 1.0f);
         }
+        if (has_coordinates()) work_.scene.texture_coordinates.resize(6 * count);
+        make_colors(count);
         float* out = work_.scene.triangles.data();
         auto material = work_.scene.materials.triangle_material.begin();
         for (const Instance& instance : work_.instances) {
@@ -650,6 +755,16 @@ private:
                                        mesh_text(model_.nodes[instance.node].mesh) + " under " +
                                        node_text(instance.node));
         }
+    }
+
+    void make_colors(std::size_t triangle_count) {
+        SceneColors& out = work_.scene.colors;
+        out.corner_colors.assign(has_corner_colors_ ? 9 * triangle_count : 0, 1.0f);
+        out.corner_normals.resize(has_corner_normals_ ? 3 * triangle_count : 0);
+        if (texture_uses_.empty()) return;
+        out.images = images_.all();
+        out.texture_uses.resize(work_.scene.materials.base_color.size());
+        for (const auto& [material, use] : texture_uses_) out.texture_uses[std::size_t(material)] = use;
     }
 
     /// Moves both outputs on. Returns how many triangles are not finite.
@@ -671,7 +786,10 @@ private:
                 if (node.skin >= 0 && !shape.is_skinned())
                     work_.not_supported.insert("a skin without joints and weights (drawn unskinned)");
                 not_finite += write_part(part, node.mesh, shape.is_skinned() ? Affine{} : world, shape, out);
-                write_cut_outs(part, std::size_t(out - work_.scene.triangles.data()) / 9);
+                const std::size_t first = std::size_t(out - work_.scene.triangles.data()) / 9;
+                write_coordinates(part, first);
+                write_cut_outs(part, first);
+                write_colors(part, shape, world, first);
                 out += part.triangle_count * 9;
                 material = std::fill_n(material, part.triangle_count, part.material);
             }
@@ -772,11 +890,11 @@ private:
     std::set<int> animation_accessors_, other_accessors_;
     bool uses_default_material_ = false;
     const BlendCasters blend_;
-    const AlphaDecoder decode_alpha_;
-    SceneCutOuts cut_outs_;                      ///< materials and textures
-    std::vector<const MaskSource*> transforms_;  ///< of each of its materials; null: none
-    std::map<int, std::uint32_t> texture_of_image_;
-    bool has_corner_alphas_ = false;
+    Images images_;
+    SceneCutOuts cut_outs_;  ///< materials and textures
+    std::map<int, std::uint32_t> alpha_of_image_;
+    std::map<int, ColorTextureUse> texture_uses_;  ///< of materials
+    bool has_corner_alphas_ = false, has_corner_colors_ = false, has_corner_normals_ = false;
     std::set<std::string> plan_phrases_;
     std::vector<std::string> points_and_lines_, without_positions_, incomplete_;
     Work work_;

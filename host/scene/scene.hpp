@@ -38,7 +38,7 @@ struct NamedLight {
 /// Cut-outs that the scene owns.
 struct SceneCutOuts {
     std::vector<std::uint32_t> material_of_triangle;  ///< empty: there are no cut-outs
-    std::vector<float> texture_coordinates, corner_alphas;
+    std::vector<float> corner_alphas;
     std::vector<CutOutMaterial> materials;
     struct Texture {
         std::uint32_t width = 0, height = 0;
@@ -49,10 +49,26 @@ struct SceneCutOuts {
     bool empty() const { return material_of_triangle.empty(); }
 };
 
-/// What Triangles::upload() takes: cut_outs() refers to the arrays of `from` and to its own.
+/// An image of base colours: 8-bit sRGB with unassociated alpha, 4 bytes per texel.
+struct ColorImage {
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::uint8_t> rgba;
+};
+
+/// The colours of surfaces beside base colour factors, and shading normals. Each array may be empty.
+struct SceneColors {
+    std::vector<ColorTextureUse> texture_uses;              ///< one per material
+    std::shared_ptr<const std::vector<ColorImage>> images;  ///< the scenes of a file share them
+    std::vector<float> corner_colors;                       ///< linear RGB, 9 per triangle
+    std::vector<std::uint32_t> corner_normals;              ///< pack_normal(), 3 per triangle
+};
+
+struct Scene;
+
+/// What Triangles::upload() takes: get() refers to the arrays of the scene and to its own.
 class CutOutsView {
 public:
-    explicit CutOutsView(const SceneCutOuts& from);
+    explicit CutOutsView(const Scene& scene);
     CutOutsView(const CutOutsView&) = delete;
     CutOutsView& operator=(const CutOutsView&) = delete;
     /// Null if there are no cut-outs.
@@ -64,18 +80,35 @@ private:
     CutOuts cut_outs_;
 };
 
+/// What Surfaces takes: get() refers to the arrays of the scene and to its own.
+class SurfaceDetailView {
+public:
+    explicit SurfaceDetailView(const Scene& scene);
+    SurfaceDetailView(const SurfaceDetailView&) = delete;
+    SurfaceDetailView& operator=(const SurfaceDetailView&) = delete;
+    const SurfaceDetail& get() const { return detail_; }
+
+private:
+    std::vector<ColorTexture> textures_;
+    SurfaceDetail detail_;
+};
+
 /// Casters with alphaMode BLEND: as opaque ones, as if they were not there, or as masks with a cutoff of .5.
 enum class BlendCasters { opaque, clear, mask };
 
 /// The alpha of an image file in memory, 8 bits each. Throws an exception that says why if it cannot be read.
 using AlphaDecoder = std::function<SceneCutOuts::Texture(std::span<const unsigned char> bytes)>;
+/// The same for colours, where an image that unpacks to more than `most_bytes` cannot be read.
+using ColorDecoder = std::function<ColorImage(std::span<const unsigned char> bytes, std::uint64_t most_bytes)>;
 
 struct Scene {
     /// 9 per triangle: world space. Morph targets, skins, node transforms and instances are applied in double and
     /// rounded once; under an identity transform the floats have the file's own bits.
     std::vector<float> triangles;
-    Materials materials;  ///< base colour factors, linear; colours of textures are not read
+    Materials materials;                     ///< base colour factors, linear
+    std::vector<float> texture_coordinates;  ///< u, v of the corners, 6 per triangle; empty: no triangle has a texture
     SceneCutOuts cut_outs;
+    SceneColors colors;
     std::vector<NamedCamera> cameras;
     std::vector<NamedLight> lights;
     std::vector<std::string> warnings;    ///< each one sentence; --strict turns them into errors
@@ -98,7 +131,8 @@ struct LoadOptions {
     std::optional<std::string> animation{};  ///< none: the first, if there is a time
     std::optional<double> time_s{};          ///< none: the pose at rest, or an animation's start if one is named
     BlendCasters blend = BlendCasters::opaque;
-    AlphaDecoder decode_alpha{};  ///< none: the scene has no cut-outs, and a warning says that they are drawn opaque
+    AlphaDecoder decode_alpha{};   ///< none: the scene has no cut-outs, and a warning says that they are drawn opaque
+    ColorDecoder decode_colors{};  ///< none: the scene has no SceneColors
 };
 
 /// Loads a .glb or .gltf file. Throws SceneError, also if its triangles need more memory than they may take.
@@ -121,7 +155,9 @@ private:
 /// The built-in sundial, with a camera and a light.
 Scene sundial();
 
-/// A camera that frames all finite triangles from a three-quarter view (fov_y 50 degrees); for scenes without one.
+/// For scenes without a camera: one that frames all finite triangles from a three-quarter view (fov_y 50 degrees). An
+/// interior, whose walls and floor show their fronts to its middle and to the outside backs or a plain box, is seen
+/// from inside (65 degrees).
 Camera framing_camera(const Scene& scene);
 
 /// The light of a scene without lights, if no option gives one: directional, travelling along (-0.4, -1, -0.3).

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "shape.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <utility>
 
@@ -16,6 +20,10 @@ Shape::Shape(const std::filesystem::path& file, Accessors& accessors, const Vert
     for (std::size_t i = 0; i < vertices.targets.size() && i < weights.size(); ++i)
         if (weights[i] != 0 && vertices.targets[i] >= 0)
             targets_.push_back({&accessors.elements(vertices.targets[i]), weights[i]});
+    if (vertices.normals >= 0) normals_ = &accessors.elements(vertices.normals);
+    for (std::size_t i = 0; i < vertices.normal_targets.size() && i < weights.size(); ++i)
+        if (normals_ && weights[i] != 0 && vertices.normal_targets[i] >= 0)
+            normal_targets_.push_back({&accessors.elements(vertices.normal_targets[i]), weights[i]});
     for (std::size_t i = 0; joints_ && i < vertices.joints.size(); ++i)
         influences_.push_back({&accessors.elements(vertices.joints[i]), &accessors.elements(vertices.weights[i])});
 }
@@ -25,6 +33,40 @@ Double3 Shape::operator()(std::size_t vertex) const {
     for (const auto& [displacement, weight] : targets_)
         for (int i = 0; i < 3; ++i) p[std::size_t(i)] += weight * displacement->number(vertex, i);
     return is_skinned() ? skinned(vertex, p) : p;
+}
+
+/// Normals are moved by the matrix of cofactors, the inverse's transpose times the determinant: a mirror turns them
+/// around, and the eye's side counts.
+Float3 Shape::normal(std::size_t vertex, const Affine& world) const {
+    const Double3 base = normals_->double3(vertex);
+    glm::dvec3 n(base[0], base[1], base[2]);
+    for (const auto& [displacement, weight] : normal_targets_)
+        for (int i = 0; i < 3; ++i) n[i] += weight * displacement->number(vertex, i);
+    glm::dvec3 columns[3];
+    if (is_skinned()) {
+        const glm::dmat4 matrix = blended(vertex);
+        for (int i = 0; i < 3; ++i) columns[i] = glm::dvec3(matrix[i]);
+    } else {
+        if (world.linear == Affine{}.linear) return {float(n.x), float(n.y), float(n.z)};
+        for (int i = 0; i < 3; ++i) columns[i] = {world.axis(i)[0], world.axis(i)[1], world.axis(i)[2]};
+    }
+    const glm::dvec3 moved = glm::cross(columns[1], columns[2]) * n.x + glm::cross(columns[2], columns[0]) * n.y +
+                             glm::cross(columns[0], columns[1]) * n.z;
+    const double largest = std::max({std::abs(moved.x), std::abs(moved.y), std::abs(moved.z)});
+    const glm::dvec3 sized = largest > 0 ? moved / largest : moved;
+    return {float(sized.x), float(sized.y), float(sized.z)};
+}
+
+glm::dmat4 Shape::blended(std::size_t vertex) const {
+    glm::dmat4 sum(0);
+    for (const auto& [joints, joint_weights] : influences_)
+        for (int i = 0; i < 4; ++i) {
+            const double weight = joint_weights->number(vertex, i);
+            const std::uint32_t joint = weight == 0 ? 0 : joints->index(vertex, i);
+            if (weight == 0 || joint >= joints_->size()) continue;
+            sum += weight * (*joints_)[joint];
+        }
+    return sum;
 }
 
 /// The mean of the joints' images of p. Weights that do not quite add up to 1 are normalized, as the division by w

@@ -6,6 +6,7 @@
 #include <glm/mat4x4.hpp>
 
 #include "accessors.hpp"
+#include "affine.hpp"
 
 namespace gnomon::scene {
 
@@ -14,6 +15,8 @@ struct VertexAccessors {
     int positions = -1;
     std::vector<int> targets;          ///< positions of the morph targets; -1: none
     std::vector<int> joints, weights;  ///< sets of four
+    int normals = -1;                  ///< -1: none, or nobody wants them
+    std::vector<int> normal_targets;   ///< of the morph targets
 };
 
 class Shape {
@@ -29,7 +32,12 @@ public:
     const Elements& base() const { return base_; }
     Double3 operator()(std::size_t vertex) const;
 
+    bool has_normals() const { return normals_ != nullptr; }
+    /// The world's normal, of any length and of either sign. `world`: of an unskinned mesh.
+    Float3 normal(std::size_t vertex, const Affine& world) const;
+
 private:
+    glm::dmat4 blended(std::size_t vertex) const;
     Double3 skinned(std::size_t vertex, const Double3& p) const;
 
     struct Target {
@@ -42,7 +50,8 @@ private:
     const std::filesystem::path& file_;
     const Elements& base_;
     bool is_float_;
-    std::vector<Target> targets_;
+    std::vector<Target> targets_, normal_targets_;
+    const Elements* normals_ = nullptr;
     std::vector<Influences> influences_;
     const std::vector<glm::dmat4>* joints_;
     std::string what_;

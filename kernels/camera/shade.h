@@ -10,3 +10,10 @@ GN_STRUCT_BEGIN(ShadeParams)
     PointsLayout layout;
     float light[4];  // homogeneous, as in LightFrame
 GN_STRUCT_END(ShadeParams, 64)
+
+GN_STRUCT_BEGIN(PictureParams)
+    uint count;           // pixels
+    uint has_albedos;     // 0: the triangles' materials have the base colours
+    uint has_sky_shares;  // 0: ambient light everywhere
+    float exposure;       // the factor of all light
+GN_STRUCT_END(PictureParams, 16)

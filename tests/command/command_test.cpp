@@ -214,7 +214,7 @@ Bytes read_bytes(const fs::path& file) {
 std::array<int, 3> shape(const OIIO::ImageSpec& spec) { return {spec.width, spec.height, spec.nchannels}; }
 
 struct Pixel {
-    std::array<float, 3> position{}, normal{};
+    std::array<float, 3> position{}, normal{}, albedo{}, shading_normal{};
     float visibility = -1;
     std::uint32_t receiver = 0;
 };
@@ -224,12 +224,14 @@ std::vector<Pixel> read_aov(const fs::path& file, const std::string& value = "vi
     const auto input = OIIO::ImageInput::open(file.string());
     if (!input) throw std::runtime_error("not a picture: " + file.string());
     const OIIO::ImageSpec spec = input->spec();
-    EXPECT_EQ(spec.nchannels, 8);
+    const bool has_surfaces = value == "visibility";
+    EXPECT_EQ(spec.nchannels, has_surfaces ? 14 : 8);
     EXPECT_EQ(spec.get_string_attribute("compression"), "zip");
     std::vector<char> native(spec.image_bytes(true));
-    if (!input->read_image(0, 0, 0, 8, OIIO::TypeUnknown, native.data())) throw std::runtime_error(input->geterror());
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeUnknown, native.data()))
+        throw std::runtime_error(input->geterror());
     const std::size_t pixel_bytes = spec.pixel_bytes(true);
-    EXPECT_EQ(pixel_bytes, 32u);
+    EXPECT_EQ(pixel_bytes, has_surfaces ? 56u : 32u);
     std::vector<Pixel> pixels(std::size_t(spec.width) * std::size_t(spec.height));
     const auto take = [&](const std::string& channel, OIIO::TypeDesc type, auto&& place_of) {
         const int index = spec.channelindex(channel);
@@ -242,6 +244,11 @@ std::vector<Pixel> read_aov(const fs::path& file, const std::string& value = "vi
     for (std::size_t c = 0; c < 3; ++c) {
         take("P." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.position[c]; });
         take("N." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.normal[c]; });
+    }
+    const std::array<std::string, 3> colors{"R", "G", "B"};
+    for (std::size_t c = 0; c < 3 && has_surfaces; ++c) {
+        take("albedo." + colors[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.albedo[c]; });
+        take("Ns." + axes[c], OIIO::TypeFloat, [c](Pixel& pixel) { return &pixel.shading_normal[c]; });
     }
     take(value, OIIO::TypeFloat, [](Pixel& pixel) { return &pixel.visibility; });
     take("receiver", OIIO::TypeUInt32, [](Pixel& pixel) { return &pixel.receiver; });
@@ -359,6 +366,12 @@ TEST_F(Command, WrongCommandLines) {
         {{"render", "-o", "a.png", "--stats="}, "--stats= has no value"},
         {{"render", "-o", "a.png", "--paint"}, "unknown option --paint"},
         {{"render", "-o", "a.png", "one.glb", "two.glb"}, "unexpected argument two.glb"},
+        {{"render", "-o", "a.png", "--exposure", "bright"}, "--exposure needs"},
+        {{"render", "-o", "a.png", "--exposure", "31"}, "--exposure needs auto or a number from -30 to 30"},
+        {{"render", "--mask", "a.png", "--exposure", "1"}, "--exposure is for the picture"},
+        {{"render", "--mask", "a.png", "--ambient", "sky"}, "--ambient is for the picture"},
+        {{"render", "-o", "a.png", "--ambient", "blue"}, "--ambient needs constant, sky or sky:N"},
+        {{"render", "-o", "a.png", "--ambient", "sky:17"}, "--ambient needs"},
         {{"render", "-o", "a.png", "--size", "0x0"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "0x5"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "16385x1"}, "from 1 to 16384"},
@@ -809,6 +822,72 @@ TEST_F(Command, TheDefaultSceneWithEveryOutput) {
     EXPECT_GT(in_shadow, 0u);  // a sundial without a shadow would be none
 }
 
+/// sRGB's formula, inverted.
+double linear_of(std::uint8_t byte) {
+    const double encoded = byte / 255.0;
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+/// An exposure of +1 doubles the light of all that stays below .8; masks stay.
+TEST_F(Command, ExposureDoublesLight) {
+    const auto picture = [&](const char* name, const char* exposure) {
+        render_quietly({"--size", "64x48", "-o", name, "--mask", "m.png", "--exposure", exposure});
+        return read_bytes(in_folder(name)).values;
+    };
+    const auto plain = picture("a.png", "-2");
+    const std::string mask = text_of(in_folder("m.png"));
+    const auto doubled = picture("b.png", "-1");
+    EXPECT_EQ(text_of(in_folder("m.png")), mask);
+    ASSERT_EQ(plain.size(), doubled.size());
+    for (std::size_t i = 0; i < plain.size(); ++i) ASSERT_NEAR(linear_of(doubled[i]), 2 * linear_of(plain[i]), 0.01);
+    // Metered: at most one pixel of twenty of the scene is above .8 (one byte more is .807), and at least one of twenty
+    // is there.
+    render_quietly({"--size", "64x48", "-o", "c.png", "--exposure", "auto", "--aov", "c.exr", "--stats", "s.json"});
+    const auto metered = read_bytes(in_folder("c.png")).values;
+    const std::vector<Pixel> pixels = read_aov(in_folder("c.exr"));
+    std::size_t seen = 0, above = 0, at_least = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        if (pixels[i].receiver == sky) continue;
+        ++seen;
+        const double brightest = linear_of(*std::max_element(&metered[3 * i], &metered[3 * i] + 3));
+        above += brightest > 0.803;
+        at_least += brightest > 0.79;
+    }
+    EXPECT_LE(above, seen / 20);
+    EXPECT_GE(at_least, seen / 20);
+    EXPECT_TRUE(statistics("s.json").at("exposure_ev").is_number());
+}
+
+/// The share of the sky that an infinite street between walls as high as half its width sees from its middle:
+/// the walls hide all but 45 degrees to each side of the zenith, sin(45) = .707 with cosine weights. Beside it an open
+/// field, which sees all, and the outer side of a wall, which sees half.
+TEST_F(Command, AStreetSeesItsShareOfTheSky) {
+    constexpr float far = 4000;
+    std::vector<float> triangles;
+    const auto add = [&](std::array<float, 3> a, std::array<float, 3> b, std::array<float, 3> c,
+                         std::array<float, 3> d) {
+        for (const auto& p : {a, b, c, a, c, d}) triangles.insert(triangles.end(), p.begin(), p.end());
+    };
+    add({-20, 0, -far}, {-20, 0, far}, {1, 0, far}, {1, 0, -far});
+    add({-1, 0, -far}, {-1, 0, far}, {-1, 1, far}, {-1, 1, -far});
+    add({1, 0, -far}, {1, 0, far}, {1, 1, far}, {1, 1, -far});
+    write_scene(folder_, "street", triangles);
+    const auto share = [&](const char* eye, const char* target, const char* ambient) {
+        render_quietly({"street.gltf", "--size", "1x1", "--aov", "a.exr", "--eye", eye, "--target", target, "--up",
+                        "0,0,1", "--fovy", "1", "--light", "sun", "--ambient", ambient});
+        const auto input = OIIO::ImageInput::open(in_folder("a.exr").string());
+        const int channel = input->spec().channelindex("sky");
+        float value = -1;
+        EXPECT_TRUE(channel >= 0 && input->read_image(0, 0, channel, channel + 1, OIIO::TypeFloat, &value));
+        return double(value);
+    };
+    EXPECT_NEAR(share("0,0.5,0", "0,0,0", "sky"), std::sqrt(0.5), 0.04);  // 145 patches
+    EXPECT_NEAR(share("0,0.5,0", "0,0,0", "sky:5"), std::sqrt(0.5), 0.01);
+    EXPECT_NEAR(share("-15,4,0", "-15,0,0", "sky:5"), 1, 0.01);
+    // The wall's outer side: the half of the sky that is on its side.
+    EXPECT_NEAR(share("-5,0.5,0", "-1,0.5,0", "sky:5"), 0.5, 0.01);
+}
+
 TEST_F(Command, ShadowsOfASquareOverAFloorUnderAVerticalLight) {
     const std::vector<float> vertices = floor_and_square();
     write_scene(folder_, "square", vertices);
@@ -1220,7 +1299,8 @@ TEST_F(Command, AllLightsOfASceneInOneRun) {
     };
     render_quietly(with({"--light", "sun", "--mask", "sun.png", "-o", "sun_lit.png"}));
     render_quietly(with({"--light", "lamp", "--mask", "lamp.png", "-o", "lamp_lit.png"}));
-    render_quietly(with({"--light", "all", "--mask", "mask.png", "-o", "lit.png", "--stats", "stats.json"}));
+    render_quietly(
+        with({"--light", "all", "--mask", "mask.png", "-o", "lit.png", "--stats", "stats.json", "--exposure", "0"}));
     EXPECT_EQ(text_of(in_folder("mask_0.png")), text_of(in_folder("sun.png")));
     EXPECT_EQ(text_of(in_folder("mask_1.png")), text_of(in_folder("lamp.png")));
     EXPECT_NE(text_of(in_folder("mask_0.png")), text_of(in_folder("mask_1.png")));

@@ -12,7 +12,7 @@
 #include <sanitizer/lsan_interface.h>
 #endif
 
-#include "alpha_image.hpp"
+#include "decoded_image.hpp"
 #include "gltf_file.hpp"
 #include "reference/view.hpp"
 #include "scene/scene.hpp"
@@ -38,8 +38,8 @@ TEST(SceneCutOuts, SponzaEqualsReference) {
     if (const char* size = std::getenv("GNOMON_CUT_OUT_SIZE")) std::sscanf(size, "%ux%u", &width, &height);
     const scene::Scene scene = scene::load(file, {.decode_alpha = decoded});
     EXPECT_TRUE(scene.warnings.empty());
-    const reference::Masks masks = support::masks_of(scene.cut_outs);
-    const scene::CutOutsView cut_outs(scene.cut_outs);
+    const reference::Masks masks = support::masks_of(scene);
+    const scene::CutOutsView cut_outs(scene);
     const reference::PinholeCamera views[] = {{{-1000, 150, -40}, {200, 200, -30}, {0, 1, 0}, 60, width, height},
                                               {{800, 600, -35}, {-300, 120, -40}, {0, 1, 0}, 65, width, height}};
     const Light lights[] = {Light::directional({0.12f, -1, 0.06f}), Light::directional({-0.45f, -0.9f, 0.06f}),
@@ -108,7 +108,7 @@ TEST_F(SceneCutOutsFile, AMaskIsLoaded) {
     EXPECT_TRUE(scene.warnings.empty());
     const scene::SceneCutOuts& c = scene.cut_outs;
     ASSERT_EQ(c.material_of_triangle, std::vector<std::uint32_t>{0});
-    EXPECT_EQ(c.texture_coordinates, (std::vector<float>{0, 0, 1, 0, 0.25f, 1}));
+    EXPECT_EQ(scene.texture_coordinates, (std::vector<float>{0, 0, 1, 0, 0.25f, 1}));
     EXPECT_TRUE(c.corner_alphas.empty());
     ASSERT_EQ(c.materials.size(), 1u);
     EXPECT_EQ(c.materials[0].wrap_u, TextureWrap::clamp);
@@ -145,12 +145,12 @@ TEST_F(SceneCutOutsFile, TextureTransformsAreRoundedOnce) {
         {"offset": [0.1, 0.2], "rotation": 1.5707963267948966, "scale": [3, 5]}})");
     const scene::Scene scene = load(gltf, with_images);
     EXPECT_TRUE(scene.warnings.empty());
-    const std::vector<float>& uv = scene.cut_outs.texture_coordinates;
+    const std::vector<float>& uv = scene.texture_coordinates;
     const double wanted[6] = {0.1, 0.2, 0.1, 0.2 - 3, 0.1 + 5, 0.2 - 0.75};
     for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(uv[i], wanted[i], 1e-6) << i;
     gltf.set("/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform",
              R"({"scale": [3, 5]})");
-    EXPECT_EQ(load(gltf, with_images).cut_outs.texture_coordinates, (std::vector<float>{0, 0, 3, 0, 0.75f, 5}));
+    EXPECT_EQ(load(gltf, with_images).texture_coordinates, (std::vector<float>{0, 0, 3, 0, 0.75f, 5}));
 }
 
 TEST_F(SceneCutOutsFile, VertexColoursGiveAlpha) {
@@ -202,7 +202,7 @@ TEST_F(SceneCutOutsFile, BlendCastersAreChosen) {
     EXPECT_EQ(mask.cut_outs.materials.at(0).cutoff, 0.5f);
     EXPECT_EQ(mask.cut_outs.materials.at(0).texture, 0u);
     const scene::Scene clear = load(gltf, {.blend = scene::BlendCasters::clear, .decode_alpha = decoded});
-    const scene::CutOutsView view(clear.cut_outs);
+    const scene::CutOutsView view(clear);
     const Device device;
     EXPECT_EQ(Triangles::upload(device, clear.triangles, *view.get()).cut_out_counts().clear, 1u);
 }

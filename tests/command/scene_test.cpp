@@ -921,6 +921,51 @@ TEST(Defaults, FramingCameraSeesEveryVertex) {
     EXPECT_TRUE(std::isfinite(gnomon::scene::framing_camera({}).eye[0])) << "an empty scene has a camera too";
 }
 
+/// A box around (2, 1, 3), 8 x 3 x 4 metres. `is_inward`: its fronts are inside.
+std::vector<float> box_triangles(bool is_inward, double size = 1) {
+    std::vector<float> triangles;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const int side : {-1, 1})
+            for (const auto& order : {std::array{0, 1, 2}, std::array{0, 2, 3}})
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const int corner = order[(side > 0) == is_inward ? 2 - k : k];
+                    std::array<double, 3> p{};
+                    p[axis] = side;
+                    p[(axis + 1) % 3] = corner == 1 || corner == 2 ? 1 : -1;
+                    p[(axis + 2) % 3] = corner >= 2 ? 1 : -1;
+                    const std::array<double, 3> middle{2, 1, 3}, half{4, 1.5, 2};
+                    for (std::size_t c = 0; c < 3; ++c) triangles.push_back(float(middle[c] + size * half[c] * p[c]));
+                }
+    return triangles;
+}
+
+bool is_inside_the_box(const Scene& scene) {
+    const Float3 eye = gnomon::scene::framing_camera(scene).eye;
+    return std::abs(eye[0] - 2) < 4 && std::abs(eye[1] - 1) < 1.5f && std::abs(eye[2] - 3) < 2;
+}
+
+TEST(DefaultCamera, OfAnInteriorIsInside) {
+    Scene room, solid, thick, hut;
+    room.triangles = box_triangles(true);
+    EXPECT_TRUE(is_inside_the_box(room));
+    const gnomon::Camera camera = gnomon::scene::framing_camera(room);
+    EXPECT_NEAR(std::abs(camera.forward[0]), 1, 1e-6) << "along the longer side";
+    solid.triangles = box_triangles(false);
+    EXPECT_FALSE(is_inside_the_box(solid));
+    // A building with walls that have an outside too, as Sponza has.
+    thick.triangles = box_triangles(true, 0.99);
+    const std::vector<float> outside = box_triangles(false);
+    thick.triangles.insert(thick.triangles.end(), outside.begin(), outside.end());
+    EXPECT_TRUE(is_inside_the_box(thick));
+    // The same hut in a landscape: what is outside is to be seen.
+    hut = thick;
+    for (const float c : {-40.f, -0.5f, -40.f, -40.f, -0.5f, 40.f, 40.f, -0.5f, 40.f}) hut.triangles.push_back(c);
+    EXPECT_FALSE(is_inside_the_box(hut));
+    // A wall is missing: one looks in from there.
+    room.triangles.resize(room.triangles.size() - 18);
+    EXPECT_FALSE(is_inside_the_box(room));
+}
+
 TEST(Defaults, LightTravelsAsStated) {
     EXPECT_EQ(gnomon::scene::default_light().xyzw, (std::array<float, 4>{0.4f, 1.0f, 0.3f, 0.0f}));
 }

@@ -68,7 +68,37 @@ bool is_one_line(const std::string& text) {
     return !text.empty() && std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; });
 }
 
+/// Images are those of any decoder, or cannot be read.
+void require_readable(std::span<const unsigned char> bytes) {
+    if (bytes.empty() || bytes[0] % 2 != 0) throw gnomon::Error("an odd image");
+}
+gnomon::scene::SceneCutOuts::Texture decoded_alpha(std::span<const unsigned char> bytes) {
+    require_readable(bytes);
+    return {2, 1, {bytes[0], 255}};
+}
+gnomon::scene::ColorImage decoded_colors(std::span<const unsigned char> bytes, std::uint64_t) {
+    require_readable(bytes);
+    return {1, 2, {1, 2, 3, bytes[0], 4, 5, 6, 7}};
+}
+
+/// Arrays of as many numbers per triangle as Surfaces expects, or none; textures that are there.
+void check_colors(const gnomon::scene::Scene& scene) {
+    const gnomon::scene::SurfaceDetailView view(scene);
+    const gnomon::SurfaceDetail& detail = view.get();
+    const auto has = [&](std::size_t size, std::size_t each) {
+        return size == 0 || size == each * scene.triangle_count();
+    };
+    require(has(detail.texture_coordinates.size(), 6), "six coordinates for each triangle");
+    require(has(detail.corner_colors.size(), 9), "nine colours for each triangle");
+    require(has(detail.corner_normals.size(), 3), "three normals for each triangle");
+    require(detail.texture_uses.empty() || detail.texture_uses.size() == scene.materials.base_color.size(),
+            "a use of textures for each material");
+    for (const gnomon::ColorTextureUse& use : detail.texture_uses)
+        require(use.texture == gnomon::no_texture || use.texture < detail.textures.size(), "textures that exist");
+}
+
 void check(const gnomon::scene::Scene& scene) {
+    check_colors(scene);
     require(scene.triangles.size() % 9 == 0, "nine floats for each triangle");
     const auto& [ids, colors] = scene.materials;
     require(ids.size() == scene.triangle_count(), "a material for each triangle");
@@ -98,7 +128,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const Folder folder;
     const std::filesystem::path file = folder.write("scene.glb", data, size);
     try {
-        gnomon::scene::SceneFile scenes(file);
+        gnomon::scene::SceneFile scenes(file, {.decode_alpha = decoded_alpha, .decode_colors = decoded_colors});
         const gnomon::scene::Scene at_rest = scenes.at(std::nullopt);
         check(at_rest);
         if (!at_rest.animations.empty()) check(scenes.at(0.5));

@@ -7,9 +7,10 @@
 
 namespace support {
 
-inline reference::Masks masks_of(const gnomon::scene::SceneCutOuts& from) {
+inline reference::Masks masks_of(const gnomon::scene::Scene& scene) {
     using namespace gnomon;
-    reference::Masks masks{from.material_of_triangle, from.texture_coordinates, from.corner_alphas, {}, {}};
+    const scene::SceneCutOuts& from = scene.cut_outs;
+    reference::Masks masks{from.material_of_triangle, scene.texture_coordinates, from.corner_alphas, {}, {}};
     const auto wrap = [](TextureWrap w) {
         return w == TextureWrap::repeat   ? reference::MaskWrap::repeat
                : w == TextureWrap::mirror ? reference::MaskWrap::mirror

@@ -28,7 +28,7 @@ std::vector<std::pair<std::string, double>> stage_times(const std::vector<Statis
 }
 
 Triangles uploaded(const Device& device, const scene::Scene& scene) {
-    const scene::CutOutsView cut_outs(scene.cut_outs);
+    const scene::CutOutsView cut_outs(scene);
     return cut_outs.get() != nullptr ? Triangles::upload(device, scene.triangles, *cut_outs.get())
                                      : Triangles::upload(device, scene.triangles);
 }

@@ -103,7 +103,7 @@ Shared::Shared(const PeerTask& task)
       seen(task.seen),
       samples(task.samples),
       threads(thread_count(task.threads)),
-      mesh(place.scene.scene.triangles, place.scene.scene.cut_outs, threads),
+      mesh(place.scene.scene, threads),
       camera(seen.c.camera, seen.row.width, seen.row.height, samples, seen.c.light, mesh,
              static_cast<float>(lift * mesh.diagonal())),
       pixels(std::size_t(seen.row.width) * seen.row.height),

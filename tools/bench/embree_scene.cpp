@@ -63,8 +63,9 @@ double diagonal_of(std::span<const float> triangles) {
 
 }  // namespace
 
-Mesh::Mesh(std::span<const float> triangles, const scene::SceneCutOuts& cut_outs, unsigned threads)
-    : cut_outs_(cut_outs), diagonal_(diagonal_of(triangles)) {
+Mesh::Mesh(const scene::Scene& scene, unsigned threads) : scene_(scene), diagonal_(diagonal_of(scene.triangles)) {
+    const std::vector<float>& triangles = scene.triangles;
+    const scene::SceneCutOuts& cut_outs = scene.cut_outs;
     Welder welder(triangles.size() / 3);
     const std::size_t count = triangles.size() / 9;
     indices_[0].reserve(3 * count);
@@ -115,16 +116,16 @@ void Mesh::filter(const RTCFilterFunctionNArguments* hits) {
 // The look-up of the contract (docs/numerics.md, 15), in float.
 bool Mesh::is_opaque(std::uint32_t masked, float u, float v) const {
     const std::uint32_t id = ids_[1][masked];
-    const CutOutMaterial& material = cut_outs_.materials[cut_outs_.material_of_triangle[id]];
+    const CutOutMaterial& material = scene_.cut_outs.materials[scene_.cut_outs.material_of_triangle[id]];
     const float weights[] = {1 - u - v, u, v};
     float alpha = material.alpha_factor;
-    if (!cut_outs_.corner_alphas.empty()) {
-        const float* corners = &cut_outs_.corner_alphas[3 * std::size_t(id)];
+    if (!scene_.cut_outs.corner_alphas.empty()) {
+        const float* corners = &scene_.cut_outs.corner_alphas[3 * std::size_t(id)];
         alpha *= weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
     }
     if (material.texture == no_texture) return alpha >= material.cutoff;
-    const auto& texture = cut_outs_.textures[material.texture];
-    const float* at = &cut_outs_.texture_coordinates[6 * std::size_t(id)];
+    const auto& texture = scene_.cut_outs.textures[material.texture];
+    const float* at = &scene_.texture_coordinates[6 * std::size_t(id)];
     const float x = (weights[0] * at[0] + weights[1] * at[2] + weights[2] * at[4]) * float(texture.width);
     const float y = (weights[0] * at[1] + weights[1] * at[3] + weights[2] * at[5]) * float(texture.height);
     const auto row = [&](int j) {

@@ -47,8 +47,8 @@ private:
 /// The triangles in the form that Embree shares: indexed, equal vertices once, readable 16 bytes past the end.
 class Mesh {
 public:
-    /// With cut-outs, which must outlive this, their triangles are a geometry of their own, whose hits a filter judges.
-    Mesh(std::span<const float> triangles, const scene::SceneCutOuts& cut_outs, unsigned threads);
+    /// The scene must outlive this. The triangles of cut-outs are a geometry of their own, whose hits a filter judges.
+    Mesh(const scene::Scene& scene, unsigned threads);
     Mesh(const Mesh&) = delete;
     Mesh& operator=(const Mesh&) = delete;
     ~Mesh() { rtcReleaseDevice(device_); }
@@ -66,7 +66,7 @@ private:
     bool is_opaque(std::uint32_t masked, float u, float v) const;
     static void filter(const RTCFilterFunctionNArguments* hits);
 
-    const scene::SceneCutOuts& cut_outs_;
+    const scene::Scene& scene_;
     std::vector<float> vertices_;
     std::vector<std::uint32_t> indices_[2];  ///< of opaque triangles, and of cut-outs
     std::vector<std::uint32_t> ids_[2];      ///< empty: all of them in order

@@ -45,7 +45,7 @@ struct AskedPoints {
 std::map<std::size_t, std::uint32_t> shadowed_by_oracle(const NamedScene& scene, const Case& c,
                                                         const AskedPoints& points) {
     const bool has_cut_outs = !scene.scene.cut_outs.empty();
-    const reference::Masks masks = support::masks_of(scene.scene.cut_outs);
+    const reference::Masks masks = support::masks_of(scene.scene);
     const std::vector<std::uint8_t> shadowed =
         reference::shadowed(scene.scene.triangles, points.positions, points.receivers, c.light.xyzw, c.camera.eye,
                             nullptr, has_cut_outs ? &masks : nullptr);

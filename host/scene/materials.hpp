@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The cut-outs of a glTF file: its masked materials, from the JSON (tinygltf sees no textures), and their alpha images.
+// Alpha and base colour textures of a glTF file's materials, from the JSON (tinygltf sees no textures), and their
+// images.
 #pragma once
 
 #include "gltf.hpp"
@@ -7,8 +8,8 @@
 
 namespace gnomon::scene {
 
-/// Reads the JSON as far as masks need it. Nothing here throws: what is broken makes the mask unreadable.
-MaskSources mask_sources(const nlohmann::json& root);
+/// Reads the JSON as far as textures need it. Nothing here throws: what is broken makes a texture unreadable.
+MaterialSources material_sources(const nlohmann::json& root);
 
 /// The bytes of an image's file. Throws SceneError.
 std::vector<unsigned char> image_bytes(const std::filesystem::path& file, const tinygltf::Model& model,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cut_outs.hpp"
+#include "materials.hpp"
 
 #include <cmath>
 
@@ -46,7 +46,7 @@ TextureWrap wrap_of(std::int64_t value) {
 }
 
 /// uv = T R S uv; a rotation turns counter-clockwise where v points down, as all viewers have it.
-void read_transform(const json& info, MaskSource& source) {
+void read_transform(const json& info, MaterialSource& source) {
     const json* extensions = object_in(info, "extensions");
     const json* transform = extensions ? object_in(*extensions, "KHR_texture_transform") : nullptr;
     if (transform == nullptr) return;
@@ -58,7 +58,7 @@ void read_transform(const json& info, MaskSource& source) {
     source.coordinates = int(integer_in(*transform, "texCoord", source.coordinates));
 }
 
-void read_sampler(const json& root, const json& texture, MaskSource& source) {
+void read_sampler(const json& root, const json& texture, MaterialSource& source) {
     const json* sampler = entry_of(root, "samplers", integer_in(texture, "sampler", -1));
     if (sampler == nullptr) return;
     source.wrap_u = wrap_of(integer_in(*sampler, "wrapS", 10497));
@@ -73,7 +73,7 @@ std::int64_t image_of(const json& texture) {
     return integer_in(webp ? *webp : texture, "source", -1);
 }
 
-void read_texture(const json& root, const json& info, MaskSource& source, std::vector<ImageSource>& images) {
+void read_texture(const json& root, const json& info, MaterialSource& source, std::map<int, ImageSource>& images) {
     source.has_texture = true;
     source.coordinates = int(integer_in(info, "texCoord", 0));
     read_transform(info, source);
@@ -83,7 +83,8 @@ void read_texture(const json& root, const json& info, MaskSource& source, std::v
         return;
     }
     read_sampler(root, *texture, source);
-    const json* image = entry_of(root, "images", image_of(*texture));
+    const std::int64_t index = image_of(*texture);
+    const json* image = entry_of(root, "images", index);
     if (image == nullptr) {
         source.unreadable = "its texture has no image that can be read (KTX2 is not)";
         return;
@@ -91,23 +92,24 @@ void read_texture(const json& root, const json& info, MaskSource& source, std::v
     ImageSource of;
     if (const auto uri = image->find("uri"); uri != image->end() && uri->is_string()) of.uri = uri->get<std::string>();
     of.buffer_view = int(integer_in(*image, "bufferView", -1));
-    source.image = int(images.size());
-    images.push_back(std::move(of));
+    source.image = int(index);
+    images.insert_or_assign(int(index), std::move(of));
 }
 
 }  // namespace
 
-MaskSources mask_sources(const json& root) {
-    MaskSources sources;
+MaterialSources material_sources(const json& root) {
+    MaterialSources sources;
     const auto materials = root.find("materials");
     if (materials == root.end() || !materials->is_array()) return sources;
     for (std::size_t i = 0; i < materials->size(); ++i) {
         const json& material = (*materials)[i];
-        const auto mode = material.is_object() ? material.find("alphaMode") : material.end();
-        if (mode == material.end() || (*mode != "MASK" && *mode != "BLEND")) continue;
-        MaskSource source;
-        source.is_blend = *mode == "BLEND";
-        if (!source.is_blend) source.cutoff = float(number_in(material, "alphaCutoff", 0.5));
+        if (!material.is_object()) continue;
+        const auto mode = material.find("alphaMode");
+        MaterialSource source;
+        source.is_mask = mode != material.end() && *mode == "MASK";
+        source.is_blend = mode != material.end() && *mode == "BLEND";
+        if (source.is_mask) source.cutoff = float(number_in(material, "alphaCutoff", 0.5));
         if (const json* pbr = object_in(material, "pbrMetallicRoughness")) {
             const auto factor = pbr->find("baseColorFactor");
             if (factor != pbr->end() && factor->is_array() && factor->size() == 4 && (*factor)[3].is_number())
@@ -133,10 +135,18 @@ std::vector<unsigned char> image_bytes(const std::filesystem::path& file, const 
     return bytes_of_uri(file, source.uri);
 }
 
-CutOutsView::CutOutsView(const SceneCutOuts& from) : is_empty_(from.empty()) {
+CutOutsView::CutOutsView(const Scene& scene) : is_empty_(scene.cut_outs.empty()) {
+    const SceneCutOuts& from = scene.cut_outs;
     for (const SceneCutOuts::Texture& texture : from.textures)
         textures_.push_back({texture.width, texture.height, texture.alpha});
-    cut_outs_ = {from.material_of_triangle, from.texture_coordinates, from.corner_alphas, from.materials, textures_};
+    cut_outs_ = {from.material_of_triangle, scene.texture_coordinates, from.corner_alphas, from.materials, textures_};
+}
+
+SurfaceDetailView::SurfaceDetailView(const Scene& scene) {
+    const SceneColors& from = scene.colors;
+    if (from.images)
+        for (const ColorImage& image : *from.images) textures_.push_back({image.width, image.height, image.rgba});
+    detail_ = {scene.texture_coordinates, from.corner_colors, from.corner_normals, from.texture_uses, textures_};
 }
 
 }  // namespace gnomon::scene
