@@ -85,9 +85,7 @@ class Decider:
         bend = self.curvature(centre)
         at = part.xyz.copy()
         at[:, 2] = bend.lowered(at[:, 0], at[:, 1], at[:, 2])
-        lit = np.ones((len(at), len(towards)), bool)
-        if part.window is not None:
-            self._face(part, towards, bend, lit)
+        lit = self._faced(part, towards, bend)
         if part.normals is not None:
             _face_by_normals(scaled(part.normals).astype(np.float32), towards, lit)
         low, high = at.min(axis=0), at.max(axis=0)
@@ -103,13 +101,12 @@ class Decider:
         undecided = self._undecided(tiles[absent], hit[absent], at, directions, bend, lit)
         return Answer(lit & ~undecided, undecided, sorted(unread))
 
-    def _face(self, part: Part, towards: NDArray[np.float32], bend: Curvature, lit: NDArray[np.bool_]) -> None:
-        assert part.window is not None
+    def _faced(self, part: Part, towards: NDArray[np.float32], bend: Curvature) -> NDArray[np.bool_]:
+        if part.window is None:
+            return np.ones((len(part.rows), len(towards)), bool)
         x, y, z, inside = part.window
         z = bend.lowered(x[None, :], y[:, None], z)
-        grid = GridFacing(*(steps_of(v, self.exponent) for v in (x, y, z)))
-        for sun in range(len(towards)):
-            lit[:, sun] = grid.faces(towards[sun])[inside]
+        return GridFacing(*(steps_of(v, self.exponent) for v in (x, y, z)), inside).faces(towards)
 
     def _beyond(self, tiles: NDArray[np.int64], box: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which tiles are not tested: unread ones, those beyond the stated limit, and those that the lattice does not
@@ -255,6 +252,8 @@ class Decider:
         """Which lit answers lack the certificate: their ray may meet a tile that was not tested, or leaves the extent
         below the stated height of what stands outside."""
         result = np.zeros(lit.shape, bool)
+        if not len(tiles) and self.settings.outside is None:
+            return result
         boxes = self.survey.boxes[tiles]
         tops = self.survey.tops[tiles] - bend.least(boxes)
         point = at[:, [0, 1, 0, 1]]

@@ -13,6 +13,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+#: Vertices times suns that are decided at once stay in the cache.
+ROWS_AT_ONCE = 2048
 #: Neighbours of a vertex as (rows, columns) away, row 0 in the north, in the order of their azimuth from the east on.
 #: Two that follow one another span a triangle, as the diagonals run from south-west to north-east.
 NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1), (1, 0))
@@ -20,71 +22,96 @@ NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1), (1, 0))
 
 class GridFacing:
     """x (C + 2,), y (R + 2,), z (R + 2, C + 2): the vertices of a window and of one more row and column on each side,
-    in whole steps; NaN in z where there is none. Answers for the R x C vertices inside."""
+    in whole steps; NaN in z where there is none. inside: (R, C) bool, the n vertices that are asked for."""
 
-    def __init__(self, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64]) -> None:
-        rows, columns = z.shape[0] - 2, z.shape[1] - 2
-        self.shape = rows, columns
-        at = z[1:-1, 1:-1]
-        self._edges = []  # x (C,), y (R,), z (R, C) of the edge to each neighbour
+    def __init__(
+        self, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64], inside: NDArray[np.bool_]
+    ) -> None:
+        rows, columns = inside.shape
+        self._row, self._column = np.nonzero(inside)
+        self._edges = []  # x (C,), y (R,), z (n,) of the edge to each neighbour
         for r, c in NEIGHBOURS:
             dx, dy = x[1 + c : 1 + c + columns] - x[1:-1], y[1 + r : 1 + r + rows] - y[1:-1]
-            self._edges.append((dx, dy, z[1 + r : 1 + r + rows, 1 + c : 1 + c + columns] - at))
-        self._normals = []
+            dz = (z[1 + r : 1 + r + rows, 1 + c : 1 + c + columns] - z[1:-1, 1:-1])[inside]
+            self._edges.append((dx, dy, dz))
+        self._normals = []  # (n, 3) of each of the six triangles, 0 where there is none
         self._is_there = []
         for k in range(6):
-            (ax, ay, az), (bx, by, bz) = self._edges[k], self._edges[(k + 1) % 6]
-            n = np.empty((3, rows, columns))
-            n[0] = ay[:, None] * bz - az * by[:, None]
-            n[1] = az * bx - ax * bz
-            n[2] = ax[None, :] * by[:, None] - ay[:, None] * bx[None, :]
-            there = np.isfinite(n[0]) & np.isfinite(n[1])
-            n[:, ~there] = 0
+            (ax, ay, az), (bx, by, bz) = self._of(k, self._row, self._column), self._of(k + 1, self._row, self._column)
+            n = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
+            there = np.isfinite(n).all(axis=1)
+            n[~there] = 0
             self._normals.append(n)
             self._is_there.append(there)
-        self._largest = [np.abs(n).max(axis=0) for n in self._normals]
+        self._largest = [np.abs(n).max(axis=1, initial=0) for n in self._normals]
+        self._irregular = np.flatnonzero(~np.all(self._is_there, axis=0))
+
+    def _of(
+        self, k: int, row: NDArray[np.int64], column: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        dx, dy, dz = self._edges[k % 6]
+        return dx[column], dy[row], dz
 
     def faces(self, towards: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """(R, C): whether the sun in this direction, upwards, is strictly above the surface around each vertex. A
-        vertex without triangles faces every sun."""
+        """(n, M): whether each sun (M, 3), all upwards, is strictly above the surface around each vertex. A vertex
+        without triangles faces every sun."""
         d = towards.astype(np.float64)
-        result = np.ones(self.shape, bool)
-        leaves = np.zeros(self.shape, bool)
+        result = np.ones((len(self._row), len(d)), bool)
+        is_mixed = np.zeros(len(d), bool)  # a sun that leaves over different triangles at different vertices
         for k in range(6):
-            over = self._leaves_over(k, d)
-            if over is None:
-                continue
-            over = np.broadcast_to(over, self.shape) & self._is_there[k]
-            leaves |= over
-            result &= ~over | self._above(k, d, over)
-        extended = ~leaves
-        if extended.any():  # at a border or beside nodata: strictly above the planes of all triangles
-            for k in range(6):
-                some = extended & self._is_there[k]
-                if some.any():
-                    result &= ~some | self._above(k, d, some)
+            over = np.array([self._leaves_over(k, sun) for sun in d])
+            is_mixed |= np.isnan(over)
+            suns = np.flatnonzero(over == 1)
+            for first in range(0, len(result), ROWS_AT_ONCE):
+                part = slice(first, first + ROWS_AT_ONCE)
+                if len(suns):
+                    result[part, suns] &= self._above(k, d[suns], part)
+        every = np.arange(len(result))
+        for sun in range(len(d)):
+            rows = every if is_mixed[sun] else self._irregular
+            if len(rows):
+                result[rows, sun] = self._by_vertex(rows, d[sun])
         return result
 
-    def _leaves_over(self, k: int, d: NDArray[np.float64]) -> NDArray[np.bool_] | None:
-        """Whether the horizontal part of d points into the sector of triangle k; None: nowhere. Each product has at
-        most 25 + 24 bits, so it is exact, and so is the comparison of two."""
+    def _leaves_over(self, k: int, d: NDArray[np.float64]) -> float:
+        """Whether the horizontal part of d points into the sector of triangle k: 1 at all vertices, 0 at none, NaN at
+        some. Each product has at most 25 + 24 bits, so it is exact, and so is the comparison of two."""
         (ax, ay, _), (bx, by, _) = self._edges[k], self._edges[(k + 1) % 6]
         ahead, aside = ax * d[1], ay * d[0]
         behind, beside = by * d[0], bx * d[1]
         if ahead.max() < aside.min() or behind.max() < beside.min():
-            return None
-        over = (ahead[None, :] >= aside[:, None]) & (behind[:, None] >= beside[None, :])
-        return over if over.any() else None
+            return 0.0
+        return 1.0 if ahead.min() >= aside.max() and behind.min() >= beside.max() else np.nan
 
-    def _above(self, k: int, d: NDArray[np.float64], wanted: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        n = self._normals[k]
-        s = n[0] * d[0] + n[1] * d[1] + n[2] * d[2]
-        above = s > 0
+    def _above(self, k: int, d: NDArray[np.float64], rows: slice | NDArray[np.int64]) -> NDArray[np.bool_]:
+        """(rows, M): whether n . D > 0, n the normal of triangle k at each vertex."""
+        n = self._normals[k][rows]
+        s = n @ d.T
+        above: NDArray[np.bool_] = s > 0
         # |s - exact| is below 3 roundings of products and 2 of sums: 5 x 2^-53 x 3 x largest x |d| < 1.7e-15 of it.
-        unsure = wanted & (np.abs(s) <= self._largest[k] * (2e-15 * np.abs(d).max()))
-        for r, c in np.argwhere(unsure):
-            above[r, c] = exact_sum(n[:, r, c], d) > 0
+        unsure = np.abs(s) <= self._largest[k][rows][:, None] * (2e-15 * np.abs(d).max())
+        unsure &= self._is_there[k][rows][:, None]
+        if unsure.any():
+            for row, sun in np.argwhere(unsure):
+                above[row, sun] = exact_sum(n[row], d[sun]) > 0
         return above
+
+    def _by_vertex(self, rows: NDArray[np.int64], d: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(rows,) for one sun, wherever it leaves: also at borders and beside nodata, where the surface is extended by
+        the planes of all triangles."""
+        row, column = self._row[rows], self._column[rows]
+        result, leaves = np.ones(len(rows), bool), np.zeros(len(rows), bool)
+        above, there = [], []
+        for k in range(6):
+            (ax, ay), (bx, by) = ((e[0][column], e[1][row]) for e in (self._edges[k], self._edges[(k + 1) % 6]))
+            there.append(self._is_there[k][rows])
+            over = (ax * d[1] >= ay * d[0]) & (by * d[0] >= bx * d[1]) & there[k]
+            above.append(self._above(k, d[None], rows)[:, 0])
+            leaves |= over
+            result &= ~over | above[k]
+        for k in range(6):
+            result &= leaves | ~there[k] | above[k]
+        return result
 
 
 def exact_sum(n: NDArray[np.float64], d: NDArray[np.float64]) -> float:

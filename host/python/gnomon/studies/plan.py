@@ -24,7 +24,7 @@ from .suns import Suns, suns_of
 FINEST = -10
 #: How far a receiver tile may reach, beside the study's reach: metres, and cells of the raster.
 LARGEST_TILE = 8192.0
-LARGEST_TILE_CELLS = 1024
+LARGEST_TILE_CELLS = 512
 
 SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int]]]]
 

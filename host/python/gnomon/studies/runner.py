@@ -149,11 +149,11 @@ def _cluster(names: list[str | None]) -> Any:
     cores = max(1, (os.cpu_count() or 1) // len(names))
     options = {}
     for i, name in enumerate(names):
-        env = {"POCL_MAX_PTHREAD_COUNT": str(cores), "DASK_LOGGING__DISTRIBUTED": "error"}
+        env = {"POCL_MAX_PTHREAD_COUNT": str(cores)}
         of_device = {"GNOMON_DEVICE": name} if name else {}
         options[i] = {
             "cls": Nanny,
-            "options": {"nthreads": 1, "env": env | of_device, "memory_limit": 0, "dashboard": False},
+            "options": {"nthreads": 1, "env": env | of_device, "memory_limit": 0, "dashboard": False, "silence_logs": 40},
         }
     scheduler = {"cls": Scheduler, "options": {"dashboard_address": None, "host": "127.0.0.1", "port": 0}}
     return SpecCluster(workers=options, scheduler=scheduler, silence_logs=40)

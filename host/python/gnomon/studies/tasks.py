@@ -50,6 +50,7 @@ def computed(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, ND
     """What a task writes: names (`array@leading index`) to leading index and values; and facts for its file."""
     suns, words = plan.suns, plan.blocks[block]
     of_block = np.flatnonzero(np.isin(suns.word, words))
+    of_block = of_block[np.lexsort((suns.bit[of_block], suns.word[of_block]))]
     receivers = plan.receivers.tile(tile)
     shape = tuple(s.stop - s.start for s in plan.receivers.slices(tile))
     count = len(receivers.is_valid)
@@ -64,10 +65,9 @@ def computed(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, ND
             if not answer.any():
                 continue
             for w in words if wants_bits else ():
-                word = np.zeros(len(rows), np.uint32)
-                for column in np.flatnonzero(suns.word[chosen] == w):
-                    word |= answer[:, column].astype(np.uint32) << np.uint32(suns.bit[chosen[column]])
-                packed[k, int(w)][rows] = word
+                columns = np.flatnonzero(suns.word[chosen] == w)
+                if len(columns):
+                    packed[k, int(w)][rows] = _packed(answer, columns, suns.bit[chosen[columns]])
             for output in plan.settings.outputs:
                 if output != "bits":
                     sums[k, output][rows] = _weighed(answer, per_sun[output][chosen])
@@ -90,6 +90,13 @@ def computed(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, ND
     undecided = sum(int(np.bitwise_count(a).sum()) if wants_bits else int((a != 0).sum())
                     for (k, _), a in [*packed.items(), *([] if wants_bits else sums.items())] if k == 1)  # fmt: skip
     return values, {"decisions": decisions, "undecided": undecided, "unread": sorted(unread)}
+
+
+def _packed(answer: NDArray[np.bool_], columns: NDArray[np.int64], bits: NDArray[np.int64]) -> NDArray[np.uint32]:
+    """One word per row, with the columns' answers at these bits."""
+    spread = np.zeros((len(answer), 32), np.uint8)
+    spread[:, bits] = answer[:, columns]
+    return np.packbits(spread, axis=1, bitorder="little").view("<u4")[:, 0].astype(np.uint32)
 
 
 def _weighed(answer: NDArray[np.bool_], weights: NDArray[np.int64]) -> NDArray[np.int64]:
