@@ -41,6 +41,7 @@ def write_suns(path, suns):
     """A table of (azimuth, elevation) in degrees."""
     a, e = np.radians(np.array(suns, float)).T
     towards = np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), np.sin(e)], axis=1)
+    towards[np.abs(towards) < 1e-12] = 0  # due east is due east
     np.savetxt(path, -towards, delimiter=",", header="x,y,z", comments="", fmt="%.17g")
     return str(path)
 

@@ -14,6 +14,22 @@ from .rasters import Mosaic, UnreadableError, faces_of_grid
 from .settings import Settings
 
 
+#: Steps that receivers and casters together may span: origins lie in the middle, and 2^24 steps fit on each side.
+LARGEST_SPAN = 2.0**25 - 64
+
+
+def largest_tile(settings: Settings, cell: float) -> float:
+    """How far a tile may reach, in metres: larger ones are made smaller. It depends on the raster's cells, so that the
+    lattice does not depend on the size of tiles that somebody chooses."""
+    largest = max(4096.0, min(256 * cell, 32_768.0))
+    return largest if settings.lattice is None else min(largest, LARGEST_SPAN * settings.lattice / 4)
+
+
+def cells_of_tile(settings: Settings, mosaic: Mosaic, wanted: int) -> int:
+    cell = max(mosaic.dx, mosaic.dy)
+    return max(1, min(wanted, int(largest_tile(settings, cell) / cell)))
+
+
 class Survey(NamedTuple):
     """What is known of the caster tiles before any is used. Raster tiles come first, by rows from the north; the files
     of meshes follow.
@@ -56,7 +72,7 @@ class Casters:
     def __init__(self, settings: Settings, mosaic: Mosaic | None) -> None:
         self.settings = settings
         self.mosaic = mosaic
-        size = settings.caster_tile
+        size = self.size = 1 if mosaic is None else cells_of_tile(settings, mosaic, settings.caster_tile)
         self.rows = 0 if mosaic is None else -(-max(mosaic.rows - 1, 0) // size)
         self.columns = 0 if mosaic is None else -(-max(mosaic.columns - 1, 0) // size)
 
@@ -72,13 +88,13 @@ class Casters:
     def window(self, tile: int) -> tuple[int, int, int, int]:
         """Rows and columns of the vertices of a raster tile: first, last + 1 of each."""
         assert self.mosaic is not None
-        size = self.settings.caster_tile
+        size = self.size
         row, column = tile // self.columns * size, tile % self.columns * size
         return row, min(row + size + 1, self.mosaic.rows), column, min(column + size + 1, self.mosaic.columns)
 
     def tiles_of_window(self, row: int, last_row: int, column: int, last_column: int) -> NDArray[np.int64]:
         """The raster tiles that have a vertex in a window."""
-        size = self.settings.caster_tile
+        size = self.size
         rows = np.arange(max(row - 1, 0) // size, min((last_row - 1) // size, self.rows - 1) + 1)
         columns = np.arange(max(column - 1, 0) // size, min((last_column - 1) // size, self.columns - 1) + 1)
         return (rows[:, None] * self.columns + columns).reshape(-1)

@@ -16,7 +16,7 @@ from .._arrays import scaled
 from .._devices import Device, default_device, open_device
 from .._lattice import Lattice
 from .._scene import Scene
-from .casters import Casters, Survey
+from .casters import LARGEST_SPAN, Casters, Survey
 from .facing import GridFacing
 from .halo import Curvature, Pyramid, leaves_below, per_square_of, rises_above
 from .rasters import UnreadableError
@@ -25,8 +25,6 @@ from .settings import Settings
 
 #: Bytes that a caster's triangle takes at most: its corners on both sides, its share of the tree, and the loading.
 BYTES_PER_TRIANGLE = 400
-#: Steps that receivers and casters together may span: origins lie in the middle, and 2^24 steps fit on each side.
-LARGEST_SPAN = 2.0**25 - 64
 
 
 class Answer(NamedTuple):

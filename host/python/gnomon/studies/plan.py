@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from .casters import Casters, Survey
-from .decide import LARGEST_SPAN, Decider
+from .casters import LARGEST_SPAN, Casters, Survey, largest_tile
+from .decide import Decider
 from .rasters import open_mosaic
 from .receivers import Receivers, receivers_of, write_points
 from .settings import Settings
@@ -22,10 +22,6 @@ from .suns import Suns, suns_of
 
 #: The finest step that a study chooses by itself is 2^-10 m.
 FINEST = -10
-#: How far a receiver tile may reach, beside the study's reach: metres, and cells of the raster.
-LARGEST_TILE = 8192.0
-LARGEST_TILE_CELLS = 512
-
 SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int]]]]
 
 
@@ -120,7 +116,7 @@ def made(folder: Path, settings: Settings, run_survey: SurveyRun, restart: bool 
         if not len(unread):
             return Plan.open(folder)
         survey = _surveyed(folder, plan.casters, run_survey, plan.survey, unread.tolist())
-        if _exponent(settings, plan.casters, survey, plan.receivers) == plan.exponent:
+        if _exponent(settings, plan.casters, survey) == plan.exponent:
             survey.save(folder / "survey.npz")
             return Plan.open(folder)
     return _made_anew(folder, settings, run_survey)
@@ -147,7 +143,7 @@ def _made_anew(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     write_whole(folder / "survey.json", json.dumps(for_survey))
     survey = _surveyed(folder, casters, run_survey, None, list(range(len(casters))))
     survey.save(folder / "survey.npz")
-    exponent = _exponent(settings, casters, survey, receivers)
+    exponent = _exponent(settings, casters, survey)
     digest = hashlib.sha256(
         f"{settings.hash_of_answers()} {sha256_of_array(suns.towards)} {sha256_of_array(suns.weights)} {exponent}".encode()
     ).hexdigest()
@@ -191,26 +187,19 @@ def _reach(settings: Settings, survey: Survey) -> float:
     return reach if settings.halo_limit is None else min(reach, settings.halo_limit)
 
 
-def _exponent(settings: Settings, casters: Casters, survey: Survey, receivers: Receivers) -> int:
+def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
     """Of the lattice's step: the finest from 2^-10 on for which a receiver tile and all that shadows it fit. It depends
     on no tile's size."""
     cell = 0.0 if casters.mosaic is None else max(casters.mosaic.dx, casters.mosaic.dy)
-    tile = max(LARGEST_TILE, LARGEST_TILE_CELLS * cell)
-    if settings.receivers == "raster" and settings.tile * cell > tile:
-        raise ValueError(f"tile: {settings.tile} cells of {cell:g} m are more than {tile:g} m: choose a smaller one")
-    size = settings.caster_tile * cell
+    if settings.lattice is not None:
+        return math.frexp(settings.lattice)[1] - 1
     exponent = FINEST
-    while tile + _reach(settings, survey) + 2 * size > LARGEST_SPAN * 2.0**exponent:
+    while 2 * largest_tile(settings, cell) + _reach(settings, survey) > LARGEST_SPAN * 2.0**exponent:
         exponent += 1
-    if settings.lattice is None:
-        chosen = exponent
-    else:
-        chosen = math.frexp(settings.lattice)[1] - 1
-        if tile > LARGEST_SPAN * settings.lattice:
-            raise ValueError(f"lattice: steps of {settings.lattice:g} m do not hold a tile of {tile:g} m")
-    if cell and cell < 8 * 2.0**chosen:
+    if cell and cell < 8 * 2.0**exponent:
         raise ValueError(
-            f"lattice: steps of 2^{chosen} m are too coarse for cells of {cell:g} m: raise min_elevation, or set "
-            "halo_limit, or name a finer lattice=; what it does not reach is undecided"
+            f"lattice: the study reaches {_reach(settings, survey):.0f} m, for which steps of 2^{exponent} m are needed, "
+            f"too coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit, or name a finer lattice=; what "
+            "it does not reach is undecided"
         )
-    return chosen
+    return exponent

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .casters import Casters, mesh_triangles
+from .casters import Casters, cells_of_tile, mesh_triangles
 from .rasters import UnreadableError
 from .settings import Settings
 from .suns import read_table, zone_of
@@ -81,7 +81,8 @@ class RasterReceivers(Receivers):
         self.casters = casters
         self.mosaic = casters.mosaic
         self.shape = (self.mosaic.rows, self.mosaic.columns)
-        self.chunk = (settings.tile, settings.tile)
+        size = cells_of_tile(settings, self.mosaic, settings.tile)
+        self.chunk = (size, size)
 
     @property
     def box(self) -> tuple[float, float, float, float]:
