@@ -13,12 +13,12 @@ UTM = "EPSG:25832"
 NODATA = -9999.0
 
 
-def write_raster(path, heights, cell=25.0, west=512_000.0, north=5_002_400.0, crs=UTM):
+def write_raster(path, heights, cell=25.0, west=512_000.0, north=5_002_400.0, crs=UTM, **more):
     """Heights, row 0 in the north; NaN is nodata."""
     values = np.where(np.isnan(heights), NODATA, heights).astype(np.float32)
     with rasterio.open(
         path, "w", driver="GTiff", height=values.shape[0], width=values.shape[1], count=1, dtype="float32", crs=crs,
-        nodata=NODATA, transform=rasterio.Affine(cell, 0, west, 0, -cell, north),
+        nodata=NODATA, transform=rasterio.Affine(cell, 0, west, 0, -cell, north), **more,
     ) as file:  # fmt: skip
         file.write(values, 1)
     return str(path)

@@ -91,11 +91,11 @@ class Decider:
         directions = towards.astype(np.float64)
         tiles, hit = self.pyramid.that_matter(box, float(low[2]), directions, bend, self.pad)
         absent = self._beyond(tiles, box)
-        unread: list[int] = []
+        unread: list[int] = tiles[self.survey.unread[tiles]].tolist()
         along = self._along(part, at, tiles[~absent], bend)
         for batch in self._batches(tiles, hit, absent, box, bend, unread):
             self._shadow(batch, along, at, towards, lit)
-        absent |= np.isin(tiles, unread)
+        absent |= np.isin(tiles, np.array(unread, np.int64))
         undecided = self._undecided(tiles[absent], hit[absent], at, directions, bend, lit)
         return Answer(lit & ~undecided, undecided, sorted(unread))
 
