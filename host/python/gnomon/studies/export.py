@@ -86,6 +86,7 @@ def _export_bits(plan: Plan, folder: Path) -> list[Path]:
         raise ValueError("what: packed bits are exported for steps of one hour within one year; others stay in zarr")
     lit, undecided = plan.store.array("results.zarr/lit"), plan.store.array("results.zarr/undecided")
     paths = []
+    has_suns = {int(word) for block in plan.blocks for word in block}
     for month in range(12):
         path = folder / f"hourly_shade_{month + 1:02}.tif"
         with _Cog(plan, path, 24, "int32", NO_BITS) as file:
@@ -94,9 +95,11 @@ def _export_bits(plan: Plan, folder: Path) -> list[Path]:
                 is_there = plan.receivers.tile(tile).is_valid.reshape(tuple(s.stop - s.start for s in at))
                 for hour in range(24):
                     word = 24 * month + hour
-                    known = is_there & (undecided[(word, *at)] == 0)
-                    values = np.where(known, lit[(word, *at)].astype(np.int32), NO_BITS)
-                    file.write(values.astype(np.int32), hour + 1, window=_window(at))
+                    values = np.where(is_there, 0, NO_BITS).astype(np.int32)
+                    if word in has_suns:
+                        seen = lit[(word, *at)].astype(np.int32)
+                        values = np.where(is_there & (undecided[(word, *at)] == 0), seen, np.int32(NO_BITS))
+                    file.write(values, hour + 1, window=_window(at))
         paths.append(path)
     return paths
 
