@@ -66,7 +66,7 @@ def snapped(values, step=2.0**-10):
 
 
 def exactly_lit(triangles, vertex, towards):
-    """By rational arithmetic: the triangles that the ray passes over on the map are asked, all others cannot meet it."""
+    """By rational arithmetic. Only triangles that the ray passes over on the map are tested: others cannot meet it."""
     t = np.array(towards, np.float64)
     low, high = triangles[..., :2].min(axis=1) - vertex[:2], triangles[..., :2].max(axis=1) - vertex[:2]
     side = np.stack([-t[1], t[0]]) / np.hypot(t[0], t[1])  # the distance from the ray on the map

@@ -28,7 +28,9 @@ WORK = dict(tile=16, caster_tile=16, outputs=["bits", "weights"])
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("faults")
-    return folder, dict(raster=write_raster(folder / "dsm.tif", city(48)), directions=write_suns(folder / "s.csv", SUNS))
+    return folder, dict(
+        raster=write_raster(folder / "dsm.tif", city(48)), directions=write_suns(folder / "s.csv", SUNS)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +85,13 @@ def test_the_client_is_killed_and_the_study_resumed(files, whole):
     folder, settings = files
     lines = [f"{k} = {json.dumps(v)}" for k, v in (settings | WORK).items()]
     (folder / "city.toml").write_text("\n".join(lines))
-    command = [sys.executable, "-c", "from gnomon._study import main; raise SystemExit(main())", "run", folder / "city.toml"]
+    command = [
+        sys.executable,
+        "-c",
+        "from gnomon._study import main; raise SystemExit(main())",
+        "run",
+        folder / "city.toml",
+    ]
     process = subprocess.Popen([*command, "--quiet"], start_new_session=True)
     wait_for_tasks(folder / "city", 2, process)
     process.kill()
@@ -143,7 +151,9 @@ def test_a_damaged_chunk_is_found_and_made_again(files, whole, capsys):
     chunk.write_bytes(data)
     (folder / "damaged" / "results.zarr" / "sum_of_weights" / "c" / "0" / "0").unlink()
     found = studies.verify(folder / "damaged", share=0)
-    assert sorted(found.damaged) == ["results.zarr/lit/c/0/1/2", "results.zarr/sum_of_weights/c/0/0"] and not found.is_good
+    assert (
+        sorted(found.damaged) == ["results.zarr/lit/c/0/1/2", "results.zarr/sum_of_weights/c/0/0"] and not found.is_good
+    )
     assert main(["verify", str(folder / "damaged"), "--share", "0"]) == 1
     assert "damaged: results.zarr/lit/c/0/1/2" in capsys.readouterr().out
     before = tasks(folder / "damaged")
@@ -200,7 +210,9 @@ def test_a_tile_that_cannot_be_read(files, whole, capsys):
     assert main(["run", str(folder / "unread.toml"), "--strict", "--quiet"]) == 1
     assert "could not read" in capsys.readouterr().err
     before = tasks(folder / "unread")
-    certain = {f"{t}-{b}.json" for t, b in study.plan.tasks if not study.plan.store.done(t, b, study.plan.hash)["unread"]}
+    certain = {
+        f"{t}-{b}.json" for t, b in study.plan.tasks if not study.plan.store.done(t, b, study.plan.hash)["unread"]
+    }
     east.write_bytes(intact)
     again = run(folder / "unread", **mosaic, **WORK)
     assert again.digests() == whole.digests() and not again.record["unread_casters"]

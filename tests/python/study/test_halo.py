@@ -105,7 +105,7 @@ def test_a_ridge_seventy_kilometres_away(ridge):
 
 
 def test_the_earths_curvature(ridge):
-    """Heights fall by d^2 / 2R' around the zone's centre; the ridge, 30 km from it, is lower, so its shadow is shorter."""
+    """Heights fall by d^2 / 2R' around the zone's centre; the ridge, far from it, is lower: its shadow is shorter."""
     folder, settings = ridge
     study = run(folder / "round", curvature=True, refraction_of_ground=0.0, zone=200_000.0, **settings)
     x = 500_250.0 + 500.0 * np.arange(160)
@@ -135,6 +135,7 @@ boxes = st.tuples(*[st.floats(-1e3, 1e3)] * 2, *[st.floats(0, 300)] * 2, st.floa
 @given(st.lists(boxes, min_size=1, max_size=60), boxes, st.floats(0, 360), st.floats(0.2, 90), st.integers(0, 999))
 def test_no_caster_that_matters_is_left_out(tiles, receivers, azimuth, elevation, seed):
     """Rays from points in the receivers' box through points in the casters' boxes below their tops."""
+
     def boxed(t):
         return [t[0], t[1], t[0] + t[2], t[1] + t[3]]
 

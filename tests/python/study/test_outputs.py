@@ -74,7 +74,9 @@ def test_the_record(study):
     assert record["beyond_the_casters"] == "at most 60.0 m" and record["curvature"] == "off"
     assert sum(record["tasks_of_devices"].values()) == record["tasks"]
     lit = study.plan.store.array("results.zarr/lit")
-    assert len([k for k in record["chunks"] if k.startswith("results.zarr/lit/")]) == 4 * sum(map(len, study.plan.blocks))
+    assert len([k for k in record["chunks"] if k.startswith("results.zarr/lit/")]) == 4 * sum(
+        map(len, study.plan.blocks)
+    )
     from gnomon.studies.store import sha256_of_array
 
     word = int(study.plan.blocks[0][0])
@@ -105,7 +107,9 @@ def test_the_command_line(study, tmp_path, capsys):
     assert "4 tasks recomputed on <gnomon.Device" in capsys.readouterr().out
     assert main(["export", str(tmp_path / "here"), str(tmp_path / "sums.tif")]) == 0
     assert rasterio.open(tmp_path / "sums.tif").read(1).max() == 2
-    assert main(["picture", str(tmp_path / "here"), str(tmp_path / "sums.png")]) == 0 and (tmp_path / "sums.png").exists()
+    assert (
+        main(["picture", str(tmp_path / "here"), str(tmp_path / "sums.png")]) == 0 and (tmp_path / "sums.png").exists()
+    )
 
 
 @pytest.mark.parametrize(

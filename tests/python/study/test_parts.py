@@ -125,7 +125,9 @@ def test_azimuths_on_the_map():
 def test_refraction_raises_low_suns():
     true, apparent = made_suns(), made_suns(elevation="apparent")
     low = np.nanargmin(np.where(true.towards[0, :, 2] > 0, true.towards[0, :, 2], np.nan))
-    raised = np.degrees(np.arcsin(apparent.towards[0, low, 2].astype(float)) - np.arcsin(true.towards[0, low, 2].astype(float)))
+    raised = np.degrees(
+        np.arcsin(apparent.towards[0, low, 2].astype(float)) - np.arcsin(true.towards[0, low, 2].astype(float))
+    )
     h = math.degrees(math.asin(true.towards[0, low, 2]))
     saemundsson = 1.02 / math.tan(math.radians(h + 10.3 / (h + 5.11))) / 60
     assert abs(raised - saemundsson) < 0.004 and raised > 0.03
@@ -182,7 +184,9 @@ def test_a_mosaic_reads_like_one_file(tmp_path):
     parts = []
     for i, (rows, columns) in enumerate([((0, 7), (0, 20)), ((7, 12), (0, 9)), ((6, 12), (9, 20))]):
         part = heights[slice(*rows), slice(*columns)]
-        parts.append(write_raster(tmp_path / f"{i}.tif", part, west=512_000 + 25 * columns[0], north=5_002_400 - 25 * rows[0]))
+        parts.append(
+            write_raster(tmp_path / f"{i}.tif", part, west=512_000 + 25 * columns[0], north=5_002_400 - 25 * rows[0])
+        )
     mosaic = open_mosaic(tuple(parts))
     assert (mosaic.rows, mosaic.columns, mosaic.west, mosaic.north) == (12, 20, whole.west, whole.north)
     for window in [(0, 12, 0, 20), (-1, 13, -1, 21), (5, 8, 7, 12)]:
@@ -214,14 +218,17 @@ def test_a_file_of_settings(tmp_path):
     raster = write_raster(tmp_path / "dsm.tif", np.zeros((3, 3)))
     (tmp_path / "s.toml").write_text('raster = "*.tif"\nstart = 2026-03-20\nend = 2026-03-21\n[run]\nworkers = 2\n')
     settings, of_run = read_toml(tmp_path / "s.toml")
-    assert settings == settings_of(dict(raster=raster, start="2026-03-20", end="2026-03-21")) and of_run == {"workers": 2}
+    assert settings == settings_of(dict(raster=raster, start="2026-03-20", end="2026-03-21")) and of_run == {
+        "workers": 2
+    }
     assert isinstance(settings, Settings) and Path(settings.raster[0]).is_absolute()
 
 
 @pytest.mark.parametrize(
     "make, text",
     [
-        (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs="EPSG:4326", cell=0.1, west=9, north=47), "are not metres on a map"),
+        (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs="EPSG:4326", cell=0.1, west=9, north=47),
+         "are not metres on a map"),
         (lambda f: write_raster(f / "r.tif", np.zeros((3, 3)), crs=None), "crs: the sun's place needs one"),
         (lambda f: write_suns(f / "r.tif", [(0, 3)]), "r.tif"),
     ],

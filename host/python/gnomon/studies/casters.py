@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from .rasters import Mosaic, UnreadableError, faces_of_grid
 from .settings import Settings
 
-
 #: Steps that receivers and casters together may span: origins lie in the middle, and 2^24 steps fit on each side.
 LARGEST_SPAN = 2.0**25 - 64
 

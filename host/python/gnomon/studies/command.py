@@ -21,8 +21,12 @@ def _parser() -> argparse.ArgumentParser:
 
     one = commands.add_parser("run", help="run a study, or go on with it")
     one.add_argument("file", type=Path, help="study.toml: settings, and in [run] folder, workers, device")
-    one.add_argument("--folder", type=Path, help="of the study; default: [run] folder, else the file's name without .toml")
-    one.add_argument("--workers", help="processes of this host, 'gpus', or the address of a dask scheduler; default: none")
+    one.add_argument(
+        "--folder", type=Path, help="of the study; default: [run] folder, else the file's name without .toml"
+    )
+    one.add_argument(
+        "--workers", help="processes of this host, 'gpus', or the address of a dask scheduler; default: none"
+    )
     one.add_argument("--device", help="P:D as gnomon devices lists it, or a part of its name")
     one.add_argument("--tiles", help="i:j, these receiver tiles alone, for job arrays: no dask is needed")
     one.add_argument("--restart", action="store_true", help="begin anew, whatever is in the folder")

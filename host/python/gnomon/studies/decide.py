@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ class _Batch(NamedTuple):
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
-    suns: NDArray[np.bool_]  # for which suns one of the tiles matters
+    suns: NDArray[np.bool_]  # (M,) for which suns one of the tiles matters
 
 
 def steps_of(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
@@ -104,7 +104,8 @@ class Decider:
             return np.ones((len(part.rows), len(towards)), bool)
         x, y, z, inside = part.window
         z = bend.lowered(x[None, :], y[:, None], z)
-        return GridFacing(*(steps_of(v, self.exponent) for v in (x, y, z)), inside).faces(towards)
+        x, y, z = (steps_of(v, self.exponent) for v in (x, y, z))
+        return GridFacing(x, y, z, inside).faces(towards)
 
     def _beyond(self, tiles: NDArray[np.int64], box: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which tiles are not tested: unread ones, those beyond the stated limit, and those that the lattice does not
@@ -162,7 +163,7 @@ class Decider:
             vertices.append(v)
             faces.append(f + first)
             first += len(v)
-        return _Batch(np.concatenate(vertices), np.concatenate(faces), hit[group].any(axis=0))
+        return _Batch(np.concatenate(vertices), np.concatenate(faces), np.asarray(hit[group].any(axis=0)))
 
     def _along(
         self, part: Part, at: NDArray[np.float64], tiles: NDArray[np.int64], bend: Curvature
@@ -258,9 +259,7 @@ class Decider:
         for sun in range(lit.shape[1]):
             open_rows = np.flatnonzero(lit[:, sun])
             if self.settings.outside is not None and len(open_rows):
-                leaves = leaves_below(
-                    self.survey.extent, self.settings.outside, at[open_rows], towards[sun], self.pad
-                )
+                leaves = leaves_below(self.survey.extent, self.settings.outside, at[open_rows], towards[sun], self.pad)
                 result[open_rows[leaves], sun] = True
                 open_rows = open_rows[~leaves]
             for tile in np.flatnonzero(hit[:, sun]):

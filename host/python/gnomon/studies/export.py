@@ -132,8 +132,9 @@ def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200
         mosaic = plan.receivers.mosaic
         every = max(1, -(-max(values.shape) // largest))
         shown: NDArray[Any] = values[::every, ::every]
-        extent = (mosaic.west, mosaic.west + mosaic.columns * mosaic.dx, mosaic.north - mosaic.rows * mosaic.dy, mosaic.north)
-        drawn = axes.imshow(shown, extent=extent, cmap="inferno", interpolation="nearest")
+        east, south = mosaic.west + mosaic.columns * mosaic.dx, mosaic.north - mosaic.rows * mosaic.dy
+        extent = (mosaic.west, east, south, mosaic.north)
+        drawn: Any = axes.imshow(shown, extent=extent, cmap="inferno", interpolation="nearest")
         unsure = np.where(more[::every, ::every] > 0, 1.0, np.nan)
         if np.nansum(unsure):
             axes.imshow(unsure, extent=extent, cmap="Greys", vmin=0, vmax=2, interpolation="nearest")

@@ -35,11 +35,11 @@ class GridFacing:
             dz = (z[1 + r : 1 + r + rows, 1 + c : 1 + c + columns] - z[1:-1, 1:-1])[inside]
             self._edges.append((dx, dy, dz))
         self._normals = []  # (n, 3) of each of the six triangles, 0 where there is none
-        self._is_there = []
+        self._is_there: list[NDArray[np.bool_]] = []
         for k in range(6):
             (ax, ay, az), (bx, by, bz) = self._of(k, self._row, self._column), self._of(k + 1, self._row, self._column)
             n = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
-            there = np.isfinite(n).all(axis=1)
+            there = np.asarray(np.isfinite(n).all(axis=1))
             n[~there] = 0
             self._normals.append(n)
             self._is_there.append(there)

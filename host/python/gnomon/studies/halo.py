@@ -90,7 +90,12 @@ class Pyramid:
         self.tested = 0
 
     def that_matter(
-        self, receivers: NDArray[np.float64], lowest: float, towards: NDArray[np.float64], curvature: Curvature, pad: float
+        self,
+        receivers: NDArray[np.float64],
+        lowest: float,
+        towards: NDArray[np.float64],
+        curvature: Curvature,
+        pad: float,
     ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """The tiles (T,), ascending, that can shadow a receiver in the box (4,), whose lowest height is given after
         curvature, from one of the suns (M, 3); and for which suns (T, M)."""

@@ -53,8 +53,7 @@ class Plan:
             raise ValueError(f"{folder}: holds no study (no study.json): gnomon-study run makes one") from None
         except json.JSONDecodeError as error:
             raise ValueError(f"{folder}/study.json: {error}: run the study again with restart") from None
-        values = {k: tuple(v) if isinstance(v, list) else v for k, v in facts["settings"].items()}
-        return cls(folder, Settings(**values), facts, device)
+        return cls(folder, Settings.from_json(facts["settings"]), facts, device)
 
     @property
     def tasks(self) -> list[tuple[int, int]]:
@@ -145,7 +144,9 @@ def _made_anew(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
     survey.save(folder / "survey.npz")
     exponent = _exponent(settings, casters, survey)
     digest = hashlib.sha256(
-        f"{settings.hash_of_answers()} {sha256_of_array(suns.towards)} {sha256_of_array(suns.weights)} {exponent}".encode()
+        " ".join(
+            [settings.hash_of_answers(), sha256_of_array(suns.towards), sha256_of_array(suns.weights), str(exponent)]
+        ).encode()
     ).hexdigest()
     facts = {"settings": json.loads(settings.as_json()), "exponent": exponent, "hash": digest,
              "reach": _reach(settings, survey), "stamps": _stamps(settings)}  # fmt: skip
@@ -156,8 +157,7 @@ def _made_anew(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
 
 
 def casters_to_survey(folder: str) -> Casters:
-    values = json.loads((Path(folder) / "survey.json").read_text())["settings"]
-    settings = Settings(**{k: tuple(v) if isinstance(v, list) else v for k, v in values.items()})
+    settings = Settings.from_json(json.loads((Path(folder) / "survey.json").read_text())["settings"])
     return Casters(settings, open_mosaic(settings.raster) if settings.raster else None)
 
 
@@ -198,8 +198,8 @@ def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
         exponent += 1
     if cell and cell < 8 * 2.0**exponent:
         raise ValueError(
-            f"lattice: the study reaches {_reach(settings, survey):.0f} m, for which steps of 2^{exponent} m are needed, "
-            f"too coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit, or name a finer lattice=; what "
-            "it does not reach is undecided"
+            f"lattice: the study reaches {_reach(settings, survey):.0f} m, for which steps of 2^{exponent} m are "
+            f"needed, too coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit, or name a finer "
+            "lattice=; what it does not reach is undecided"
         )
     return exponent

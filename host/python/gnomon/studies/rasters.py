@@ -41,10 +41,10 @@ class Mosaic(NamedTuple):
     crs: str | None
 
     def x(self, first: int, last: int) -> NDArray[np.float64]:
-        return self.west + (np.arange(first, last) + 0.5) * self.dx
+        return self.west + (np.arange(first, last, dtype=np.float64) + 0.5) * self.dx
 
     def y(self, first: int, last: int) -> NDArray[np.float64]:
-        return self.north - (np.arange(first, last) + 0.5) * self.dy
+        return self.north - (np.arange(first, last, dtype=np.float64) + 0.5) * self.dy
 
     def heights(self, row: int, last_row: int, column: int, last_column: int) -> NDArray[np.float64]:
         """(last_row - row, last_column - column) heights; NaN where there is no data. The window may leave the mosaic.
@@ -69,7 +69,7 @@ def _opened(name: str) -> Any:
 def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[np.float64]:
     try:
         data = _opened(name)
-        read = data.read(1, window=Window(column, row, columns, rows), masked=True)  # type: ignore[call-arg]
+        read = data.read(1, window=Window(column, row, columns, rows), masked=True)
         heights = np.ma.filled(read.astype(np.float64), np.nan)
         if data.scales[0] != 1 or data.offsets[0] != 0:
             heights = heights * data.scales[0] + data.offsets[0]

@@ -62,7 +62,9 @@ def record_of(plan: Plan) -> dict[str, Any]:
         "lattice": f"2^{plan.exponent} m",
         "reach_metres": plan.facts["reach"],
         "diagonal_of_cells": "from south-west to north-east",
-        "beyond_the_casters": "nothing stands" if plan.settings.outside is None else f"at most {plan.settings.outside} m",
+        "beyond_the_casters": "nothing stands"
+        if plan.settings.outside is None
+        else f"at most {plan.settings.outside} m",
         "curvature": f"on, k = {plan.settings.refraction_of_ground}" if plan.settings.curvature else "off",
         "unread_casters": [plan.casters.name(tile) for tile in sorted(unread)],
         "suns": plan.suns.notes,

@@ -81,7 +81,9 @@ class Dask:
                         submit(following)
                         break
                     continue
-                error = future.exception() if future.status == "error" else RuntimeError(f"the call was {future.status}")
+                error = (
+                    future.exception() if future.status == "error" else RuntimeError(f"the call was {future.status}")
+                )
                 if failures + 1 >= TRIES or (_is_final(error) and not isinstance(error, KilledWorker)):
                     raise _stopped(call[0], error) from error
                 submit(call, failures + 1)
@@ -121,8 +123,8 @@ def workers_of(workers: int | str | Sequence[str] | None, client: Any, device: s
             yield Dask(remote, device)
         return
     names = _devices_of(workers, device)
-    with dask.config.set({"distributed.scheduler.allowed-failures": 10, "distributed.worker.memory.terminate": False}), \
-            _cluster(names) as cluster, Client(cluster) as local:  # fmt: skip
+    config = {"distributed.scheduler.allowed-failures": 10, "distributed.worker.memory.terminate": False}
+    with dask.config.set(config), _cluster(names) as cluster, Client(cluster) as local:
         local.wait_for_workers(len(names))
         yield Dask(local, None)
 
@@ -153,7 +155,13 @@ def _cluster(names: list[str | None]) -> Any:
         of_device = {"GNOMON_DEVICE": name} if name else {}
         options[i] = {
             "cls": Nanny,
-            "options": {"nthreads": 1, "env": env | of_device, "memory_limit": 0, "dashboard": False, "silence_logs": 40},
+            "options": {
+                "nthreads": 1,
+                "env": env | of_device,
+                "memory_limit": 0,
+                "dashboard": False,
+                "silence_logs": 40,
+            },
         }
     scheduler = {"cls": Scheduler, "options": {"dashboard_address": None, "host": "127.0.0.1", "port": 0}}
     return SpecCluster(workers=options, scheduler=scheduler, silence_logs=40)
@@ -204,16 +212,16 @@ def missing_tasks(plan: Plan, tiles: Iterable[int], check: bool) -> list[tuple[i
     return missing
 
 
-def _run_blocks(
-    plan: Plan, tiles: Iterable[int], executor: Serial | Dask, check: bool, show_progress: bool
-) -> bool:
+def _run_blocks(plan: Plan, tiles: Iterable[int], executor: Serial | Dask, check: bool, show_progress: bool) -> bool:
     """Runs the missing tasks; whether some of them lacked a caster tile. The bar counts decisions (receivers x suns),
     and has their rate and the time that is left."""
     from tqdm import tqdm
 
     missing = missing_tasks(plan, tiles, check)
     decisions = {f"tile {t}, block {b}": plan.receivers_of_tile(t) * plan.suns_of_block(b) for t, b in missing}
-    calls = ((f"tile {t}, block {b}", run_task, (str(plan.folder), plan.hash, t, b, executor.device)) for t, b in missing)
+    calls = (
+        (f"tile {t}, block {b}", run_task, (str(plan.folder), plan.hash, t, b, executor.device)) for t, b in missing
+    )
     lacks = False
     with tqdm(
         total=sum(decisions.values()), unit=" decisions", unit_scale=True, disable=not show_progress, file=sys.stderr,
@@ -231,7 +239,12 @@ def _run_sums(plan: Plan, tiles: Iterable[int], executor: Serial | Dask) -> None
     todo = []
     for tile in tiles:
         facts = plan.store.done(tile, None, plan.hash)
-        if facts is None or facts["of"] != plan.hash_of_blocks(tile) or facts["unread"] or plan.store.changed_chunks(facts):
+        if (
+            facts is None
+            or facts["of"] != plan.hash_of_blocks(tile)
+            or facts["unread"]
+            or plan.store.changed_chunks(facts)
+        ):
             todo.append((f"sums of tile {tile}", sum_tile, (str(plan.folder), plan.hash, tile)))
     for _ in executor.run(todo):
         pass

@@ -107,6 +107,11 @@ class Settings:
         """The settings as one line, with keys in their order."""
         return json.dumps(dataclasses.asdict(self))
 
+    @classmethod
+    def from_json(cls, values: dict[str, Any]) -> Settings:
+        taken: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+        return cls(**taken)
+
     def hash_of_answers(self) -> str:
         """Names the study that these settings describe; memory_limit changes no answer and does not count."""
         values = dataclasses.asdict(self)
@@ -145,7 +150,8 @@ def _check_suns(s: Settings) -> None:
     _need(0 <= s.sun_disk <= 1024, f"sun_disk: {s.sun_disk} is not between 0 and 1024")
     _need(s.weights is None or s.start is not None, "weights: one per sun of start..end; directions have their own")
     _need(
-        not (s.sun_disk and "bits" in s.outputs), 'outputs: a sun disk gives shares of hours, not bits: leave out "bits"'
+        not (s.sun_disk and "bits" in s.outputs),
+        'outputs: a sun disk gives shares of hours, not bits: leave out "bits"',
     )
     _need(not s.sky or tuple(s.outputs) == ("weights",), 'outputs: a sky gives outputs=["weights"], its view factor')
     has_weights = s.weights is not None or s.directions is not None or s.sky > 0

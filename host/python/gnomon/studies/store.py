@@ -124,7 +124,9 @@ def create_arrays(
     results.attrs["title"] = "Sun visibility by gnomon"
     partials = zarr.open_group(str(folder / PARTIALS), mode="w")
 
-    def make(group: Any, name: str, leading: tuple[tuple[str, int], ...], dtype: str, fill: float, **attributes: Any) -> None:
+    def make(
+        group: Any, name: str, leading: tuple[tuple[str, int], ...], dtype: str, fill: float, **attributes: Any
+    ) -> None:
         array = group.create_array(
             name,
             shape=(*(n for _, n in leading), *shape),

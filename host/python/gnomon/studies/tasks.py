@@ -83,12 +83,13 @@ def computed(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, ND
         add(part.rows, chosen, (answer.lit, answer.undecided))
     _add_unknown(plan, receivers, of_block, add)
     values: dict[str, tuple[int, NDArray[Any]]] = {}
-    for (k, w), array in packed.items():
-        values[f"results.zarr/{('lit', 'undecided')[k]}@{w}"] = (w, array.reshape(shape))
-    for (k, output), array in sums.items():
-        values[f"partials.zarr/{('lit', 'undecided')[k]}_{output}@{block}"] = (block, array.reshape(shape))
-    undecided = sum(int(np.bitwise_count(a).sum()) if wants_bits else int((a != 0).sum())
-                    for (k, _), a in [*packed.items(), *([] if wants_bits else sums.items())] if k == 1)  # fmt: skip
+    for (k, w), words_of_suns in packed.items():
+        values[f"results.zarr/{('lit', 'undecided')[k]}@{w}"] = (w, words_of_suns.reshape(shape))
+    for (k, output), total in sums.items():
+        values[f"partials.zarr/{('lit', 'undecided')[k]}_{output}@{block}"] = (block, total.reshape(shape))
+    open_answers = sum(int(np.bitwise_count(array).sum()) for (k, _), array in packed.items() if k == 1)
+    open_receivers = sum(int((array != 0).sum()) for (k, _), array in sums.items() if k == 1)
+    undecided = open_answers if wants_bits else open_receivers
     return values, {"decisions": decisions, "undecided": undecided, "unread": sorted(unread)}
 
 
@@ -102,8 +103,8 @@ def _packed(answer: NDArray[np.bool_], columns: NDArray[np.int64], bits: NDArray
 def _weighed(answer: NDArray[np.bool_], weights: NDArray[np.int64]) -> NDArray[np.int64]:
     """The exact sum of each row's whole weights."""
     if len(weights) and (weights == weights[0]).all():
-        return answer.sum(axis=1, dtype=np.int64) * weights[0]
-    result = np.zeros(len(answer), np.int64)
+        return np.asarray(answer.sum(axis=1, dtype=np.int64) * weights[0])
+    result: NDArray[np.int64] = np.zeros(len(answer), np.int64)
     for column in range(answer.shape[1]):
         result += answer[:, column] * weights[column]
     return result
