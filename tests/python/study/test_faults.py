@@ -69,7 +69,10 @@ def test_a_worker_is_killed(files, whole):
         os.kill(pid, signal.SIGKILL)
         killed.append(len(tasks(folder / "killed")))
 
-    with runner._cluster([None, None]) as cluster, Client(cluster) as client:
+    import dask
+
+    strict = {"distributed.scheduler.allowed-failures": 0}  # dask gives a task up at its worker's first death
+    with dask.config.set(strict), runner._cluster([None, None]) as cluster, Client(cluster) as client:
         client.wait_for_workers(2)
         pids = client.run(os.getpid)
         killer = threading.Thread(target=kill, args=(min(pids.values()),))

@@ -42,7 +42,9 @@ def files(tmp_path_factory):
 @pytest.fixture(scope="module")
 def faces(files):
     folder, meshes, suns = files
-    return run(folder / "faces", meshes=meshes, mesh_offset=OFFSET, receivers="faces", spacing=12, directions=suns, tile=16)
+    return run(
+        folder / "faces", meshes=meshes, mesh_offset=OFFSET, receivers="faces", spacing=12, directions=suns, tile=16
+    )
 
 
 def test_points_on_faces_lie_evenly():
@@ -72,8 +74,8 @@ def test_faces_equal_a_whole_scene(files, faces):
 
 def test_the_same_bits_for_other_tiles_of_points(files, faces):
     folder, meshes, suns = files
-    again = run(folder / "again", meshes=meshes[::-1], mesh_offset=OFFSET, receivers="faces", spacing=12, directions=suns,
-                tile=9, zone=300)  # fmt: skip
+    again = run(folder / "again", meshes=meshes[::-1], mesh_offset=OFFSET, receivers="faces", spacing=12, tile=9, zone=300,
+                directions=suns)  # fmt: skip
     ours, theirs = (np.load(s.folder / "points.npy") for s in (faces, again))
     one, two = (np.lexsort(p.T) for p in (ours, theirs))
     assert (ours[one] == theirs[two]).all() and (bits(faces)[:, one] == bits(again)[:, two]).all()
@@ -93,8 +95,8 @@ def test_a_file_that_cannot_be_read_later(files, faces, monkeypatch):
         return load(name)
 
     points = folder / "points.csv"
-    np.savetxt(points, [[x, 265.0, 0.5] for x in range(100, 2400, 50)] + np.array(OFFSET), delimiter=",", header="x,y,z",
-               comments="", fmt="%.17g")  # fmt: skip
+    values = [[x, 265.0, 0.5] for x in range(100, 2400, 50)] + np.array(OFFSET)
+    np.savetxt(points, values, delimiter=",", header="x,y,z", comments="", fmt="%.17g")
     settings = dict(meshes=meshes, mesh_offset=OFFSET, receivers="points", points=str(points), outputs=["bits"],
                     directions=write_suns(folder / "low.csv", [(90, 15), (270, 40)]))  # fmt: skip
     whole = run(folder / "found", **settings)
@@ -114,7 +116,13 @@ def test_houses_that_stand_on_a_raster(tmp_path):
     heights = np.zeros((24, 30))
     raster = write_raster(tmp_path / "flat.tif", heights, cell=2.0, west=1000.0, north=2000.0, crs=None)
     triangles, vertices = triangles_of(heights, 2.0, 1000.0, 2000.0)
-    house = np.concatenate([box(1011, 1971, 10, 8, 12), box(1031.5, 1965.3, 6, 9, 20)])  # its walls pass through vertices
+    house = np.concatenate(
+        [box(1011, 1971, 10, 8, 12), box(1031.5, 1965.3, 6, 9, 20)]
+    )  # its walls pass through vertices
+    sheet = np.array(
+        [[[1041, 1958, 0], [1041, 1990, 0], [1041, 1990, 5]], [[1041, 1958, 0], [1041, 1990, 5], [1041, 1958, 5]]]
+    )
+    house = np.concatenate([house, sheet, sheet[:, ::-1] + [8, 0, 0]])  # two thin walls, one with its front to the east
     corners = house.reshape(-1, 3)
     trimesh.Trimesh(corners, np.arange(len(corners)).reshape(-1, 3), process=False).export(tmp_path / "house.ply")
     suns = write_suns(tmp_path / "suns.csv", SUNS)

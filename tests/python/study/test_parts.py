@@ -54,7 +54,29 @@ def test_facing_equals_the_oracle(heights, suns, is_even):
             assert got[r, c, s] == expected, (r, c, sun)
 
 
-def test_facing_where_float64_cannot_tell():
+def test_signs_that_float64_cannot_tell():
+    """n . d is -1, 0 or 1, a sum of terms near 2^70: n solves it in whole numbers."""
+    rng = np.random.default_rng(5)
+    inside = np.ones((1, 1), bool)
+    grid = GridFacing(np.arange(3.0), np.arange(3.0)[::-1], np.zeros((3, 3)), inside)
+    wrong = 0
+    for i in range(60):
+        d = rng.integers(2**23, 2**24, 3).tolist()
+        if math.gcd(d[0], d[1]) != 1:
+            continue
+        a = pow(d[0], -1, d[1])  # a d0 + b d1 = 1
+        want = i % 3 - 1
+        k, m = rng.integers(2**22, 2**23, 2).tolist()
+        n = [want * a + k * d[1] + m * d[2], want * (1 - a * d[0]) // d[1] - k * d[0], -m * d[0]]
+        assert sum(x * y for x, y in zip(n, d, strict=True)) == want and max(map(abs, n)) < 2**53
+        grid._normals[0][:] = n
+        grid._largest[0][:] = max(map(abs, n))
+        assert grid._above(0, np.array([d], float), slice(None))[0, 0] == (want > 0)
+        wrong += (float(np.dot(np.array(n, float), np.array(d, float))) > 0) != (want > 0)
+    assert wrong > 5, "float64 alone is wrong"
+
+
+def test_facing_beside_a_plane():
     """A plane of whole steps and a sun that is one rounding of float32 above it, in it, and below it."""
     x, y = np.arange(3.0) * 999_983, np.arange(3.0)[::-1] * 999_979
     heights = np.add.outer(-7.0 * np.arange(3), 3.0 * np.arange(3)) * 1000

@@ -58,7 +58,6 @@ class Dask:
 
     def run(self, calls: Iterable[Call]) -> Iterator[tuple[Any, Any]]:
         from distributed import as_completed
-        from distributed.scheduler import KilledWorker
 
         waiting = iter(calls)
         pending: dict[Any, tuple[Call, int]] = {}
@@ -84,7 +83,7 @@ class Dask:
                 error = (
                     future.exception() if future.status == "error" else RuntimeError(f"the call was {future.status}")
                 )
-                if failures + 1 >= TRIES or (_is_final(error) and not isinstance(error, KilledWorker)):
+                if failures + 1 >= TRIES or _is_final(error):
                     raise _stopped(call[0], error) from error
                 submit(call, failures + 1)
         finally:
