@@ -74,8 +74,8 @@ def test_faces_equal_a_whole_scene(files, faces):
 
 def test_the_same_bits_for_other_tiles_of_points(files, faces):
     folder, meshes, suns = files
-    again = run(folder / "again", meshes=meshes[::-1], mesh_offset=OFFSET, receivers="faces", spacing=12, tile=9, zone=300,
-                directions=suns)  # fmt: skip
+    settings = dict(meshes=meshes[::-1], mesh_offset=OFFSET, receivers="faces", spacing=12, directions=suns)
+    again = run(folder / "again", tile=9, zone=300, **settings)
     ours, theirs = (np.load(s.folder / "points.npy") for s in (faces, again))
     one, two = (np.lexsort(p.T) for p in (ours, theirs))
     assert (ours[one] == theirs[two]).all() and (bits(faces)[:, one] == bits(again)[:, two]).all()

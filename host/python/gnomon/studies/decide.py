@@ -23,6 +23,8 @@ from .rasters import UnreadableError
 from .receivers import Part
 from .settings import Settings
 
+#: Receivers that are unpacked at once stay in the cache.
+ROWS_AT_ONCE = 4096
 #: Bytes that a caster's triangle takes at most: its corners on both sides, its share of the tree, and the loading.
 BYTES_PER_TRIANGLE = 400
 
@@ -93,8 +95,8 @@ class Decider:
         absent = self._beyond(tiles, box)
         unread: list[int] = tiles[self.survey.unread[tiles]].tolist()
         along = self._along(part, at, tiles[~absent], bend)
-        for batch in self._batches(tiles, hit, absent, box, bend, unread):
-            self._shadow(batch, along, at, towards, lit)
+        for i, batch in enumerate(self._batches(tiles, hit, absent, box, bend, unread)):
+            self._shadow(batch, along, at, towards, lit, is_first=i == 0)
         absent |= np.isin(tiles, np.array(unread, np.int64))
         undecided = self._undecided(tiles[absent], hit[absent], at, directions, bend, lit)
         return Answer(lit & ~undecided, undecided, sorted(unread))
@@ -209,11 +211,13 @@ class Decider:
         at: NDArray[np.float64],
         towards: NDArray[np.float32],
         lit: NDArray[np.bool_],
+        is_first: bool,
     ) -> None:
         """Clears `lit` where a triangle of the batch is in the way. All suns are strictly above the horizon, so for a
         receiver that is not lifted the normal straight up is no restriction; it makes the shafts tighter."""
-        suns = np.flatnonzero(batch.suns & lit.any(axis=0))
-        rows = np.flatnonzero(lit.any(axis=1))
+        suns, rows = np.flatnonzero(batch.suns), np.arange(len(lit))
+        if not is_first:  # later ones only where something is left
+            suns, rows = np.flatnonzero(batch.suns & lit.any(axis=0)), np.flatnonzero(lit.any(axis=1))
         if not (len(suns) and len(rows) and len(batch.faces)):
             return
         both = np.concatenate([batch.vertices, at])
@@ -233,11 +237,14 @@ class Decider:
             )
         assert answer.bits is not None
         as_bytes = answer.bits.astype("<u4", copy=False).view(np.uint8)
-        bits = np.unpackbits(as_bytes, axis=-1, bitorder="little", count=len(suns)).view(bool)
-        if len(suns) == lit.shape[1] and len(rows) == lit.shape[0]:
-            lit &= bits
-        else:
-            lit[np.ix_(rows, suns)] &= bits
+        is_whole = len(suns) == lit.shape[1] and len(rows) == lit.shape[0]
+        for first in range(0, len(rows), ROWS_AT_ONCE):
+            part = slice(first, first + ROWS_AT_ONCE)
+            bits = np.unpackbits(as_bytes[part], axis=-1, bitorder="little", count=len(suns)).view(bool)
+            if is_whole:
+                lit[part] &= bits
+            else:
+                lit[np.ix_(rows[part], suns)] &= bits
 
     def _undecided(
         self,

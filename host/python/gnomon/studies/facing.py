@@ -44,6 +44,7 @@ class GridFacing:
             self._normals.append(n)
             self._is_there.append(there)
         self._largest = [np.abs(n).max(axis=1, initial=0) for n in self._normals]
+        self._normals32 = [n.astype(np.float32) for n in self._normals]
         self._irregular = np.flatnonzero(~np.all(self._is_there, axis=0))
 
     def _of(
@@ -54,18 +55,17 @@ class GridFacing:
 
     def faces(self, towards: NDArray[np.float32]) -> NDArray[np.bool_]:
         """(n, M): whether each sun (M, 3), all upwards, is strictly above the surface around each vertex. A vertex
-        without triangles faces every sun."""
+        without triangles faces every sun. Suns in the order of their azimuth take the least time."""
         d = towards.astype(np.float64)
         result = np.ones((len(self._row), len(d)), bool)
         is_mixed = np.zeros(len(d), bool)  # a sun that leaves over different triangles at different vertices
         for k in range(6):
             over = np.array([self._leaves_over(k, sun) for sun in d])
             is_mixed |= np.isnan(over)
-            suns = np.flatnonzero(over == 1)
-            for first in range(0, len(result), ROWS_AT_ONCE):
-                part = slice(first, first + ROWS_AT_ONCE)
-                if len(suns):
-                    result[part, suns] &= self._above(k, d[suns], part)
+            for suns in _runs(over == 1):
+                for first in range(0, len(result), ROWS_AT_ONCE):
+                    part = slice(first, first + ROWS_AT_ONCE)
+                    self._clear_below(k, d[suns], part, result[part, suns])
         every = np.arange(len(result))
         for sun in range(len(d)):
             rows = every if is_mixed[sun] else self._irregular
@@ -82,6 +82,20 @@ class GridFacing:
         if ahead.max() < aside.min() or behind.max() < beside.min():
             return 0.0
         return 1.0 if ahead.min() >= aside.max() and behind.min() >= beside.max() else np.nan
+
+    def _clear_below(self, k: int, d: NDArray[np.float64], rows: slice, result: NDArray[np.bool_]) -> None:
+        """Clears what _above() denies. float32 decides nearly all of it: products and sums round five times, and the
+        normal once, by 2^-24 of 3 x largest x |d| in all six: below 1.1e-6 of largest x |d|."""
+        s = self._normals32[k][rows] @ d.T.astype(np.float32)
+        bound = (self._largest[k][rows] * (2e-6 * np.abs(d).max())).astype(np.float32)[:, None]
+        above = s > bound
+        unsure = above != (s > -bound)
+        unsure &= self._is_there[k][rows][:, None]
+        if unsure.any():
+            some = np.flatnonzero(unsure.any(axis=1))
+            above[some] = self._above(k, d, some + (rows.start or 0))
+        above |= ~self._is_there[k][rows][:, None]  # by vertex, later
+        result &= above
 
     def _above(self, k: int, d: NDArray[np.float64], rows: slice | NDArray[np.int64]) -> NDArray[np.bool_]:
         """(rows, M): whether n . D > 0, n the normal of triangle k at each vertex."""
@@ -112,6 +126,12 @@ class GridFacing:
         for k in range(6):
             result &= leaves | ~there[k] | above[k]
         return result
+
+
+def _runs(chosen: NDArray[np.bool_]) -> list[slice]:
+    """The runs of neighbours that are chosen."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def exact_sum(n: NDArray[np.float64], d: NDArray[np.float64]) -> float:

@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from .plan import Plan
 from .receivers import TileOfReceivers
 
+#: Receivers that are packed at once stay in the cache.
+ROWS_AT_ONCE = 4096
+
 
 def opened(folder: str, plan_hash: str, device: str | None) -> Plan:
     """The plan, once per process and survey."""
@@ -50,7 +53,6 @@ def computed(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, ND
     """What a task writes: names (`array@leading index`) to leading index and values; and facts for its file."""
     suns, words = plan.suns, plan.blocks[block]
     of_block = np.flatnonzero(np.isin(suns.word, words))
-    of_block = of_block[np.lexsort((suns.bit[of_block], suns.word[of_block]))]
     receivers = plan.receivers.tile(tile)
     shape = tuple(s.stop - s.start for s in plan.receivers.slices(tile))
     count = len(receivers.is_valid)
@@ -77,6 +79,7 @@ def computed(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, ND
         chosen = of_block[np.isfinite(towards[of_block, 0])]
         if len(chosen) == 0:
             continue
+        chosen = chosen[np.argsort(np.arctan2(towards[chosen, 0], towards[chosen, 1]), kind="stable")]
         answer = plan.decider.decide(part, towards[chosen], suns.centre(part.zone))
         unread |= set(answer.unread)
         decisions += answer.lit.size
@@ -95,9 +98,13 @@ def computed(plan: Plan, tile: int, block: int) -> tuple[dict[str, tuple[int, ND
 
 def _packed(answer: NDArray[np.bool_], columns: NDArray[np.int64], bits: NDArray[np.int64]) -> NDArray[np.uint32]:
     """One word per row, with the columns' answers at these bits."""
-    spread = np.zeros((len(answer), 32), np.uint8)
-    spread[:, bits] = answer[:, columns]
-    return np.packbits(spread, axis=1, bitorder="little").view("<u4")[:, 0].astype(np.uint32)
+    result = np.empty(len(answer), np.uint32)
+    for first in range(0, len(answer), ROWS_AT_ONCE):
+        rows = answer[first : first + ROWS_AT_ONCE]
+        spread = np.zeros((len(rows), 32), np.uint8)
+        spread[:, bits] = rows[:, columns]
+        result[first : first + len(rows)] = np.packbits(spread, axis=1, bitorder="little").view("<u4")[:, 0]
+    return result
 
 
 def _weighed(answer: NDArray[np.bool_], weights: NDArray[np.int64]) -> NDArray[np.int64]:
