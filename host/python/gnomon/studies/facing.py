@@ -60,28 +60,29 @@ class GridFacing:
         result = np.ones((len(self._row), len(d)), bool)
         is_mixed = np.zeros(len(d), bool)  # a sun that leaves over different triangles at different vertices
         for k in range(6):
-            over = np.array([self._leaves_over(k, sun) for sun in d])
-            is_mixed |= np.isnan(over)
-            for suns in _runs(over == 1):
+            all_over, some_over = self._leaves_over(k, d)
+            is_mixed |= some_over & ~all_over
+            for suns in _runs(all_over):
                 for first in range(0, len(result), ROWS_AT_ONCE):
                     part = slice(first, first + ROWS_AT_ONCE)
                     self._clear_below(k, d[suns], part, result[part, suns])
-        every = np.arange(len(result))
-        for sun in range(len(d)):
-            rows = every if is_mixed[sun] else self._irregular
-            if len(rows):
-                result[rows, sun] = self._by_vertex(rows, d[sun])
+        for rows, suns in ((self._irregular, ~is_mixed), (np.arange(len(result)), is_mixed)):
+            chosen = np.flatnonzero(suns)
+            for first in range(0, len(rows) if len(chosen) else 0, ROWS_AT_ONCE):
+                some = rows[first : first + ROWS_AT_ONCE]
+                result[np.ix_(some, chosen)] = self._by_vertex(some, d[chosen])
         return result
 
-    def _leaves_over(self, k: int, d: NDArray[np.float64]) -> float:
-        """Whether the horizontal part of d points into the sector of triangle k: 1 at all vertices, 0 at none, NaN at
-        some. Each product has at most 25 + 24 bits, so it is exact, and so is the comparison of two."""
+    def _leaves_over(self, k: int, d: NDArray[np.float64]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(M,) twice: whether the horizontal part of each sun points into the sector of triangle k at all vertices, and
+        perhaps at some. Each product has at most 25 + 24 bits, so it is exact, and so is the comparison of two; the
+        largest product is that of the largest or the smallest edge."""
         (ax, ay, _), (bx, by, _) = self._edges[k], self._edges[(k + 1) % 6]
-        ahead, aside = ax * d[1], ay * d[0]
-        behind, beside = by * d[0], bx * d[1]
-        if ahead.max() < aside.min() or behind.max() < beside.min():
-            return 0.0
-        return 1.0 if ahead.min() >= aside.max() and behind.min() >= beside.max() else np.nan
+        ahead, aside = np.outer(_ends(ax), d[:, 1]), np.outer(_ends(ay), d[:, 0])
+        behind, beside = np.outer(_ends(by), d[:, 0]), np.outer(_ends(bx), d[:, 1])
+        every = (ahead.min(axis=0) >= aside.max(axis=0)) & (behind.min(axis=0) >= beside.max(axis=0))
+        some = (ahead.max(axis=0) >= aside.min(axis=0)) & (behind.max(axis=0) >= beside.min(axis=0))
+        return every, some
 
     def _clear_below(self, k: int, d: NDArray[np.float64], rows: slice, result: NDArray[np.bool_]) -> None:
         """Clears what _above() denies. float32 decides nearly all of it: products and sums round five times, and the
@@ -111,21 +112,27 @@ class GridFacing:
         return above
 
     def _by_vertex(self, rows: NDArray[np.int64], d: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """(rows,) for one sun, wherever it leaves: also at borders and beside nodata, where the surface is extended by
-        the planes of all triangles."""
+        """(rows, M), wherever the suns leave: also at borders and beside nodata, where the surface is extended by the
+        planes of all triangles."""
         row, column = self._row[rows], self._column[rows]
-        result, leaves = np.ones(len(rows), bool), np.zeros(len(rows), bool)
-        above, there = [], []
+        result = np.ones((len(rows), len(d)), bool)
+        leaves = np.zeros_like(result)
+        not_below = np.ones_like(result)  # of any triangle
         for k in range(6):
-            (ax, ay), (bx, by) = ((e[0][column], e[1][row]) for e in (self._edges[k], self._edges[(k + 1) % 6]))
-            there.append(self._is_there[k][rows])
-            over = (ax * d[1] >= ay * d[0]) & (by * d[0] >= bx * d[1]) & there[k]
-            above.append(self._above(k, d[None], rows)[:, 0])
+            (ax, ay), (bx, by) = (
+                (e[0][column, None], e[1][row, None]) for e in (self._edges[k], self._edges[(k + 1) % 6])
+            )
+            there = self._is_there[k][rows, None]
+            over = (ax * d[:, 1] >= ay * d[:, 0]) & (by * d[:, 0] >= bx * d[:, 1]) & there
+            above = self._above(k, d, rows)
             leaves |= over
-            result &= ~over | above[k]
-        for k in range(6):
-            result &= leaves | ~there[k] | above[k]
-        return result
+            result &= ~over | above
+            not_below &= ~there | above
+        return result & (leaves | not_below)
+
+
+def _ends(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.array([values.min(), values.max()])
 
 
 def _runs(chosen: NDArray[np.bool_]) -> list[slice]:

@@ -110,7 +110,7 @@ def _packed(answer: NDArray[np.bool_], columns: NDArray[np.int64], bits: NDArray
 def _weighed(answer: NDArray[np.bool_], weights: NDArray[np.int64]) -> NDArray[np.int64]:
     """The exact sum of each row's whole weights."""
     if len(weights) and (weights == weights[0]).all():
-        return np.asarray(answer.sum(axis=1, dtype=np.int64) * weights[0])
+        return np.asarray(np.bitwise_count(np.packbits(answer, axis=1)).sum(axis=1, dtype=np.int64) * weights[0])
     result: NDArray[np.int64] = np.zeros(len(answer), np.int64)
     for column in range(answer.shape[1]):
         result += answer[:, column] * weights[column]
