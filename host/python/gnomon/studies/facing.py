@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: Vertices times suns that are decided at once stay in the cache.
-ROWS_AT_ONCE = 2048
+ROWS_AT_ONCE = 256
 #: Neighbours of a vertex as (rows, columns) away, row 0 in the north, in the order of their azimuth from the east on.
 #: Two that follow one another span a triangle, as the diagonals run from south-west to north-east.
 NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1), (1, 0))
