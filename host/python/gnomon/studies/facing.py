@@ -66,8 +66,8 @@ class GridFacing:
                 for first in range(0, len(result), ROWS_AT_ONCE):
                     part = slice(first, first + ROWS_AT_ONCE)
                     self._clear_below(k, d[suns], part, result[part, suns])
-        for rows, suns in ((self._irregular, ~is_mixed), (np.arange(len(result)), is_mixed)):
-            chosen = np.flatnonzero(suns)
+        for rows, of in ((self._irregular, ~is_mixed), (np.arange(len(result)), is_mixed)):
+            chosen = np.flatnonzero(of)
             for first in range(0, len(rows) if len(chosen) else 0, ROWS_AT_ONCE):
                 some = rows[first : first + ROWS_AT_ONCE]
                 result[np.ix_(some, chosen)] = self._by_vertex(some, d[chosen])
