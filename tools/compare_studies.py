@@ -5,9 +5,9 @@
     pip install '.[pocl,study]' solweig
     python tools/compare_studies.py [--cells 500] [--suns 40]
 
-A made town in cells of 1 m with a tower, suns from 3 degrees up. Printed: seconds of each, cells that differ, and for
-some of these what rational arithmetic says (tests/python/oracle.py) on the surface that gnomon states, triangles between the
-cells' centres. SOLWEIG shifts the raster by whole cells along the sun's path, so its surface is one of steps.
+A made town in cells of 1 m with a tower, suns from 3 degrees up. Printed: seconds of each, cells that differ, and what
+rational arithmetic (tests/python/oracle.py) says of some of these on the surface that gnomon states, triangles between
+the cells' centres. SOLWEIG shifts the raster by whole cells along the sun's path, so its surface is one of steps.
 """
 
 from __future__ import annotations
