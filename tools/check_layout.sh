@@ -76,7 +76,7 @@ offences_of references | complain 'tests/reference includes nothing of host/ or 
 files_matching '^tests/.*/' | while IFS= read -r -d '' file; do
     folder=${file#tests/}
     case ${folder%/*} in
-        build | command | consumer | drivers | fuzz | fuzz/* | golden | python | reference | reference/* | support | tools) ;;
+        build | command | consumer | drivers | fuzz | fuzz/* | golden | python | python/study | reference | reference/* | support | tools) ;;
         *) [[ " ${wings[*]} exact/predicates " == *" ${folder%/*} "* ]] || echo "$file" ;;
     esac
 done | complain 'a folder of tests/ is a wing of host/stages.cmake or a room that tools/check_layout.sh names'
@@ -134,7 +134,7 @@ if [ -f README.md ] && [ "$(wc -c <README.md)" -gt 6000 ]; then
     echo "README.md: $(wc -c <README.md) bytes" | complain 'README.md has at most 6 kB'
 fi
 files_matching '^docs/.*\.md$' | xargs -0 -r awk '
-    FILENAME !~ /^docs\/(numerics|python|embedding|gltf|many_lights)\.md$/ { words += NF }
+    FILENAME !~ /^docs\/(numerics|python|studies|embedding|gltf|many_lights)\.md$/ { words += NF }
     FILENAME == "docs/performance.md" { ++lines }
     END { if (words > 14400) print "docs: " words " words"
           if (lines > 150) print "docs/performance.md: " lines " lines" }' |

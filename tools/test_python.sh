@@ -19,12 +19,12 @@ fi
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 "${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" --config-settings=build-dir="$build/objects"
 wheel=$(echo "$build"/wheel/gnomon-*.whl)
-"${pip[@]}" install "$wheel[pocl,test]"
+"${pip[@]}" install "$wheel[pocl,test,study]"
 ls -l "$wheel"
 
-tests() { "$build/venv/bin/python" -m pytest -q -p no:cacheprovider tests/python; }
+tests() { "$build/venv/bin/python" -m pytest -q -p no:cacheprovider "$@" tests/python; }
 drivers=("$build"/venv/lib/python3*/site-packages/pyopencl/.libs/libpocl*.so)
 echo "-- PyPI's PoCL, the system's drivers hidden"
 OCL_ICD_VENDORS=${drivers[0]} tests
-echo "-- the system's OpenCL library"
-GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests
+echo "-- the system's OpenCL library (studies were tested above, and use it no otherwise)"
+GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests --ignore=tests/python/study

@@ -66,7 +66,8 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
         LightDecision decision = decide_lights(&edges, bundle, open);
         if (is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
         LANE_OF_INT(work->open, lane) = (int)(open & ~decision.dark);
-        if (decision.undecided != 0u) queue_pairs(work, SHAFT_LANE(lane), decision.undecided, triangle, scene, mine);
+        if (decision.undecided != 0u && !has_corner_at(&t, lane_point(work->points, lane)))
+            queue_pairs(work, SHAFT_LANE(lane), decision.undecided, triangle, scene, mine);
     }
 }
 

@@ -25,6 +25,7 @@ from ._gnomon import (
 from ._lattice import Lattice
 from ._lights import LightsResult
 from ._scene import Scene, VertexReport, View
+from ._study import study
 
 __version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out
 
@@ -45,6 +46,7 @@ __all__ = [
     "View",
     "__version__",
     "devices",
+    "study",
     "techniques",
     "use",
 ]

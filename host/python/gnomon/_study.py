@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: MIT
+"""The doors to gnomon.studies, which needs packages that gnomon itself does not."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .studies import Study
+
+NEEDS = "gnomon.study needs {}, which is not installed: pip install 'gnomon[study]'"
+
+
+def study(folder: Any, **arguments: Any) -> Study:
+    """Runs a sun study over tiles, or goes on with the one in the folder: gnomon.studies.study() has the arguments.
+    Raises ImportError with the remedy where pip install 'gnomon[study]' was not done."""
+    try:
+        from . import studies
+    except ModuleNotFoundError as error:
+        raise ImportError(NEEDS.format(error.name)) from None
+    return studies.study(folder, **arguments)
+
+
+def main() -> int:
+    """The command gnomon-study."""
+    try:
+        from .studies.command import main as command
+    except ModuleNotFoundError as error:
+        print(f"gnomon-study: {NEEDS.format(error.name)}", file=sys.stderr)
+        return 1
+    return command()

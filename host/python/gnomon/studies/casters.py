@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: MIT
+"""Casters by tiles: the squares of a raster and the files of meshes, surveyed once and loaded on demand."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .rasters import Mosaic, UnreadableError, faces_of_grid
+from .settings import Settings
+
+#: Steps that receivers and casters together may span: origins lie in the middle, and 2^24 steps fit on each side.
+LARGEST_SPAN = 2.0**25 - 64
+
+
+def largest_tile(settings: Settings, cell: float) -> float:
+    """How far a tile may reach, in metres: larger ones are made smaller. It depends on the raster's cells, so that the
+    lattice does not depend on the size of tiles that somebody chooses."""
+    largest = max(4096.0, min(256 * cell, 32_768.0))
+    return largest if settings.lattice is None else min(largest, LARGEST_SPAN * settings.lattice / 4)
+
+
+def cells_of_tile(settings: Settings, mosaic: Mosaic, wanted: int) -> int:
+    cell = max(mosaic.dx, mosaic.dy)
+    return max(1, min(wanted, int(largest_tile(settings, cell) / cell)))
+
+
+class Survey(NamedTuple):
+    """What is known of the caster tiles before any is used. Raster tiles come first, by rows from the north; the files
+    of meshes follow.
+
+    boxes: (K, 4) x0, y0, x1, y1. tops, bottoms: (K,) of their heights; where a tile has no triangles -inf, inf; where
+        it could not be read inf, -inf. triangles: (K,) int64, at most.
+    """
+
+    boxes: NDArray[np.float64]
+    tops: NDArray[np.float64]
+    bottoms: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+
+    @property
+    def unread(self) -> NDArray[np.bool_]:
+        return self.tops == np.inf
+
+    @property
+    def extent(self) -> NDArray[np.float64]:
+        """(4,) of tiles with triangles, or unread."""
+        some = self.boxes[self.tops > -np.inf]
+        if not len(some):
+            return np.array([0.0, 0.0, 0.0, 0.0])
+        return np.concatenate([some[:, :2].min(axis=0), some[:, 2:].max(axis=0)])
+
+    def save(self, path: Path) -> None:
+        with path.open("wb") as file:
+            np.savez_compressed(file, **self._asdict())
+
+    @classmethod
+    def load(cls, path: Path) -> Survey:
+        with np.load(path) as data:
+            return cls(**{name: data[name] for name in cls._fields})
+
+
+class Casters:
+    """The caster tiles of a study. Tile k of the raster holds the squares whose north-west corner lies in its cells;
+    it shares the vertices on its border with its neighbours."""
+
+    def __init__(self, settings: Settings, mosaic: Mosaic | None) -> None:
+        self.settings = settings
+        self.mosaic = mosaic
+        size = self.size = 1 if mosaic is None else cells_of_tile(settings, mosaic, settings.caster_tile)
+        self.rows = 0 if mosaic is None else -(-max(mosaic.rows - 1, 0) // size)
+        self.columns = 0 if mosaic is None else -(-max(mosaic.columns - 1, 0) // size)
+
+    def __len__(self) -> int:
+        return self.rows * self.columns + len(self.settings.meshes)
+
+    def name(self, tile: int) -> str:
+        if tile >= self.rows * self.columns:
+            return self.settings.meshes[tile - self.rows * self.columns]
+        r0, r1, c0, c1 = self.window(tile)
+        return f"cells {r0}:{r1}, {c0}:{c1} of the raster"
+
+    def window(self, tile: int) -> tuple[int, int, int, int]:
+        """Rows and columns of the vertices of a raster tile: first, last + 1 of each."""
+        assert self.mosaic is not None
+        size = self.size
+        row, column = tile // self.columns * size, tile % self.columns * size
+        return row, min(row + size + 1, self.mosaic.rows), column, min(column + size + 1, self.mosaic.columns)
+
+    def tiles_of_window(self, row: int, last_row: int, column: int, last_column: int) -> NDArray[np.int64]:
+        """The raster tiles that have a vertex in a window."""
+        size = self.size
+        rows = np.arange(max(row - 1, 0) // size, min((last_row - 1) // size, self.rows - 1) + 1)
+        columns = np.arange(max(column - 1, 0) // size, min((last_column - 1) // size, self.columns - 1) + 1)
+        return (rows[:, None] * self.columns + columns).reshape(-1)
+
+    def surveyed(self, tile: int) -> tuple[list[float], float, float, int]:
+        """Box, top, bottom and number of triangles of a tile; unread tiles have an infinite top."""
+        is_raster = tile < self.rows * self.columns
+        try:
+            if not is_raster:
+                corners = mesh_triangles(self.settings, self.name(tile)).reshape(-1, 3)
+                if not len(corners):
+                    return [0.0, 0.0, 0.0, 0.0], -np.inf, np.inf, 0
+                low, high = corners.min(axis=0), corners.max(axis=0)
+                return [*low[:2].tolist(), *high[:2].tolist()], float(high[2]), float(low[2]), len(corners) // 3
+            assert self.mosaic is not None
+            r0, r1, c0, c1 = self.window(tile)
+            x, y = self.mosaic.x(c0, c1), self.mosaic.y(r0, r1)
+            box = [float(x[0]), float(y[-1]), float(x[-1]), float(y[0])]
+            heights = self.mosaic.heights(r0, r1, c0, c1)
+            is_there = ~np.isnan(heights)
+            if not is_there.any():
+                return box, -np.inf, np.inf, 0
+            return box, float(np.nanmax(heights)), float(np.nanmin(heights)), 2 * (r1 - r0 - 1) * (c1 - c0 - 1)
+        except UnreadableError:
+            if is_raster:
+                return box, np.inf, -np.inf, 0
+            raise
+
+    def triangles(self, tile: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """World vertices (V, 3) and faces (F, 3) of a tile. Raises UnreadableError."""
+        if tile >= self.rows * self.columns:
+            corners = mesh_triangles(self.settings, self.name(tile)).reshape(-1, 3)
+            return corners, np.arange(len(corners)).reshape(-1, 3)
+        assert self.mosaic is not None
+        r0, r1, c0, c1 = self.window(tile)
+        heights = self.mosaic.heights(r0, r1, c0, c1)
+        x, y = np.meshgrid(self.mosaic.x(c0, c1), self.mosaic.y(r0, r1))
+        vertices = np.stack([x, y, heights], axis=-1).reshape(-1, 3)
+        faces = faces_of_grid(r1 - r0, c1 - c0)
+        is_there = ~np.isnan(vertices[:, 2])
+        if not is_there.all():
+            faces = faces[is_there[faces].all(axis=1)]
+            vertices[~is_there, 2] = 0
+        return vertices, faces
+
+
+@functools.lru_cache(maxsize=4)
+def _loaded(name: str) -> NDArray[np.float64]:
+    import trimesh
+
+    try:
+        mesh: Any = trimesh.load(name, force="mesh", process=False)
+        triangles = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)]
+    except Exception as error:  # a loader may raise anything at a broken file
+        raise UnreadableError(f"{name}: cannot be read: {error}") from error
+    if not np.isfinite(triangles).all():
+        raise UnreadableError(f"{name}: a coordinate is not finite")
+    return triangles
+
+
+def mesh_triangles(settings: Settings, name: str) -> NDArray[np.float64]:
+    """World triangles (F, 3, 3) of a file. Raises UnreadableError."""
+    triangles = _loaded(name)
+    up = settings.mesh_up or ("y" if name.lower().endswith((".glb", ".gltf")) else "z")
+    if up == "y":
+        triangles = np.stack([triangles[..., 0], -triangles[..., 2], triangles[..., 1]], axis=-1)
+    return triangles + np.array(settings.mesh_offset)

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""Results as files that other programs open: GeoTIFF (COG), CSV, and a picture with a legend."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rasterio
+import rasterio.shutil
+from numpy.typing import NDArray
+
+from .plan import Plan
+from .receivers import RasterReceivers
+
+NO_HOURS = -9999.0
+NO_BITS = -9999
+TITLES = {"sun_hours": "hours of sun", "sum_of_weights": "sum of weights"}
+
+
+def export(plan: Plan, path: Path, what: str | None = None) -> list[Path]:
+    """Writes a result: `sun_hours`, `sum_of_weights` or `lit`; None: the first that the study has. Raises ValueError.
+
+    A raster's sums become a COG of two bands: the sum, nodata where a sun is undecided, and what is undecided. Its
+    packed bits become, in the folder `path`, the Solar API's hourlyShade: 12 COGs of 24 bands of int32, bit d - 1 of
+    band h for day d at hour h; nodata (-9999) where a bit is undecided. Points become a CSV file.
+    """
+    names = [n for n in plan.results if not n.startswith("undecided")]
+    name = what or next((n for n in names if n != "lit"), names[0])
+    if name not in names:
+        raise ValueError(f"what: {name!r} is not in this study, which has {', '.join(names)}")
+    if not isinstance(plan.receivers, RasterReceivers):
+        return [_export_points(plan, path, name)]
+    if name == "lit":
+        return _export_bits(plan, path)
+    of = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}[name]
+    kind = plan.store.array(f"results.zarr/{name}").dtype
+    with _Cog(plan, path, 2, str(kind), NO_HOURS) as file:
+        file.set_band_description(1, TITLES[name])
+        file.set_band_description(2, f"{TITLES[name]}, undecided")
+        for tile in range(len(plan.receivers)):
+            at = plan.receivers.slices(tile)
+            values, more = (plan.store.array(f"results.zarr/{n}")[at] for n in (name, of))
+            file.write(np.where(np.isnan(values) | (more != 0), NO_HOURS, values).astype(kind), 1, window=_window(at))
+            file.write(np.where(np.isnan(more), NO_HOURS, more).astype(kind), 2, window=_window(at))
+    return [path]
+
+
+def _window(at: tuple[slice, ...]) -> Any:
+    return rasterio.windows.Window.from_slices(*at)
+
+
+class _Cog:
+    """A GeoTIFF that is written by windows, then copied to a COG, which appears whole."""
+
+    def __init__(self, plan: Plan, path: Path, bands: int, kind: str, nodata: float) -> None:
+        assert isinstance(plan.receivers, RasterReceivers)
+        mosaic = plan.receivers.mosaic
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._path = path
+        self._folder = tempfile.TemporaryDirectory(dir=path.parent, prefix=".gnomon-")
+        self._plain = Path(self._folder.name) / "plain.tif"
+        self._file = rasterio.open(
+            self._plain, "w", driver="GTiff", tiled=True, width=mosaic.columns, height=mosaic.rows, count=bands,
+            dtype=kind, nodata=nodata, crs=plan.settings.crs or mosaic.crs, BIGTIFF="IF_SAFER",
+            transform=rasterio.Affine(mosaic.dx, 0, mosaic.west, 0, -mosaic.dy, mosaic.north),
+        )  # fmt: skip
+
+    def __enter__(self) -> Any:
+        return self._file
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        self._file.close()
+        if kind is None:
+            whole = Path(self._folder.name) / "cog.tif"
+            rasterio.shutil.copy(self._plain, whole, driver="COG", compress="DEFLATE")
+            os.replace(whole, self._path)
+        self._folder.cleanup()
+
+
+def _export_bits(plan: Plan, folder: Path) -> list[Path]:
+    if not plan.suns.is_hourly:
+        raise ValueError("what: packed bits are exported for steps of one hour within one year; others stay in zarr")
+    lit, undecided = plan.store.array("results.zarr/lit"), plan.store.array("results.zarr/undecided")
+    paths = []
+    has_suns = {int(word) for block in plan.blocks for word in block}
+    for month in range(12):
+        path = folder / f"hourly_shade_{month + 1:02}.tif"
+        with _Cog(plan, path, 24, "int32", NO_BITS) as file:
+            for tile in range(len(plan.receivers)):
+                at = plan.receivers.slices(tile)
+                is_there = plan.receivers.tile(tile).is_valid.reshape(tuple(s.stop - s.start for s in at))
+                for hour in range(24):
+                    word = 24 * month + hour
+                    values = np.where(is_there, 0, NO_BITS).astype(np.int32)
+                    if word in has_suns:
+                        seen = lit[(word, *at)].astype(np.int32)
+                        values = np.where(is_there & (undecided[(word, *at)] == 0), seen, np.int32(NO_BITS))
+                    file.write(values, hour + 1, window=_window(at))
+        paths.append(path)
+    return paths
+
+
+def _export_points(plan: Plan, path: Path, name: str) -> Path:
+    if name == "lit":
+        raise ValueError("what: packed bits of points stay in zarr (xarray.open_zarr)")
+    columns = [plan.store.array(f"results.zarr/{n}")[:] for n in ("x", "y", "z", name)]
+    of = plan.store.array(f"results.zarr/{'undecided_hours' if name == 'sun_hours' else 'undecided_weights'}")[:]
+    np.savetxt(path, np.stack([*columns, of], axis=1), delimiter=",", fmt="%.17g", comments="",
+               header=f"x,y,z,{name},undecided")  # fmt: skip
+    return path
+
+
+def picture(plan: Plan, path: Path, what: str | None = None, largest: int = 1200) -> Path:
+    """A map of sums with a legend; hatched grey where a sun is undecided, white where there is no receiver. Rasters
+    with more than `largest` cells on a side are shown by every n-th cell."""
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
+    names = [n for n in plan.results if n in TITLES]
+    name = what or next(iter(names), "")
+    if name not in names:
+        raise ValueError(f"what: a picture shows {' or '.join(TITLES)}; this study has {', '.join(plan.results)}")
+    of = {"sun_hours": "undecided_hours", "sum_of_weights": "undecided_weights"}[name]
+    values, more = (plan.store.array(f"results.zarr/{n}") for n in (name, of))
+    figure = Figure(figsize=(8, 6.4), dpi=120, layout="constrained")
+    axes = figure.subplots()
+    if isinstance(plan.receivers, RasterReceivers):
+        mosaic = plan.receivers.mosaic
+        every = max(1, -(-max(values.shape) // largest))
+        shown: NDArray[Any] = values[::every, ::every]
+        east, south = mosaic.west + mosaic.columns * mosaic.dx, mosaic.north - mosaic.rows * mosaic.dy
+        extent = (mosaic.west, east, south, mosaic.north)
+        drawn: Any = axes.imshow(shown, extent=extent, cmap="inferno", interpolation="nearest")
+        unsure = np.where(more[::every, ::every] > 0, 1.0, np.nan)
+        if np.nansum(unsure):
+            axes.imshow(unsure, extent=extent, cmap="Greys", vmin=0, vmax=2, interpolation="nearest")
+            axes.legend(handles=[Patch(color="0.5", label="undecided")], loc="upper right")
+    else:
+        x, y = (plan.store.array(f"results.zarr/{n}")[:] for n in "xy")
+        drawn = axes.scatter(x, y, c=values[:], s=2, cmap="inferno")
+        axes.set_aspect("equal")
+    axes.ticklabel_format(style="plain", useOffset=False)
+    axes.tick_params(axis="x", rotation=20)
+    axes.set_xlabel("east, m")
+    axes.set_ylabel("north, m")
+    when = f"{plan.settings.start} to {plan.settings.end}" if plan.settings.start else "table of directions"
+    axes.set_title(f"{TITLES[name]}, {when}", fontsize=10)
+    figure.colorbar(drawn, ax=axes, label=TITLES[name])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path)
+    return path

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: MIT
+"""Facing of a raster's vertices: whether the sun stands strictly above the triangles over which the ray leaves.
+
+The rule is docs/numerics.md, 14, for height fields; here for many vertices of one grid and one sun at a time. All
+coordinates are whole steps below 2^25, so normals are exact in float64. The sign of n . D is taken from float64 where
+it is certain, else from math.fsum over products that are exact.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: Vertices times suns that are decided at once stay in the cache.
+ROWS_AT_ONCE = 256
+#: Neighbours of a vertex as (rows, columns) away, row 0 in the north, in the order of their azimuth from the east on.
+#: Two that follow one another span a triangle, as the diagonals run from south-west to north-east.
+NEIGHBOURS = ((0, 1), (-1, 1), (-1, 0), (0, -1), (1, -1), (1, 0))
+
+
+class GridFacing:
+    """x (C + 2,), y (R + 2,), z (R + 2, C + 2): the vertices of a window and of one more row and column on each side,
+    in whole steps; NaN in z where there is none. inside: (R, C) bool, the n vertices that are asked for."""
+
+    def __init__(
+        self, x: NDArray[np.float64], y: NDArray[np.float64], z: NDArray[np.float64], inside: NDArray[np.bool_]
+    ) -> None:
+        rows, columns = inside.shape
+        self._row, self._column = np.nonzero(inside)
+        self._edges = []  # x (C,), y (R,), z (n,) of the edge to each neighbour
+        for r, c in NEIGHBOURS:
+            dx, dy = x[1 + c : 1 + c + columns] - x[1:-1], y[1 + r : 1 + r + rows] - y[1:-1]
+            dz = (z[1 + r : 1 + r + rows, 1 + c : 1 + c + columns] - z[1:-1, 1:-1])[inside]
+            self._edges.append((dx, dy, dz))
+        self._normals = []  # (n, 3) of each of the six triangles, 0 where there is none
+        self._is_there: list[NDArray[np.bool_]] = []
+        for k in range(6):
+            (ax, ay, az), (bx, by, bz) = self._of(k, self._row, self._column), self._of(k + 1, self._row, self._column)
+            n = np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
+            there = np.asarray(np.isfinite(n).all(axis=1))
+            n[~there] = 0
+            self._normals.append(n)
+            self._is_there.append(there)
+        self._largest = [np.abs(n).max(axis=1, initial=0) for n in self._normals]
+        self._normals32 = [n.astype(np.float32) for n in self._normals]
+        self._irregular = np.flatnonzero(~np.all(self._is_there, axis=0))
+
+    def _of(
+        self, k: int, row: NDArray[np.int64], column: NDArray[np.int64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        dx, dy, dz = self._edges[k % 6]
+        return dx[column], dy[row], dz
+
+    def faces(self, towards: NDArray[np.float32]) -> NDArray[np.bool_]:
+        """(n, M): whether each sun (M, 3), all upwards, is strictly above the surface around each vertex. A vertex
+        without triangles faces every sun. Suns in the order of their azimuth take the least time."""
+        d = towards.astype(np.float64)
+        result = np.ones((len(self._row), len(d)), bool)
+        is_mixed = np.zeros(len(d), bool)  # a sun that leaves over different triangles at different vertices
+        for k in range(6):
+            all_over, some_over = self._leaves_over(k, d)
+            is_mixed |= some_over & ~all_over
+            for suns in _runs(all_over):
+                for first in range(0, len(result), ROWS_AT_ONCE):
+                    part = slice(first, first + ROWS_AT_ONCE)
+                    self._clear_below(k, d[suns], part, result[part, suns])
+        for rows, of in ((self._irregular, ~is_mixed), (np.arange(len(result)), is_mixed)):
+            chosen = np.flatnonzero(of)
+            for first in range(0, len(rows) if len(chosen) else 0, ROWS_AT_ONCE):
+                some = rows[first : first + ROWS_AT_ONCE]
+                result[np.ix_(some, chosen)] = self._by_vertex(some, d[chosen])
+        return result
+
+    def _leaves_over(self, k: int, d: NDArray[np.float64]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(M,) twice: whether the horizontal part of each sun points into the sector of triangle k at all vertices, and
+        perhaps at some. Each product has at most 25 + 24 bits, so it is exact, and so is the comparison of two; the
+        largest product is that of the largest or the smallest edge."""
+        (ax, ay, _), (bx, by, _) = self._edges[k], self._edges[(k + 1) % 6]
+        ahead, aside = np.outer(_ends(ax), d[:, 1]), np.outer(_ends(ay), d[:, 0])
+        behind, beside = np.outer(_ends(by), d[:, 0]), np.outer(_ends(bx), d[:, 1])
+        every = (ahead.min(axis=0) >= aside.max(axis=0)) & (behind.min(axis=0) >= beside.max(axis=0))
+        some = (ahead.max(axis=0) >= aside.min(axis=0)) & (behind.max(axis=0) >= beside.min(axis=0))
+        return every, some
+
+    def _clear_below(self, k: int, d: NDArray[np.float64], rows: slice, result: NDArray[np.bool_]) -> None:
+        """Clears what _above() denies. float32 decides nearly all of it: products and sums round five times, and the
+        normal once, by 2^-24 of 3 x largest x |d| in all six: below 1.1e-6 of largest x |d|."""
+        s = self._normals32[k][rows] @ d.T.astype(np.float32)
+        bound = (self._largest[k][rows] * (2e-6 * np.abs(d).max())).astype(np.float32)[:, None]
+        above = s > bound
+        unsure = above != (s > -bound)
+        unsure &= self._is_there[k][rows][:, None]
+        if unsure.any():
+            some = np.flatnonzero(unsure.any(axis=1))
+            above[some] = self._above(k, d, some + (rows.start or 0))
+        above |= ~self._is_there[k][rows][:, None]  # by vertex, later
+        result &= above
+
+    def _above(self, k: int, d: NDArray[np.float64], rows: slice | NDArray[np.int64]) -> NDArray[np.bool_]:
+        """(rows, M): whether n . D > 0, n the normal of triangle k at each vertex."""
+        n = self._normals[k][rows]
+        s = n @ d.T
+        above: NDArray[np.bool_] = s > 0
+        # |s - exact| is below 3 roundings of products and 2 of sums: 5 x 2^-53 x 3 x largest x |d| < 1.7e-15 of it.
+        unsure = np.abs(s) <= self._largest[k][rows][:, None] * (2e-15 * np.abs(d).max())
+        unsure &= self._is_there[k][rows][:, None]
+        if unsure.any():
+            for row, sun in np.argwhere(unsure):
+                above[row, sun] = exact_sum(n[row], d[sun]) > 0
+        return above
+
+    def _by_vertex(self, rows: NDArray[np.int64], d: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """(rows, M), wherever the suns leave: also at borders and beside nodata, where the surface is extended by the
+        planes of all triangles."""
+        row, column = self._row[rows], self._column[rows]
+        result = np.ones((len(rows), len(d)), bool)
+        leaves = np.zeros_like(result)
+        not_below = np.ones_like(result)  # of any triangle
+        for k in range(6):
+            (ax, ay), (bx, by) = (
+                (e[0][column, None], e[1][row, None]) for e in (self._edges[k], self._edges[(k + 1) % 6])
+            )
+            there = self._is_there[k][rows, None]
+            over = (ax * d[:, 1] >= ay * d[:, 0]) & (by * d[:, 0] >= bx * d[:, 1]) & there
+            above = self._above(k, d, rows)
+            leaves |= over
+            result &= ~over | above
+            not_below &= ~there | above
+        return result & (leaves | not_below)
+
+
+def _ends(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.array([values.min(), values.max()])
+
+
+def _runs(chosen: NDArray[np.bool_]) -> list[slice]:
+    """The runs of neighbours that are chosen."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def exact_sum(n: NDArray[np.float64], d: NDArray[np.float64]) -> float:
+    """n . d with the right sign: n whole numbers below 2^53, d float32 values. The halves' products are exact, and
+    math.fsum rounds once."""
+    terms = []
+    for a, b in zip(n.tolist(), d.tolist(), strict=True):
+        high = float(math.floor(a / 2**27) * 2**27)
+        terms += [high * b, (a - high) * b]
+    return math.fsum(terms)

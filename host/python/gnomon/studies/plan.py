@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: MIT
+"""The plan of a study: made once, kept in its folder, opened by every process that works on it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .casters import LARGEST_SPAN, Casters, Survey, largest_tile
+from .decide import Decider
+from .rasters import open_mosaic
+from .receivers import Receivers, receivers_of, write_points
+from .settings import Settings
+from .store import Store, create_arrays, sha256_of_array, write_whole
+from .suns import Suns, suns_of
+
+#: The finest step that a study chooses by itself is 2^-10 m.
+FINEST = -10
+SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int]]]]
+
+
+class Plan:
+    """settings, casters, survey, suns, receivers, blocks: see their modules. exponent: of the lattice's step. hash:
+    names the plan: tasks that were done under another one are done again."""
+
+    def __init__(self, folder: Path, settings: Settings, facts: dict[str, Any], device: str | None = None) -> None:
+        self.folder = folder
+        self.settings = settings
+        self.facts = facts
+        self.exponent = int(facts["exponent"])
+        self.hash = str(facts["hash"])
+        mosaic = open_mosaic(settings.raster) if settings.raster else None
+        self.casters = Casters(settings, mosaic)
+        self.survey = Survey.load(folder / "survey.npz")
+        self.suns = Suns.load(folder / "suns.npz")
+        self.receivers: Receivers = receivers_of(settings, self.casters, folder)
+        self.blocks = self.suns.blocks(settings.block)
+        self.store = Store(folder)
+        self.decider = Decider(settings, self.casters, self.survey, self.exponent, device)
+
+    @classmethod
+    def open(cls, folder: Path, device: str | None = None) -> Plan:
+        """Raises ValueError if the folder holds no study."""
+        try:
+            facts = json.loads((folder / "study.json").read_text())
+        except (FileNotFoundError, NotADirectoryError):
+            raise ValueError(f"{folder}: holds no study (no study.json): gnomon-study run makes one") from None
+        except json.JSONDecodeError as error:
+            raise ValueError(f"{folder}/study.json: {error}: run the study again with restart") from None
+        return cls(folder, Settings.from_json(facts["settings"]), facts, device)
+
+    @property
+    def tasks(self) -> list[tuple[int, int]]:
+        """All (tile, block)."""
+        return [(tile, block) for tile in range(len(self.receivers)) for block in range(len(self.blocks))]
+
+    def receivers_of_tile(self, tile: int) -> int:
+        return math.prod(s.stop - s.start for s in self.receivers.slices(tile))
+
+    def suns_of_block(self, block: int) -> int:
+        up = np.isfinite(self.suns.towards[:, :, 0]).any(axis=0)
+        return int((np.isin(self.suns.word, self.blocks[block]) & up).sum())
+
+    def hash_of_blocks(self, tile: int) -> str:
+        """Of what the tile's blocks hold: sums of other blocks are out of date."""
+        found = [self.store.done(tile, block, self.hash) for block in range(len(self.blocks))]
+        text = json.dumps([facts and {k: v["data"] for k, v in facts["chunks"].items()} for facts in found])
+        return hashlib.sha256(text.encode()).hexdigest()
+
+    @property
+    def results(self) -> list[str]:
+        """Names of the arrays of results."""
+        names = {"bits": ["lit", "undecided"], "hours": ["sun_hours", "undecided_hours"],
+                 "weights": ["sum_of_weights", "undecided_weights"]}  # fmt: skip
+        return [name for output in self.settings.outputs for name in names[output]]
+
+    @property
+    def has_sums(self) -> bool:
+        return self.settings.outputs != ("bits",)
+
+
+def _stamps(settings: Settings) -> dict[str, list[int]]:
+    """Size and time of the files that a study reads."""
+    result = {}
+    for name in (*settings.raster, *settings.meshes):
+        path = Path(name)
+        if path.exists():
+            at = path.stat()
+            result[name] = [at.st_size, at.st_mtime_ns]
+    return result
+
+
+def made(folder: Path, settings: Settings, run_survey: SurveyRun, restart: bool = False) -> Plan:
+    """The plan of these settings in this folder: the one that is there, or a new one. Caster tiles that could not be
+    read before are tried again. Raises ValueError if another study is there, or a file has changed since."""
+    known = folder / "study.json"
+    if known.exists() and not restart:
+        plan = Plan.open(folder)
+        if plan.settings.hash_of_answers() != settings.hash_of_answers():
+            raise ValueError(f"{folder}: holds a study with other settings: choose another folder, or restart it")
+        changed = [name for name, stamp in _stamps(settings).items() if plan.facts["stamps"].get(name) != stamp]
+        unread = np.flatnonzero(plan.survey.unread)
+        if changed and not len(unread) and not _has_unread_tasks(plan):
+            raise ValueError(f"{changed[0]}: has changed since the study began: choose another folder, or restart it")
+        if settings.memory_limit != plan.settings.memory_limit or changed:
+            plan.facts["settings"]["memory_limit"] = settings.memory_limit
+            plan.facts["stamps"] = _stamps(settings)
+            write_whole(known, json.dumps(plan.facts))
+        if not len(unread):
+            return Plan.open(folder)
+        survey = _surveyed(folder, plan.casters, run_survey, plan.survey, unread.tolist())
+        if _exponent(settings, plan.casters, survey) == plan.exponent:
+            survey.save(folder / "survey.npz")
+            return Plan.open(folder)
+    return _made_anew(folder, settings, run_survey)
+
+
+def _has_unread_tasks(plan: Plan) -> bool:
+    return any(facts["unread"] for task in plan.tasks if (facts := plan.store.done(*task, plan.hash)))
+
+
+def _made_anew(folder: Path, settings: Settings, run_survey: SurveyRun) -> Plan:
+    mosaic = open_mosaic(settings.raster) if settings.raster else None
+    casters = Casters(settings, mosaic)
+    (folder / "tasks").mkdir(parents=True, exist_ok=True)
+    for old in (folder / "tasks").iterdir():
+        old.unlink()
+    (folder / "study.json").unlink(missing_ok=True)
+    if settings.receivers != "raster":
+        write_points(settings, folder / "points.npy")
+    receivers = receivers_of(settings, casters, folder)
+    crs = mosaic.crs if mosaic is not None else None
+    suns = suns_of(settings, crs, receivers.box)
+    suns.save(folder / "suns.npz")
+    for_survey = {"settings": json.loads(settings.as_json())}
+    write_whole(folder / "survey.json", json.dumps(for_survey))
+    survey = _surveyed(folder, casters, run_survey, None, list(range(len(casters))))
+    survey.save(folder / "survey.npz")
+    exponent = _exponent(settings, casters, survey)
+    digest = hashlib.sha256(
+        " ".join(
+            [settings.hash_of_answers(), sha256_of_array(suns.towards), sha256_of_array(suns.weights), str(exponent)]
+        ).encode()
+    ).hexdigest()
+    facts = {"settings": json.loads(settings.as_json()), "exponent": exponent, "hash": digest,
+             "reach": _reach(settings, survey), "stamps": _stamps(settings)}  # fmt: skip
+    blocks = suns.blocks(settings.block)
+    create_arrays(folder, settings, suns, receivers, len(blocks), crs)
+    write_whole(folder / "study.json", json.dumps(facts))
+    return Plan.open(folder)
+
+
+def casters_to_survey(folder: str) -> Casters:
+    settings = Settings.from_json(json.loads((Path(folder) / "survey.json").read_text())["settings"])
+    return Casters(settings, open_mosaic(settings.raster) if settings.raster else None)
+
+
+def _surveyed(folder: Path, casters: Casters, run_survey: SurveyRun, old: Survey | None, tiles: list[int]) -> Survey:
+    count = len(casters)
+    survey = old or Survey(np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.zeros(count, np.int64))
+    for tile, (box, top, bottom, triangles) in run_survey(str(folder), tiles):
+        survey.boxes[tile], survey.tops[tile], survey.bottoms[tile] = box, top, bottom
+        survey.triangles[tile] = triangles
+    return survey
+
+
+def _reach(settings: Settings, survey: Survey) -> float:
+    """The farthest that a caster can be from a receiver that it shadows, in metres, by heights and the lowest sun; the
+    extent's diagonal if that is less."""
+    extent = survey.extent
+    diagonal = math.hypot(extent[2] - extent[0], extent[3] - extent[1])
+    heights = survey.tops[np.isfinite(survey.tops)]
+    lows = survey.bottoms[np.isfinite(survey.bottoms)]
+    if not len(heights):
+        return diagonal
+    lowest = settings.min_elevation if settings.start is not None else 6.0 / max(settings.sky, 1)
+    if settings.directions is not None:
+        return diagonal
+    reach = (heights.max() - lows.min()) / math.tan(math.radians(lowest))
+    reach = min(float(reach) * 1.01 + 1, diagonal)
+    return reach if settings.halo_limit is None else min(reach, settings.halo_limit)
+
+
+def _exponent(settings: Settings, casters: Casters, survey: Survey) -> int:
+    """Of the lattice's step: the finest from 2^-10 on for which a receiver tile and all that shadows it fit. It depends
+    on no tile's size."""
+    cell = 0.0 if casters.mosaic is None else max(casters.mosaic.dx, casters.mosaic.dy)
+    if settings.lattice is not None:
+        return math.frexp(settings.lattice)[1] - 1
+    exponent = FINEST
+    while 2 * largest_tile(settings, cell) + _reach(settings, survey) > LARGEST_SPAN * 2.0**exponent:
+        exponent += 1
+    if cell and cell < 8 * 2.0**exponent:
+        raise ValueError(
+            f"lattice: the study reaches {_reach(settings, survey):.0f} m, for which steps of 2^{exponent} m are "
+            f"needed, too coarse for cells of {cell:g} m: raise min_elevation, or set halo_limit, or name a finer "
+            "lattice=; what it does not reach is undecided"
+        )
+    return exponent

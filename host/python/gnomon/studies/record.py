@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""The record of a run: what was computed, by what, and the hash of every chunk."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import json
+import platform
+from typing import Any
+
+import numpy as np
+import rasterio
+
+from .plan import Plan
+from .store import sha256_of, write_whole
+
+PACKAGES = ("gnomon", "numpy", "zarr", "dask", "rasterio", "pyproj", "pvlib", "trimesh")
+
+
+def versions() -> dict[str, str]:
+    found = {"python": platform.python_version(), "gdal": rasterio.__gdal_version__}
+    for name in PACKAGES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def record_of(plan: Plan) -> dict[str, Any]:
+    chunks: dict[str, Any] = {}
+    devices: dict[str, int] = {}
+    done = decisions = undecided = 0
+    seconds = 0.0
+    unread: set[int] = set()
+    for tile, block in plan.tasks:
+        facts = plan.store.done(tile, block, plan.hash)
+        if facts is None:
+            continue
+        done += 1
+        decisions += facts["decisions"]
+        undecided += facts["undecided"]
+        seconds += facts["seconds"]
+        unread |= set(facts["unread"])
+        device = f"{facts['device']} on {facts['host']}"
+        devices[device] = devices.get(device, 0) + 1
+        chunks |= {key: entry["data"] for key, entry in facts["chunks"].items()}
+    for tile in range(len(plan.receivers)):
+        facts = plan.store.done(tile, None, plan.hash)
+        if facts is not None:
+            chunks |= {key: entry["data"] for key, entry in facts["chunks"].items()}
+    return {
+        "settings": plan.facts["settings"],
+        "plan": plan.hash,
+        "versions": versions(),
+        "tasks_done": done,
+        "tasks": len(plan.tasks),
+        "decisions": decisions,
+        "undecided": undecided,
+        "seconds_of_all_workers": round(seconds, 3),
+        "tasks_of_devices": devices,
+        "lattice": f"2^{plan.exponent} m",
+        "reach_metres": plan.facts["reach"],
+        "diagonal_of_cells": "from south-west to north-east",
+        "beyond_the_casters": "nothing stands"
+        if plan.settings.outside is None
+        else f"at most {plan.settings.outside} m",
+        "curvature": f"on, k = {plan.settings.refraction_of_ground}" if plan.settings.curvature else "off",
+        "unread_casters": [plan.casters.name(tile) for tile in sorted(unread)],
+        "suns": plan.suns.notes,
+        "zones": len(plan.suns.zones),
+        "chunks": dict(sorted(chunks.items())),
+    }
+
+
+def write_record(plan: Plan) -> None:
+    write_whole(plan.folder / "record.json", json.dumps(record_of(plan), indent=1))
+
+
+def digests(plan: Plan) -> dict[str, str]:
+    """sha256 of each result, decoded, in raster order: it depends neither on tiles nor on compression."""
+    result = {}
+    for name in plan.results:
+        array = plan.store.array(f"results.zarr/{name}")
+        parts = []
+        for at in np.ndindex(array.shape[: array.ndim - len(plan.receivers.shape)]):
+            values = np.ascontiguousarray(array[at])
+            parts.append(sha256_of(values.astype(values.dtype.newbyteorder("<"), copy=False).view(np.uint8).data))
+        result[name] = sha256_of("".join(parts).encode())
+    return result

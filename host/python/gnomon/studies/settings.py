@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: MIT
+"""What a study is asked for: the arguments of gnomon.study() and the keys of study.toml, which are the same."""
+
+from __future__ import annotations
+
+import dataclasses
+import glob
+import hashlib
+import json
+import math
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+OUTPUTS = ("hours", "bits", "weights")
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """The settings of a study. Lengths are in metres, angles in degrees, times in UTC unless they say otherwise.
+
+    Casters and receivers:
+    raster: GeoTIFF files of heights (a DSM or DEM) on one grid, north up: a mosaic; where files overlap the first one
+        counts. Names may hold * and ?. The centres of cells are vertices. The diagonal of each square of four centres
+        runs from south-west to north-east. A triangle with a nodata corner does not exist.
+    meshes: files of triangles that trimesh loads (glTF, OBJ, PLY, STL), in the study's coordinates less mesh_offset.
+    mesh_up: "z", or "y" for meshes whose y is up (x, y, z becomes x, -z, y); None: "y" for glTF files, else "z".
+    mesh_offset: (3,) is added to the coordinates of meshes, in float64.
+    receivers: "raster": the centres of the raster's cells; "points": the rows of the file `points`; "faces": points on
+        the faces of the meshes, `spacing` apart.
+    points: a .npy file of (N, 3) or (N, 6) float64, or a .csv file with a heading, x,y,z or x,y,z,nx,ny,nz. Points with
+        a normal lie on a surface: they are lifted off it by a proven number of steps, and are dark where the light is
+        not strictly on the normal's side. Points without one are taken as they are.
+    crs: of the coordinates, as pyproj takes it; None: the raster's.
+
+    Suns:
+    start, end: the first and the last moment, ISO 8601. A time without a zone is in the zone of utc_offset.
+    step: minutes. A sun stands in the middle of each step, and stands for the whole step.
+    utc_offset: hours that local time is ahead of UTC. It names the hours of packed bits.
+    elevation: "true", or "apparent": raised by the refraction of the air at `pressure` (Pa) and `temperature` (C).
+    min_elevation: suns below this elevation are left out, and counted.
+    zone: the side of sun zones. A zone's suns are those of its centre.
+    directions: a .csv or .npy file instead of times: x,y,z or x,y,z,weight: along which the light travels, in the
+        study's coordinates, from above.
+    weights: a .csv or .npy file of one number per sun of start..end, below the horizon too (W h/m2, say).
+    sun_disk: 0: the sun is a point. N: N directions on a disk of .533 degrees for each sun.
+    sky: 0, or a division of Tregenza's sky: N x N points on the whole hemisphere, weighted by cos(zenith) x angle.
+    curvature: lower casters and receivers by the Earth's curvature around the zone's centre.
+    refraction_of_ground: the coefficient k of rays along the ground: the Earth's radius is divided by 1 - k. It counts
+        only with curvature.
+
+    What is cut, and how work is divided:
+    lattice: the step, a power of two; None: the finest from 2^-10 on that holds the study's reach.
+    outside: None: nothing stands beyond the casters' extent, which is the user's word. A number: what stands there is
+        nowhere higher than this; a ray that leaves the extent below it is undecided.
+    halo_limit: None, or the farthest distance that casters are loaded from. Farther ones are not tested: undecided.
+    memory_limit: bytes of casters that a task holds at once. It changes no answer.
+    tile: cells on a side of a receiver tile; tile x tile points for lists of points. It changes no answer.
+    caster_tile: cells on a side of a caster tile. It changes no decided answer.
+    block: about how many suns a task takes. It changes no answer.
+    outputs: of "hours" (hours of sun), "bits" (each answer) and "weights" (sums of weights).
+    """
+
+    raster: tuple[str, ...] = ()
+    meshes: tuple[str, ...] = ()
+    mesh_up: str | None = None
+    mesh_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    receivers: str = "raster"
+    points: str | None = None
+    spacing: float = 1.0
+    crs: str | None = None
+    start: str | None = None
+    end: str | None = None
+    step: float = 60.0
+    utc_offset: float = 0.0
+    elevation: str = "true"
+    pressure: float = 101325.0
+    temperature: float = 12.0
+    min_elevation: float = 3.0
+    zone: float = 10_000.0
+    directions: str | None = None
+    weights: str | None = None
+    sun_disk: int = 0
+    sky: int = 0
+    curvature: bool = False
+    refraction_of_ground: float = 0.13
+    lattice: float | None = None
+    outside: float | None = None
+    halo_limit: float | None = None
+    memory_limit: int = 2 << 30
+    tile: int = 512
+    caster_tile: int = 256
+    block: int = 384
+    outputs: tuple[str, ...] = ("hours", "bits")
+
+    def __post_init__(self) -> None:
+        for check in (_check_scene, _check_suns, _check_work):
+            check(self)
+
+    def as_json(self) -> str:
+        """The settings as one line, with keys in their order."""
+        return json.dumps(dataclasses.asdict(self))
+
+    @classmethod
+    def from_json(cls, values: dict[str, Any]) -> Settings:
+        taken: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
+        return cls(**taken)
+
+    def hash_of_answers(self) -> str:
+        """Names the study that these settings describe; memory_limit changes no answer and does not count."""
+        values = dataclasses.asdict(self)
+        del values["memory_limit"]
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+
+
+def _need(holds: bool, text: str) -> None:
+    if not holds:
+        raise ValueError(text)
+
+
+def _check_scene(s: Settings) -> None:
+    _need(bool(s.raster or s.meshes), "raster, meshes: a study needs casters: give one of them")
+    _need(s.receivers in ("raster", "points", "faces"), f"receivers: {s.receivers!r} is not raster, points or faces")
+    _need(s.receivers != "raster" or bool(s.raster), 'receivers: "raster" needs raster=')
+    _need(s.receivers != "points" or s.points is not None, 'receivers: "points" needs points=, a file')
+    _need(s.receivers != "faces" or bool(s.meshes), 'receivers: "faces" needs meshes=')
+    _need(s.mesh_up in (None, "y", "z"), f"mesh_up: {s.mesh_up!r} is neither 'y' nor 'z'")
+    _need(len(s.mesh_offset) == 3, "mesh_offset: must be three numbers")
+    _need(s.spacing > 0, f"spacing: {s.spacing} must be above 0")
+    names = [*s.raster, *s.meshes, *(f for f in (s.points, s.directions, s.weights) if f)]
+    for name in names:
+        _need(Path(name).exists() or "://" in name, f"{name}: there is no such file")
+
+
+def _check_suns(s: Settings) -> None:
+    given = [s.start is not None or s.end is not None, s.directions is not None, s.sky > 0]
+    _need(sum(given) == 1, "suns: give start and end, or directions, or sky: one of them")
+    _need((s.start is None) == (s.end is None), "start, end: one needs the other")
+    _need(s.step > 0 and abs(s.step * 60 - round(s.step * 60)) < 1e-9, f"step: {s.step} is not whole seconds")
+    _need(s.elevation in ("true", "apparent"), f"elevation: {s.elevation!r} is neither 'true' nor 'apparent'")
+    _need(0 < s.min_elevation < 90, f"min_elevation: {s.min_elevation} is not between 0 and 90")
+    _need(s.zone > 0, f"zone: {s.zone} must be above 0")
+    _need(s.sun_disk == 0 or s.start is not None, "sun_disk: needs start and end")
+    _need(0 <= s.sun_disk <= 1024, f"sun_disk: {s.sun_disk} is not between 0 and 1024")
+    _need(s.weights is None or s.start is not None, "weights: one per sun of start..end; directions have their own")
+    _need(
+        not (s.sun_disk and "bits" in s.outputs),
+        'outputs: a sun disk gives shares of hours, not bits: leave out "bits"',
+    )
+    _need(not s.sky or tuple(s.outputs) == ("weights",), 'outputs: a sky gives outputs=["weights"], its view factor')
+    has_weights = s.weights is not None or s.directions is not None or s.sky > 0
+    _need("weights" not in s.outputs or has_weights, 'outputs: "weights" needs weights=, directions= or sky=')
+    _need("hours" not in s.outputs or s.start is not None, 'outputs: "hours" needs start= and end=')
+
+
+def _check_work(s: Settings) -> None:
+    unknown = sorted({*s.outputs} - {*OUTPUTS})
+    _need(bool(s.outputs) and not unknown, f"outputs: {unknown or 'nothing'}: must be some of {', '.join(OUTPUTS)}")
+    for name in ("tile", "caster_tile", "block"):
+        _need(1 <= getattr(s, name) <= 1 << 16, f"{name}: {getattr(s, name)} is not between 1 and 65536")
+    if s.lattice is not None:
+        exact = s.lattice > 0 and math.isfinite(s.lattice) and math.frexp(s.lattice)[0] == 0.5
+        _need(exact, f"lattice: the step {s.lattice!r} is not a power of two, such as 2**-10")
+    _need(s.halo_limit is None or s.halo_limit >= 0, f"halo_limit: {s.halo_limit} must not be below 0")
+    _need(s.memory_limit >= 1 << 20, f"memory_limit: {s.memory_limit} is below a mebibyte")
+
+
+def _files(value: Any, folder: Path) -> tuple[str, ...]:
+    """Paths, absolute, with * and ? filled in; the order is the given one, and sorted within a pattern."""
+    given = [value] if isinstance(value, str | Path) else list(value)
+    found: list[str] = []
+    for name in map(str, given):
+        at = name if "://" in name else str((folder / name).absolute())
+        matches = sorted(glob.glob(at)) if re.search(r"[*?]", name) else [at]
+        _need(bool(matches), f"{name}: there is no such file")
+        found += matches
+    return tuple(found)
+
+
+def settings_of(values: dict[str, Any], folder: Path | None = None) -> Settings:
+    """Checked settings of arguments or of a file's keys. Paths are relative to the folder. Raises ValueError, which
+    names the argument."""
+    known = {field.name for field in dataclasses.fields(Settings)}
+    unknown = sorted(set(values) - known)
+    _need(not unknown, f"{', '.join(unknown)}: there is no such setting; there are {', '.join(sorted(known))}")
+    taken = {key: value for key, value in values.items() if value is not None}
+    base = Path.cwd() if folder is None else folder
+    for key in ("raster", "meshes"):
+        if key in taken:
+            taken[key] = _files(taken[key], base)
+    for key in ("points", "directions", "weights"):
+        if key in taken:
+            taken[key] = _files(taken[key], base)[0]
+    for key in ("start", "end", "crs"):
+        if key in taken:
+            taken[key] = taken[key].isoformat() if hasattr(taken[key], "isoformat") else str(taken[key])
+    if "outputs" in taken:
+        given = [taken["outputs"]] if isinstance(taken["outputs"], str) else taken["outputs"]
+        taken["outputs"] = tuple(o for o in OUTPUTS if o in given) + tuple(o for o in given if o not in OUTPUTS)
+    elif taken.get("sky"):
+        taken["outputs"] = ("weights",)
+    elif "directions" in taken:
+        taken["outputs"] = ("bits", "weights")
+    elif taken.get("sun_disk"):
+        taken["outputs"] = ("hours",)
+    if "mesh_offset" in taken:
+        taken["mesh_offset"] = tuple(float(x) for x in taken["mesh_offset"])
+    for key in ("step", "utc_offset", "min_elevation", "zone", "spacing", "pressure", "temperature"):
+        if key in taken:
+            taken[key] = _number(key, taken[key])
+    return Settings(**taken)
+
+
+def _number(key: str, value: Any) -> float:
+    if key == "step" and isinstance(value, str):
+        match = re.fullmatch(r"([0-9.]+) ?(s|min|h)?", value)
+        _need(match is not None, f"step: {value!r} is not a number of minutes, nor like '10min', '1h', '30s'")
+        assert match is not None
+        return float(match[1]) * {"s": 1 / 60, "min": 1, None: 1, "h": 60}[match[2]]
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{key}: {value!r} is not a number") from None
+
+
+def read_toml(path: str | Path) -> tuple[Settings, dict[str, Any]]:
+    """The settings of a file, and its table [run]: folder, workers and the like. Raises ValueError or OSError."""
+    file = Path(path)
+    try:
+        values = tomllib.loads(file.read_text())
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(f"{file}: {error}") from None
+    run = values.pop("run", {})
+    return settings_of(values.pop("study", {}) | values, file.absolute().parent), run

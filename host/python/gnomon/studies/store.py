@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""The folder of a study.
+
+    study.json        the settings and what was planned: lattice, sizes, hashes of what follows
+    suns.npz          the table of suns; survey.npz the caster tiles; points.npy the receivers that are no raster
+    results.zarr      lit, undecided, sun_hours, ...: what the study is for
+    partials.zarr     whole-number sums of each block of suns
+    tasks/T-B.json    a task that is done: hashes of its chunks; tasks/T-sum.json: the sums of a tile
+    record.json       versions, devices, hashes of all chunks
+
+A task is a tile of receivers x a block of suns. It alone writes its chunks; the file of the task follows its chunks.
+Files appear whole: they are written beside their place and renamed.
+"""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import json
+import os
+import uuid
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+
+from .receivers import RasterReceivers, Receivers
+from .settings import Settings
+from .suns import Suns
+
+RESULTS, PARTIALS = "results.zarr", "partials.zarr"
+
+
+def write_whole(path: Path, text: str) -> None:
+    """The file appears whole or not at all."""
+    beside = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
+    try:
+        with beside.open("w") as file:
+            file.write(text)
+        os.replace(beside, path)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise
+
+
+def sha256_of(data: bytes | memoryview) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def sha256_of_array(values: NDArray[Any]) -> str:
+    """Of the values in raster order, little-endian: it does not depend on chunks or on compression."""
+    return sha256_of(np.ascontiguousarray(values, values.dtype.newbyteorder("<")).view(np.uint8).data)
+
+
+class Store:
+    """The arrays and files of a study's folder. Arrays are opened when they are first used."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._arrays: dict[str, Any] = {}
+
+    # ---- Arrays ------------------------------------------------------------------------------------------------------
+
+    def array(self, name: str) -> Any:
+        """`results.zarr/lit` and the like."""
+        if name not in self._arrays:
+            path, array = name.split("/")
+            self._arrays[name] = zarr.open_array(str(self.folder / path / array), mode="r+")
+        return self._arrays[name]
+
+    def write(self, name: str, at: tuple[Any, ...], values: NDArray[Any], chunk: tuple[int, ...]) -> dict[str, Any]:
+        """Writes one chunk; returns its entry for the task's file: hashes of the values and of the file, which is None
+        where a chunk of zeros has none."""
+        array = self.array(name)
+        array[at] = values
+        return {"data": sha256_of_array(values), "file": self.file_hash(name, chunk)}
+
+    def file_hash(self, name: str, chunk: tuple[int, ...]) -> str | None:
+        try:
+            return sha256_of((self.folder / name / "c" / "/".join(map(str, chunk))).read_bytes())
+        except FileNotFoundError:
+            return None
+
+    # ---- Tasks -------------------------------------------------------------------------------------------------------
+
+    def done_path(self, tile: int, block: int | None) -> Path:
+        return self.folder / "tasks" / f"{tile}-{'sum' if block is None else block}.json"
+
+    def mark_done(self, tile: int, block: int | None, facts: Mapping[str, Any]) -> None:
+        write_whole(self.done_path(tile, block), json.dumps(facts))
+
+    def done(self, tile: int, block: int | None, plan: str) -> dict[str, Any] | None:
+        """The facts of a task that is done under this plan; None if it is not."""
+        try:
+            facts = json.loads(self.done_path(tile, block).read_text())
+        except (FileNotFoundError, json.JSONDecodeError):
+            return None
+        return facts if facts.get("plan") == plan else None
+
+    def changed_chunks(self, facts: Mapping[str, Any]) -> list[str]:
+        """The chunks of a done task whose files are not those that it wrote."""
+        changed = []
+        for key, entry in facts["chunks"].items():
+            name, chunk = key.split("/c/")
+            if self.file_hash(name, tuple(map(int, chunk.split("/")))) != entry["file"]:
+                changed.append(key)
+        return changed
+
+
+def _dimensions(receivers: Receivers) -> tuple[str, ...]:
+    return ("y", "x") if isinstance(receivers, RasterReceivers) else ("point",)
+
+
+def create_arrays(
+    folder: Path, settings: Settings, suns: Suns, receivers: Receivers, block_count: int, crs: str | None
+) -> None:
+    """Makes the empty arrays. Ones that are there are replaced."""
+    shape, chunk, dims = receivers.shape, receivers.chunk, _dimensions(receivers)
+    chunk = tuple(min(c, n) for c, n in zip(chunk, shape, strict=True))
+    results = zarr.open_group(str(folder / RESULTS), mode="w")
+    results.attrs["title"] = "Sun visibility by gnomon"
+    partials = zarr.open_group(str(folder / PARTIALS), mode="w")
+
+    def make(
+        group: Any, name: str, leading: tuple[tuple[str, int], ...], dtype: str, fill: float, **attributes: Any
+    ) -> None:
+        array = group.create_array(
+            name,
+            shape=(*(n for _, n in leading), *shape),
+            chunks=(*(1 for _ in leading), *chunk),
+            dtype=dtype,
+            fill_value=fill,
+            dimension_names=[*(d for d, _ in leading), *dims],
+        )
+        array.attrs.update({"grid_mapping": "spatial_ref", **attributes})
+
+    word = ("word", suns.word_count)
+    if "bits" in settings.outputs:
+        for name, text in (("lit", "1: the sun is seen"), ("undecided", "1: nobody knows whether the sun is seen")):
+            make(results, name, (word,), "uint32", 0, long_name=f"packed bits, {text}")
+    block = ("block", block_count)
+    for output, name, long_name, units in (
+        ("hours", "sun_hours", "hours of sun", "hours"),
+        ("weights", "sum_of_weights", "sum of the weights of the suns that are seen", "1"),
+    ):
+        if output in settings.outputs:
+            kind = "float32" if output == "hours" else "float64"
+            text = "to add at most" if output == "hours" else "of the suns that are undecided"
+            make(results, name, (), kind, np.nan, long_name=long_name, gnomon_units=units)
+            make(results, f"undecided_{output}", (), kind, np.nan, long_name=f"{long_name}, {text}", gnomon_units=units)
+            for part in ("lit", "undecided"):
+                make(partials, f"{part}_{output}", (block,), "int64", 0)
+    _write_coordinates(results, settings, suns, receivers, crs)
+
+
+def _write_coordinates(results: Any, settings: Settings, suns: Suns, receivers: Receivers, crs: str | None) -> None:
+    def put(name: str, values: Any, dims: Iterable[str], **attributes: Any) -> None:
+        array = results.create_array(name, data=np.asarray(values), dimension_names=list(dims))
+        array.attrs.update(attributes)
+
+    if isinstance(receivers, RasterReceivers):
+        mosaic = receivers.mosaic
+        put("x", mosaic.x(0, mosaic.columns), ["x"], standard_name="projection_x_coordinate", units="m")
+        put("y", mosaic.y(0, mosaic.rows), ["y"], standard_name="projection_y_coordinate", units="m")
+        wkt = settings.crs or crs
+        transform = f"{mosaic.west!r} {mosaic.dx!r} 0.0 {mosaic.north!r} 0.0 {-mosaic.dy!r}"
+        attributes = {"GeoTransform": transform}
+        if wkt:
+            import pyproj
+
+            known = pyproj.CRS.from_user_input(wkt)
+            attributes |= {"crs_wkt": known.to_wkt(), "spatial_ref": known.to_wkt()}
+        put("spatial_ref", np.int64(0), [], **attributes)
+    else:
+        values = np.asarray(getattr(receivers, "values"))  # noqa: B009  # points have them
+        for axis, name in enumerate("xyz"):
+            put(name, values[:, axis], ["point"])
+    if suns.is_hourly:
+        put("month", np.arange(suns.word_count) // 24 + 1, ["word"])
+        put("hour", np.arange(suns.word_count) % 24, ["word"], note="local time; bit d - 1 of a word is day d")
+    if suns.samples == 1:
+        put("word_of_sun", suns.word, ["sun"])
+        put("bit_of_sun", suns.bit, ["sun"])
+    if suns.times:
+        seconds = [round(datetime.datetime.fromisoformat(t).timestamp()) for t in suns.times]
+        put("time", np.array(seconds, np.int64), ["time"], units="seconds since 1970-01-01", calendar="standard",
+            note="the middle of each step, in UTC")  # fmt: skip

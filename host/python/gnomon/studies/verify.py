@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+"""Recomputes a random share of a study's tasks and compares bits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from .plan import Plan
+from .store import sha256_of_array
+from .tasks import computed
+
+
+class Verified(NamedTuple):
+    """tasks: recomputed. missing: not done yet. damaged: chunks whose files are not those that were written. wrong:
+    chunks that another computation fills otherwise. device: what recomputed them."""
+
+    tasks: int
+    missing: int
+    damaged: list[str]
+    wrong: list[str]
+    device: str
+
+    @property
+    def is_good(self) -> bool:
+        return not (self.missing or self.damaged or self.wrong)
+
+
+def verify(folder: Path, share: float = 0.05, device: str | None = None, seed: int | None = None) -> Verified:
+    """Checks the files of all chunks, then computes a random share of the tasks, at least one, on a device, another
+    one than before for preference. It writes nothing. Raises ValueError."""
+    if not 0 <= share <= 1:
+        raise ValueError(f"share: {share} is not between 0 and 1")
+    plan = Plan.open(folder, device)
+    done, missing, damaged, wrong = [], 0, [], []
+    for tile in range(len(plan.receivers)):
+        for block in [*range(len(plan.blocks)), *([None] if plan.has_sums else [])]:
+            facts = plan.store.done(tile, block, plan.hash)
+            if facts is None:
+                missing += 1
+                continue
+            damaged += plan.store.changed_chunks(facts)
+            if block is not None:
+                done.append((tile, block, facts))
+    count = min(len(done), max(1, round(share * len(done)))) if share else 0
+    for i in np.random.default_rng(seed).choice(len(done), count, replace=False).tolist() if count else []:
+        tile, block, facts = done[i]
+        values, _ = computed(plan, tile, block)
+        for name, (leading, array) in values.items():
+            key = f"{name.split('@')[0]}/c/{'/'.join(map(str, (leading, *plan.receivers.key(tile))))}"
+            if facts["chunks"][key]["data"] != sha256_of_array(array):
+                wrong.append(key)
+    name = repr(plan.decider.device) if count else "none"
+    return Verified(count, missing, damaged, wrong, name)
