@@ -84,6 +84,28 @@ Level halved(const Level& from) {
     return to;
 }
 
+/// The same of texels with even sides, without their level in floats: that would be most of the work.
+Level halved(const ColorTexture& texture, bool weighs_alpha) {
+    static const std::array<float, 256> decoded = linear_of_srgb();
+    Level to{texture.width / 2, texture.height / 2, {}};
+    to.texels.resize(std::size_t(4) * to.width * to.height);
+    const std::size_t row = std::size_t(4) * texture.width;
+    for (std::uint32_t y = 0; y < to.height; ++y) {
+        const std::uint8_t* in = &texture.rgba[2 * row * y];
+        float* out = &to.texels[std::size_t(4) * to.width * y];
+        for (std::uint32_t x = 0; x < to.width; ++x, in += 8, out += 4) {
+            float sum[4] = {};
+            for (const std::uint8_t* texel : {in, in + 4, in + row, in + row + 4}) {
+                const float weight = weighs_alpha ? float(std::max<int>(texel[3], 1)) / 255.0f : 1.0f;
+                for (int k = 0; k < 3; ++k) sum[k] += decoded[texel[k]] * weight;
+                sum[3] += weight;
+            }
+            for (int k = 0; k < 4; ++k) out[k] = 0.25f * sum[k];
+        }
+    }
+    return to;
+}
+
 Level next_level(const Level& from) {
     if (from.width % 2 == 0 && from.height % 2 == 0) return halved(from);
     Level to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
@@ -138,17 +160,18 @@ std::uint64_t level_bytes(std::uint32_t width, std::uint32_t height, std::uint32
 }
 
 void write_levels(const ColorTexture& texture, bool weighs_alpha, std::uint32_t first, std::uint8_t* out) {
-    Level level = first_level(texture, weighs_alpha);
-    for (std::uint32_t i = 0;; ++i) {
-        const bool is_last = level.width == 1 && level.height == 1;
-        if (i == 0 && first == 0) {  // the texels as they are
-            for (std::size_t t = 0; t < texture.rgba.size(); t += 4, out += 4) {
-                std::copy_n(&texture.rgba[t], 3, out);
-                out[3] = weighs_alpha ? std::max<std::uint8_t>(texture.rgba[t + 3], 1) : 255;
-            }
-        } else if (i >= first || is_last) {
-            out = write_level(level, out);
+    const bool is_one_texel = texture.width == 1 && texture.height == 1;
+    if (first == 0 || is_one_texel)  // the texels as they are
+        for (std::size_t i = 0; i < texture.rgba.size(); i += 4, out += 4) {
+            std::copy_n(&texture.rgba[i], 3, out);
+            out[3] = weighs_alpha ? std::max<std::uint8_t>(texture.rgba[i + 3], 1) : 255;
         }
+    if (is_one_texel) return;
+    const bool is_even = texture.width % 2 == 0 && texture.height % 2 == 0;
+    Level level = is_even ? halved(texture, weighs_alpha) : next_level(first_level(texture, weighs_alpha));
+    for (std::uint32_t i = 1;; ++i) {
+        const bool is_last = level.width == 1 && level.height == 1;
+        if (i >= first || is_last) out = write_level(level, out);
         if (is_last) return;
         level = next_level(level);
     }

@@ -149,6 +149,12 @@ TEST(Surfaces, ClearTexelsGiveNoColourWhereAlphaWeighs) {
     const auto weighed = square.seen(far, 3, 3);
     EXPECT_NEAR(weighed.albedo[12], 255.0 / 258, 0.01);  // a clear texel weighs 1 / 255, so that it has a colour
     EXPECT_NEAR(weighed.albedo[13], 3.0 / 258, 0.01);
+    // Between the centres of large texels, 3/8 of the way from red to clear green.
+    square.use.wrap_u = square.use.wrap_v = TextureWrap::clamp;
+    const auto near = square.filling(8);
+    EXPECT_NEAR(near.albedo[3 * 3], 0.625 / (0.625 + 0.375 / 255), 1e-4);
+    square.use.weigh_by_alpha = false;
+    EXPECT_NEAR(square.filling(8).albedo[3 * 3], 0.625, 1e-4);
 }
 
 /// Stripes across a floor, along the view. At ten times the eye's height a pixel is 1.4 texels wide and 14 long: an
