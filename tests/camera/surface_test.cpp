@@ -19,7 +19,7 @@ struct Square {
     Floats triangles, coordinates;
     Materials materials{{0, 0}, {{1, 1, 1}}};
     std::vector<std::uint8_t> rgba;
-    ColorTexture texture;
+    ColorTexture texture;  ///< refers to rgba: a Square with a texture is not copied
     ColorTextureUse use{0};
     Floats colors;
     std::vector<std::uint32_t> normals;
@@ -254,7 +254,8 @@ TEST(Surfaces, TexturesThatDoNotFitLoseTheirFinestLevels) {
 
 TEST(Surfaces, RefuseWhatDoesNotFitTogether) {
     const Device device;
-    const Square square = Square().with_texture(1, 1, {1, 2, 3, 4});
+    Square square;
+    square.with_texture(1, 1, {1, 2, 3, 4});
     const Triangles triangles = Triangles::upload(device, square.triangles);
     const View view = look(device, triangles, Camera::look_at({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 90), 2, 2);
     const SurfaceDetail good{
