@@ -65,6 +65,20 @@ tests() {
     run "$build/tests/frustum_traced_test" --gtest_filter="$exact"
 }
 
+# refuses VARIABLE=VALUE...: with kernels that let Intel's compiler join work-items, the self-check must name its fault.
+refuses() {
+    rm -rf "$place/joined"
+    cp -r kernels "$place/joined"
+    sed -i '/^#define __kernel/d' "$place/joined/prelude.h"
+    echo "-- $driver: ${*##*/}, work-items joined: the self-check must refuse it"
+    local said
+    said=$(env GNOMON_CACHE_DIR="$place/joined" GNOMON_KERNELS_DIR="$place/joined" "$@" "$build/gnomon" devices --check 2>&1) || true
+    if [[ $said != *"mixes up work-items"* ]]; then
+        echo "FAILED: it was not refused: $said"
+        failed=true
+    fi
+}
+
 for driver in "${drivers[@]}"; do
     echo "== $driver"
     rm -rf "$place/cache-$driver" "$place/pocl-cache-$driver"
@@ -79,6 +93,8 @@ for driver in "${drivers[@]}"; do
         intel)
             from_pypi intel-opencl-rt intel-cmplr-lib-rt || { skipped+=("$driver"); continue; }
             icd=$(library "$place/venv-intel" 'libintelocl.so')
+            refuses OCL_ICD_VENDORS="$icd"
+            refuses OCL_ICD_VENDORS="$icd" GNOMON_GPU_KERNELS=1
             tests OCL_ICD_VENDORS="$icd"
             tests OCL_ICD_VENDORS="$icd" GNOMON_GPU_KERNELS=1
             ;;

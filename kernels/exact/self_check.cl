@@ -38,6 +38,9 @@
 #ifndef TRIED_SIGN
 #define TRIED_SIGN(u1, u0, v1, v0, w1, w0) det3_sign_exact(u1, u0, v1, v0, w1, w0)
 #endif
+#ifndef TRIED_DECISION
+#define TRIED_DECISION(u1, u0, v1, v0, w1, w0, level) det3_sign(u1, u0, v1, v0, w1, w0, level)
+#endif
 #ifndef TRIED_DOUBLE_PRODUCT_PLUS
 #define TRIED_DOUBLE_PRODUCT_PLUS(a, b, c) ((a) * (b) + (c))
 #endif
@@ -139,6 +142,43 @@ static void check_exact(uint* faults, __global const float* kept, uint zero) {
                sign_of_minor(large, -tiny, tiny, -tiny, origin) == -1);
 }
 
+// A whole number of `bits` bits, less half its range (Numerical Recipes' quick generator).
+static long next_whole(uint* state, uint bits) {
+    *state = *state * 1664525u + 1013904223u;
+    return (long)(*state >> (32u - bits)) - (1l << (bits - 1u));
+}
+
+static float3 float_point(const long* origin, const long* offset) {
+    return (float3)((float)(origin[0] + offset[0]), (float)(origin[1] + offset[1]), (float)(origin[2] + offset[2]));
+}
+
+// Each work-item decides eight signs, some by floats, some by doubles, some exactly, so that neighbouring work-items
+// take different ways. A compiler that joins work-items to vectors can mix them up: Intel's did (docs/drivers.md). The
+// rows are u, v and a u + b v + (c, 0, 0), so the determinant is c (u_y v_z - u_z v_y). All coordinates are whole
+// numbers below 2^24, which floats hold, and the determinant is computed in integers.
+static void check_mixed_items(uint* faults, uint zero) {
+    const long nothing[3] = {0l, 0l, 0l};
+    uint state = (uint)get_global_id(0) ^ zero;
+    for (int round = 0; round < 8; ++round) {
+        uint bits = 4u + ((uint)round * 5u + (uint)get_global_id(0)) % 17u;
+        long u[3], v[3], w[3], origin[3];
+        for (int i = 0; i < 3; ++i) {
+            u[i] = next_whole(&state, bits);
+            v[i] = next_whole(&state, bits);
+            origin[i] = next_whole(&state, 22u);
+        }
+        long a = next_whole(&state, 3u), b = next_whole(&state, 3u), c = next_whole(&state, 2u);
+        for (int i = 0; i < 3; ++i) w[i] = a * u[i] + b * v[i];
+        w[0] += c;
+        long determinant = c * (u[1] * v[2] - u[2] * v[1]);
+        float3 start = float_point(origin, nothing);
+        int level = DET3_BY_FLOAT;
+        int sign = TRIED_DECISION(float_point(origin, u), start, float_point(origin, v), start, float_point(origin, w),
+                                  start, &level);
+        demand(faults, FAULT_ITEMS_MIXED, sign == (determinant > 0l) - (determinant < 0l));
+    }
+}
+
 #ifdef GN_FP64
 static void check_doubles(uint* faults, __global const float* kept, uint zero) {
     ulong none = zero;
@@ -170,6 +210,7 @@ __kernel void self_check(__global SelfCheckResult* result, __global float* kept)
     uint zero = result->zero;
     uint faults = 0u;
     check_keys(&faults, result, zero);
+    check_mixed_items(&faults, zero);
     if (get_global_id(0) == 0) {
         check_floats(&faults, zero);
         check_copies(&faults, kept, zero);

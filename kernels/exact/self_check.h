@@ -13,16 +13,17 @@
 #define FAULT_INTEGERS 5         // 64-bit products, shifts, carries
 #define FAULT_KEYS 6             // keys of floats do not keep their order, or atomic_min and atomic_max do not
 #define FAULT_EXACT 7            // the exact predicate gives a wrong sign
-#define FAULT_REFUSED 0xFFu      // all of the above
+#define FAULT_ITEMS_MIXED 8      // the same, where neighbouring work-items take different ways through it
+#define FAULT_REFUSED 0x1FFu     // all of the above
 
 // These switch double precision off.
-#define FAULT_DOUBLE_FUSED 8
-#define FAULT_DOUBLE_REORDERED 9
-#define FAULT_DOUBLE_ROUNDING 10    // + * / sqrt, and the way back to float
-#define FAULT_DENORMAL_WIDENED 11   // a denormal float becomes zero when it is made a double
-#define FAULT_DENORMAL_NARROWED 12  // a double becomes another denormal float than the nearest
+#define FAULT_DOUBLE_FUSED 9
+#define FAULT_DOUBLE_REORDERED 10
+#define FAULT_DOUBLE_ROUNDING 11    // + * / sqrt, and the way back to float
+#define FAULT_DENORMAL_WIDENED 12   // a denormal float becomes zero when it is made a double
+#define FAULT_DENORMAL_NARROWED 13  // a double becomes another denormal float than the nearest
 
-#define SELF_CHECK_FAULTS 13
+#define SELF_CHECK_FAULTS 14
 
 // The kernel's result: the faults, and the least and the greatest key over all work-items.
 GN_STRUCT_BEGIN(SelfCheckResult)

@@ -56,7 +56,9 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"short_products", "-DTRIED_MUL_HI(a,b)=(mul_hi(a,b)&0xFFul)", "64-bit integers"},
         Fault{"signed_minimum", "-DTRIED_MIN(p,x)=atomic_min(p,(x)^0x80000000u)", "atomic_min"},
         Fault{"lost_sign", "-DTRIED_SIGN(a,b,c,d,e,f)=abs(det3_sign_exact(a,b,c,d,e,f))", "exact predicate"},
-        Fault{"lost_carry", "-DTRIED_SIGN(a,b,c,d,e,f)=(det3_sign_exact(a,b,c,d,e,f)|1)", "exact predicate"}),
+        Fault{"lost_carry", "-DTRIED_SIGN(a,b,c,d,e,f)=(det3_sign_exact(a,b,c,d,e,f)|1)", "exact predicate"},
+        Fault{"one_item_of_many", "-DTRIED_DECISION(a,b,c,d,e,f,l)=(get_local_id(0)==1?1:det3_sign(a,b,c,d,e,f,l))",
+              "mixes up work-items"}),
     name_of);
 
 TEST_P(Refused, WithASentenceThatNamesTheFault) {
