@@ -1,13 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Shadows of a DSM by gnomon.study() beside those of SOLWEIG's package, on the same cells at the same suns.
+"""Shadows of a DSM by gnomon.study() beside those of other packages, on the same cells at the same suns.
 
-    pip install '.[pocl,study]' solweig
-    python tools/compare_studies.py [--cells 500] [--suns 40]
+    pip install '.[pocl,study]' solweig horayzon-extpar numpy cython 'setuptools<80'
+    pip install --no-build-isolation topocalc
+    python tools/compare_studies.py [--cells 500] [--suns 40] [--only gnomon,horayzon,topocalc,solweig]
 
-A made town in cells of 1 m with a tower, suns from 3 degrees up. Printed: seconds of each, cells that differ, and what
-rational arithmetic (tests/python/oracle.py) says of some of these on the surface that gnomon states, triangles between
-the cells' centres. SOLWEIG shifts the raster by whole cells along the sun's path, so its surface is one of steps.
+Two DSMs: a made town in cells of 1 m with a tower, and a real one, the Jacksboro fault in Tennessee (USGS, public
+domain), which matplotlib ships: its heights, in whole metres, on square cells of 80 m. Suns from 3 degrees up. Printed:
+seconds and processor seconds of each, cells that differ from gnomon's, and what rational arithmetic
+(tests/python/oracle.py) says of some of these and of cells drawn at random, on the surface that gnomon states,
+triangles between the cells' centres. A package that is not installed is left out.
+
+HORAYZON (horayzon-extpar) gets these very triangles, on a sphere so large that it is a plane; it finds the horizon by
+rays of Embree. topocalc's horizon turns the raster by whole columns to the sun's azimuth and compares heights along
+rows. SOLWEIG shifts the raster by whole cells along the sun's path, so its surface is one of steps.
 """
 
 from __future__ import annotations
@@ -16,19 +23,32 @@ import argparse
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import gnomon
 import numpy as np
-import solweig.rustalgos
 
 sys.path[:0] = [str(Path(__file__).parents[1] / "tests/python"), str(Path(__file__).parents[1] / "tests/python/study")]
+from gnomon.studies.rasters import faces_of_grid  # noqa: E402
 from made import bits, exactly_lit, snapped, triangles_of, write_raster, write_suns  # noqa: E402
 
 WEST, NORTH = 512_000.0, 5_002_400.0
+DRAWN = 30
+ACCURACY = 0.05  # degrees, of HORAYZON
 
 
-def town(n: int) -> np.ndarray:
+class Dsm(NamedTuple):
+    name: str
+    heights: np.ndarray
+    cell: float
+
+
+Suns = list[tuple[float, float]]
+
+
+def town(n: int) -> Dsm:
     rng = np.random.default_rng(7)
     r, c = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
     heights = np.round((15 + 12 * np.sin(r / 90) * np.cos(c / 70)) * 64) / 64
@@ -36,58 +56,119 @@ def town(n: int) -> np.ndarray:
         i, j = rng.integers(0, n - 20, 2)
         heights[i : i + rng.integers(6, 18), j : j + rng.integers(6, 18)] += rng.integers(5, 25)
     heights[n // 2 : n // 2 + 8, n // 2 : n // 2 + 8] = 200
-    return heights
+    return Dsm("a made town", heights, 1.0)
 
 
-def of_solweig(heights: np.ndarray, suns: list[tuple[float, float]]) -> np.ndarray:
-    dsm, top = heights.astype(np.float32), float(heights.max())
+def jacksboro() -> Dsm:
+    from matplotlib import cbook
+
+    return Dsm("the Jacksboro fault", cbook.get_sample_data("jacksboro_fault_dem.npz")["elevation"].astype(float), 80.0)
+
+
+# ---- Contestants: answers (M, R, C) ----------------------------------------------------------------------------------
+
+
+def of_gnomon(dsm: Dsm, suns: Suns) -> np.ndarray:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        raster = write_raster(folder / "dsm.tif", dsm.heights, cell=dsm.cell, west=WEST, north=NORTH)
+        table = write_suns(folder / "suns.csv", suns)
+        return bits(gnomon.study(folder / "study", raster=raster, directions=table, outputs=["bits"]))
+
+
+def of_solweig(dsm: Dsm, suns: Suns) -> np.ndarray:
+    import solweig.rustalgos
+
+    solweig.rustalgos.shadowing.disable_gpu()
+    heights, top = dsm.heights.astype(np.float32), float(dsm.heights.max())
     find = solweig.rustalgos.shadowing.calculate_shadows_wall_ht_25
-    return np.stack([np.asarray(find(a, e, 1.0, top, dsm).bldg_sh) > 0.5 for a, e in suns])
+    return np.stack([np.asarray(find(a, e, dsm.cell, top, heights).bldg_sh) > 0.5 for a, e in suns])
+
+
+def of_topocalc(dsm: Dsm, suns: Suns) -> np.ndarray:
+    from topocalc.horizon import horizon
+
+    # The cosine of the angle from the zenith to the horizon; azimuths from the south, the east is 90.
+    return np.stack([np.sin(np.radians(e)) > horizon(180 - a, dsm.heights, dsm.cell) for a, e in suns])
+
+
+def of_horayzon(dsm: Dsm, suns: Suns) -> np.ndarray:
+    from horayzon_extpar.horizon import Terrain
+
+    rows, columns = dsm.heights.shape
+    x, y = np.meshgrid(np.arange(columns) * dsm.cell, -np.arange(rows) * dsm.cell)
+    vertices = np.stack([x, y, dsm.heights], axis=-1).reshape(-1, 3).astype(np.float32)
+    radius = 1e10
+    terrain = Terrain()
+    terrain.initialise(vertices, faces_of_grid(rows, columns).astype(np.uint32),
+                       np.array([0, 0, -radius], np.float32), np.array([0, radius, -radius], np.float32))  # fmt: skip
+    every = np.array([0, len(vertices)], np.uint32)
+    far = max(float(np.hypot(*dsm.heights.shape)) * dsm.cell, 1000.0)
+    around = 2 * len(suns)  # evenly spaced azimuths from the north on, of which the suns take those in the south
+    found = np.asarray(terrain.horizon_vertex(around, suns[0][0] % (360 / around), every, far, 1.0, ACCURACY, -80.0))
+    return np.stack([e > found[:, round(a * around // 360)].reshape(rows, columns) for a, e in suns])
+
+
+CONTESTANTS: dict[str, Callable[[Dsm, Suns], np.ndarray]] = {
+    "gnomon": of_gnomon, "horayzon": of_horayzon, "topocalc": of_topocalc, "solweig": of_solweig,
+}  # fmt: skip
+
+
+# ---- The comparison --------------------------------------------------------------------------------------------------
+
+
+def timed(find: Callable[[Dsm, Suns], np.ndarray], dsm: Dsm, suns: Suns) -> tuple[np.ndarray, float, float]:
+    find(Dsm(dsm.name, dsm.heights[:64, :64], dsm.cell), suns)  # compiling and loading
+    start, busy = time.perf_counter(), time.process_time()
+    answers = find(dsm, suns)
+    return answers, time.perf_counter() - start, time.process_time() - busy
+
+
+def compare(dsm: Dsm, suns: Suns, names: list[str]) -> None:
+    print(f"== {dsm.name}: {dsm.heights.size:,} cells of {dsm.cell:g} m x {len(suns)} suns")
+    answers = {}
+    for name in names:
+        try:
+            answers[name], took, busy = timed(CONTESTANTS[name], dsm, suns)
+        except ImportError as error:
+            print(f"{name}: left out ({error})")
+            continue
+        print(f"{name}: {took:.2f} s, {busy:.2f} processor seconds, {answers[name].mean():.2%} lit")
+    ours = answers.pop("gnomon")
+    triangles, vertices = triangles_of(dsm.heights, dsm.cell, WEST, NORTH)
+    triangles, vertices = snapped(triangles), snapped(vertices)
+    a, e = np.radians(np.array(suns)).T
+    towards = np.stack([np.sin(a) * np.cos(e), np.cos(a) * np.cos(e), np.sin(e)], axis=1).astype(np.float32)
+    rng = np.random.default_rng(2)
+
+    def right(found: np.ndarray) -> tuple[int, np.ndarray]:
+        chosen = found[rng.choice(len(found), min(DRAWN, len(found)), replace=False)] if len(found) else found
+        return sum(exactly_lit(triangles, vertices[r, c], towards[s]) == ours[s, r, c] for s, r, c in chosen), chosen
+
+    good, chosen = right(np.argwhere(np.ones_like(ours)))
+    print(f"of {len(chosen)} answers drawn at random rational arithmetic gives gnomon {good}")
+    for name, theirs in answers.items():
+        differ = ours != theirs
+        only = (differ & theirs).sum(), (differ & ours).sum()
+        print(f"{name}: {differ.mean():.4%} differ: {only[0]:,} lit by it alone, {only[1]:,} by gnomon alone")
+        good, chosen = right(np.argwhere(differ))
+        print(f"  of {len(chosen)} of these drawn at random rational arithmetic gives gnomon {good}")
+        if len(chosen):
+            s, r, c = chosen[0]
+            at = f"cell {r}, {c} at {dsm.heights[r, c]:.2f} m, azimuth {suns[s][0]:.2f}, elevation {suns[s][1]:.3f}"
+            print(f"  for example {at}: gnomon {ours[s, r, c]}, {name} {theirs[s, r, c]}")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--cells", type=int, default=500, help="on a side")
+    parser.add_argument("--cells", type=int, default=500, help="of the town, on a side")
     parser.add_argument("--suns", type=int, default=40)
+    parser.add_argument("--only", default=",".join(CONTESTANTS), help="contestants, gnomon among them")
     options = parser.parse_args()
-    heights = town(options.cells)
-    suns = [(95 + 170 * i / options.suns, 3 + 50 * np.sin(np.pi * i / options.suns)) for i in range(options.suns)]
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        raster = write_raster(folder / "dsm.tif", heights, cell=1.0, west=WEST, north=NORTH)
-        table = write_suns(folder / "suns.csv", suns)
-        gnomon.study(folder / "warm", raster=raster, directions=table, outputs=["bits"], tile=64, tiles=slice(1))
-        start = time.perf_counter()
-        study = gnomon.study(folder / "study", raster=raster, directions=table, outputs=["bits"])
-        ours_took = time.perf_counter() - start
-        ours, towards = bits(study), study.plan.suns.towards[0]
-    solweig.rustalgos.shadowing.disable_gpu()
-    of_solweig(heights[:50, :50], suns[:1])
-    start = time.perf_counter()
-    theirs = of_solweig(heights, suns)
-    took = time.perf_counter() - start
-    differ = ours != theirs
-    pairs = heights.size * len(suns)
-    print(f"{heights.size:,} cells x {len(suns)} suns; {ours.mean():.1%} lit")
-    for name, seconds in (("gnomon.study", ours_took), ("solweig", took)):
-        print(f"{name}: {seconds:.2f} s, {pairs / seconds / 1e6:.2f} million answers per second")
-    only = (differ & theirs).sum(), (differ & ours).sum()
-    print(f"{differ.mean():.2%} of the answers differ: {only[0]:,} lit by solweig alone, {only[1]:,} by gnomon alone")
-    low = np.array([e < 10 for _, e in suns])
-    print(f"below 10 degrees {differ[low].mean():.2%}, above {differ[~low].mean():.2%}")
-    triangles, vertices = triangles_of(heights, 1.0, WEST, NORTH)
-    triangles, vertices = snapped(triangles), snapped(vertices)
-    rng = np.random.default_rng(2)
-    found = np.argwhere(differ)
-    wrong = 0
-    chosen = found[rng.choice(len(found), min(30, len(found)), replace=False)] if len(found) else found
-    for s, r, c in chosen:
-        wrong += exactly_lit(triangles, vertices[r, c], towards[s]) != ours[s, r, c]
-    print(f"of {len(chosen)} differing answers rational arithmetic gives gnomon {len(chosen) - wrong}, solweig {wrong}")
-    if len(chosen):
-        s, r, c = chosen[0]
-        said = f"gnomon {ours[s, r, c]}, solweig {theirs[s, r, c]}"
-        print(f"for example: cell {r}, {c} at {heights[r, c]:.2f} m, sun {suns[s]}: {said}")
+    n = max(options.suns // 2, 1) * 2  # on evenly spaced azimuths from the east to the west
+    suns = [(90 + 180 * (i + 0.5) / n, 3 + 50 * np.sin(np.pi * (i + 0.5) / n)) for i in range(n)]
+    for dsm in (town(options.cells), jacksboro()):
+        compare(dsm, suns, options.only.split(","))
 
 
 if __name__ == "__main__":

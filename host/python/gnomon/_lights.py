@@ -37,9 +37,7 @@ class LightsResult(NamedTuple):
         return np.unpackbits(as_bytes, axis=-1, bitorder="little").astype(bool)
 
 
-def lights_of(
-    native: _gnomon.WorldLattice | None, directions: Any, positions: Any, weights: Any
-) -> _gnomon.Lights:
+def lights_of(native: _gnomon.WorldLattice | None, directions: Any, positions: Any, weights: Any) -> _gnomon.Lights:
     if (directions is None) == (positions is None):
         raise ValueError("give either directions= (that the lights travel along) or positions= (of point lights)")
     name = "directions" if positions is None else "positions"

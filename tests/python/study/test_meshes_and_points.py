@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Meshes by tile, receivers that are points or lie on faces, weights, the sun's disk and the sky."""
 
+import json
 import math
+from pathlib import Path
 
 import gnomon
 import numpy as np
 import oracle
 import pytest
 import trimesh
+from gnomon.studies.command import main
 from gnomon.studies.receivers import points_on_faces
 from made import bits, city, run, snapped, triangles_of, write_raster, write_suns
 from meshes import box
@@ -108,6 +111,31 @@ def test_a_file_that_cannot_be_read_later(files, faces, monkeypatch):
     assert (~bits(whole)[0] & shadow).sum() == shadow.sum() and (undecided[0] >= shadow).all()
     assert not undecided[1].any() and study.record["unread_casters"] == [meshes[4]]
     assert (bits(study)[0] == (bits(whole)[0] & ~undecided[0])).all()
+
+
+def test_a_file_that_the_survey_cannot_read(files, faces, capsys):
+    """It may stand anywhere: no answer is lit, shadows of the others stay, --strict fails. Once it is mended the same
+    study ends with the bytes of one that always had it."""
+    folder, meshes, suns = files
+    points = folder / "anywhere.npy"
+    np.save(points, np.load(faces.folder / "points.npy"))
+    tower = folder / "tower.obj"
+    intact = Path(meshes[4]).read_bytes()
+    tower.write_bytes(intact[: len(intact) // 2] + b"\nf 1 2 900")
+    settings = dict(meshes=[*meshes[:4], str(tower)], mesh_offset=list(OFFSET), receivers="points", points=str(points),
+                    directions=suns, outputs=["bits"])  # fmt: skip
+    with pytest.warns(UserWarning, match="tower.obj: cannot be read: .*undecided until it can be read"):
+        study = run(folder / "anywhere", **settings)
+    assert study.record["unread_casters"] == [str(tower)] and study.plan.exponent == faces.plan.exponent
+    without = bits(run(folder / "without", **(settings | dict(meshes=meshes[:4]))))
+    assert not bits(study).any() and (bits(study, "undecided") == without).all() and 0.1 < without.mean() < 0.9
+    (folder / "anywhere.toml").write_text("\n".join(f"{k} = {json.dumps(v)}" for k, v in settings.items()))
+    with pytest.warns(UserWarning, match="tower.obj: cannot be read"):
+        assert main(["run", str(folder / "anywhere.toml"), "--strict", "--quiet"]) == 1
+    assert "could not read" in capsys.readouterr().err
+    tower.write_bytes(intact)
+    again = run(folder / "anywhere", **settings)
+    assert (bits(again) == bits(faces)).all() and not again.record["undecided"] and not again.record["unread_casters"]
 
 
 def test_houses_that_stand_on_a_raster(tmp_path):

@@ -10,6 +10,7 @@ import numpy as np
 import oracle
 import pyproj
 import pytest
+from gnomon.studies import planes
 from gnomon.studies.decide import steps_of
 from gnomon.studies.facing import GridFacing
 from gnomon.studies.rasters import faces_of_grid, open_mosaic
@@ -25,10 +26,11 @@ UP = (0, 0, 1)
 def facing(x, y, heights, suns):
     """GridFacing of all vertices of a raster, (R, C, M)."""
     z = np.pad(heights, 1, constant_values=np.nan)
-    x, y = (np.concatenate([[v[0] - 1], v, [v[-1] + 1]]) for v in (x, y))
+    x, y = (np.concatenate([[2 * v[0] - v[1]], v, [2 * v[-1] - v[-2]]]) for v in (x, y))
     inside = np.isfinite(heights)
     result = np.ones((*heights.shape, len(suns)), bool)
-    result[inside] = GridFacing(x, y, z, inside).faces(np.array(suns, np.float32))
+    faces = GridFacing(x, y, z, inside).faces(np.array(suns, np.float32))
+    result[inside] = planes.unpacked(faces, len(suns))
     return result
 
 
@@ -52,6 +54,51 @@ def test_facing_equals_the_oracle(heights, suns, is_even):
         for s, sun in enumerate(suns):
             expected = oracle.above_height_field(around, at[r, c], np.float32(sun))[0] if len(around) else True
             assert got[r, c, s] == expected, (r, c, sun)
+
+
+@pytest.mark.parametrize("spread", [0.01, 0.2])
+def test_suns_close_together_face_as_the_oracle_says(spread):
+    """32 suns at once: above, below, and some of them above, at vertices with all six triangles."""
+    rng = np.random.default_rng(6)
+    heights = rng.integers(0, 4, (7, 7)).astype(float)
+    middles = np.repeat([[1, 0.3, 0.9], [-0.2, -1, 1.4]], 32, axis=0)
+    suns = (middles + spread * rng.uniform(-1, 1, (64, 3))).astype(np.float32)
+    x, y = np.arange(7.0), np.arange(7.0)[::-1]
+    at = np.stack([*np.meshgrid(x, y), heights], axis=-1)
+    triangles = at.reshape(-1, 3)[faces_of_grid(7, 7)]
+    got = facing(x, y, heights, suns)
+    whole = []
+    for r, c in np.ndindex(5, 5):
+        vertex = at[r + 1, c + 1]
+        around = triangles[(np.abs(triangles - vertex).max(axis=2) == 0).any(axis=1)]
+        expected = [bool(oracle.above_height_field(around, vertex, sun)[0]) for sun in suns]
+        assert got[r + 1, c + 1].tolist() == expected, (r, c)
+        whole += [sum(expected[:32]), sum(expected[32:])]
+    assert 0 in whole and 32 in whole and (spread < 0.1 or {*whole} - {0, 32})
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 119), st.integers(1, 40)), min_size=1, max_size=4), st.integers(0, 2**32 - 1))
+def test_planes_hold_the_answers(runs, seed):
+    """Moved, added and unpacked as arrays of bool are; a table's bits beyond its last sun are 0."""
+    rng = np.random.default_rng(seed)
+    to = np.unique(np.concatenate([np.arange(first, first + count) for first, count in runs]))
+    answers = rng.random((9, len(to))) < 0.5
+    packed = planes.packed(answers)
+    spread = np.zeros((9, 160), bool)
+    spread[:, to] = answers
+    assert (planes.unpacked(packed, len(to)) == answers).all()
+    assert (planes.unpacked(planes.moved(packed, to, 5), 160) == spread).all()
+    assert (planes.transposed(np.ascontiguousarray(packed.T)) == packed).all()
+    assert (planes.unpacked(planes.ones(len(to), 9), 32 * len(packed)).sum(axis=1) == len(to)).all()
+    for weights in (rng.integers(-(2**54), 2**54, len(to)), np.full(len(to), 3600)):
+        expected = [sum(w for w, a in zip(weights.tolist(), row, strict=True) if a) for row in answers]
+        assert planes.weighed(packed, weights).tolist() == expected
+    sun = int(rng.integers(len(to)))
+    assert (planes.of_sun(packed, sun) == answers[:, sun]).all()
+    planes.clear(packed, sun, answers[:, 0])
+    answers[answers[:, 0].copy(), sun] = False
+    assert (planes.unpacked(packed, len(to)) == answers).all()
 
 
 def test_signs_that_float64_cannot_tell():

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from . import cityjson
 from .rasters import Mosaic, UnreadableError, faces_of_grid
 from .settings import Settings
 
@@ -29,12 +30,16 @@ def cells_of_tile(settings: Settings, mosaic: Mosaic, wanted: int) -> int:
     return max(1, min(wanted, int(largest_tile(settings, cell) / cell)))
 
 
+#: The box of a mesh that could not be read: it may stand anywhere.
+ANYWHERE = [-1e30, -1e30, 1e30, 1e30]
+
+
 class Survey(NamedTuple):
     """What is known of the caster tiles before any is used. Raster tiles come first, by rows from the north; the files
     of meshes follow.
 
     boxes: (K, 4) x0, y0, x1, y1. tops, bottoms: (K,) of their heights; where a tile has no triangles -inf, inf; where
-        it could not be read inf, -inf. triangles: (K,) int64, at most.
+        it could not be read inf, -inf, and the box of such a mesh is ANYWHERE. triangles: (K,) int64, at most.
     """
 
     boxes: NDArray[np.float64]
@@ -48,8 +53,8 @@ class Survey(NamedTuple):
 
     @property
     def extent(self) -> NDArray[np.float64]:
-        """(4,) of tiles with triangles, or unread."""
-        some = self.boxes[self.tops > -np.inf]
+        """(4,) of tiles with triangles, or unread ones of a raster."""
+        some = self.boxes[(self.tops > -np.inf) & (self.boxes[:, 2] < ANYWHERE[2])]
         if not len(some):
             return np.array([0.0, 0.0, 0.0, 0.0])
         return np.concatenate([some[:, :2].min(axis=0), some[:, 2:].max(axis=0)])
@@ -98,29 +103,26 @@ class Casters:
         columns = np.arange(max(column - 1, 0) // size, min((last_column - 1) // size, self.columns - 1) + 1)
         return (rows[:, None] * self.columns + columns).reshape(-1)
 
-    def surveyed(self, tile: int) -> tuple[list[float], float, float, int]:
-        """Box, top, bottom and number of triangles of a tile; unread tiles have an infinite top."""
-        is_raster = tile < self.rows * self.columns
+    def surveyed(self, tile: int) -> tuple[list[float], float, float, int, str]:
+        """Box, top, bottom and number of triangles of a tile. Unread tiles have an infinite top, and the reason."""
+        box = ANYWHERE
         try:
-            if not is_raster:
+            if tile >= self.rows * self.columns:
                 corners = mesh_triangles(self.settings, self.name(tile)).reshape(-1, 3)
                 if not len(corners):
-                    return [0.0, 0.0, 0.0, 0.0], -np.inf, np.inf, 0
+                    return [0.0, 0.0, 0.0, 0.0], -np.inf, np.inf, 0, ""
                 low, high = corners.min(axis=0), corners.max(axis=0)
-                return [*low[:2].tolist(), *high[:2].tolist()], float(high[2]), float(low[2]), len(corners) // 3
+                return [*low[:2].tolist(), *high[:2].tolist()], float(high[2]), float(low[2]), len(corners) // 3, ""
             assert self.mosaic is not None
             r0, r1, c0, c1 = self.window(tile)
             x, y = self.mosaic.x(c0, c1), self.mosaic.y(r0, r1)
             box = [float(x[0]), float(y[-1]), float(x[-1]), float(y[0])]
             heights = self.mosaic.heights(r0, r1, c0, c1)
-            is_there = ~np.isnan(heights)
-            if not is_there.any():
-                return box, -np.inf, np.inf, 0
-            return box, float(np.nanmax(heights)), float(np.nanmin(heights)), 2 * (r1 - r0 - 1) * (c1 - c0 - 1)
-        except UnreadableError:
-            if is_raster:
-                return box, np.inf, -np.inf, 0
-            raise
+            if np.isnan(heights).all():
+                return box, -np.inf, np.inf, 0, ""
+            return box, float(np.nanmax(heights)), float(np.nanmin(heights)), 2 * (r1 - r0 - 1) * (c1 - c0 - 1), ""
+        except UnreadableError as error:
+            return box, np.inf, -np.inf, 0, str(error)
 
     def triangles(self, tile: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """World vertices (V, 3) and faces (F, 3) of a tile. Raises UnreadableError."""
@@ -142,16 +144,20 @@ class Casters:
 
 @functools.lru_cache(maxsize=4)
 def _loaded(name: str) -> NDArray[np.float64]:
-    import trimesh
-
     try:
-        mesh: Any = trimesh.load(name, force="mesh", process=False)
-        triangles = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)]
+        triangles = cityjson.load(name) if cityjson.is_cityjson(name) else _loaded_by_trimesh(name)
     except Exception as error:  # a loader may raise anything at a broken file
         raise UnreadableError(f"{name}: cannot be read: {error}") from error
     if not np.isfinite(triangles).all():
         raise UnreadableError(f"{name}: a coordinate is not finite")
     return triangles
+
+
+def _loaded_by_trimesh(name: str) -> NDArray[np.float64]:
+    import trimesh
+
+    mesh: Any = trimesh.load(name, force="mesh", process=False)
+    return np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces, np.int64)]
 
 
 def mesh_triangles(settings: Settings, name: str) -> NDArray[np.float64]:

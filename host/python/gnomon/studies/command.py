@@ -79,7 +79,8 @@ def _run(options: argparse.Namespace) -> int:
     if not options.quiet:
         print(json.dumps({k: v for k, v in record.items() if k not in ("chunks", "settings", "versions")}, indent=1))
     if record["unread_casters"]:
-        print(f"gnomon-study: could not read {', '.join(record['unread_casters'])}", file=sys.stderr)
+        names = ", ".join(record["unread_casters"])
+        print(f"gnomon-study: could not read {names}: run again when it is mended", file=sys.stderr)
     if record["undecided"]:
         print(f"gnomon-study: {record['undecided']:,} answers are undecided", file=sys.stderr)
         return 1 if options.strict else 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
+import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -16,33 +16,36 @@ from .._arrays import scaled
 from .._devices import Device, default_device, open_device
 from .._lattice import Lattice
 from .._scene import Scene
+from . import planes
 from .casters import LARGEST_SPAN, Casters, Survey
 from .facing import GridFacing
 from .halo import Curvature, Pyramid, leaves_below, per_square_of, rises_above
+from .planes import Planes
 from .rasters import UnreadableError
 from .receivers import Part
 from .settings import Settings
 
-#: Receivers that are unpacked at once stay in the cache.
-ROWS_AT_ONCE = 4096
 #: Bytes that a caster's triangle takes at most: its corners on both sides, its share of the tree, and the loading.
 BYTES_PER_TRIANGLE = 400
 
 
 class Answer(NamedTuple):
-    """lit, undecided: (n, M) bool; never both. unread: caster tiles that could not be read and might have mattered."""
+    """lit, undecided: planes of the receivers' answers; never both. undecided is None where nothing is. unread: caster
+    tiles that could not be read and might have mattered."""
 
-    lit: NDArray[np.bool_]
-    undecided: NDArray[np.bool_]
+    lit: Planes
+    undecided: Planes | None
     unread: list[int]
 
 
-class _Batch(NamedTuple):
-    """Caster tiles that are one scene: triangles (F, 3) of vertices (V, 3), after curvature, before snapping."""
+class _Casters(NamedTuple):
+    """Caster tiles that are one scene. here: (n, 3) the receivers' coordinates in its lattice, before any lift."""
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
-    suns: NDArray[np.bool_]  # (M,) for which suns one of the tiles matters
+    part: Part
+    tiles: NDArray[np.int64]
+    lattice: _gnomon.WorldLattice
+    scene: Scene | None  # None: no tile has a triangle
+    here: NDArray[np.float32]
 
 
 def steps_of(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
@@ -50,6 +53,12 @@ def steps_of(values: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
     scaled = np.ldexp(values, -exponent)
     down: NDArray[np.float64] = np.floor(scaled)
     return down + (scaled - down >= 0.5)
+
+
+def distances(boxes: NDArray[np.float64], box: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Horizontal distances of boxes (n, 4), least and greatest x, y, from another one."""
+    away = np.maximum(np.maximum(boxes[:, :2] - box[2:], box[:2] - boxes[:, 2:]), 0)
+    return np.asarray(np.hypot(away[:, 0], away[:, 1]))
 
 
 @functools.lru_cache(maxsize=4)
@@ -71,6 +80,11 @@ class Decider:
         self.pad = 8 * self.step
         self.device_name = device
         self.pyramid = Pyramid(survey.boxes, survey.tops)
+        # Threads share a decider, so that one prepares a task while the device works for another one.
+        self._facing: tuple[Part, GridFacing] | None = None  # of the last part
+        self._facing_lock = threading.Lock()
+        self._kept: _Casters | None = None  # of the last part
+        self._scene_lock = threading.Lock()  # who has it uses or replaces the only scene
 
     @property
     def device(self) -> Device:
@@ -95,19 +109,34 @@ class Decider:
         absent = self._beyond(tiles, box)
         unread: list[int] = tiles[self.survey.unread[tiles]].tolist()
         along = self._along(part, at, tiles[~absent], bend)
-        for i, batch in enumerate(self._batches(tiles, hit, absent, box, bend, unread)):
-            self._shadow(batch, along, at, towards, lit, is_first=i == 0)
+        groups = self._groups(tiles, absent, box)
+        for i, group in enumerate(groups):
+            suns, rows = np.flatnonzero(hit[group].any(axis=0)), None
+            if i > 0:  # later ones only where something is left
+                is_open = planes.unpacked(np.bitwise_or.reduce(lit, axis=1)[:, None], len(towards))[0]
+                suns, rows = suns[is_open[suns]], np.flatnonzero(np.bitwise_or.reduce(lit, axis=0))
+            with self._scene_lock:
+                casters = self._scene_of(part, at, tiles[group], bend, unread)
+                self._shadow(casters, along, at, towards, suns, rows, lit)
+                self._kept = casters if len(groups) == 1 and not unread else None
+                del casters
         absent |= np.isin(tiles, np.array(unread, np.int64))
         undecided = self._undecided(tiles[absent], hit[absent], at, directions, bend, lit)
-        return Answer(lit & ~undecided, undecided, sorted(unread))
+        if undecided is not None:
+            lit &= ~undecided
+        return Answer(lit, undecided, sorted(unread))
 
-    def _faced(self, part: Part, towards: NDArray[np.float32], bend: Curvature) -> NDArray[np.bool_]:
+    def _faced(self, part: Part, towards: NDArray[np.float32], bend: Curvature) -> Planes:
         if part.window is None:
-            return np.ones((len(part.rows), len(towards)), bool)
-        x, y, z, inside = part.window
-        z = bend.lowered(x[None, :], y[:, None], z)
-        x, y, z = (steps_of(v, self.exponent) for v in (x, y, z))
-        return GridFacing(x, y, z, inside).faces(towards)
+            return planes.ones(len(towards), len(part.rows))
+        with self._facing_lock:
+            kept = self._facing
+            if kept is None or kept[0] is not part:
+                x, y, z, inside = part.window
+                z = bend.lowered(x[None, :], y[:, None], z)
+                x, y, z = (steps_of(v, self.exponent) for v in (x, y, z))
+                self._facing = kept = part, GridFacing(x, y, z, inside)
+        return kept[1].faces(towards)
 
     def _beyond(self, tiles: NDArray[np.int64], box: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which tiles are not tested: unread ones, those beyond the stated limit, and those that the lattice does not
@@ -115,57 +144,64 @@ class Decider:
         boxes = self.survey.boxes[tiles]
         absent = self.survey.unread[tiles].copy()
         if self.settings.halo_limit is not None:
-            away = np.maximum(np.maximum(boxes[:, :2] - box[2:], box[:2] - boxes[:, 2:]), 0)
-            absent |= np.hypot(away[:, 0], away[:, 1]) > self.settings.halo_limit
+            absent |= distances(boxes, box) > self.settings.halo_limit
         span = np.maximum(boxes[:, 2:], box[2:]) - np.minimum(boxes[:, :2], box[:2])
         return absent | (span > LARGEST_SPAN * self.step).any(axis=1)
 
-    def _batches(
-        self,
-        tiles: NDArray[np.int64],
-        hit: NDArray[np.bool_],
-        absent: NDArray[np.bool_],
-        box: NDArray[np.float64],
-        bend: Curvature,
-        unread: list[int],
-    ) -> Iterator[_Batch]:
-        """The casters, near ones first, as many at once as the memory limit and the lattice hold. Tiles that cannot be
-        read are appended to `unread`."""
+    def _groups(self, tiles: NDArray[np.int64], absent: NDArray[np.bool_], box: NDArray[np.float64]) -> list[list[int]]:
+        """Indices of the casters, near ones first, as many in a group as the memory limit and the lattice hold."""
         boxes = self.survey.boxes[tiles]
-        away = np.maximum(np.maximum(boxes[:, :2] - box[2:], box[:2] - boxes[:, 2:]), 0)
-        order = np.lexsort((tiles, np.hypot(away[:, 0], away[:, 1])))
+        order = np.lexsort((tiles, distances(boxes, box)))
         most = max(self.settings.memory_limit // BYTES_PER_TRIANGLE, 1)
-        group: list[int] = []
+        groups: list[list[int]] = []
         low, high, count = box[:2], box[2:], 0
         for i in order[~absent[order]].tolist():
             more = int(self.survey.triangles[tiles[i]])
             wider_low, wider_high = np.minimum(low, boxes[i, :2]), np.maximum(high, boxes[i, 2:])
-            if group and (count + more > most or (wider_high - wider_low > LARGEST_SPAN * self.step).any()):
-                yield self._loaded(tiles, group, hit, bend, unread)
-                group, count = [], 0
+            is_full = count + more > most or (wider_high - wider_low > LARGEST_SPAN * self.step).any()
+            if is_full or not groups:
+                groups.append([])
+                count = 0
                 wider_low, wider_high = np.minimum(box[:2], boxes[i, :2]), np.maximum(box[2:], boxes[i, 2:])
             low, high = wider_low, wider_high
-            group.append(i)
+            groups[-1].append(i)
             count += more
-        if group:
-            yield self._loaded(tiles, group, hit, bend, unread)
+        return groups
 
-    def _loaded(
-        self, tiles: NDArray[np.int64], group: list[int], hit: NDArray[np.bool_], bend: Curvature, unread: list[int]
-    ) -> _Batch:
+    def _scene_of(
+        self, part: Part, at: NDArray[np.float64], tiles: NDArray[np.int64], bend: Curvature, unread: list[int]
+    ) -> _Casters:
+        """A scene of caster tiles: the last one, with its tree, if it holds them and not more than twice as much. Tiles
+        that cannot be read are appended to `unread`."""
+        kept, count = self._kept, self.survey.triangles
+        holds = kept is not None and kept.part is part and np.isin(tiles, kept.tiles).all()
+        if kept is not None and holds and count[kept.tiles].sum() <= 2 * count[tiles].sum():
+            return kept
+        del kept
+        self._kept = None  # its memory is free before more is taken
         vertices, faces, first = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
-        for tile in tiles[group].tolist():
+        for tile in tiles.tolist():
             try:
-                v, f = self.casters.triangles(tile)
+                v, f = self._mesh(tile, bend)
             except UnreadableError:
                 unread.append(tile)
                 continue
-            v = v.copy()
-            v[:, 2] = bend.lowered(v[:, 0], v[:, 1], v[:, 2])
             vertices.append(v)
             faces.append(f + first)
             first += len(v)
-        return _Batch(np.concatenate(vertices), np.concatenate(faces), np.asarray(hit[group].any(axis=0)))
+        world, corners = np.concatenate(vertices), np.concatenate(faces)
+        low = np.minimum(world.min(axis=0, initial=np.inf), at.min(axis=0))
+        high = np.maximum(world.max(axis=0, initial=-np.inf), at.max(axis=0))
+        lattice = _gnomon.WorldLattice.around(np.stack([low, high]), self.exponent)
+        scene = Scene(lattice.snap(world)[0][corners], device=self.device) if len(corners) else None
+        return _Casters(part, tiles, lattice, scene, lattice.snap(at)[0])
+
+    def _mesh(self, tile: int, bend: Curvature) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """The vertices and faces of a caster tile, after curvature. Raises UnreadableError."""
+        vertices, faces = self.casters.triangles(tile)
+        vertices = vertices.copy()
+        vertices[:, 2] = bend.lowered(vertices[:, 0], vertices[:, 1], vertices[:, 2])
+        return vertices, faces
 
     def _along(
         self, part: Part, at: NDArray[np.float64], tiles: NDArray[np.int64], bend: Curvature
@@ -180,11 +216,9 @@ class Decider:
         near = [np.empty((0, 3, 3))]
         for tile in tiles[tiles >= first_mesh].tolist():
             try:
-                vertices, faces = self.casters.triangles(tile)
+                vertices, faces = self._mesh(tile, bend)
             except UnreadableError:
                 continue  # the batches find it, too
-            vertices = vertices.copy()
-            vertices[:, 2] = bend.lowered(vertices[:, 0], vertices[:, 1], vertices[:, 2])
             corners = vertices[faces]
             meets = (corners.max(axis=1) >= low).all(axis=1) & (corners.min(axis=1) <= high).all(axis=1)
             near.append(corners[meets])
@@ -206,45 +240,40 @@ class Decider:
 
     def _shadow(
         self,
-        batch: _Batch,
+        casters: _Casters,
         along: NDArray[np.float64] | None,
         at: NDArray[np.float64],
         towards: NDArray[np.float32],
-        lit: NDArray[np.bool_],
-        is_first: bool,
+        suns: NDArray[np.int64],
+        rows: NDArray[np.int64] | None,
+        lit: Planes,
     ) -> None:
-        """Clears `lit` where a triangle of the batch is in the way. All suns are strictly above the horizon, so for a
-        receiver that is not lifted the normal straight up is no restriction; it makes the shafts tighter."""
-        suns, rows = np.flatnonzero(batch.suns), np.arange(len(lit))
-        if not is_first:  # later ones only where something is left
-            suns, rows = np.flatnonzero(batch.suns & lit.any(axis=0)), np.flatnonzero(lit.any(axis=1))
-        if not (len(suns) and len(rows) and len(batch.faces)):
+        """Clears `lit` of these suns and receivers (None: of all) where a caster is in the way. All suns are strictly
+        above the horizon, so for a receiver that is not lifted the normal straight up is no restriction; it makes the
+        shafts tighter."""
+        here = casters.here if rows is None else casters.here[rows]
+        if casters.scene is None or not (len(suns) and len(here)):
             return
-        both = np.concatenate([batch.vertices, at])
-        lattice = _gnomon.WorldLattice.around(np.stack([both.min(axis=0), both.max(axis=0)]), self.exponent)
-        triangles = lattice.snap(batch.vertices)[0][batch.faces]
-        world = np.ascontiguousarray(at[rows])
-        here = lattice.snap(world)[0]
         normals = np.broadcast_to(np.array([0.0, 0.0, 1.0]), here.shape)
         if along is not None:
-            lifted = np.flatnonzero(np.isfinite(along[rows, 0]))
-            normals = normals.copy()
-            normals[lifted] = along[rows[lifted]]
-            here[lifted] = lattice.lift(np.ascontiguousarray(world[lifted]), np.ascontiguousarray(normals[lifted]))
-        with Scene(triangles, device=self.device) as scene:
-            answer = scene.many_lights(
-                here, directions=-towards[suns], normals=normals, bits=True, settings={"many-lights": "shafts"}
-            )
+            of_rows = along if rows is None else along[rows]
+            lifted = np.flatnonzero(np.isfinite(of_rows[:, 0]))
+            here, normals = here.copy(), normals.copy()
+            normals[lifted] = of_rows[lifted]
+            world = np.ascontiguousarray(at[lifted if rows is None else rows[lifted]])
+            here[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
+        answer = casters.scene.many_lights(
+            here, directions=-towards[suns], normals=normals, bits=True, settings={"many-lights": "shafts"}
+        )
         assert answer.bits is not None
-        as_bytes = answer.bits.astype("<u4", copy=False).view(np.uint8)
-        is_whole = len(suns) == lit.shape[1] and len(rows) == lit.shape[0]
-        for first in range(0, len(rows), ROWS_AT_ONCE):
-            part = slice(first, first + ROWS_AT_ONCE)
-            bits = np.unpackbits(as_bytes[part], axis=-1, bitorder="little", count=len(suns)).view(bool)
-            if is_whole:
-                lit[part] &= bits
-            else:
-                lit[np.ix_(rows[part], suns)] &= bits
+        found = planes.transposed(answer.bits)
+        if len(suns) < len(towards):
+            others = ~planes.packed(np.isin(np.arange(len(towards)), suns)[None])
+            found = planes.moved(found, suns, len(lit)) | others
+        if rows is None:
+            lit &= found
+        else:
+            lit[:, rows] &= found
 
     def _undecided(
         self,
@@ -253,37 +282,39 @@ class Decider:
         at: NDArray[np.float64],
         towards: NDArray[np.float64],
         bend: Curvature,
-        lit: NDArray[np.bool_],
-    ) -> NDArray[np.bool_]:
+        lit: Planes,
+    ) -> Planes | None:
         """Which lit answers lack the certificate: their ray may meet a tile that was not tested, or leaves the extent
-        below the stated height of what stands outside."""
-        result = np.zeros(lit.shape, bool)
+        below the stated height of what stands outside. None: no answer does."""
         if not len(tiles) and self.settings.outside is None:
-            return result
+            return None
+        result = np.zeros_like(lit)
         boxes = self.survey.boxes[tiles]
         tops = self.survey.tops[tiles] - bend.least(boxes)
         point = at[:, [0, 1, 0, 1]]
-        for sun in range(lit.shape[1]):
-            open_rows = np.flatnonzero(lit[:, sun])
+        for sun in range(len(towards)):
+            bit = np.uint32(1 << sun % 32)
+            open_rows = np.flatnonzero(planes.of_sun(lit, sun))
             if self.settings.outside is not None and len(open_rows):
                 leaves = leaves_below(self.survey.extent, self.settings.outside, at[open_rows], towards[sun], self.pad)
-                result[open_rows[leaves], sun] = True
+                result[sun // 32, open_rows[leaves]] |= bit
                 open_rows = open_rows[~leaves]
             for tile in np.flatnonzero(hit[:, sun]):
                 if not len(open_rows):
                     break
                 may = rises_above(boxes[tile], tops[tile], point[open_rows], at[open_rows, 2], towards[sun], self.pad)
-                result[open_rows[may], sun] = True
+                result[sun // 32, open_rows[may]] |= bit
                 open_rows = open_rows[~may]
         return result
 
 
-def _face_by_normals(normals: NDArray[np.float32], towards: NDArray[np.float32], lit: NDArray[np.bool_]) -> None:
+def _face_by_normals(normals: NDArray[np.float32], towards: NDArray[np.float32], lit: Planes) -> None:
     """Clears `lit` where a sun is not strictly on the normal's side: as gnomon decides it, of float32 normals."""
     n, d = normals.astype(np.float64), towards.astype(np.float64)
+    largest = np.abs(n).max(axis=1)
     for sun in range(len(d)):
         s = n @ d[sun]
         above = s > 0
-        for row in np.flatnonzero(np.abs(s) <= 2e-15 * np.abs(n).max(axis=1) * np.abs(d[sun]).max()):
+        for row in np.flatnonzero(np.abs(s) <= 2e-15 * largest * np.abs(d[sun]).max()):
             above[row] = math.fsum((n[row] * d[sun]).tolist()) > 0  # products of float32 values are exact
-        lit[:, sun] &= above
+        planes.clear(lit, sun, ~above)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Facing of a raster's vertices: whether the sun stands strictly above the triangles over which the ray leaves.
 
-The rule is docs/numerics.md, 14, for height fields; here for many vertices of one grid and one sun at a time. All
-coordinates are whole steps below 2^25, so normals are exact in float64. The sign of n . D is taken from float64 where
-it is certain, else from math.fsum over products that are exact.
+The rule is docs/numerics.md, 14, for height fields; here for many vertices of one grid. All coordinates are whole steps
+below 2^25, so normals are exact in float64. 32 suns that follow one another are decided together where all of them are
+clearly above or clearly below a triangle. Else the sign of n . D is taken from float32 or float64 where it is certain,
+else from math.fsum over products that are exact.
 """
 
 from __future__ import annotations
@@ -13,7 +14,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-#: Vertices times suns that are decided at once stay in the cache.
+from . import planes
+from .planes import Planes
+
+#: Vertices times suns that are decided at once stay in the cache; blocks of planes are treated by more rows.
 ROWS_AT_ONCE = 256
 #: Neighbours of a vertex as (rows, columns) away, row 0 in the north, in the order of their azimuth from the east on.
 #: Two that follow one another span a triangle, as the diagonals run from south-west to north-east.
@@ -43,7 +47,7 @@ class GridFacing:
             n[~there] = 0
             self._normals.append(n)
             self._is_there.append(there)
-        self._largest = [np.abs(n).max(axis=1, initial=0) for n in self._normals]
+        self._largest = [np.maximum(np.maximum(*np.abs(n.T[:2])), np.abs(n[:, 2])) for n in self._normals]
         self._normals32 = [n.astype(np.float32) for n in self._normals]
         self._irregular = np.flatnonzero(~np.all(self._is_there, axis=0))
 
@@ -53,24 +57,23 @@ class GridFacing:
         dx, dy, dz = self._edges[k % 6]
         return dx[column], dy[row], dz
 
-    def faces(self, towards: NDArray[np.float32]) -> NDArray[np.bool_]:
-        """(n, M): whether each sun (M, 3), all upwards, is strictly above the surface around each vertex. A vertex
-        without triangles faces every sun. Suns in the order of their azimuth take the least time."""
+    def faces(self, towards: NDArray[np.float32]) -> Planes:
+        """The planes of whether each sun (M, 3), all upwards, is strictly above the surface around each vertex. A
+        vertex without triangles faces every sun. Tables whose neighbours stand close together take the least time."""
         d = towards.astype(np.float64)
-        result = np.ones((len(self._row), len(d)), bool)
+        result = planes.ones(len(d), len(self._row))
         is_mixed = np.zeros(len(d), bool)  # a sun that leaves over different triangles at different vertices
         for k in range(6):
             all_over, some_over = self._leaves_over(k, d)
             is_mixed |= some_over & ~all_over
-            for suns in _runs(all_over):
-                for first in range(0, len(result), ROWS_AT_ONCE):
-                    part = slice(first, first + ROWS_AT_ONCE)
-                    self._clear_below(k, d[suns], part, result[part, suns])
-        for rows, of in ((self._irregular, ~is_mixed), (np.arange(len(result)), is_mixed)):
+            self._clear_below(k, d, all_over, result)
+        for rows, of in ((self._irregular, ~is_mixed), (np.arange(len(self._row)), is_mixed)):
             chosen = np.flatnonzero(of)
             for first in range(0, len(rows) if len(chosen) else 0, ROWS_AT_ONCE):
                 some = rows[first : first + ROWS_AT_ONCE]
-                result[np.ix_(some, chosen)] = self._by_vertex(some, d[chosen])
+                answers = np.zeros((len(some), len(d)), bool)
+                answers[:, chosen] = self._by_vertex(some, d[chosen])
+                result[:, some] = result[:, some] & ~planes.packed(of[None]) | planes.packed(answers)
         return result
 
     def _leaves_over(self, k: int, d: NDArray[np.float64]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -84,19 +87,45 @@ class GridFacing:
         some = (ahead.max(axis=0) >= aside.min(axis=0)) & (behind.max(axis=0) >= beside.min(axis=0))
         return every, some
 
-    def _clear_below(self, k: int, d: NDArray[np.float64], rows: slice, result: NDArray[np.bool_]) -> None:
-        """Clears what _above() denies. float32 decides nearly all of it: products and sums round five times, and the
-        normal once, by 2^-24 of 3 x largest x |d| in all six: below 1.1e-6 of largest x |d|."""
-        s = self._normals32[k][rows] @ d.T.astype(np.float32)
-        bound = (self._largest[k][rows] * (2e-6 * np.abs(d).max())).astype(np.float32)[:, None]
+    def _clear_below(self, k: int, d: NDArray[np.float64], chosen: NDArray[np.bool_], result: Planes) -> None:
+        """Clears the chosen suns that are not above triangle k. With c the middle of up to 32 suns and e the largest
+        |d - c| in each coordinate, n . d differs from n . c by at most |n| . e. Each of the two float32 products rounds
+        five times, and the normal once, by 2^-24 of 3 x largest x |c| (or e) in all six: 4e-6 covers both."""
+        groups = [np.flatnonzero(chosen[first : first + 32]) + first for first in range(0, len(d), 32)]
+        words = np.array([w for w, group in enumerate(groups) if len(group)], np.int64)
+        if not len(words):
+            return
+        ends = np.array([(d[g].min(axis=0), d[g].max(axis=0)) for g in groups if len(g)])
+        middle = ends.mean(axis=1).astype(np.float32)
+        most = np.abs(ends - middle[:, None]).max(axis=1)
+        spread = np.nextafter(most.astype(np.float32), np.float32(np.inf))
+        rounding = (4e-6 * (np.abs(middle).max(axis=1) + spread.max(axis=1))).astype(np.float32)
+        bits = np.array([np.bitwise_or.reduce(np.uint32(1) << (groups[w] % 32).astype(np.uint32)) for w in words])
+        for first in range(0, len(self._row), planes.ROWS_AT_ONCE // 2):
+            part = slice(first, first + planes.ROWS_AT_ONCE // 2)
+            n, there = self._normals32[k][part], self._is_there[k][part]
+            s = middle @ n.T
+            bound = spread @ np.abs(n).T + rounding[:, None] * self._largest[k][part].astype(np.float32)
+            is_below = s < -bound
+            result[words, part] &= ~(is_below * bits[:, None])
+            unsure = ~(is_below | (s > bound)) & there  # vertices without the triangle: by vertex, later
+            for i in np.flatnonzero(unsure.any(axis=1)).tolist():
+                suns, rows = groups[words[i]], np.flatnonzero(unsure[i]) + first
+                result[words[i], rows] &= self._above_of_word(k, d, suns, rows) | ~bits[i]
+
+    def _above_of_word(
+        self, k: int, d: NDArray[np.float64], suns: NDArray[np.int64], rows: NDArray[np.int64]
+    ) -> Planes:
+        """(rows,) words of what _above() answers for suns of one word. float32 decides nearly all of it."""
+        s = self._normals32[k][rows] @ d[suns].T.astype(np.float32)
+        bound = (self._largest[k][rows] * (2e-6 * np.abs(d[suns]).max())).astype(np.float32)[:, None]
         above = s > bound
-        unsure = above != (s > -bound)
-        unsure &= self._is_there[k][rows][:, None]
+        unsure = (above != (s > -bound)).any(axis=1)
         if unsure.any():
-            some = np.flatnonzero(unsure.any(axis=1))
-            above[some] = self._above(k, d, some + (rows.start or 0))
-        above |= ~self._is_there[k][rows][:, None]  # by vertex, later
-        result &= above
+            above[unsure] = self._above(k, d[suns], rows[unsure])
+        answers = np.zeros((len(rows), 32), bool)
+        answers[:, suns % 32] = above
+        return planes.packed(answers)[0]
 
     def _above(self, k: int, d: NDArray[np.float64], rows: slice | NDArray[np.int64]) -> NDArray[np.bool_]:
         """(rows, M): whether n . D > 0, n the normal of triangle k at each vertex."""
@@ -133,12 +162,6 @@ class GridFacing:
 
 def _ends(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([values.min(), values.max()])
-
-
-def _runs(chosen: NDArray[np.bool_]) -> list[slice]:
-    """The runs of neighbours that are chosen."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
-    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def exact_sum(n: NDArray[np.float64], d: NDArray[np.float64]) -> float:

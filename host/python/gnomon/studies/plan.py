@@ -6,6 +6,8 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import threading
+import warnings
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -15,14 +17,14 @@ import numpy as np
 from .casters import LARGEST_SPAN, Casters, Survey, largest_tile
 from .decide import Decider
 from .rasters import open_mosaic
-from .receivers import Receivers, receivers_of, write_points
+from .receivers import Receivers, TileOfReceivers, receivers_of, write_points
 from .settings import Settings
 from .store import Store, create_arrays, sha256_of_array, write_whole
 from .suns import Suns, suns_of
 
 #: The finest step that a study chooses by itself is 2^-10 m.
 FINEST = -10
-SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int]]]]
+SurveyRun = Callable[[str, Iterable[int]], Iterable[tuple[int, tuple[list[float], float, float, int, str]]]]
 
 
 class Plan:
@@ -43,6 +45,8 @@ class Plan:
         self.blocks = self.suns.blocks(settings.block)
         self.store = Store(folder)
         self.decider = Decider(settings, self.casters, self.survey, self.exponent, device)
+        self._tile: tuple[int, TileOfReceivers] | None = None  # the last one, which several blocks of suns need
+        self._tile_lock = threading.Lock()
 
     @classmethod
     def open(cls, folder: Path, device: str | None = None) -> Plan:
@@ -59,6 +63,15 @@ class Plan:
     def tasks(self) -> list[tuple[int, int]]:
         """All (tile, block)."""
         return [(tile, block) for tile in range(len(self.receivers)) for block in range(len(self.blocks))]
+
+    def tile(self, tile: int) -> TileOfReceivers:
+        """The receivers of a tile, the same object for the tasks that follow one another."""
+        with self._tile_lock:
+            if self._tile is not None and self._tile[0] == tile:
+                return self._tile[1]
+            found = self.receivers.tile(tile)
+            self._tile = (tile, found) if not found.unread else None
+            return found
 
     def receivers_of_tile(self, tile: int) -> int:
         return math.prod(s.stop - s.start for s in self.receivers.slices(tile))
@@ -164,9 +177,11 @@ def casters_to_survey(folder: str) -> Casters:
 def _surveyed(folder: Path, casters: Casters, run_survey: SurveyRun, old: Survey | None, tiles: list[int]) -> Survey:
     count = len(casters)
     survey = old or Survey(np.zeros((count, 4)), np.zeros(count), np.zeros(count), np.zeros(count, np.int64))
-    for tile, (box, top, bottom, triangles) in run_survey(str(folder), tiles):
+    for tile, (box, top, bottom, triangles, reason) in run_survey(str(folder), tiles):
         survey.boxes[tile], survey.tops[tile], survey.bottoms[tile] = box, top, bottom
         survey.triangles[tile] = triangles
+        if reason:
+            warnings.warn(f"{reason}: what may be in its shadow is undecided until it can be read", stacklevel=2)
     return survey
 
 

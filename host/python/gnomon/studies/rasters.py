@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import functools
+import threading
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,13 +63,14 @@ class Mosaic(NamedTuple):
 
 
 @functools.lru_cache(maxsize=64)
-def _opened(name: str) -> Any:
+def _opened(name: str, thread: int) -> Any:
+    """An open file is for one thread."""
     return rasterio.open(name)
 
 
 def _read(name: str, row: int, column: int, rows: int, columns: int) -> NDArray[np.float64]:
     try:
-        data = _opened(name)
+        data = _opened(name, threading.get_ident())
         read = data.read(1, window=Window(column, row, columns, rows), masked=True)
         heights = np.ma.filled(read.astype(np.float64), np.nan)
         if data.scales[0] != 1 or data.offsets[0] != 0:

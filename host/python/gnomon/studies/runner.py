@@ -9,6 +9,7 @@ import itertools
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,10 @@ from . import plan as plans
 from .plan import Plan
 from .record import write_record
 from .settings import Settings
-from .tasks import run_task, sum_tile
+from .tasks import forget, run_task, sum_tile
 
+#: Calls of a process at a time: one prepares and writes while the device works for the other one.
+THREADS = 2
 #: Tries of a task that raises, or whose worker dies.
 TRIES = 4
 TILES_OF_A_SURVEY = 16
@@ -30,23 +33,38 @@ class StudyStoppedError(RuntimeError):
 Call = tuple[Any, Callable[..., Any], tuple[Any, ...]]
 
 
-class Serial:
-    """Runs calls one after the other in this process."""
+class Here:
+    """Runs calls in this process, two at a time, so that one prepares and writes while the device works for the other
+    one. They end in any order."""
 
     def __init__(self, device: str | None = None) -> None:
         self.device = device
 
     def run(self, calls: Iterable[Call]) -> Iterator[tuple[Any, Any]]:
-        for key, function, arguments in calls:
-            failures = 0
+        waiting = iter(calls)
+        pending: dict[Future[Any], Any] = {}
+        pool = ThreadPoolExecutor(THREADS, thread_name_prefix="gnomon-study")
+        try:
             while True:
-                try:
-                    yield key, function(*arguments)
-                    break
-                except Exception as error:
-                    failures += 1
-                    if _is_final(error) or failures >= TRIES:
-                        raise _stopped(key, error) from error
+                for call in itertools.islice(waiting, THREADS - len(pending)):
+                    pending[pool.submit(_tried, *call)] = call[0]
+                if not pending:
+                    return
+                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                    yield pending.pop(future), future.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+
+def _tried(key: Any, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    failures = 0
+    while True:
+        try:
+            return function(*arguments)
+        except Exception as error:
+            failures += 1
+            if _is_final(error) or failures >= TRIES:
+                raise _stopped(key, error) from error
 
 
 class Dask:
@@ -105,14 +123,14 @@ def _stopped(key: Any, error: BaseException) -> StudyStoppedError:
 
 
 @contextlib.contextmanager
-def workers_of(workers: int | str | Sequence[str] | None, client: Any, device: str | None) -> Iterator[Serial | Dask]:
+def workers_of(workers: int | str | Sequence[str] | None, client: Any, device: str | None) -> Iterator[Here | Dask]:
     """What runs the calls: a dask client somebody has, its scheduler's address, a number of processes of this host,
     "gpus" or devices by name (one process each), or this process."""
     if client is not None:
         yield Dask(client, device)
         return
     if workers in (None, 0):
-        yield Serial(device)
+        yield Here(device)
         return
     import dask
     from distributed import Client
@@ -155,7 +173,7 @@ def _cluster(names: list[str | None]) -> Any:
         options[i] = {
             "cls": Nanny,
             "options": {
-                "nthreads": 1,
+                "nthreads": THREADS,
                 "env": env | of_device,
                 "memory_limit": 0,
                 "dashboard": False,
@@ -174,7 +192,7 @@ def survey_tiles(folder: str, tiles: list[int]) -> list[tuple[int, Any]]:
 def run_study(
     folder: Path,
     settings: Settings,
-    executor: Serial | Dask,
+    executor: Here | Dask,
     tiles: slice | None = None,
     restart: bool = False,
     check: bool = True,
@@ -191,11 +209,14 @@ def run_study(
     folder.mkdir(parents=True, exist_ok=True)
     plan = plans.made(folder, settings, run_survey, restart)
     chosen = range(len(plan.receivers))[tiles or slice(None)]
-    for _ in range(2):  # what could not be read is tried once more
-        if not _run_blocks(plan, chosen, executor, check, show_progress):
-            break
-        check = False
-    _run_sums(plan, chosen, executor)
+    try:
+        for _ in range(2):  # what could not be read is tried once more
+            if not _run_blocks(plan, chosen, executor, check, show_progress):
+                break
+            check = False
+        _run_sums(plan, chosen, executor)
+    finally:
+        forget()
     write_record(plan)
     return plan
 
@@ -211,7 +232,7 @@ def missing_tasks(plan: Plan, tiles: Iterable[int], check: bool) -> list[tuple[i
     return missing
 
 
-def _run_blocks(plan: Plan, tiles: Iterable[int], executor: Serial | Dask, check: bool, show_progress: bool) -> bool:
+def _run_blocks(plan: Plan, tiles: Iterable[int], executor: Here | Dask, check: bool, show_progress: bool) -> bool:
     """Runs the missing tasks; whether some of them lacked a caster tile. The bar counts decisions (receivers x suns),
     and has their rate and the time that is left."""
     from tqdm import tqdm
@@ -232,7 +253,7 @@ def _run_blocks(plan: Plan, tiles: Iterable[int], executor: Serial | Dask, check
     return lacks
 
 
-def _run_sums(plan: Plan, tiles: Iterable[int], executor: Serial | Dask) -> None:
+def _run_sums(plan: Plan, tiles: Iterable[int], executor: Here | Dask) -> None:
     if not plan.has_sums:
         return
     todo = []

@@ -29,7 +29,8 @@ class Settings:
     raster: GeoTIFF files of heights (a DSM or DEM) on one grid, north up: a mosaic; where files overlap the first one
         counts. Names may hold * and ?. The centres of cells are vertices. The diagonal of each square of four centres
         runs from south-west to north-east. A triangle with a nodata corner does not exist.
-    meshes: files of triangles that trimesh loads (glTF, OBJ, PLY, STL), in the study's coordinates less mesh_offset.
+    meshes: files in the study's coordinates less mesh_offset: CityJSON (.json, .city.json, .jsonl), of each object its
+        highest level of detail; or what trimesh loads (glTF, OBJ, PLY, STL).
     mesh_up: "z", or "y" for meshes whose y is up (x, y, z becomes x, -z, y); None: "y" for glTF files, else "z".
     mesh_offset: (3,) is added to the coordinates of meshes, in float64.
     receivers: "raster": the centres of the raster's cells; "points": the rows of the file `points`; "faces": points on

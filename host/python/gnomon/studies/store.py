@@ -15,6 +15,7 @@ Files appear whole: they are written beside their place and renamed.
 from __future__ import annotations
 
 import datetime
+import functools
 import hashlib
 import json
 import os
@@ -55,6 +56,11 @@ def sha256_of_array(values: NDArray[Any]) -> str:
     return sha256_of(np.ascontiguousarray(values, values.dtype.newbyteorder("<")).view(np.uint8).data)
 
 
+@functools.lru_cache(maxsize=16)
+def _sha256_of_zeros(size: int) -> str:
+    return sha256_of(bytes(size))
+
+
 class Store:
     """The arrays and files of a study's folder. Arrays are opened when they are first used."""
 
@@ -75,12 +81,19 @@ class Store:
         """Writes one chunk; returns its entry for the task's file: hashes of the values and of the file, which is None
         where a chunk of zeros has none."""
         array = self.array(name)
+        if array.fill_value == 0 and not values.any():
+            if self._file(name, chunk).exists():
+                array[at] = values  # it removes the file
+            return {"data": _sha256_of_zeros(values.nbytes), "file": self.file_hash(name, chunk)}
         array[at] = values
         return {"data": sha256_of_array(values), "file": self.file_hash(name, chunk)}
 
+    def _file(self, name: str, chunk: tuple[int, ...]) -> Path:
+        return self.folder / name / "c" / "/".join(map(str, chunk))
+
     def file_hash(self, name: str, chunk: tuple[int, ...]) -> str | None:
         try:
-            return sha256_of((self.folder / name / "c" / "/".join(map(str, chunk))).read_bytes())
+            return sha256_of(self._file(name, chunk).read_bytes())
         except FileNotFoundError:
             return None
 
