@@ -10,8 +10,8 @@ folder=$(mktemp -d)
 trap 'rm -r "$folder"' EXIT
 cut="420x480+545+470" map=(--technique shadow-map --set size=1024) names=(map exact)
 
-"$gnomon" render --quiet --size 1280x960 "${map[@]}" -o "$folder/map.png" --mask "$folder/map_mask.png"
-"$gnomon" render --quiet --size 1280x960 -o "$folder/exact.png" --mask "$folder/exact_mask.png"
+"$gnomon" render --quiet --size 1280x960 --ambient sky --exposure -0.4 "${map[@]}" -o "$folder/map.png" --mask "$folder/map_mask.png"
+"$gnomon" render --quiet --size 1280x960 --ambient sky --exposure -0.4 -o "$folder/exact.png" --mask "$folder/exact_mask.png"
 for name in "${names[@]}"; do
     oiiotool "$folder/$name.png" --crop "$cut" --origin +0+0 --fullpixels -o "$folder/$name.panel.png"
 done

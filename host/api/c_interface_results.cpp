@@ -78,6 +78,7 @@ gnomon_triangle_signs signs_of(const TriangleSigns& from) {
     to.triangle = from.triangle;
     std::copy(from.vertices.begin(), from.vertices.end(), to.vertices);
     to.blocks = from.blocks;
+    to.is_clear = from.is_clear;
     to.point_side = from.point_side;
     to.light_side = from.light_side;
     std::copy(from.edges.begin(), from.edges.end(), to.edges);
@@ -90,6 +91,7 @@ struct OwnedExplanation : gnomon_explanation {
     explicit OwnedExplanation(Explanation&& explanation) : gnomon_explanation{}, owned(std::move(explanation)) {
         occluder_rows = rows_of(owned.occluders, signs_of);
         near_miss_rows = rows_of(owned.near_misses, signs_of);
+        clear_hit_rows = rows_of(owned.clear_hits, signs_of);
         std::copy(owned.position.begin(), owned.position.end(), position);
         receiver = owned.receiver;
         on_receiver = signs_of(owned.on_receiver);
@@ -101,11 +103,13 @@ struct OwnedExplanation : gnomon_explanation {
         occluder_count = occluder_rows.size();
         near_misses = near_miss_rows.data();
         near_miss_count = near_miss_rows.size();
+        clear_hits = clear_hit_rows.data();
+        clear_hit_count = clear_hit_rows.size();
         stage = owned.stage.c_str();
         arithmetic = owned.arithmetic.c_str();
     }
     Explanation owned;
-    std::vector<gnomon_triangle_signs> occluder_rows, near_miss_rows;
+    std::vector<gnomon_triangle_signs> occluder_rows, near_miss_rows, clear_hit_rows;
 };
 
 struct OwnedViewOfParts : gnomon_view_of_parts {

@@ -718,9 +718,10 @@ typedef struct gnomon_triangle_signs {
     uint32_t triangle;  ///< GNOMON_NO_RECEIVER: there is none
     float vertices[9];
     bool blocks;
+    bool is_clear;  ///< a cut-out that the ray meets where it is clear, so that it does not block
     int32_t point_side, light_side, edges[3];
     const char* arithmetic;  ///< what the predicate needed to be certain: "float", "double" or "integers"
-    double distance;         ///< from the point along the ray, rounded; 0 unless it blocks
+    double distance;         ///< from the point along the ray, rounded; 0 unless the ray meets it
 } gnomon_triangle_signs;
 
 /// The facts by which "frustum-traced" found a point lit or in shadow.
@@ -738,6 +739,8 @@ typedef struct gnomon_explanation {
     size_t near_miss_count;
     const char* stage;       ///< the stage that decided
     const char* arithmetic;  ///< the arithmetic that was certain: "none", "filter", "float", "double", "integers"
+    const gnomon_triangle_signs* clear_hits;  ///< all that the ray meets where they are cut out, nearest first
+    size_t clear_hit_count;
 } gnomon_explanation;
 
 /// Explains the point at `index`. Runs "frustum-traced" on all points, and waits. Fails if there is no such point.

@@ -120,6 +120,7 @@ void unpack_draco(tinygltf::Model& model, DecodingBudget& budget, std::vector<st
 /// A material's alpha and base colour texture, before its image is read.
 struct MaterialSource {
     bool is_mask = false, is_blend = false;
+    bool transmits = false;  ///< KHR_materials_transmission
     float cutoff = 0.5f, alpha_factor = 1;
     bool has_texture = false;
     int coordinates = 0;  ///< TEXCOORD_n

@@ -440,6 +440,7 @@ private:
         const auto found = document_.materials.materials.find(primitive.material);
         if (found == document_.materials.materials.end()) return;
         const MaterialSource& mask = found->second;
+        if (mask.transmits && !mask.is_blend) plan_phrases_.insert("KHR_materials_transmission (drawn opaque)");
         if (!mask.is_mask && !mask.is_blend) return;
         if (!images_.has_alpha()) {  // the caller takes no cut-outs
             plan_phrases_.insert("alphaMode " + std::string(mask.is_blend ? "BLEND" : "MASK") + " (drawn opaque)");

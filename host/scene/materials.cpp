@@ -109,6 +109,9 @@ MaterialSources material_sources(const json& root) {
         MaterialSource source;
         source.is_mask = mode != material.end() && *mode == "MASK";
         source.is_blend = mode != material.end() && *mode == "BLEND";
+        const json* extensions = object_in(material, "extensions");
+        if (const json* glass = extensions ? object_in(*extensions, "KHR_materials_transmission") : nullptr)
+            source.transmits = number_in(*glass, "transmissionFactor", 0) > 0;
         if (source.is_mask) source.cutoff = float(number_in(material, "alphaCutoff", 0.5));
         if (const json* pbr = object_in(material, "pbrMetallicRoughness")) {
             const auto factor = pbr->find("baseColorFactor");
@@ -140,6 +143,12 @@ CutOutsView::CutOutsView(const Scene& scene) : is_empty_(scene.cut_outs.empty())
     for (const SceneCutOuts::Texture& texture : from.textures)
         textures_.push_back({texture.width, texture.height, texture.alpha});
     cut_outs_ = {from.material_of_triangle, scene.texture_coordinates, from.corner_alphas, from.materials, textures_};
+}
+
+Triangles upload(const Device& device, const Scene& scene) {
+    const CutOutsView cut_outs(scene);
+    return cut_outs.get() != nullptr ? Triangles::upload(device, scene.triangles, *cut_outs.get())
+                                     : Triangles::upload(device, scene.triangles);
 }
 
 SurfaceDetailView::SurfaceDetailView(const Scene& scene) {

@@ -124,6 +124,9 @@ struct Scene {
     }
 };
 
+/// The scene's triangles on the device, with their cut-outs.
+Triangles upload(const Device& device, const Scene& scene);
+
 /// What of a file is loaded. A name that none has is read as an index from 0.
 struct LoadOptions {
     std::uint64_t memory_bytes = 0;          ///< that the triangles may take; 0: the machine's memory

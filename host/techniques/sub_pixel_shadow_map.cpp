@@ -36,7 +36,7 @@ private:
                             cl::Range::items(params.tile_capacity), drawn, frames_.projection(), setup_.records(),
                             setup_.bounds(), setup_.tiles().buffer(), heights_, ids_, counters_);
         timer.next("sub_pixel_lookup");
-        session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup",
+        session_.launch(run.triangles.kernel("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup"),
                         session_.blocks(run.points.layout.count), params, frames_.projection(), run.points.positions,
                         run.points.receivers, run.triangles.vertices, ids_, run.visibility, counters_);
         return session_.read_value<FrameCounters>(counters_);

@@ -50,12 +50,13 @@ TriangleSigns signs_of(const ExplainedTriangle& t, const Float3& point, const Li
     TriangleSigns signs;
     signs.triangle = t.triangle;
     std::copy(std::begin(t.vertices), std::end(t.vertices), signs.vertices.begin());
-    signs.blocks = t.blocks != 0;
+    signs.blocks = t.meets == EXPLAINED_BLOCKS;
+    signs.is_clear = t.meets == EXPLAINED_CLEAR;
     signs.point_side = t.point_side;
     signs.light_side = t.light_side;
     std::copy(std::begin(t.edges), std::end(t.edges), signs.edges.begin());
     signs.arithmetic = level_names[t.level];
-    if (signs.blocks) signs.distance = distance_along_ray(t, point, light);
+    if (t.meets != EXPLAINED_MISSED) signs.distance = distance_along_ray(t, point, light);
     return signs;
 }
 
@@ -97,13 +98,15 @@ Explanation explain_signs(const Device& device, const Triangles& triangles, cons
     explanation.eye_side = found.eye_side;
     explanation.arithmetic = level_names[found.facing_level];
     for (const ExplainedTriangle& t : listed)
-        (t.blocks != 0 ? explanation.occluders : explanation.near_misses)
+        (t.meets == EXPLAINED_BLOCKS  ? explanation.occluders
+         : t.meets == EXPLAINED_CLEAR ? explanation.clear_hits
+                                      : explanation.near_misses)
             .push_back(signs_of(t, explanation.position, light));
     const auto nearer = [](const TriangleSigns& a, const TriangleSigns& b) {
         return std::pair(a.distance, a.triangle) < std::pair(b.distance, b.triangle);
     };
-    std::sort(explanation.occluders.begin(), explanation.occluders.end(), nearer);
-    std::sort(explanation.near_misses.begin(), explanation.near_misses.end(), nearer);
+    for (auto* signs : {&explanation.occluders, &explanation.clear_hits, &explanation.near_misses})
+        std::sort(signs->begin(), signs->end(), nearer);
     return explanation;
 }
 

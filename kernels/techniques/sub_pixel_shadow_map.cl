@@ -5,7 +5,7 @@
 // only if the triangle certainly misses the texel.
 #include "techniques/sub_pixel_shadow_map.h"
 
-#include "exact/blocks.clh"
+#include "exact/decide_pair.clh"
 #include "occluders/bin_test.clh"
 #include "occluders/triangle_setup.h"
 
@@ -53,7 +53,7 @@ __kernel void sub_pixel_draw(SubPixelParams params, __constant const Projection*
 
 // True if a stored triangle blocks the point. The map's texels at most `reach` away from (x, y) store the triangles.
 static bool is_blocked(float3 point, uint receiver, int x, int y, int reach, __constant const Projection* projection,
-                       float4 light, __global const float* vertices, __global const uint* ids) {
+                       float4 light, Triangles triangles, __global const uint* ids) {
     int last_x = min(x + reach, (int)projection->width - 1), last_y = min(y + reach, (int)projection->height - 1);
     uint tested = GN_NO_ID;  // neighbours mostly store the same triangle
     for (int v = max(y - reach, 0); v <= last_y; ++v)
@@ -61,7 +61,7 @@ static bool is_blocked(float3 point, uint receiver, int x, int y, int reach, __c
             uint id = ids[(uint)v * projection->width + (uint)u];
             if (id == GN_NO_ID || id == receiver || id == tested) continue;
             int level = DET3_BY_FLOAT;
-            if (blocks(load_triangle(vertices, id), point, light, &level)) return true;
+            if (decide_pair(triangles, id, point, light, &level)) return true;
             tested = id;
         }
     return false;
@@ -74,6 +74,7 @@ __kernel void sub_pixel_lookup(SubPixelParams params, __constant const Projectio
                                __global FrameCounters* counters) {
     PointsLayout layout = params.framed.layout;
     float4 light = light_of(params.framed.light_frame);
+    Triangles triangles = triangles_of(vertices, params.framed.triangles);
     uint in_shadow = 0;
     GN_FOR_EACH(block, block_count(layout)) {
         FrameBlock at;
@@ -84,7 +85,7 @@ __kernel void sub_pixel_lookup(SubPixelParams params, __constant const Projectio
             if (!LANE_OF_INT(at.lanes, lane)) continue;
             uint receiver = layout.has_receivers ? receivers[point_of_lane(layout, block, lane)] : GN_NO_ID;
             if (is_blocked(lane_point(at.points, lane), receiver, LANE_OF_INT(x, lane), LANE_OF_INT(y, lane),
-                           (int)params.reach, projection, light, vertices + params.framed.triangles.first_float, ids))
+                           (int)params.reach, projection, light, triangles, ids))
                 LANE_OF_INT(blocked, lane) = -1;
         }
         in_shadow += count_lanes(blocked);

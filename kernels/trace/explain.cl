@@ -1,10 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Explains one point: the signs of the determinants of its receiver, and of each triangle that blocks its shadow ray or
+// Explains one point: the signs of the determinants of its receiver, and of each triangle that its shadow ray meets or
 // for which the float level of the exact predicate was not certain. The predicates are those that decide a frame
 // (decide_pair(), is_backfacing()). Two launches: explain_point, then explain_triangles over the whole scene.
 #include "exact/decide_pair.clh"
 #include "receivers/facing.clh"
 #include "trace/explain.h"
+
+// EXPLAINED_...: decide_pair(), and for a pair that does not block, whether the texture alone lets the ray pass.
+static uint meeting_of(Triangles triangles, uint id, float3 p, float4 light, int* level) {
+    if (decide_pair(triangles, id, p, light, level)) return EXPLAINED_BLOCKS;
+#ifdef GN_CUT_OUTS
+    int level_of_triangle = DET3_BY_FLOAT;
+    if (blocks(load_triangle(triangles.vertices, id), p, light, &level_of_triangle)) return EXPLAINED_CLEAR;
+#endif
+    return EXPLAINED_MISSED;
+}
 
 static ExplainedTriangle signs_of_triangle(Triangles triangles, uint id, float3 p, float4 light) {
     ExplainedTriangle signs;
@@ -13,7 +23,7 @@ static ExplainedTriangle signs_of_triangle(Triangles triangles, uint id, float3 
     float3 start = light.w != 0.0f ? p : (float3)(0.0f);  // D = light - start
     bool is_finite = is_finite_triangle(t) && is_present(p);
     signs.triangle = id;
-    signs.blocks = is_finite && decide_pair(triangles, id, p, light, &level);
+    signs.meets = is_finite ? meeting_of(triangles, id, p, light, &level) : EXPLAINED_MISSED;
     signs.level = level;
     signs.point_side = is_finite ? det3_sign(t.b, t.a, t.c, t.a, p, t.a, &any_level) : 0;
     signs.light_side = is_finite ? side_of_light(t, light, &any_level) : 0;
@@ -52,7 +62,7 @@ __kernel void explain_point(const ExplainParams params, __global const float* po
     *out = point;
 }
 
-// Appends the triangles that block the shadow ray, and the other triangles for which the float level of the exact
+// Appends the triangles that the shadow ray meets, and the other triangles for which the float level of the exact
 // predicate was not certain.
 __kernel void explain_triangles(const ExplainParams params, __global const float* vertices,
                                 __global ExplainedPoint* point, __global ExplainedTriangle* list) {
@@ -64,13 +74,8 @@ __kernel void explain_triangles(const ExplainParams params, __global const float
     GN_FOR_EACH(i, triangles.count) {
         int level;
         if (i == receiver || !is_finite_triangle(load_triangle(triangles.vertices, i))) continue;
-        if (!decide_pair(triangles, (uint)i, p, light, &level) && level == DET3_BY_FLOAT) {
-#ifdef GN_CUT_OUTS
-            // A triangle that is clear where the ray meets it is listed, too.
-            if (!blocks(load_triangle(triangles.vertices, i), p, light, &level))
-#endif
-                continue;
-        }
+        uint meets = meeting_of(triangles, (uint)i, p, light, &level);
+        if (meets == EXPLAINED_MISSED && level == DET3_BY_FLOAT) continue;
         uint slot = atomic_inc(&point->count);
         if (slot < params.capacity) list[slot] = signs_of_triangle(triangles, (uint)i, p, light);
     }

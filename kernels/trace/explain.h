@@ -12,10 +12,15 @@ GN_STRUCT_BEGIN(ExplainParams)
     uint capacity;  // slots for ExplainedTriangle
 GN_STRUCT_END(ExplainParams, 88)
 
+// What a triangle does to the shadow ray.
+#define EXPLAINED_MISSED 0u
+#define EXPLAINED_BLOCKS 1u
+#define EXPLAINED_CLEAR 2u  // the ray meets a masked triangle where its texture is clear
+
 // A triangle a, b, c and the shadow ray from P along D (exact/blocks.clh).
 GN_STRUCT_BEGIN(ExplainedTriangle)
     uint triangle;
-    uint blocks;
+    uint meets;      // EXPLAINED_...
     int point_side;  // sign of det(b - a, c - a, P - a)
     int light_side;  // sign of det(b - a, c - a, S - a), of det(b - a, c - a, D) for a directional light
     int edges[3];    // signs of det(a - P, b - P, D), det(b - P, c - P, D) and det(c - P, a - P, D)

@@ -50,7 +50,7 @@ HAS_SIZE(gnomon_lights_options, 40);
 HAS_SIZE(gnomon_materials, 32);
 HAS_SIZE(gnomon_sample_offset, 8);
 HAS_SIZE(gnomon_triangle_signs, 80);
-HAS_SIZE(gnomon_explanation, 160);
+HAS_SIZE(gnomon_explanation, 176);
 HAS_SIZE(gnomon_view_of_parts, 32);
 HAS_SIZE(gnomon_setting, 16);
 

@@ -835,6 +835,19 @@ TEST_F(BesideCpp, CutOuts) {
     };
     triangles = made<gnomon_triangles>(copied);
     EXPECT_EQ(run(technique("frustum-traced").get(), lights[0]), lit);
+    std::size_t clear_hits = 0;
+    for (std::size_t i = 0; i < points_count; i += points_count / 16) {
+        const auto why = made<const gnomon_explanation>(
+            [&](auto out) { return gnomon_explain(triangles.get(), points.get(), i, lights[0], out); });
+        const auto expected = gnomon::explain(cpp_device, cpp_triangles, cpp_points, i, cpp_lights[0]);
+        ASSERT_EQ(why->clear_hit_count, expected.clear_hits.size());
+        for (std::size_t k = 0; k < why->clear_hit_count; ++k) {
+            EXPECT_EQ(why->clear_hits[k].triangle, expected.clear_hits[k].triangle);
+            EXPECT_TRUE(why->clear_hits[k].is_clear && !why->clear_hits[k].blocks);
+        }
+        clear_hits += why->clear_hit_count;
+    }
+    EXPECT_GT(clear_hits, 0u);
     gnomon_triangles* refused = nullptr;
     texture_buffers[0].width = 8;
     EXPECT_TRUE(fails(copied(&refused), GNOMON_INVALID_ARGUMENT, {"texture buffer holds 35 bytes", "40"}));

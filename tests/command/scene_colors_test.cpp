@@ -32,6 +32,12 @@ constexpr const char* png_16_bits =
 constexpr const char* png_grey =
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGPgBAAACwAKwyvukgAAAABJRU5ErkJggg==";
 
+// Headers of 100000 x 100000 and 30000 x 30000 texels, with 64 bytes of data.
+constexpr const char* png_huge =
+    "iVBORw0KGgoAAAANSUhEUgABhqAAAYagCAYAAACoUgvIAAAADElEQVR4nGNgoAwAAABAAAG3NHzvAAAAAElFTkSuQmCC";
+constexpr const char* png_large =
+    "iVBORw0KGgoAAAANSUhEUgAAdTAAAHUwCAYAAABmJ/i6AAAADElEQVR4nGNgoAwAAABAAAG3NHzvAAAAAElFTkSuQmCC";
+
 int decoded_images = 0;
 
 scene::ColorImage decoded(std::span<const unsigned char> bytes, std::uint64_t most_bytes) {
@@ -124,6 +130,19 @@ TEST_F(SceneColorsFile, WhatCannotBeReadIsLeftOutWithAWarning) {
     Gltf wrong = textured_file();
     wrong.set("/accessors/1/type", R"("VEC3")").set("/accessors/1/count", "2");
     expect_warning(load(wrong, with_colors), {"TEXCOORD_0", "wrong type or length"});
+}
+
+// Neither decoder takes memory for what a header promises.
+TEST_F(SceneColorsFile, ImagesThatPromiseTooMuchAreLeftOut) {
+    for (const char* const png : {png_huge, png_large}) {
+        const scene::Scene scene = load(textured_file(png), with_colors);
+        expect_warning(scene, {"base colour texture of material 'bark'", "left out", "are more than 2^28"});
+        EXPECT_EQ(scene.colors.texture_uses.at(0).texture, no_texture);
+        Gltf masked = textured_file(png);
+        masked.set("/materials/0/alphaMode", R"("MASK")");
+        expect_warning(load(masked, {.decode_alpha = alpha_decoded}),
+                       {"alphaMode MASK", "drawn opaque", "more than 2^28"});
+    }
 }
 
 TEST_F(SceneColorsFile, TextureTransformsAndSetsAreTaken) {

@@ -436,6 +436,17 @@ TEST_F(SceneFile, OneWarningNamesAllThatIsNotSupported) {
     EXPECT_EQ(scene.warnings[0].find("KHR_materials_unlit"), std::string::npos) << "colour only";
 }
 
+TEST_F(SceneFile, GlassIsNamed) {
+    Gltf gltf = triangle_file();
+    gltf.set("/meshes/0/primitives", R"([{"attributes": {"POSITION": 0}, "material": 0}])");
+    gltf.set("/materials", R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}}])");
+    expect_warning(load(gltf), {"KHR_materials_transmission (drawn opaque)"});
+    gltf.set("/materials/0/extensions/KHR_materials_transmission/transmissionFactor", "0");
+    EXPECT_TRUE(load(gltf).warnings.empty());
+    gltf.set("/materials/0/extensions/KHR_materials_transmission", "7");
+    EXPECT_TRUE(load(gltf).warnings.empty());
+}
+
 TEST_F(SceneFile, UnknownRequiredExtensionIsAnError) {
     std::vector<std::string> unknown{"ACME_warp"};
     if (!GNOMON_TEST_DRACO) unknown.emplace_back("KHR_draco_mesh_compression");

@@ -27,6 +27,8 @@
 #include <gnomon.hpp>
 #include "reference/visibility.hpp"
 #include "scene/scene.hpp"
+#include "support/scene_masks.hpp"
+#include "support/uncompressed_png.hpp"
 #include "tools/make_scenes/recipes.hpp"
 
 namespace {
@@ -173,7 +175,9 @@ const gnomon::scene::Scene* scene_of(const Line& line) {
     else if (line.scene == "sundial")
         scene = gnomon::scene::sundial();
     else if (std::filesystem::exists(file))
-        scene = gnomon::scene::load(file);
+        scene = gnomon::scene::load(file, line.is_shared
+                                              ? gnomon::scene::LoadOptions{}
+                                              : gnomon::scene::LoadOptions{.decode_alpha = support::alpha_of_made_png});
     else
         return nullptr;
     kept = line.scene;
@@ -210,11 +214,18 @@ constexpr Way ways[] = {{"animated", false, false},
                         {"clusters kept", false, true},
                         {"light prepared and clusters kept", true, true}};
 
+/// The oracle's: 1 in shadow.
+std::vector<std::uint8_t> shadowed(const gnomon::scene::Scene& scene, const Question& question,
+                                   const gnomon::PointsOnHost& points) {
+    const reference::Masks masks = support::masks_of(scene);
+    return reference::shadowed(scene.triangles, points.position, points.receiver, question.light.xyzw,
+                               question.camera.eye, nullptr, scene.cut_outs.empty() ? nullptr : &masks);
+}
+
 /// Fails if the oracle's visibility of a point differs.
 void expect_oracle(const gnomon::scene::Scene& scene, const Question& question, const gnomon::PointsOnHost& points,
                    const std::vector<float>& visibility) {
-    const auto truth = reference::shadowed(scene.triangles, points.position, points.receiver, question.light.xyzw,
-                                           question.camera.eye);
+    const auto truth = shadowed(scene, question, points);
     ASSERT_EQ(truth.size(), visibility.size());
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < truth.size(); ++i) wrong += visibility[i] != (truth[i] ? 0.0f : 1.0f);
@@ -232,11 +243,9 @@ std::vector<float> mean_of(gnomon::Technique& technique, const gnomon::Device& d
     std::vector<std::uint32_t> lit(found.size());
     std::size_t samples = 0;
     const auto judge = [&](const gnomon::Points& points) {
-        const gnomon::PointsOnHost host = gnomon::read(device, points);
-        const auto shadowed = reference::shadowed(scene.triangles, host.position, host.receiver, question.light.xyzw,
-                                                  question.camera.eye);
-        for (std::size_t i = 0; i < shadowed.size(); ++i) lit[(samples + i) % lit.size()] += shadowed[i] == 0;
-        samples += shadowed.size();
+        const auto truth = shadowed(scene, question, gnomon::read(device, points));
+        for (std::size_t i = 0; i < truth.size(); ++i) lit[(samples + i) % lit.size()] += truth[i] == 0;
+        samples += truth.size();
     };
     gnomon::run_samples(technique, device, triangles, view, question.light, question.samples, mean, judge);
     EXPECT_EQ(samples, found.size() * question.samples);
@@ -253,7 +262,7 @@ std::vector<float> mean_of(gnomon::Technique& technique, const gnomon::Device& d
 /// it tests whether they are backfacing. So it does not count all backfacing points, and that count is left out.
 std::string findings_of(const gnomon::Device& device, const gnomon::scene::Scene& scene, const Question& question,
                         const Way& way, bool ask_oracle) {
-    auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    auto triangles = gnomon::scene::upload(device, scene);
     if (way.clusters) triangles.keep_clusters(device);
     const gnomon::View view = gnomon::look(device, triangles, question.camera, question.width, question.height);
     const auto technique = gnomon::make_technique("frustum-traced", device);

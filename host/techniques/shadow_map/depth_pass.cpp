@@ -21,10 +21,11 @@ void DepthMap::draw(cl::Session& session, const TriangleInputs& triangles, const
             chunks_.reserve(session, first_capacity_);
             pass.chunk_capacity = chunks_.capacity();
             session.fill(chunk_count_, 0, sizeof(cl_uint));
-            session.launch(file, "depth_pass_small", cl::Range::items(triangles.count), pass, triangles.vertices,
+            session.launch(triangles.kernel(file, "depth_pass_small"), cl::Range::items(triangles.count), pass,
+                           triangles.vertices, map_views.views, map_views.tables, keys_, output, chunk_count_,
+                           chunks_.buffer());
+            session.launch(triangles.kernel(file, "depth_pass_large"), session.small_groups(), pass, triangles.vertices,
                            map_views.views, map_views.tables, keys_, output, chunk_count_, chunks_.buffer());
-            session.launch(file, "depth_pass_large", session.small_groups(), pass, triangles.vertices, map_views.views,
-                           map_views.tables, keys_, output, chunk_count_, chunks_.buffer());
             fitted = chunks_.fitted(session, session.read_value<cl_uint>(chunk_count_), "chunks of triangles");
         }
     }

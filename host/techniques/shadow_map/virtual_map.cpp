@@ -223,11 +223,12 @@ private:
         pairs_.reserve(session_, 1u << 12);
         for (;;) {
             pass.chunk_capacity = pairs_.capacity();
-            session_.launch(file, "virtual_map_small", cl::Range::items(triangles.count), plan, pass,
+            session_.launch(triangles.kernel(file, "virtual_map_small"), cl::Range::items(triangles.count), plan, pass,
                             triangles.vertices, level_views_.views, level_views_.tables, requested_, page_of_, pages_,
                             touched_, keys_, counters_, pairs_.buffer());
-            session_.launch(file, "virtual_map_large", session_.small_groups(), plan, pass, triangles.vertices,
-                            level_views_.tables, page_of_, pages_, keys_, counters_, pairs_.buffer());
+            session_.launch(triangles.kernel(file, "virtual_map_large"), session_.small_groups(), plan, pass,
+                            triangles.vertices, level_views_.tables, page_of_, pages_, keys_, counters_,
+                            pairs_.buffer());
             counted_ = session_.read_value<VirtualCounters>(counters_);
             if (pairs_.fitted(session_, counted_.pairs, "triangles of pages")) return;
             counted_.pairs = 0;

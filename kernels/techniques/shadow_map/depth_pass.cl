@@ -12,7 +12,7 @@ __kernel void depth_pass_small(DepthPass pass, __global const float* vertices, _
     if (view->width == 0) return;
     GN_FOR_EACH(i, pass.triangle_count) {
         Caster caster;
-        if (!make_caster(view, tables, load_triangle(vertices + pass.first_float, i), &caster)) continue;
+        if (!load_caster(view, tables, vertices, &pass, (uint)i, &caster)) continue;
         if (texels_of(caster.covered) <= SMALL_TEXELS) {
             draw_rectangle(&pass, view, tables, &caster, caster.covered, nearest, output);
             continue;
@@ -34,7 +34,7 @@ __kernel void depth_pass_large(DepthPass pass, __global const float* vertices, _
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
         uint2 chunk = chunks[i];
         Caster caster;
-        make_caster(view, tables, load_triangle(vertices + pass.first_float, chunk.x), &caster);
+        load_caster(view, tables, vertices, &pass, chunk.x, &caster);
         uint2 tiles = tiles_of(caster.covered);
         uint last = min((chunk.y + 1) * CHUNK_TILES, tiles.x * tiles.y);
         for (uint t = chunk.y * CHUNK_TILES + (uint)get_local_id(0); t < last; t += (uint)get_local_size(0))

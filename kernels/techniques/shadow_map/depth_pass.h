@@ -13,6 +13,9 @@
 // triangles that share an edge compute the same number with opposite signs, and at least one covers a centre between
 // them: no cracks. Both faces cast; triangles edge-on to the light cast nothing.
 //
+// A masked triangle (exact/cut_outs.h) covers a centre only where its texture is opaque there, or too near to the
+// threshold for floats to tell: the alpha test of every renderer of shadow maps.
+//
 // Depth at P: (sum of e_i d_i) / (sum of e_i), a convex combination: never outside the triangle's own range.
 #pragma once
 

@@ -108,7 +108,7 @@ __kernel void virtual_map_small(VirtualPlan plan, DepthPass pass, __global const
         if (page_of[first] == page_of[first + across * across]) continue;  // no page of this level is requested
         GN_FOR_EACH(i, pass.triangle_count) {
             Caster caster;
-            if (make_caster(level_views + level_view, tables, load_triangle(vertices + pass.first_float, i), &caster))
+            if (load_caster(level_views + level_view, tables, vertices, &pass, (uint)i, &caster))
                 draw_into_pages(&plan, &pass, level_view, (uint)i, &caster, requested, page_of, pages, tables, touched,
                                 keys, counters, pairs);
         }
@@ -126,7 +126,7 @@ __kernel void virtual_map_large(VirtualPlan plan, DepthPass pass, __global const
         Page page = page_of_entry(&plan, pair.y);
         __global const MapView* view = pages + page_of[pair.y];
         Caster caster;
-        make_caster(view, tables, load_triangle(vertices + pass.first_float, pair.x), &caster);
+        load_caster(view, tables, vertices, &pass, pair.x, &caster);
         clip_to_page(&caster, (uint2)(page.column, page.row));
         uint2 tiles = tiles_of(caster.covered);
         for (uint t = (uint)get_local_id(0); t < tiles.x * tiles.y; t += (uint)get_local_size(0))
