@@ -31,6 +31,7 @@ add_library(gnomon_bench_parts STATIC
   bench/contestant.cpp
   bench/experiments.cpp
   bench/machine.cpp
+  bench/many_lights.cpp
   bench/output.cpp
   bench/page.cpp
   bench/pictures.cpp
@@ -39,8 +40,9 @@ add_library(gnomon_bench_parts STATIC
   bench/runner.cpp
   bench/sweep.cpp
   bench/tables.cpp
-  $<IF:$<BOOL:${embree_FOUND}>,bench/embree_peer.cpp;bench/embree_rays.cpp;bench/embree_scene.cpp,bench/no_peers.cpp>
+  $<IF:$<BOOL:${embree_FOUND}>,bench/embree_lights.cpp;bench/embree_peer.cpp;bench/embree_rays.cpp;bench/embree_scene.cpp,bench/no_peers.cpp>
 )
+gnomon_embed_files(gnomon_bench_parts embedded_tables tools/bench/suns_of_latitude_52.csv)
 add_dependencies(gnomon_bench_parts gnomon_bench_commit)
 target_include_directories(gnomon_bench_parts PUBLIC ${CMAKE_CURRENT_LIST_DIR}
                                               PRIVATE ${bench_generated} ${GNOMON_STB_INCLUDE})

@@ -10,10 +10,14 @@ add_library(gnomon_scene_recipes STATIC
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/edge_scenes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/foliage.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/glb.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/leaves.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/pipes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/png.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/recipes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/shapes.cpp
   ${CMAKE_CURRENT_LIST_DIR}/make_scenes/small_scenes.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/terrain.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/make_scenes/town.cpp
 )
 target_link_libraries(gnomon_scene_recipes PRIVATE gnomon_build_flags nlohmann_json::nlohmann_json)
 

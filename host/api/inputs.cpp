@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <type_traits>
 
 #include "api/vectors.hpp"
 #include "cl/opencl.hpp"
@@ -112,19 +114,24 @@ void require_points(std::span<const float> positions, std::span<const std::uint3
                               std::to_string(positions.size() / 3) + " points: give one each, or none at all");
 }
 
-/// A buffer in the host's memory; null if the device has memory of its own, or refuses.
-std::shared_ptr<void> shared_memory(const Device& device, const void* data, std::size_t bytes, cl_mem_flags use) {
-    if (!device.description().shares_host_memory || bytes == 0) return nullptr;
-    cl_int code;
-    cl_mem made = clCreateBuffer(device.context(), CL_MEM_USE_HOST_PTR | use, bytes, const_cast<void*>(data), &code);
-    if (code != CL_SUCCESS) return nullptr;
-    return {made, [](void* m) { clReleaseMemObject(static_cast<cl_mem>(m)); }};
-}
+/// A buffer in the host's memory, until it is retained; null if the device has memory of its own, or refuses.
+class SharedMemory {
+public:
+    SharedMemory(const Device& device, const void* data, std::size_t bytes, cl_mem_flags use) {
+        if (!device.description().shares_host_memory || bytes == 0) return;
+        cl_int code;
+        cl_mem made =
+            clCreateBuffer(device.context(), CL_MEM_USE_HOST_PTR | use, bytes, const_cast<void*>(data), &code);
+        if (code == CL_SUCCESS) memory_.reset(made);
+    }
+    cl_mem get() const { return memory_.get(); }
 
-std::shared_ptr<void> shared_or_uploaded(const Device& device, const void* data, std::size_t bytes) {
-    const std::shared_ptr<void> shared = shared_memory(device, data, bytes, CL_MEM_READ_ONLY);
-    return shared ? shared : uploaded(device, data, bytes);
-}
+private:
+    struct Release {
+        void operator()(cl_mem memory) const { clReleaseMemObject(memory); }
+    };
+    std::unique_ptr<std::remove_pointer_t<cl_mem>, Release> memory_;
+};
 
 }  // namespace
 
@@ -158,7 +165,7 @@ Triangles Triangles::upload(const Device& device, std::span<const float> vertice
         std::vector<cl_uint> words(vertices.size() + packed.words.size());
         std::memcpy(words.data(), vertices.data(), vertices.size_bytes());
         std::copy(packed.words.begin(), packed.words.end(), words.begin() + std::ptrdiff_t(vertices.size()));
-        triangles = upload(device, vertices.first(0));
+        require_count(vertices.size() / 9, "triangles");
         triangles.buffer_ = uploaded(device, words.data(), words.size() * sizeof(cl_uint));
         triangles.count_ = vertices.size() / 9;
     }
@@ -186,11 +193,8 @@ Triangles Triangles::copy(const Device& device, cl_mem vertices, std::size_t cou
 
 Triangles Triangles::share(const Device& device, std::span<const float> vertices) {
     require_whole_triangles(vertices);
-    require_count(vertices.size() / 9, "triangles");
-    Triangles triangles;
-    triangles.buffer_ = shared_or_uploaded(device, vertices.data(), vertices.size_bytes());
-    triangles.count_ = vertices.size() / 9;
-    return triangles;
+    const SharedMemory shared(device, vertices.data(), vertices.size_bytes(), CL_MEM_READ_ONLY);
+    return shared.get() != nullptr ? wrap(device, shared.get(), vertices.size() / 9) : upload(device, vertices);
 }
 
 Triangles Triangles::wrap(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float) {
@@ -224,11 +228,11 @@ Points Points::upload(const Device& device, std::span<const float> positions,
 
 Points Points::share(const Device& device, std::span<const float> positions, std::span<const std::uint32_t> receivers) {
     require_points(positions, receivers);
-    Points points;
-    points.count_ = positions.size() / 3;
-    points.positions_ = shared_or_uploaded(device, positions.data(), positions.size_bytes());
-    if (!receivers.empty()) points.receivers_ = shared_or_uploaded(device, receivers.data(), receivers.size_bytes());
-    return points;
+    const SharedMemory places(device, positions.data(), positions.size_bytes(), CL_MEM_READ_ONLY);
+    const SharedMemory ids(device, receivers.data(), receivers.size_bytes(), CL_MEM_READ_ONLY);
+    const bool is_shared = places.get() != nullptr && (ids.get() != nullptr || receivers.empty());
+    return is_shared ? wrap(device, places.get(), {}, positions.size() / 3, ids.get())
+                     : upload(device, positions, receivers);
 }
 
 void Points::set_lifted_off(const Triangles& triangles) {
@@ -290,12 +294,11 @@ Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count, s
 }
 
 Visibility Visibility::share(const Device& device, std::span<float> values) {
-    Visibility shared(device, 0);
-    shared.buffer_ = shared_memory(device, values.data(), values.size_bytes(), CL_MEM_READ_WRITE);
-    if (!shared.buffer_) shared = Visibility(device, values.size());
-    shared.count_ = values.size();
-    shared.shared_ = values.data();
-    return shared;
+    const SharedMemory shared(device, values.data(), values.size_bytes(), CL_MEM_READ_WRITE);
+    Visibility made =
+        shared.get() != nullptr ? Visibility(device, shared.get(), values.size()) : Visibility(device, values.size());
+    made.shared_ = values.data();
+    return made;
 }
 
 void Visibility::fetch() const {

@@ -102,7 +102,7 @@ void add_triangles(std::ostream& out, const std::string& heading, const std::vec
             << formatted("\n    signs: point's side %c, light's side %c, edges ab %c bc %c ca %c; certain in ",
                          sign(t.point_side), sign(t.light_side), sign(t.edges[0]), sign(t.edges[1]), sign(t.edges[2]))
             << t.arithmetic;
-        if (t.blocks) out << "; " << float_text(float(t.distance)) << " from the point";
+        if (t.blocks || t.is_clear) out << "; " << float_text(float(t.distance)) << " from the point";
         out << '\n';
     }
     if (list.size() > most_printed) out << "  and " << grouped(list.size() - most_printed) << " more\n";
@@ -123,10 +123,12 @@ std::string text_of(const Explained& explained) {
         if (e.eye_side != 0) out << ", eye's side " << sign(e.eye_side);
         out << '\n';
     }
-    out << "light     " << light_option(explained.light.light) << " (" << explained.light.source << ")\n"
+    out << "light     " << light_option(explained.light) << " (" << explained.light.source << ")\n"
         << "result    " << (e.is_lit() ? "lit" : "in shadow") << ": " << reason(e) << '\n'
         << "decided   by the stage " << e.stage << ", arithmetic: " << e.arithmetic << '\n';
     add_triangles(out, "block the shadow ray, nearest first", e.occluders);
+    add_triangles(out, "let the shadow ray pass, which meets them where their texture is clear, nearest first",
+                  e.clear_hits);
     if (e.stage != "facing" && e.arithmetic != "filter")
         add_triangles(out, "do not block, and the exact predicate's level float was not certain", e.near_misses);
     return out.str();

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "measure/visibility_errors.hpp"
 #include "output_files.hpp"
@@ -23,6 +25,7 @@ const char* const truth_name = "frustum-traced";
 struct Chosen {
     TechniqueDescription technique;
     Settings settings;
+    bool is_soft_truth = false;
 };
 
 TechniqueDescription described(const std::string& name) {
@@ -45,14 +48,24 @@ Chosen parse_technique(const std::string& text) {
     return chosen;
 }
 
-/// The truth first, then the techniques of the options, or every other technique.
+/// pcss with the size of the disk, unless its settings have one.
+void fit_light_size(const GalleryOptions& options, Chosen& chosen) {
+    if (chosen.technique.name != "pcss" || !options.sun_angle_degrees) return;
+    if (std::ranges::any_of(chosen.settings, [](const auto& setting) { return setting.first == "light-size"; })) return;
+    const double tangent = std::tan(double(*options.sun_angle_degrees) * (std::numbers::pi / 180));
+    chosen.settings.emplace_back("light-size", float_text(float(tangent)));
+}
+
+/// The truth first (with a disk also the hard shadow), then the techniques of the options, or every other technique.
 std::vector<Chosen> choose_techniques(const GalleryOptions& options) {
     std::vector<Chosen> all{{described(truth_name), {}}};
+    if (options.sun_angle_degrees) all.insert(all.begin(), {described(truth_name), {}, true});
     if (options.techniques.empty())
         for (TechniqueDescription& technique : techniques())
             if (technique.name != truth_name) all.push_back({std::move(technique), {}});
     for (const std::string& text : options.techniques)
         if (text != truth_name) all.push_back(parse_technique(text));
+    for (Chosen& chosen : all) fit_light_size(options, chosen);
     return all;
 }
 
@@ -70,12 +83,15 @@ struct Hall {
     View view;
     Surfaces surfaces;
     Light light;
+    std::optional<Lights> sun;  ///< the disk that the light is, if the truth is soft
     std::vector<float> truth;
 };
 
-double run_ms(const Hall& hall, Technique& technique, const Visibility& visibility, Statistics& statistics) {
+double run_ms(const Hall& hall, Technique& technique, bool is_soft_truth, const Visibility& visibility,
+              Statistics& statistics) {
     const auto start = std::chrono::steady_clock::now();
-    statistics = technique.run(hall.triangles, hall.view.points, hall.light, visibility);
+    statistics = is_soft_truth ? run_mean(technique, hall.triangles, hall.view.points, *hall.sun, visibility)
+                               : technique.run(hall.triangles, hall.view.points, hall.light, visibility);
     hall.device.finish();
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -85,9 +101,10 @@ ordered_json results(Hall& hall, const Chosen& chosen, std::uint32_t runs) {
     const auto technique = make_technique(hall.device, chosen.technique.name, chosen.settings);
     const Visibility visibility(hall.device, hall.view.points.count());
     Statistics statistics;
-    run_ms(hall, *technique, visibility, statistics);  // compiles kernels and grows lists
+    const auto run_once = [&] { return run_ms(hall, *technique, chosen.is_soft_truth, visibility, statistics); };
+    run_once();  // compiles kernels and grows lists
     std::vector<double> ms;
-    for (std::uint32_t run = 0; run < runs; ++run) ms.push_back(run_ms(hall, *technique, visibility, statistics));
+    for (std::uint32_t run = 0; run < runs; ++run) ms.push_back(run_once());
     std::sort(ms.begin(), ms.end());
 
     const std::vector<float> visible = visibility.read();
@@ -111,6 +128,8 @@ ordered_json results(Hall& hall, const Chosen& chosen, std::uint32_t runs) {
             {"mean_absolute", errors.mean_absolute},
             {"worst_tile", errors.worst_tile},
             {"ssim", errors.ssim},
+            {"penumbra_points", errors.penumbra_points},
+            {"penumbra_mean_absolute", errors.penumbra_mean_absolute},
             {"picture", data_uri("jpeg", width, height, shaded.rgba)},
             {"difference", data_uri("png", width, height, measure::difference_picture(visible, hall.truth))},
             {"diagnostics", diagnostics}};
@@ -119,10 +138,12 @@ ordered_json results(Hall& hall, const Chosen& chosen, std::uint32_t runs) {
 /// A technique with its results. An error becomes a sentence in their place (unless `strict`), so that the other
 /// techniques are still shown.
 ordered_json exhibit(Hall& hall, const Chosen& chosen, std::uint32_t runs, bool strict) {
+    const std::string samples =
+        chosen.is_soft_truth ? "soft: " + grouped(hall.sun->count()) + " lights on the disk" : std::string();
     ordered_json json{{"name", chosen.technique.name},
-                      {"settings", settings_text(chosen.settings)},
+                      {"settings", samples + settings_text(chosen.settings)},
                       {"summary", chosen.technique.summary},
-                      {"exact", chosen.technique.exact}};
+                      {"exact", chosen.technique.exact && chosen.is_soft_truth == hall.sun.has_value()}};
     try {
         json.update(results(hall, chosen, runs));
     } catch (const Error& error) {
@@ -139,13 +160,15 @@ ordered_json page_json(const GalleryOptions& options, const Device& device, cons
     const std::string name = options.scene ? options.scene->filename().string() : "the built-in sundial";
     const DeviceDescription& d = device.description();
     const auto [width, height] = options.size;
+    const std::string disk =
+        options.sun_angle_degrees ? ", a disk of " + float_text(*options.sun_angle_degrees) + " degrees" : "";
     return {
         {"title", "gnomon: " + name},
         {"width", width},
         {"height", height},
         {"facts", ordered_json::array({{"scene", name + ", " + grouped(scene.triangle_count()) + " triangles"},
                                        {"camera", camera.source},
-                                       {"light", light_option(light.light) + " (" + light.source + ")"},
+                                       {"light", light_option(light) + " (" + light.source + ")" + disk},
                                        {"picture", std::to_string(width) + " x " + std::to_string(height)},
                                        {"device", d.name + " (" + d.platform + ", " + d.driver_version + ")"},
                                        {"timed runs", std::to_string(options.runs) + " of each, after one to warm up"},
@@ -181,7 +204,8 @@ void gallery(const GalleryOptions& options) {
     const View view = look(device, triangles, camera.camera, options.size.width, options.size.height);
     const scene::SurfaceDetailView detail(scene);
     Hall hall{device,      scene, triangles, view, {device, triangles, view, scene.materials, detail.get()},
-              light.light, {}};
+              light.light, {},    {}};
+    if (options.sun_angle_degrees) hall.sun = sun_of(options, light, truth_sun_samples);
     ordered_json page = page_json(options, device, scene, camera, light);
     for (const Chosen& one : all) {
         const ProgressLine progress(one.technique.name + " " + settings_text(one.settings), !options.quiet);

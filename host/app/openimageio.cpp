@@ -34,7 +34,7 @@ private:
     ByteSink& file_;
 };
 
-/// The first eight channels, and more with surfaces and with shares of the sky.
+/// The first eight channels, and more with surfaces, with shares of the sky, and of an area light.
 OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* channel, const AovSurfaces& surfaces) {
     OIIO::ImageSpec spec(int(width), int(height), 8, OIIO::TypeFloat);
     spec.channelnames = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", channel, "receiver"};
@@ -42,6 +42,7 @@ OIIO::ImageSpec aov_spec(std::uint32_t width, std::uint32_t height, const char* 
         for (const char* name : {"albedo.R", "albedo.G", "albedo.B", "Ns.X", "Ns.Y", "Ns.Z"})
             spec.channelnames.emplace_back(name);
     if (!surfaces.sky_shares.empty()) spec.channelnames.emplace_back("sky");
+    if (!surfaces.irradiance.empty()) spec.channelnames.emplace_back("irradiance");
     spec.nchannels = int(spec.channelnames.size());
     spec.channelformats.assign(spec.channelnames.size(), OIIO::TypeFloat);
     spec.channelformats[7] = OIIO::TypeUInt32;
@@ -66,6 +67,7 @@ void put_aov_pixel(const ViewOnHost& view, std::span<const float> values, const 
         put_three(surfaces.surfaces->normal);
     }
     if (!surfaces.sky_shares.empty()) put(surfaces.sky_shares[pixel]);
+    if (!surfaces.irradiance.empty()) put(surfaces.irradiance[pixel]);
 }
 
 std::string data_uri(const std::string& format, std::uint32_t width, std::uint32_t height,

@@ -19,6 +19,7 @@ namespace gnomon::app {
 struct AovSurfaces {
     const SurfacesOnHost* surfaces = nullptr;
     std::span<const float> sky_shares{};
+    std::span<const float> irradiance{};
 };
 
 /// The functions of the module. Failures are Error.

@@ -95,8 +95,9 @@ void add_camera_options(CLI::App& app, ViewOptions& options) {
         });
 }
 
-/// `more` is added to the help of --light.
-void add_light_options(CLI::App& app, ViewOptions& options, const std::string& more = {}) {
+/// `more` is added to the help of --light. `render`: with area lights.
+void add_light_options(CLI::App& app, ViewOptions& options, const std::string& more = {},
+                       RenderOptions* render = nullptr) {
     const Group add{app, "Light (default: the scene's first, else a sun that travels along -0.4,-1,-0.3)"};
     add("--light-direction", "X,Y,Z", "A light infinitely far away: the way it travels",
         [&](const std::string& option, const std::string& text) {
@@ -105,6 +106,14 @@ void add_light_options(CLI::App& app, ViewOptions& options, const std::string& m
                 throw UsageError(option + " needs a direction that is not 0,0,0");
         });
     add("--light-position", "X,Y,Z", "A light at a point", into(options.light_position, parse_float3));
+    if (render)
+        add("--area-light", "X,Y,Z,AX,AY,AZ,BX,BY,BZ",
+            "A parallelogram that shines: a corner and two edges a and b. It shines on the side of\na x b, with the "
+            "cosines at lamp and surface and the inverse square of each sample's distance",
+            [render](const std::string& option, const std::string& text) {
+                const auto [corner, a, b] = parse_three_float3(option, text);
+                render->area_light = {corner, a, b};
+            });
     add("--light", "NAME|INDEX", "A light of the scene, by its name or its position from 0" + more,
         into(options.light, parse_name));
 }
@@ -188,7 +197,7 @@ void add_picture_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Picture (masks and --aov's visibility do not depend on these)"};
     add("--exposure", "EV|auto",
         "All light times 2^EV; auto: so that 95 % of the surfaces' pixels are no brighter than .8\n"
-        "(default: 0 for one light, auto for more and for --ambient sky)",
+        "(default: 0 for one light, auto for more, for --ambient sky and --area-light)",
         [&](const std::string& option, const std::string& text) {
             options.is_metered = text == "auto";
             options.exposure_ev = options.is_metered ? std::nullopt : std::optional(parse_double(option, text));
@@ -209,6 +218,14 @@ void add_samples(const Group& add, const std::string& meaning, std::uint32_t& sa
     });
 }
 
+void add_sun(const Group& add, const char* meaning, std::uint32_t default_samples, ViewOptions& options) {
+    add("--sun-angle", "DEGREES", meaning, into(options.sun_angle_degrees, parse_float));
+    add("--sun-samples", "N",
+        "Lights on such a disk, each with its own exact shadow; a pixel gets their mean (default " +
+            std::to_string(default_samples) + ")",
+        into(options.sun_samples, parse_count, 1, 65536));
+}
+
 void add_technique_options(CLI::App& app, RenderOptions& options) {
     const Group add{app, "Technique (see: gnomon techniques --verbose)"};
     const auto parse_short_setting = [](const std::string& option, const std::string& text) {
@@ -219,14 +236,10 @@ void add_technique_options(CLI::App& app, RenderOptions& options) {
     add_samples(add,
                 "Points per pixel, each with its own exact answer; a pixel gets their mean (default 1, its centre)",
                 options.samples);
-    add("--sun-angle", "DEGREES",
-        "Soft shadows: directional lights are disks of this angle in the sky (the sun's: 0.533)",
-        into(options.sun_angle_degrees, parse_float));
-    add("--sun-samples", "N",
-        "Lights on such a disk, each with its own exact shadow; a pixel gets their mean (default 64)",
-        [&](const std::string& option, const std::string& text) {
-            options.sun_samples = parse_count(option, text, 1, 65536);
-        });
+    add_sun(add, "Soft shadows: directional lights are disks of this angle in the sky (the sun's: 0.533)",
+            default_sun_samples, options);
+    add("--area-samples", "N", "Points of --area-light, each with its own exact shadow (default 64)",
+        into(options.area_samples, parse_count, 1, 65536));
     add("--set", "KEY=VALUE", "Changes a setting of the technique; may be repeated",
         into(options.settings, parse_setting));
     add("--diagnostic", "NAME",
@@ -262,11 +275,23 @@ void check_camera_options(const ViewOptions& options) {
     if (options.up && !options.eye) throw UsageError("--up needs --eye and --target as well");
 }
 
-void check_sun(const RenderOptions& options) {
+void check_sun_angle(const ViewOptions& options) {
     const auto& angle = options.sun_angle_degrees;
     if (options.sun_samples && !angle) throw UsageError("--sun-samples needs --sun-angle as well: the disk's size");
-    if (!angle) return;
-    if (!(*angle > 0 && *angle < 90)) throw UsageError("--sun-angle must lie between 0 and 90 degrees");
+    if (angle && !(*angle > 0 && *angle < 90)) throw UsageError("--sun-angle must lie between 0 and 90 degrees");
+}
+
+void check_area_light(const RenderOptions& options) {
+    if (options.area_samples && !options.area_light) throw UsageError("--area-samples needs --area-light as well");
+    if (!options.area_light) return;
+    if (options.sun_angle_degrees) throw UsageError("--sun-angle is for directional lights: leave out --area-light");
+    if (options.samples != 1) throw UsageError("--area-light takes one point per pixel: leave out --samples");
+    if (options.diagnostic) throw UsageError("--diagnostic draws a light without an area: leave out --area-light");
+}
+
+void check_sun(const RenderOptions& options) {
+    check_sun_angle(options);
+    if (!options.sun_angle_degrees) return;
     if (options.samples != 1) throw UsageError("--sun-angle takes one point per pixel: leave out --samples");
     if (options.diagnostic) throw UsageError("--diagnostic draws a light without a disk: leave out --sun-angle");
 }
@@ -292,9 +317,12 @@ void check_explained(const ExplainOptions& options) {
 
 void check_light_options(const ViewOptions& options) {
     const int given = int(options.light.has_value()) + int(options.light_direction.has_value()) +
-                      int(options.light_position.has_value());
+                      int(options.light_position.has_value()) + int(options.area_light.has_value());
     if (given > 1)
-        throw UsageError("--light, --light-direction and --light-position exclude each other: give one of them");
+        throw UsageError(
+            options.area_light
+                ? "--area-light takes the place of --light, --light-direction and --light-position: give one of them"
+                : "--light, --light-direction and --light-position exclude each other: give one of them");
 }
 
 void check_scene_options(const ViewOptions& options) {
@@ -359,7 +387,8 @@ CLI::App* add_render(CLI::App& app, RenderOptions& options) {
     add_camera_options(*render, options);
     add_light_options(*render, options,
                       ";\nall: every light of the scene, each with its own mask and statistics; the picture\n"
-                      "is lit by all, and --mask NAME.png writes NAME_0.png, NAME_1.png, ...");
+                      "is lit by all, and --mask NAME.png writes NAME_0.png, NAME_1.png, ...",
+                      &options);
     add_picture_options(*render, options);
     add_technique_options(*render, options);
     add_device_options(*render, options);
@@ -400,6 +429,10 @@ CLI::App* add_gallery(CLI::App& app, GalleryOptions& options) {
     add_scene_options(*gallery, options);
     add_camera_options(*gallery, options);
     add_light_options(*gallery, options);
+    add_sun({*gallery, "Soft shadows"},
+            "The truth is soft: the directional light is a disk of this angle (the sun's: 0.533), and errors are also\n"
+            "measured in penumbrae alone",
+            truth_sun_samples, options);
     add_device_options(*gallery, options);
     return gallery;
 }
@@ -608,7 +641,7 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
 
     if (*render)
         return checked(app::render, render_options, check_scene_options, check_sequence, check_camera_options,
-                       check_light_options, check_sun, check_outputs);
+                       check_light_options, check_sun, check_area_light, check_outputs);
     if (*hours) {
         check_hours(hours_options);
         complete_place(hours_options, place, hours->count("--utc") != 0);
@@ -617,7 +650,8 @@ Command parse_command_line(const std::vector<std::string>& arguments) {
     if (*explain)
         return checked(app::explain, explain_options, check_scene_options, check_explained, check_light_options);
     if (*gallery)
-        return checked(app::gallery, gallery_options, check_scene_options, check_camera_options, check_light_options);
+        return checked(app::gallery, gallery_options, check_scene_options, check_camera_options, check_light_options,
+                       check_sun_angle);
     if (*devices) return checked_devices(devices_options);
     if (*techniques) return [=] { print_result(technique_list(techniques_options)); };
     return print(help_of(parser));

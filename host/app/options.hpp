@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "area_lamp.hpp"
 #include "scene/scene.hpp"
 #include "suns.hpp"
 #include "values.hpp"
@@ -46,6 +47,10 @@ struct ViewOptions {
     // At most one of the following.
     std::optional<std::string> light;
     std::optional<Float3> light_direction, light_position;
+    std::optional<AreaLamp> area_light;  ///< of gnomon render
+
+    std::optional<float> sun_angle_degrees;    ///< of the disk that a directional light is; none: a point of the sky
+    std::optional<std::uint32_t> sun_samples;  ///< of the disk
 
     std::string device;
     std::uint64_t memory_limit_bytes = 0;  ///< 0: none
@@ -55,7 +60,7 @@ struct ViewOptions {
     std::vector<std::string> command_line;  ///< as given, for the statistics
 };
 
-inline constexpr std::uint32_t default_sun_samples = 64;
+inline constexpr std::uint32_t default_sun_samples = 64, truth_sun_samples = 1024;
 
 /// `gnomon render`
 struct RenderOptions : ViewOptions {
@@ -65,11 +70,10 @@ struct RenderOptions : ViewOptions {
     std::uint32_t frames = 0;  ///< of a sequence, from time_s on; 0: one picture
     std::optional<double> frames_per_s;
 
-    bool profile = false;                      ///< time each stage on the device
-    std::uint32_t samples = 1;                 ///< per pixel
-    std::optional<std::string> diagnostic;     ///< drawn instead of the picture
-    std::optional<float> sun_angle_degrees;    ///< of the disk that a directional light is; none: a point of the sky
-    std::optional<std::uint32_t> sun_samples;  ///< of the disk
+    bool profile = false;                       ///< time each stage on the device
+    std::uint32_t samples = 1;                  ///< per pixel
+    std::optional<std::string> diagnostic;      ///< drawn instead of the picture
+    std::optional<std::uint32_t> area_samples;  ///< of the area light
 
     std::optional<double> exposure_ev;  ///< of the picture; none: metered, or 0
     bool is_metered = false;

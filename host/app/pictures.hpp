@@ -20,7 +20,8 @@ void write_picture(OutputFile& file, std::uint32_t width, std::uint32_t height, 
 void write_mask(OutputFile& file, std::uint32_t width, std::uint32_t height, std::span<const float> visibility);
 
 /// One EXR, zip (lossless): P.X P.Y P.Z N.X N.Y N.Z and the values' channel FLOAT, receiver UINT; with surfaces
-/// albedo.R .G .B and Ns.X .Y .Z FLOAT, too, and with shares of the sky channel sky.
+/// albedo.R .G .B and Ns.X .Y .Z FLOAT, too, with shares of the sky channel sky, and of an area
+/// light channel irradiance.
 void write_aov(OutputFile& file, std::uint32_t width, std::uint32_t height, const ViewOnHost& view,
                std::span<const float> values, const char* channel = "visibility", const AovSurfaces& surfaces = {});
 

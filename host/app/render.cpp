@@ -136,6 +136,7 @@ struct Seen {
     std::vector<Visibility> visibilities;     ///< one for each light
     std::vector<std::vector<float>> visible;  ///< the same, on the host
     std::vector<std::uint32_t> ids;           ///< the triangles' ids in the scene; empty: they are all of it
+    std::vector<float> irradiance{};          ///< of an area light, else empty
 };
 
 std::vector<Light> lights_of(const Report& report) {
@@ -156,12 +157,29 @@ std::vector<std::vector<float>> read_all(const std::vector<Visibility>& visibili
     return visible;
 }
 
-/// The disk in the sky that a directional light is for --sun-angle.
-Lights sun_of(const RenderOptions& options, const ChosenLight& chosen) {
-    if (!chosen.light.is_directional())
-        throw Error("--sun-angle is for directional lights, and " + chosen.source + " is a point light");
-    return sun_disk(direction_of(chosen.light), *options.sun_angle_degrees,
-                    options.sun_samples.value_or(default_sun_samples));
+/// Values of the host on the device, as shade() takes them.
+Visibility uploaded(const Device& device, std::vector<float> values) {
+    const std::size_t count = values.size();
+    values.resize((count + 2) / 3 * 3);  // whole points
+    const Points holder = Points::upload(device, values);
+    return {device, holder.positions(), count};
+}
+
+/// The mask is the share of the lamp's light that reaches a pixel; what is shaded is how bright the lamp shines on it.
+Seen see_area_light(Report& report, const Device& device, Technique& technique, const Triangles& triangles,
+                    const View& view) {
+    const AreaLamp& lamp = *report.lights.front().chosen.area;
+    const Lights lights =
+        area_light(lamp.corner, lamp.edge_a, lamp.edge_b, report.options.area_samples.value_or(default_area_samples));
+    const LightsOnHost found = run_lights_to_host(technique, triangles, view.points, lights, {.bits = true});
+    report.lights.front().statistics = found.statistics;
+    LampLight light = lamp_light(lamp, lights, read(device, triangles, view), found.bits);
+    return {triangles,
+            view,
+            {uploaded(device, std::move(light.brightness))},
+            {std::move(light.share)},
+            {},
+            std::move(light.irradiance)};
 }
 
 Seen see(Steps& steps, Report& report, const Device& device, Technique& technique, const scene::Scene& scene,
@@ -175,6 +193,11 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
     const View view = steps.run("camera", "camera (compiles kernels the first time)",
                                 [&] { return look(device, triangles, report.camera.camera, width, height); });
     report.camera_statistics = view.statistics;
+    if (report.options.area_light) {
+        if (point_dump) write_points(*point_dump, read(device, view.points));
+        return steps.run("shadow", "shadows (compiles kernels the first time)",
+                         [&] { return see_area_light(report, device, technique, triangles, view); });
+    }
     std::vector<Visibility> visibilities = visibilities_for(device, view, report);
     std::vector<std::vector<float>> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
         bool is_dumped = false;  // every light has the same points
@@ -185,8 +208,8 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
             dump(view.points);
             for (std::size_t i = 0; i < visibilities.size(); ++i)
                 report.lights[i].statistics =
-                    run_mean(technique, triangles, view.points, sun_of(report.options, report.lights[i].chosen),
-                             visibilities[i]);
+                    run_mean(technique, triangles, view.points,
+                             sun_of(report.options, report.lights[i].chosen, default_sun_samples), visibilities[i]);
         } else if (report.options.samples == 1) {
             dump(view.points);
             const auto statistics = technique.run_lights(triangles, view.points, lights_of(report), visibilities);
@@ -227,14 +250,18 @@ Seen see_in_parts(Steps& steps, Report& report, const Device& device, const scen
 /// An exact technique gives the whole's visibility from parts. Samples, dumped points and diagnostics are for scenes
 /// that fit.
 bool can_be_in_parts(const RenderOptions& options) {
-    return options.samples == 1 && !options.sun_angle_degrees && options.sky_division == 0 && !options.point_dump &&
-           !options.diagnostic && describe_technique(options.technique).exact;
+    return options.samples == 1 && !options.sun_angle_degrees && !options.area_light && options.sky_division == 0 &&
+           !options.point_dump && !options.diagnostic && describe_technique(options.technique).exact;
 }
 
-/// Only exact techniques decide masks. Others are warned about, and refused under --strict.
+/// Techniques that do not test masks are warned about, and refused under --strict. Those that store depths or
+/// triangles in a map test them as a map does.
 void require_exact_for_cut_outs(const RenderOptions& options, const scene::Scene& scene) {
-    if (scene.cut_outs.empty() || describe_technique(options.technique).exact) return;
-    const std::string what = options.technique + " takes triangles that are cut out by their alpha for opaque ones";
+    const bool is_opaque = options.technique == "shadow-volumes";
+    if (scene.cut_outs.empty() || (!is_opaque && options.technique != "conservative-map")) return;
+    const std::string what =
+        options.technique + (is_opaque ? " takes triangles that are cut out by their alpha for opaque ones"
+                                       : " leaves out triangles that are cut out by their alpha");
     if (options.strict) throw Error(what + " (an error because of --strict)");
     print_warning(what);
 }
@@ -311,11 +338,11 @@ std::vector<float> sky_shares_of(const Device& device, Technique& technique, con
     return {found.sums.begin(), found.sums.end()};
 }
 
-/// One light without a sky is as bright as the tone curve expects it. Other exposures are metered, if not given; in a
-/// sequence all frames have that of the first.
+/// One light without a sky and without an area is as bright as the tone curve expects it. Other exposures are metered,
+/// if not given; in a sequence all frames have that of the first.
 std::optional<double> exposure_of(const RenderOptions& options, std::size_t light_count) {
     if (options.exposure_ev || options.is_metered) return options.exposure_ev;
-    return light_count > 1 || options.sky_division != 0 ? std::nullopt : std::optional<double>(0);
+    return light_count > 1 || options.sky_division != 0 || options.area_light ? std::nullopt : std::optional<double>(0);
 }
 
 ViewOnHost view_of(const Device& device, const Seen& seen) {
@@ -353,7 +380,8 @@ void write_files(Steps& steps, const Outputs& outputs, const Device& device, con
         steps.run("write_aov", "writing the EXR", [&] {
             const ViewOnHost view = view_of(device, seen);
             const SurfacesOnHost shown = surfaces->surfaces.read(surfaces->materials);
-            write_aov(*aov, width, height, view, seen.visible.front(), "visibility", {&shown, surfaces->sky_shares});
+            write_aov(*aov, width, height, view, seen.visible.front(), "visibility",
+                      {&shown, surfaces->sky_shares, seen.irradiance});
         });
     if (OutputFile* const dump = outputs["dump-triangles"])
         steps.run("write_triangles", "writing the triangles",

@@ -49,8 +49,14 @@ ordered_json camera_json(const ChosenCamera& chosen) {
 
 ordered_json light_json(const ChosenLight& chosen) {
     const Light& light = chosen.light;
-    ordered_json result{{"source", chosen.source}, {"option", light_option(light)}};
-    if (light.is_directional())
+    ordered_json result{{"source", chosen.source}, {"option", light_option(chosen)}};
+    if (const auto& lamp = chosen.area)
+        result.update({{"type", "area"},
+                       {"corner", lamp->corner},
+                       {"edge_a", lamp->edge_a},
+                       {"edge_b", lamp->edge_b},
+                       {"radiance_w_per_m2_sr", 1}});
+    else if (light.is_directional())
         result.update({{"type", "directional"}, {"direction", direction_of(light)}});
     else
         result.update({{"type", "positional"}, {"position", position_of(light)}});
@@ -90,6 +96,7 @@ ordered_json image_json(const RenderOptions& options) {
     ordered_json json{{"width", options.size.width}, {"height", options.size.height}, {"samples", options.samples}};
     if (options.sun_angle_degrees) json["sun_angle_degrees"] = *options.sun_angle_degrees;
     if (options.sun_angle_degrees) json["sun_samples"] = options.sun_samples.value_or(default_sun_samples);
+    if (options.area_light) json["area_samples"] = options.area_samples.value_or(default_area_samples);
     return json;
 }
 
@@ -289,7 +296,7 @@ std::string summary(const Report& report) {
     if (options.profile) text += stages_text("camera", report.camera_statistics);
     text += counts_text(report.camera_statistics);
     for (const auto& [chosen, statistics, shares] : report.lights) {
-        text += '\n' + fact("light", light_option(chosen.light) + " (" + chosen.source + ")");
+        text += '\n' + fact("light", light_option(chosen) + " (" + chosen.source + ")");
         if (options.profile) text += stages_text("shadow", statistics);
         text += counts_text(statistics) + fact("result", shares_text(shares));
     }

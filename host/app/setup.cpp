@@ -115,9 +115,7 @@ scene::Scene load_triangles(const std::filesystem::path& file) {
 }
 
 Triangles upload_triangles(const Device& device, const scene::Scene& scene) {
-    const scene::CutOutsView cut_outs(scene);
-    Triangles triangles = cut_outs.get() ? Triangles::upload(device, scene.triangles, *cut_outs.get())
-                                         : Triangles::upload(device, scene.triangles);
+    Triangles triangles = scene::upload(device, scene);
     if (triangles.count() >= triangles_worth_clusters) triangles.keep_clusters(device);
     return triangles;
 }
@@ -131,6 +129,10 @@ ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene) {
     if (options.light_direction) return {Light::directional(*options.light_direction), "--light-direction"};
     if (options.light_position) return {Light::positional(*options.light_position), "--light-position"};
+    if (options.area_light) {
+        options.area_light->require_area();
+        return {Light::positional(options.area_light->centre()), "--area-light", options.area_light};
+    }
     if (options.light) {
         const scene::NamedLight& found = find_named(scene.lights, *options.light, "light");
         return {found.light, "the scene's " + found.type + " light \"" + found.name + "\""};
@@ -157,7 +159,18 @@ Float3 direction_of(const Light& light) { return {-light.xyzw[0], -light.xyzw[1]
 
 Float3 position_of(const Light& light) { return {light.xyzw[0], light.xyzw[1], light.xyzw[2]}; }
 
-std::string light_option(const Light& light) {
+Lights sun_of(const ViewOptions& options, const ChosenLight& chosen, std::uint32_t default_samples) {
+    if (!chosen.light.is_directional())
+        throw Error("--sun-angle is for directional lights, and " + chosen.source + " is a point light");
+    return sun_disk(direction_of(chosen.light), *options.sun_angle_degrees,
+                    options.sun_samples.value_or(default_samples));
+}
+
+std::string light_option(const ChosenLight& chosen) {
+    if (const auto& lamp = chosen.area)
+        return "--area-light=" + float3_text(lamp->corner) + "," + float3_text(lamp->edge_a) + "," +
+               float3_text(lamp->edge_b);
+    const Light& light = chosen.light;
     return light.is_directional() ? "--light-direction=" + float3_text(direction_of(light))
                                   : "--light-position=" + float3_text(position_of(light));
 }

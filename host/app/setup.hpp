@@ -54,8 +54,9 @@ struct ChosenCamera {
 };
 
 struct ChosenLight {
-    Light light;
+    Light light;  ///< of an area light: at its centre
     std::string source;
+    std::optional<AreaLamp> area{};
 };
 
 /// Throws UsageError if the options make no camera, Error if the scene has none of that name.
@@ -68,7 +69,9 @@ std::vector<ChosenLight> choose_lights(const ViewOptions& options, const scene::
 Float3 direction_of(const Light& light);
 /// The position of a point light.
 Float3 position_of(const Light& light);
+/// The disk in the sky that a directional light is for --sun-angle. Throws Error for a point light.
+Lights sun_of(const ViewOptions& options, const ChosenLight& chosen, std::uint32_t default_samples);
 /// The option that gives exactly this light again, e.g. "--light-direction=-0.400000006,-1,-0.300000012".
-std::string light_option(const Light& light);
+std::string light_option(const ChosenLight& light);
 
 }  // namespace gnomon::app

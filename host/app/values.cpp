@@ -95,6 +95,13 @@ Float3 parse_float3(const std::string& option, const std::string& text) {
     return *value;
 }
 
+std::array<Float3, 3> parse_three_float3(const std::string& option, const std::string& text) {
+    const auto values = list_of<9, float>(text, ',', float_of);
+    if (!values) refuse(option, "nine finite numbers: a corner and two edges, x,y,z each", text);
+    const auto& v = *values;
+    return {Float3{v[0], v[1], v[2]}, Float3{v[3], v[4], v[5]}, Float3{v[6], v[7], v[8]}};
+}
+
 ImageSize parse_size(const std::string& option, const std::string& text) {
     const auto size = pair_of(text, 'x', 1, largest_side_px);
     if (!size) refuse(option, "WIDTHxHEIGHT in pixels, each from 1 to " + std::to_string(largest_side_px), text);

@@ -13,8 +13,9 @@
 #define GN_OPENCL_FUNCTIONS(use) \
     use(clBuildProgram) use(clCreateBuffer) use(clCreateCommandQueue) use(clCreateContext) use(clCreateKernel) \
     use(clCreateProgramWithBinary) use(clCreateProgramWithSource) use(clCreateSubBuffer) use(clEnqueueCopyBuffer) \
-    use(clEnqueueFillBuffer) use(clEnqueueMapBuffer) use(clEnqueueMarkerWithWaitList) use(clEnqueueNDRangeKernel) use(clEnqueueReadBuffer) \
-    use(clEnqueueUnmapMemObject) use(clEnqueueWriteBuffer) use(clFinish) use(clGetCommandQueueInfo) use(clGetDeviceIDs) use(clGetDeviceInfo) \
+    use(clEnqueueFillBuffer) use(clEnqueueMapBuffer) use(clEnqueueMarkerWithWaitList) use(clEnqueueNDRangeKernel) \
+    use(clEnqueueReadBuffer) use(clEnqueueUnmapMemObject) use(clEnqueueWriteBuffer) use(clFinish) \
+    use(clGetCommandQueueInfo) use(clGetDeviceIDs) use(clGetDeviceInfo) \
     use(clGetEventProfilingInfo) use(clGetKernelInfo) use(clGetKernelWorkGroupInfo) use(clGetMemObjectInfo) \
     use(clGetPlatformIDs) use(clGetPlatformInfo) use(clGetProgramBuildInfo) use(clGetProgramInfo) use(clReleaseCommandQueue) \
     use(clReleaseContext) use(clReleaseEvent) use(clReleaseKernel) use(clReleaseMemObject) use(clReleaseProgram) \

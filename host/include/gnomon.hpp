@@ -909,11 +909,12 @@ struct TriangleSigns {
     std::uint32_t triangle = no_receiver;
     std::array<float, 9> vertices{};
     bool blocks = false;
+    bool is_clear = false;       ///< a cut-out that the ray meets where it is clear, so that it does not block
     int point_side = 0;          ///< det(b - a, c - a, P - a)
     int light_side = 0;          ///< det(b - a, c - a, light - a); directional: det(b - a, c - a, D)
     std::array<int, 3> edges{};  ///< det(a - P, b - P, D), det(b - P, c - P, D), det(c - P, a - P, D)
     std::string arithmetic;      ///< what the predicate needed to be certain: "float", "double" or "integers"
-    double distance = 0;         ///< from P along the ray, rounded; 0 unless it blocks
+    double distance = 0;         ///< from P along the ray, rounded; 0 unless the ray meets it
 };
 
 /// The facts by which frustum-traced found a point lit or in shadow.
@@ -924,6 +925,7 @@ struct Explanation {
     int eye_side = 0;                        ///< the eye's side of the receiver, as light_side; 0 without an eye
     bool is_backfacing = false;              ///< light_side and eye_side of the receiver are not equal, or one is 0
     std::vector<TriangleSigns> occluders;    ///< all triangles that block the shadow ray, nearest first
+    std::vector<TriangleSigns> clear_hits;   ///< all that the ray meets where they are cut out, nearest first
     std::vector<TriangleSigns> near_misses;  ///< all others for which the level float was not certain
     float visibility = 1;                    ///< the technique's output
     /// The stage that decided, as Statistics names it: facing, conservative_map, trace or exact_trace; for points with

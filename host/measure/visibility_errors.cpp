@@ -75,14 +75,18 @@ VisibilityErrors visibility_errors(std::span<const float> visibility, std::span<
                               std::to_string(truth.size()) + " pixels, not " + std::to_string(count));
     VisibilityErrors errors;
     errors.points = count;
-    double sum = 0;
+    double sum = 0, penumbra_sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const double difference = answer(visibility[i], truth[i]) - double(truth[i]);
         errors.wrongly_lit += difference >= double(wrong_from);
         errors.wrongly_shadowed += difference <= -double(wrong_from);
         sum += std::fabs(difference);
+        if (!(truth[i] > 0 && truth[i] < 1)) continue;
+        ++errors.penumbra_points;
+        penumbra_sum += std::fabs(difference);
     }
     if (count == 0) return errors;
+    if (errors.penumbra_points != 0) errors.penumbra_mean_absolute = penumbra_sum / double(errors.penumbra_points);
     errors.mean_absolute = sum / double(count);
     for_each_window(width, height, tile_side, [&](const Window& tile) {
         const double mean = mean_absolute_in(tile, visibility, truth, width);

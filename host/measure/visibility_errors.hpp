@@ -18,6 +18,8 @@ struct VisibilityErrors {
     double mean_absolute = 0;                          ///< mean |visibility - truth|
     double worst_tile = 0;                             ///< the largest mean |visibility - truth| of a 32 x 32 tile
     std::uint32_t worst_tile_x = 0, worst_tile_y = 0;  ///< its first pixel
+    std::uint64_t penumbra_points = 0;                 ///< where the truth is strictly between 0 and 1
+    double penumbra_mean_absolute = 0;                 ///< mean |visibility - truth| of these alone; 0 without any
     double ssim = 1;  ///< mean structural similarity (Wang et al. 2004) over 8 x 8 windows, 1: the same picture
 
     std::uint64_t wrong() const { return wrongly_lit + wrongly_shadowed; }

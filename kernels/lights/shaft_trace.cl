@@ -40,6 +40,30 @@ static void queue_pairs(const ShaftWork* work, uint lane, uint undecided, uint t
 // From so many points on, the triangle is first tested against the cones of 16 points at once.
 #define POINTS_WORTH_CONES 8u
 
+#if GN_LANES > 1
+// A bundle of so many lights or fewer: each light is tested for all points of the block at once.
+#define FEW_LIGHTS 8u
+
+GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundle* bundle, const ShaftTriangle* t,
+                                      uint triangle, bool is_masked, LaneInt lanes, const ShaftScene* scene,
+                                      Reservation* mine) {
+    ShaftEdges edges = edges_of(t, &work->points);
+    for (uint l = 0; l < bundle->light_count; ++l) {
+        LaneInt open = lanes & -((work->open >> (int)l) & 1);
+        if (!LANES_ANY(open)) continue;
+        ShaftDecision decision = decide_light(&edges, light_direction(bundle, l));
+        if (!is_masked) work->open &= ~(decision.blocked & open & (int)(1u << l));
+        LaneInt undecided = open & ~decision.missed;
+        if (!is_masked) undecided &= ~decision.blocked;
+        for (uint bits = lane_bits(undecided); bits != 0u;) {
+            int lane = take_lane(&bits);
+            if (!has_corner_at(t, lane_point(work->points, lane)))
+                queue_pairs(work, SHAFT_LANE(lane), 1u << l, triangle, scene, mine);
+        }
+    }
+}
+#endif
+
 // Tests triangle i of a leaf against all open pairs of the block and the bundle. `lanes`: the points whose rays it may
 // meet.
 GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle* bundle, __global const float* leaf,
@@ -51,6 +75,12 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
     triangle &= ~SHAFT_MASKED;
 #else
     const bool is_masked = false;
+#endif
+#if GN_LANES > 1
+    if (bundle->light_count <= FEW_LIGHTS) {
+        test_few_lights(work, bundle, &t, triangle, is_masked, lanes, scene, mine);
+        return;
+    }
 #endif
     if (GN_LANES == 1 || popcount(bits) >= POINTS_WORTH_CONES) {
         ShaftEdges edges = edges_of(&t, &work->points);

@@ -382,6 +382,15 @@ TEST_F(Command, WrongCommandLines) {
         {{"render", "-o", "a.png", "--sun-angle", "1", "--samples", "4"}, "leave out --samples"},
         {{"render", "-o", "a.png", "--sun-samples", "4"}, "--sun-samples needs --sun-angle as well"},
         {{"render", "-o", "a.png", "--sun-angle", "1", "--diagnostic", "decided"}, "leave out --sun-angle"},
+        {{"render", "-o", "a.png", "--area-light", "0,1,0,1,0,0"}, "--area-light needs nine finite numbers"},
+        {{"render", "-o", "a.png", "--area-samples", "9"}, "--area-samples needs --area-light as well"},
+        {{"render", "-o", "a.png", "--area-light", "0,1,0,1,0,0,0,0,1", "--samples", "4"}, "leave out --samples"},
+        {{"render", "-o", "a.png", "--area-light", "0,1,0,1,0,0,0,0,1", "--light", "0"},
+         "--area-light takes the place"},
+        {{"render", "-o", "a.png", "--area-light", "0,1,0,1,0,0,0,0,1", "--sun-angle", "1"}, "leave out --area-light"},
+        {{"render", "-o", "a.png", "--area-light", "0,1,0,1,0,0,0,0,1", "--diagnostic", "decided"}, "without an area"},
+        {{"gallery", "--sun-samples", "9"}, "--sun-samples needs --sun-angle as well"},
+        {{"gallery", "--area-light", "0,1,0,1,0,0,0,0,1"}, "unknown option --area-light"},
         {{"render", "-o", "a.png", "--size", "64"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "64x64x64"}, "--size needs"},
         {{"render", "-o", "a.png", "--size", "64x64 "}, "--size needs"},
@@ -888,6 +897,72 @@ TEST_F(Command, AStreetSeesItsShareOfTheSky) {
     EXPECT_NEAR(share("-5,0.5,0", "-1,0.5,0", "sky:5"), 0.5, 0.01);
 }
 
+/// The irradiance of an upward point at `p` below a horizontal rectangle of radiance 1 at `height`: Lambert's sum over
+/// its edges, of the angle that an edge spans at the point times the vertical part of its plane's normal, halved.
+double under_a_rectangle(std::array<double, 2> p, double half, double height) {
+    const std::array<std::array<double, 2>, 4> corners{{{-half, -half}, {half, -half}, {half, half}, {-half, half}}};
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const auto &a = corners[i], &b = corners[(i + 1) % 4];
+        const double ax = a[0] - p[0], az = a[1] - p[1], bx = b[0] - p[0], bz = b[1] - p[1];
+        const double across = std::hypot(height * (bz - az), height * (ax - bx), ax * bz - az * bx);
+        const double along = ax * bx + az * bz + height * height;
+        sum += std::atan2(across, along) * (ax * bz - az * bx) / across;
+    }
+    return std::fabs(sum) / 2;
+}
+
+// A lamp of 4 x 4 over the floor at a height of 2; the square, of 1 x 1 at a height of 1, hides of it what lies behind
+// a square of 2 x 2 as seen from the point below its middle.
+TEST_F(Command, AnAreaLightHasItsClosedForm) {
+    write_scene(folder_, "square", floor_and_square());
+    const auto at = [&](const char* eye, const char* target, const char* lamp) {
+        render_quietly({"square.gltf", "--size", "1x1", "--aov", "a.exr", "--eye", eye, "--target", target, "--up",
+                        "0,0,1", "--fovy", "0.1", "--area-light", lamp, "--area-samples", "4096"});
+        const auto input = OIIO::ImageInput::open(in_folder("a.exr").string());
+        const auto value_of = [&](const char* name) {
+            const int channel = input->spec().channelindex(name);
+            float value = -1;
+            EXPECT_TRUE(channel >= 0 && input->read_image(0, 0, channel, channel + 1, OIIO::TypeFloat, &value));
+            return double(value);
+        };
+        return std::pair(value_of("irradiance"), value_of("visibility"));
+    };
+    const char* const down = "-2,2,-2,4,0,0,0,0,4";  // x cross z points down
+    const double whole = under_a_rectangle({0, 0}, 2, 2), hidden = under_a_rectangle({0, 0}, 1, 2);
+    const auto [below, share] = at("0,0.5,0", "0,0,0", down);
+    EXPECT_NEAR(below, whole - hidden, 0.01 * whole);
+    EXPECT_NEAR(share, (whole - hidden) / whole, 0.01);
+    const auto [free, free_share] = at("3,0.5,0.5", "3,0,0.5", down);
+    EXPECT_NEAR(free, under_a_rectangle({3, 0.5}, 2, 2), 0.01 * free);
+    EXPECT_EQ(free_share, 1);
+    // From twice as far and half as large: the inverse square, where the lamp is small.
+    const double near = at("3,0.5,0.5", "3,0,0.5", "2.9,2,0.4,0.2,0,0,0,0,0.2").first;
+    EXPECT_NEAR(at("3,0.5,0.5", "3,0,0.5", "2.9,4,0.4,0.2,0,0,0,0,0.2").first, near / 4, 0.01 * near);
+    // Of its back nothing comes.
+    const auto [behind, dark_share] = at("0,0.5,0", "0,0,0", "-2,2,-2,0,0,4,4,0,0");
+    EXPECT_EQ(behind, 0);
+    EXPECT_EQ(dark_share, 0);
+}
+
+TEST_F(Command, AnAreaLightIsInPictureMaskAndStatistics) {
+    write_scene(folder_, "square", floor_and_square());
+    render_quietly({"square.gltf", "--size", "64x48", "--camera", "above", "--mask", "m.png", "-o", "a.png", "--stats",
+                    "s.json", "--area-light", "-1,3,-1,2,0,0,0,0,2", "--area-samples", "33"});
+    const nlohmann::json stats = statistics("s.json");
+    EXPECT_EQ(stats.at("light").at("type"), "area");
+    EXPECT_EQ(stats.at("light").at("option"), "--area-light=-1,3,-1,2,0,0,0,0,2");
+    EXPECT_EQ(stats.at("image").at("area_samples"), 33);
+    EXPECT_GT(stats.at("pixels").at("partly"), 20);
+    EXPECT_TRUE(stats.at("exposure_ev").is_number());
+    const Bytes mask = read_bytes(in_folder("m.png"));
+    EXPECT_EQ(std::ranges::count_if(mask.values, [](auto v) { return v > 0 && v < 255; }) > 20, true);
+    const Outcome flat = run({"render", "-o", "b.png", "--area-light", "0,1,0,1,0,0,2,0,0"});
+    EXPECT_EQ(flat.exit_code, 1);
+    EXPECT_NE(flat.err.find("has no area"), std::string::npos) << flat.err;
+    EXPECT_FALSE(fs::exists(in_folder("b.png")));
+}
+
 TEST_F(Command, ShadowsOfASquareOverAFloorUnderAVerticalLight) {
     const std::vector<float> vertices = floor_and_square();
     write_scene(folder_, "square", vertices);
@@ -1109,6 +1184,33 @@ TEST_F(Command, ExplainsAPointOfDumpedTriangles) {
     expect_failure({"explain", "none.glb", "--pixel", "0,0"}, 1, "none.glb");
     expect_failure({"explain", "square.gltf", "--point", "0,0,0", "--receiver", "4"}, 1,
                    "--receiver 4 is no triangle: the scene has 4");
+}
+
+TEST_F(Command, ExplainsThatARayPassesAHole) {
+    const Arguments point{"explain", GNOMON_SCENES "/leaves.glb", "--light", "straight_down", "--point=2.1,0,1.1"};
+    const Outcome outcome = run(point);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("result    lit"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("which meets them where their texture is clear, nearest first: 1"), std::string::npos)
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("1.5 from the point"), std::string::npos) << outcome.out;
+}
+
+// Of the techniques that are not exact, two do not test masks.
+TEST_F(Command, TechniquesThatDoNotTestMasksAreNamed) {
+    const auto arguments = [](const char* technique) {
+        return Arguments{"render",      GNOMON_SCENES "/leaves.glb",
+                         "--size",      "32x24",
+                         "--mask",      "m.png",
+                         "--quiet",     "--strict",
+                         "--technique", technique};
+    };
+    expect_failure(arguments("shadow-volumes"), 1, "takes triangles that are cut out by their alpha for opaque ones");
+    expect_failure(arguments("conservative-map"), 1, "leaves out triangles that are cut out by their alpha");
+    for (const char* const technique : {"frustum-traced", "shadow-map", "sub-pixel"}) {
+        const Outcome outcome = run(arguments(technique));
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
 }
 
 TEST_F(Command, ExplainsASampleOfAPixel) {
@@ -1366,6 +1468,29 @@ TEST_F(Command, AGalleryShowsEachTechniqueBesideTheTruth) {
         EXPECT_EQ(std::string(exhibit.at("picture")).rfind("data:image/jpeg;base64,/9j/", 0), 0u);
         EXPECT_EQ(std::string(exhibit.at("difference")).rfind("data:image/png;base64,iVBORw0KGgo", 0), 0u);
     }
+}
+
+TEST_F(Command, AGalleryOfADiskMeasuresPenumbrae) {
+    write_scene(folder_, "square", floor_and_square());
+    const Arguments soft{"gallery",       "square.gltf", "-o",          "page.html",   "--size",
+                         "240x160",       "--runs",      "1",           "--light",     "sun",
+                         "--sun-angle",   "8",           "--technique", "pcss",        "--eye",
+                         "2,3,6",         "--target",    "0,0.5,0",     "--technique", "pcss:light-size=0.5",
+                         "--sun-samples", "100"};
+    const Outcome outcome = run(soft);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const nlohmann::json data = page_data(text_of(in_folder("page.html")));
+    const nlohmann::json& exhibits = data.at("exhibits");
+    ASSERT_EQ(exhibits.size(), 4u);
+    EXPECT_EQ(exhibits.at(0).at("settings"), "soft: 100 lights on the disk");
+    EXPECT_EQ(exhibits.at(0).at("exact"), true);
+    EXPECT_EQ(exhibits.at(0).at("penumbra_mean_absolute"), 0);
+    EXPECT_EQ(exhibits.at(1).at("exact"), false);                                              // the hard shadow
+    EXPECT_EQ(std::string(exhibits.at(2).at("settings")).substr(0, 17), "light-size=0.1405");  // tan(8 degrees)
+    EXPECT_EQ(exhibits.at(3).at("settings"), "light-size=0.5");
+    for (const nlohmann::json& exhibit : exhibits) EXPECT_GT(exhibit.at("penumbra_points"), 20);
+    for (std::size_t i = 1; i < 4; ++i) EXPECT_GT(exhibits.at(i).at("penumbra_mean_absolute"), 0);
+    expect_failure({"gallery", "square.gltf", "--light", "lamp", "--sun-angle", "1"}, 1, "for directional lights");
 }
 
 TEST_F(Command, AGalleryRefusesWhatItCannotShow) {

@@ -117,6 +117,20 @@ TEST_F(Suns, AYearHasItsDaysAndRefractionAddsSome) {
     EXPECT_EQ(suns_of_place({90, 0, {2026, 6, 21}, 60, 0, false}, 0).suns.size(), 24u);
 }
 
+// The table of the benchmark was written by gnomon hours --place 52,0 --year 2026 --step 60. A C library's sine may
+// differ in its last bit.
+TEST_F(Suns, TheTableOfTheBenchmarkIsThatOfItsPlace) {
+    const SunTable table = read_suns(GNOMON_TESTS "/../tools/bench/suns_of_latitude_52.csv", 0);
+    const SunTable made = suns_of_place({52, 0, {2026, 0, 0}, 60}, 0);
+    ASSERT_EQ(table.suns.size(), 4408u);
+    ASSERT_EQ(made.suns.size(), table.suns.size());
+    for (std::size_t i = 0; i < made.suns.size(); ++i) {
+        EXPECT_EQ(made.suns[i].time.substr(5, 11), table.suns[i].time);
+        EXPECT_LT(table.suns[i].direction[1], 0);
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(made.suns[i].direction[c], table.suns[i].direction[c], 2e-7);
+    }
+}
+
 TEST_F(Suns, ATableGoesRoundWithTheSameBits) {
     const SunTable made = suns_of_place({48.2, 16.4, {2026, 6, 21}, 10, 1.5, true}, 33);
     const SunTable read = read_suns(file(table_text(made)), 90);  // x, y, z decide, not the angles and north

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "bench/charts.hpp"
@@ -314,6 +315,74 @@ TEST_F(Bench, AShiftedLightIsWrongInTwoColumnsOnEitherSide) {
     EXPECT_EQ(errors.worst_tile, 2.0 * 21 / (32 * 32));
 }
 
+TEST_F(Bench, SoftTruthsMeasurePenumbrae) {
+    ASSERT_EQ(run("sundial --sun-angle 3 --size 120x68 --runs 1 --json " + path("a.json")), 0) << errors();
+    const Json report = json("a.json");
+    std::set<std::string> names;
+    for (const Json& row : report["rows"]) {
+        names.insert(row["technique"]);
+        const bool is_truth = row["settings"] == "sun-samples=1024";
+        EXPECT_EQ(row["exact"], is_truth);
+        EXPECT_GT(row["errors"]["penumbra_points"].get<double>(), 50);
+        EXPECT_EQ(row["errors"]["penumbra_mean_absolute"] == 0, is_truth) << row["technique"];
+    }
+    for (const char* name : {"frustum-traced", "pcss", "pcf", "vsm", "msm64"})
+        EXPECT_TRUE(names.contains(name)) << name;
+}
+
+// Four ways to the same bits, and a rival that errs in few. On faces the normals of a scene of closed solids show a sun
+// or not; half of all directions are in front of a face, but suns are never below.
+TEST_F(Bench, ManyLightsCountTheSameDecisions) {
+    ASSERT_EQ(run("town:10000 --many-lights suns:40 --points 3000 --runs 2 --peers --technique frustum-traced "
+                  "--technique izb --json " +
+                  path("faces.json") + " --csv " + path("faces.csv")),
+              0)
+        << errors();
+    ASSERT_EQ(run("town:10000 --many-lights suns:40 --points 3000 --runs 1 --set many-lights=shafts --json " +
+                  path("shafts.json")),
+              0)
+        << errors();
+    const Json faces = json("faces.json"), shafts = json("shafts.json");
+    ASSERT_EQ(faces["rows"].size(), embree_version() == "not built in" ? 2u : 3u);
+    const Json& ours = faces["rows"][0];
+    EXPECT_EQ(ours["mask_hash"], shafts["rows"][0]["mask_hash"]);
+    EXPECT_EQ(ours["mask_hash"], faces["rows"][1]["mask_hash"]);
+    const Json& pairs = ours["pairs"];
+    EXPECT_EQ(pairs["points"], 3000);
+    EXPECT_EQ(pairs["lights"], 40);
+    EXPECT_EQ(pairs["differing"], 0);
+    const auto facing = pairs["facing"].get<double>(), lit = pairs["lit"].get<double>();
+    EXPECT_GT(facing, 3000 * 40 * 0.4);
+    EXPECT_LT(facing, 3000 * 40 * 0.95);
+    EXPECT_GT(lit, facing * 0.2);
+    EXPECT_LT(lit, facing * 0.9);
+    EXPECT_NEAR(pairs["facing_per_second"].get<double>(), facing / ours["ms"]["median"].get<double>() * 1e3, facing);
+    const auto csv = csv_rows(text_in(path("faces.csv")));
+    ASSERT_EQ(csv.size(), faces["rows"].size());
+    for (std::size_t i = 0; i < csv.size(); ++i) expect_same(faces["rows"][i], csv[i]);
+    if (faces["rows"].size() < 3) return;
+    const Json& rival = faces["rows"][2];
+    EXPECT_EQ(rival["technique"], "embree");
+    EXPECT_EQ(rival["pairs"]["facing"], pairs["facing"]);
+    EXPECT_LT(rival["pairs"]["differing"].get<double>(), 1e-3 * facing);
+}
+
+TEST_F(Bench, ManyLightsTakeATerrainsVertices) {
+    ASSERT_EQ(run("terrain:10000 --many-lights sky --points 700 --runs 1 --peers --json " + path("a.json") +
+                  " --markdown " + path("a.md")),
+              0)
+        << errors();
+    const Json report = json("a.json");
+    for (const Json& row : report["rows"]) {
+        EXPECT_EQ(row["view"], "vertices");
+        EXPECT_EQ(row["pairs"]["points"], 700);
+        EXPECT_EQ(row["pairs"]["lights"], 145);
+        EXPECT_GT(row["pairs"]["lit"].get<double>(), 0.7 * row["pairs"]["facing"].get<double>());
+        EXPECT_LT(row["pairs"]["differing"].get<double>(), 1e-3 * row["pairs"]["facing"].get<double>());
+    }
+    EXPECT_NE(text_in(path("a.md")).find("| terrain_10000, vertices |"), std::string::npos);
+}
+
 TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(run(""), 0);
     EXPECT_NE(errors().find("--experiment"), std::string::npos) << errors();
@@ -323,6 +392,8 @@ TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(errors().find("--experiment techniques"), std::string::npos) << errors();
     EXPECT_NE(run("nothing:1000"), 0);
     EXPECT_NE(errors().find("no recipe"), std::string::npos) << errors();
+    EXPECT_NE(run("sundial --many-lights moons --points 9"), 0);
+    EXPECT_NE(errors().find("takes suns, suns:N, sky, sky:D or disk:N, not \"moons\""), std::string::npos) << errors();
     std::ofstream(path("views.json")) << "glTF";
     EXPECT_NE(run("sundial --views " + path("views.json")), 0);
     EXPECT_NE(errors().find("views.json are not JSON"), std::string::npos) << errors();
@@ -441,7 +512,7 @@ TEST(BenchParts, EverySettingThatIsSweptCanBeSet) {
     for (const Experiment& experiment : experiments())
         for (const Block& block : experiment.blocks(shelf, {})) {
             std::ranges::copy(block.configurations, std::back_inserter(all));
-            EXPECT_FALSE(block.sizes.empty()) << experiment.name;
+            EXPECT_EQ(block.sizes.empty(), block.many_lights.has_value()) << experiment.name;
             EXPECT_EQ(block.experiment, experiment.name);
             for (const Size size : block.sizes)
                 if (block.more_settings) all.push_back({"frustum-traced", block.more_settings(size)});
@@ -468,7 +539,8 @@ TEST(BenchParts, ExperimentsStayWithinTheMachinesLimits) {
                 ASSERT_NE(colon, std::string::npos) << "without a folder all scenes are made ones";
                 EXPECT_LE(std::stoull(block.scene.substr(colon + 1)),
                           is_sweep ? limits.swept_triangles : limits.largest_triangles);
-                EXPECT_FALSE(block.sizes.empty()) << experiment.name;
+                EXPECT_EQ(block.sizes.empty(), block.many_lights.has_value()) << experiment.name;
+                if (block.many_lights) EXPECT_LE(block.many_lights->points, limits.largest_points);
                 for (const Size size : block.sizes)
                     EXPECT_LE(std::uint64_t(size.width) * size.height,
                               is_sweep ? limits.swept_points : limits.largest_points)

@@ -162,7 +162,7 @@ protected:
     fs::path folder;
 };
 
-constexpr std::array large_names{"colonnade", "city", "foliage", "pipes"};
+constexpr std::array large_names{"colonnade", "city", "foliage", "pipes", "town", "terrain"};
 
 TEST_F(MakeScenes, CommittedFilesAreWhatTheToolMakes) {
     ASSERT_EQ(run("--all '" + (folder / "all").string() + "'").status, 0);
@@ -190,10 +190,9 @@ TEST_F(MakeScenes, SameArgumentsGiveTheSameBytes) {
 // The hashes were made on x86-64 with g++ 12 -O3; another machine or compiler that gives others breaks the promise of
 // the same bytes everywhere. After a wanted change of a scene, take the new value from the failure.
 TEST_F(MakeScenes, LargeScenesAreTheSameOnEveryMachine) {
-    const std::map<std::string, std::uint64_t> expected{{"colonnade", 0x9a71f0710111f34f},
-                                                        {"city", 0x95060e0f5bd7cbf8},
-                                                        {"foliage", 0x8bd69b381125ac12},
-                                                        {"pipes", 0x1dded939b71c5fd2}};
+    const std::map<std::string, std::uint64_t> expected{
+        {"colonnade", 0x9a71f0710111f34f}, {"city", 0x95060e0f5bd7cbf8}, {"foliage", 0x8bd69b381125ac12},
+        {"pipes", 0x1dded939b71c5fd2},     {"town", 0x19970237fab6000b}, {"terrain", 0xb2f0af99558c1f5f}};
     for (const auto& [name, value] : expected) {
         const std::uint64_t found = hash(make(name + " --triangles 20000"));
         EXPECT_EQ(found, value) << name << " is now 0x" << std::hex << found;
@@ -213,6 +212,61 @@ TEST_F(MakeScenes, LargeScenesMeetTheirCountAndAreWhole) {
             }
         }
     }
+}
+
+double area_of(const Part& part, std::size_t first) {
+    const auto corner = [&](std::size_t i) { return part.positions[part.indices[first + i]]; };
+    double squares = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t d = (c + 1) % 3;
+        const double turn = (double(corner(1)[c]) - corner(0)[c]) * (double(corner(2)[d]) - corner(0)[d]) -
+                            (double(corner(1)[d]) - corner(0)[d]) * (double(corner(2)[c]) - corner(0)[c]);
+        squares += turn * turn;
+    }
+    return std::sqrt(squares) / 2;
+}
+
+// The benchmark of many lights takes points on all faces, .9 m apart, so a million of them cover this area.
+TEST_F(MakeScenes, ATownOfUsualSizeTakesAMillionPointsNearlyAMetreApart) {
+    const File file = parse_glb(make("town"));
+    EXPECT_NEAR(double(file.triangle_count()), 60'000, 600);
+    double area = 0;
+    for (const Part& part : file.parts)
+        for (std::size_t i = 0; i < part.indices.size(); i += 3) area += area_of(part, i);
+    EXPECT_GT(area, 0.7e6);
+    EXPECT_LT(area, 1.0e6);
+}
+
+// A terrain is a function of x and z: every triangle faces up, and a finer grid of the same seed has the same ground.
+TEST_F(MakeScenes, TerrainIsAHeightFieldWhoseGroundDoesNotDependOnItsGrid) {
+    const auto heights = [&](const std::string& triangles) {
+        std::map<std::pair<float, float>, float> found;
+        const File file = parse_glb(make("terrain --triangles " + triangles));
+        const Part& part = file.part("rock");
+        for (std::size_t i = 0; i < part.indices.size(); i += 3) {
+            const auto &a = part.positions[part.indices[i]], &b = part.positions[part.indices[i + 1]],
+                       &c = part.positions[part.indices[i + 2]];
+            EXPECT_GT((double(b[2]) - a[2]) * (double(c[0]) - a[0]) - (double(b[0]) - a[0]) * (double(c[2]) - a[2]), 0);
+        }
+        for (const auto& [x, y, z] : part.positions) EXPECT_TRUE(found.emplace(std::pair{x, z}, y).second);
+        return found;
+    };
+    const auto coarse = heights("20000"), fine = heights("80000");
+    std::size_t shared = 0;
+    for (const auto& [place, height] : coarse) {
+        const auto same = fine.find(place);
+        if (same == fine.end()) continue;
+        ++shared;
+        EXPECT_EQ(same->second, height);
+    }
+    EXPECT_GT(shared, coarse.size() / 2);
+    float low = 0, high = 0;
+    for (const auto& [place, height] : fine) {
+        low = std::min(low, height);
+        high = std::max(high, height);
+    }
+    EXPECT_GT(high - low, 150);
+    EXPECT_LT(high - low, 500);
 }
 
 TEST_F(MakeScenes, SliversComeInTheNumberAskedFor) {

@@ -49,6 +49,18 @@ TEST(VisibilityErrors, HalfIsWrong) {
     EXPECT_EQ(visibility_errors(all(0.51f), all(1), width, height).wrong(), 0u);
 }
 
+// A penumbra is where the truth is strictly between 0 and 1.
+TEST(VisibilityErrors, PenumbraeAreMeasuredApart) {
+    const std::vector<float> truth{0, 1, 0.5f, 0.25f}, guess{1, 1, 0.25f, 0.25f};
+    const VisibilityErrors errors = visibility_errors(guess, truth, 2, 2);
+    EXPECT_EQ(errors.penumbra_points, 2u);
+    EXPECT_EQ(errors.penumbra_mean_absolute, 0.125);
+    EXPECT_EQ(errors.mean_absolute, 1.25 / 4);
+    const VisibilityErrors none = visibility_errors(std::vector<float>{1, 1}, std::vector<float>{0, 1}, 2, 1);
+    EXPECT_EQ(none.penumbra_points, 0u);
+    EXPECT_EQ(none.penumbra_mean_absolute, 0);
+}
+
 TEST(VisibilityErrors, FindsTheWorstTile) {
     const std::vector<float> truth = all(1);
     std::vector<float> mask = truth;

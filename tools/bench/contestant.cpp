@@ -27,18 +27,15 @@ std::vector<std::pair<std::string, double>> stage_times(const std::vector<Statis
     return stages;
 }
 
-Triangles uploaded(const Device& device, const scene::Scene& scene) {
-    const scene::CutOutsView cut_outs(scene);
-    return cut_outs.get() != nullptr ? Triangles::upload(device, scene.triangles, *cut_outs.get())
-                                     : Triangles::upload(device, scene.triangles);
-}
-
 Row row_of(const Configuration& configuration, const Seen& seen) {
     Row row = seen.row;
     row.technique = configuration.technique;
     row.settings = configuration.settings;
     if (configuration.samples != 1) row.settings.push_back(samples_setting(configuration.samples));
-    row.exact = is_exact(row.technique);
+    if (configuration.sun_samples != 0)
+        row.settings.emplace_back("sun-samples", std::to_string(configuration.sun_samples));
+    // A hard shadow is no exact answer where the truth is soft.
+    row.exact = is_exact(row.technique) && seen.sun_angle_degrees.has_value() == (configuration.sun_samples != 0);
     row.mode = configuration.mode;
     return row;
 }
@@ -58,6 +55,11 @@ std::string hash_of(std::span<const Value> values) {
 template std::string hash_of(std::span<const float>);
 template std::string hash_of(std::span<const std::uint32_t>);
 
+Lights Seen::sun(const Configuration& configuration) const {
+    const auto& d = c.light.xyzw;
+    return sun_disk({-d[0], -d[1], -d[2]}, *sun_angle_degrees, configuration.sun_samples);
+}
+
 std::pair<std::string, std::string> samples_setting(std::uint32_t samples) {
     return {"samples", std::to_string(samples)};
 }
@@ -69,7 +71,9 @@ std::unique_ptr<Technique> make(const Configuration& configuration, const Device
 }
 
 Place::Place(const std::string& selector, const NamedScene& named, bool profile)
-    : device(selector, DeviceOptions{.profile = profile}), scene(named), triangles(uploaded(device, named.scene)) {}
+    : device(selector, DeviceOptions{.profile = profile}),
+      scene(named),
+      triangles(scene::upload(device, named.scene)) {}
 
 Times Place::time_camera(const Triangles& seen, const Case& c, Size size) const {
     std::vector<double> ms;
@@ -134,6 +138,11 @@ void OwnContestant::keep() {
 }
 
 Statistics OwnContestant::run_shadows(const View& view) {
+    if (configuration_.sun_samples != 0) {
+        Statistics soft = run_mean(*technique_, triangles_, view.points, seen_.sun(configuration_), seen_.visibility);
+        place_.device.finish();
+        return soft;
+    }
     Statistics statistics = configuration_.samples == 1
                                 ? technique_->run(triangles_, view.points, seen_.c.light, seen_.visibility)
                                 : run_samples(*technique_, place_.device, triangles_, view, seen_.c.light,

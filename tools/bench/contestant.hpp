@@ -43,6 +43,10 @@ struct Seen {
     Visibility visibility;
     Row row;  ///< what all rows of this view share
     Case c;
+    std::optional<double> sun_angle_degrees{};  ///< of a soft truth
+
+    /// The lights of the configuration on the disk.
+    Lights sun(const Configuration& configuration) const;
 };
 
 template <typename Value>

@@ -304,6 +304,48 @@ std::vector<Block> samples(const SceneShelf& shelf, const Limits& limits) {
     return blocks;
 }
 
+// ---- Soft shadows ---------------------------------------------------------------------------------------------------
+
+std::vector<Block> soft(const SceneShelf& shelf, const Limits& all_limits) {
+    constexpr double sun_angle_degrees = 0.533;
+    const Limits limits = of_sweeps(all_limits);
+    std::vector<Block> blocks;
+    for (const SceneView& view : usual_views(shelf, limits)) {
+        blocks.push_back(
+            block_of("soft", view, within(limits, {full_hd}), soft_configurations(sun_angle_degrees, 1024)));
+        blocks.back().errors = blocks.back().pictures = true;
+        blocks.back().sun_angle_degrees = sun_angle_degrees;
+    }
+    return blocks;
+}
+
+// ---- Many lights ----------------------------------------------------------------------------------------------------
+
+// The table of docs/many_lights.md; small, it is a sign of life.
+std::vector<Block> many_lights(const SceneShelf& shelf, const Limits& limits) {
+    std::vector<Block> blocks;
+    const auto add = [&](const std::string& scene, const char* lights) {
+        if (scene.empty()) return;
+        blocks.push_back(block_of("many_lights", {scene, ""}, {}, {truth_configuration()}));
+        blocks.back().peers = true;
+        const std::uint64_t points = limits.all_views ? 1'000'000 : 16'384;
+        blocks.back().many_lights = {lights, std::min(points, limits.largest_points)};
+    };
+    const std::string sponza = shelf.in_folder("crytek_sponza.glb"), empire = shelf.in_folder("lost_empire.glb"),
+                      town = made("town", 60'000, limits), city = made("city", 1'000'000, limits);
+    if (!limits.all_views) {
+        add(town, "suns:256");
+        add(made("terrain", 200'000, limits), "suns:256");
+        return blocks;
+    }
+    for (const std::string& scene : {empire, sponza, town, city, made("city", 6'500'000, limits),
+                                     made("foliage", 5'300'000, limits), made("terrain", 8'000'000, limits)})
+        add(scene, "suns");
+    for (const char* lights : {"suns:256", "sky", "disk:64"})
+        for (const std::string& scene : {sponza, empire, city}) add(scene, lights);
+    return blocks;
+}
+
 }  // namespace
 
 const std::vector<Experiment>& experiments() {
@@ -362,6 +404,19 @@ const std::vector<Experiment>& experiments() {
          "finding them. Embree traces a camera ray and a shadow ray for each sample of the same pattern. All take "
          "turns.",
          samples},
+        {"soft", "Soft shadows: the truth beside PCSS and the filters",
+         "The sun as a disk of .533 degrees. The truth is the share of 1,024 lights on it that reach the point, each "
+         "decided exactly; pcss has the same disk. In penumbrae, the truth is strictly between 0 and 1.",
+         soft},
+        {"many_lights", "Many lights",
+         "Points of a scene times a table of suns: decisions are the pairs whose light is in front of the point's "
+         "face, "
+         "and every one of them is decided. Trees of the rival and kept clusters are not counted; gnomon's times "
+         "contain "
+         "its own tree and its order of the points. Embree is the best of medium and high quality trees and three ways "
+         "to "
+         "hand over rays. The two take turns.",
+         many_lights},
     };
     return all;
 }

@@ -32,6 +32,9 @@ struct Options {
     std::vector<std::string> modes{"animated"};
     std::vector<std::uint32_t> samples{1};
     std::string views_file, scenes_folder, only;
+    std::string many_lights;
+    std::optional<double> sun_angle_degrees;
+    std::uint64_t points = ManyLights{}.points;
     std::string json_file, csv_file, html_file, markdown_file, charts_prefix;
     std::optional<std::uint64_t> largest_triangles, largest_points;
     std::optional<int> runs;
@@ -89,11 +92,20 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
                         block.configurations.push_back({technique, parsed_settings(options.settings), mode, samples});
         block.take_turns = options.modes.size() > 1 || options.samples.size() > 1 || options.peers;
         block.frames = !options.sweep;
+        if (options.sun_angle_degrees) {
+            block.experiment = "soft";
+            block.configurations = soft_configurations(*options.sun_angle_degrees, 1024);
+            block.sun_angle_degrees = options.sun_angle_degrees;
+        }
+        if (!options.many_lights.empty()) {
+            block.experiment = "many_lights";
+            block.many_lights = {options.many_lights, options.points};
+        }
         if (const auto& p = options.light_position; !p.empty())
             block.light = {"position", gnomon::Light::positional({p[0], p[1], p[2]})};
         block.stages = options.stages;
         block.peers = options.peers;
-        block.errors = options.errors || options.sweep || options.oracle_points != 0;
+        block.errors = options.errors || options.sweep || options.oracle_points != 0 || options.sun_angle_degrees;
         block.pictures = block.errors && !options.html_file.empty();
         block.oracle_points = options.oracle_points;
         blocks.push_back(std::move(block));
@@ -214,6 +226,15 @@ int main(int argc, char** argv) {
     app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");
     app.add_flag("--peers", options.peers, "Embree too, if it was there when this was built");
     app.add_option("--light-position", options.light_position, "light every view from this point: X Y Z")->expected(3);
+    app.add_option("--sun-angle", options.sun_angle_degrees,
+                   "the truth is soft, by 1,024 lights on a disk of so many degrees; beside it pcss and the filters")
+        ->check(CLI::Range(1e-3, 45.0));
+    app.add_option("--many-lights", options.many_lights,
+                   "in place of views: points of the scenes times suns (latitude 52, hourly), suns:N of them, sky (145 "
+                   "patches), sky:D (Reinhart's division) or disk:N (lights on the sun's disk)");
+    app.add_option("--points", options.points, "of --many-lights: on faces, or of a terrain's vertices")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1 << 28));
     app.add_option("--runs", options.runs, "timed runs; default 15, of small experiments 5")
         ->check(CLI::Range(1, 100000));
     app.add_option("--seconds", options.seconds,

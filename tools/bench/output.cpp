@@ -31,9 +31,23 @@ Json errors_json(const measure::VisibilityErrors& errors) {
             {"wrongly_shadowed", errors.wrongly_shadowed},
             {"mean_absolute", errors.mean_absolute},
             {"ssim", errors.ssim},
+            {"penumbra_points", errors.penumbra_points},
+            {"penumbra_mean_absolute", errors.penumbra_mean_absolute},
             {"worst_tile", errors.worst_tile},
             {"worst_tile_x", errors.worst_tile_x},
             {"worst_tile_y", errors.worst_tile_y}};
+}
+
+Json pairs_json(const LightPairs& pairs, const Times& total) {
+    return {{"points", pairs.points},
+            {"lights", pairs.lights},
+            {"points_made", pairs.points_made},
+            {"lights_hash", pairs.lights_hash},
+            {"facing", pairs.facing},
+            {"lit", pairs.lit},
+            {"differing", pairs.differing},
+            {"facing_per_second", double(pairs.facing) / total.median_ms * 1e3},
+            {"ms_per_light", total.median_ms / double(pairs.lights)}};
 }
 
 // Each part of each run. Parts that never ran are left out.
@@ -83,9 +97,18 @@ constexpr const char* columns[] = {"experiment",
                                    "errors/wrongly_shadowed",
                                    "errors/mean_absolute",
                                    "errors/ssim",
+                                   "errors/penumbra_points",
+                                   "errors/penumbra_mean_absolute",
                                    "errors/worst_tile",
                                    "oracle/points",
                                    "oracle/wrong",
+                                   "pairs/points",
+                                   "pairs/lights",
+                                   "pairs/facing",
+                                   "pairs/lit",
+                                   "pairs/differing",
+                                   "pairs/facing_per_second",
+                                   "pairs/ms_per_light",
                                    "mask_hash",
                                    "points_hash",
                                    "failed"};
@@ -140,6 +163,7 @@ Json to_json(const Row& row) {
     json["device_memory_bytes"] = row.device_memory_bytes;
     if (row.errors) json["errors"] = errors_json(*row.errors);
     if (row.oracle) json["oracle"] = {{"points", row.oracle->points}, {"wrong", row.oracle->wrong}};
+    if (row.pairs) json["pairs"] = pairs_json(*row.pairs, row.total);
     for (const auto& [name, ms] : row.stages) json["stages_ms"][name] = ms;
     for (const auto& [name, count] : row.counts) json["counts"][name] = count;
     for (const auto& [stage, why] : row.skipped) json["skipped"][stage] = why;
@@ -178,6 +202,11 @@ void print(const Row& row) {
     std::printf("  memory %.1f MB", double(row.device_memory_bytes) / 1e6);
     std::printf("  mask %s points %s  %s (%s)", row.mask_hash.c_str(), row.points_hash.c_str(), name.c_str(),
                 row.mode.c_str());
+    if (row.pairs)
+        std::printf("  %.1f M pairs/s  %.3f ms a light  differing %llu of %.1f M",
+                    double(row.pairs->facing) / row.total.median_ms / 1e3,
+                    row.total.median_ms / double(row.pairs->lights),
+                    static_cast<unsigned long long>(row.pairs->differing), double(row.pairs->facing) / 1e6);
     if (row.errors) std::printf("  wrong %llu", static_cast<unsigned long long>(row.errors->wrong()));
     if (row.oracle)
         std::printf("  oracle: %llu of %llu wrong", static_cast<unsigned long long>(row.oracle->wrong),

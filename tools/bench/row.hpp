@@ -34,6 +34,13 @@ struct OracleVerdict {
     std::uint64_t points = 0, wrong = 0;
 };
 
+/// Of a run over many lights: its decisions are the pairs whose light is strictly in front of the point's face.
+struct LightPairs {
+    std::uint64_t points = 0, lights = 0, facing = 0, lit = 0;
+    std::uint64_t differing = 0;  ///< bits that are not those of the first row of the same question
+    std::string points_made, lights_hash;
+};
+
 struct Row {
     std::string experiment;
     std::string scene, view, light;
@@ -59,6 +66,7 @@ struct Row {
     std::string mask_hash, points_hash;
     std::optional<measure::VisibilityErrors> errors;
     std::optional<OracleVerdict> oracle;
+    std::optional<LightPairs> pairs;
     std::string failed;  ///< why there are no figures; else empty
 
     // For the page alone: data URIs, empty without pictures.

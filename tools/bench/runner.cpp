@@ -111,11 +111,18 @@ Seen Runner::look(const Place& place, const Block& block, const Case& c, Size si
     row.camera = camera;
     row.points_hash = hash_of(std::span<const float>(host.position));
     Visibility visibility(place.device, std::size_t(size.width) * size.height);
-    return {std::move(view), std::move(host), std::move(visibility), std::move(row), c};
+    if (block.sun_angle_degrees && !c.light.is_directional())
+        throw InvalidArgument("a sun's disk takes a directional light, and " + c.light_name + " is a point light");
+    return {std::move(view), std::move(host), std::move(visibility), std::move(row), c, block.sun_angle_degrees};
 }
 
 Runner::Truth Runner::truth_of(const Block& block, const Place& place, const Seen& seen) const {
-    make(truth_configuration(), place.device)->run(place.triangles, seen.view.points, seen.c.light, seen.visibility);
+    const auto technique = make(truth_configuration(), place.device);
+    if (block.sun_angle_degrees)
+        run_mean(*technique, place.triangles, seen.view.points, seen.sun(block.configurations.front()),
+                 seen.visibility);
+    else
+        technique->run(place.triangles, seen.view.points, seen.c.light, seen.visibility);
     Truth truth{seen.visibility.read(), {}, {}};
     truth.hash = hash_of(std::span<const float>(truth.mask));
     if (block.oracle_points != 0) {
@@ -238,8 +245,27 @@ void Runner::add_stages(const Block& block, const std::string& selector, const N
     }
 }
 
+// All take turns, since a machine's speed drifts.
+void Runner::run_many_lights(const Block& block, const NamedScene& scene) {
+    for (const std::string& selector : options_.devices) {
+        const Place place(selector, scene, false);
+        const LightsQuestion question(scene, *block.many_lights);
+        std::vector<std::unique_ptr<LightsContestant>> contestants;
+        for (const Configuration& configuration : block.configurations)
+            contestants.push_back(make_own_contestant(question, place, configuration));
+        if (block.peers && selector == options_.devices.front())
+            std::ranges::move(make_light_peers(question, options_.threads), std::back_inserter(contestants));
+        for (Row& row : run_contestants(question, contestants, options_.rule)) {
+            row.experiment = block.experiment;
+            report_(row);
+            rows_.push_back(std::move(row));
+        }
+    }
+}
+
 void Runner::run(const Block& block) {
     const NamedScene& scene = shelf_.get(block.scene);
+    if (block.many_lights) return run_many_lights(block, scene);
     std::vector<std::string> seen;
     for (Case c : scene.cases) {
         if (block.light) {

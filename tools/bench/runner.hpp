@@ -7,6 +7,7 @@
 
 #include "cases.hpp"
 #include "contestant.hpp"
+#include "many_lights.hpp"
 #include "row.hpp"
 #include "sweep.hpp"
 #include "timing.hpp"
@@ -39,12 +40,14 @@ struct Block {
     /// Runs of the configurations take turns, so that whatever else the machine does hits all alike. All are in memory
     /// at once.
     bool take_turns = false;
-    bool frames = false;    ///< each run also makes its points and a picture
-    bool stages = false;    ///< also profiled runs, for the stage breakdown
-    bool errors = false;    ///< against the exact technique's mask
-    bool pictures = false;  ///< masks and differences, for the page; with errors
-    bool peers = false;     ///< the rivals too, with as many samples per pixel as a configuration has at most; with
-                            ///< take_turns, their best take turns with the configurations
+    std::optional<double> sun_angle_degrees;  ///< the truth is soft: of the first configuration's lights on this disk
+    bool frames = false;                      ///< each run also makes its points and a picture
+    bool stages = false;                      ///< also profiled runs, for the stage breakdown
+    bool errors = false;                      ///< against the exact technique's mask
+    bool pictures = false;                    ///< masks and differences, for the page; with errors
+    std::optional<ManyLights> many_lights;    ///< in place of all views: points and lights of its own
+    bool peers = false;  ///< the rivals too, with as many samples per pixel as a configuration has at most; with
+                         ///< take_turns, their best take turns with the configurations
     /// At most that many pixels of the exact technique's mask, evenly spread, are asked of the oracle, with all samples
     /// of a pixel; with errors.
     std::uint64_t oracle_points = 0;
@@ -84,6 +87,7 @@ private:
     void add_stages(const Block& block, const std::string& selector, const NamedScene& scene, const Case& c, Size size,
                     std::vector<Entry>& entries) const;
     void run_case(const Block& block, const NamedScene& scene, const Case& c, Size size);
+    void run_many_lights(const Block& block, const NamedScene& scene);
 
     SceneShelf& shelf_;
     RunOptions options_;

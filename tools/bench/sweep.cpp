@@ -2,6 +2,9 @@
 #include "sweep.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
 
 #include <gnomon.hpp>
 
@@ -93,6 +96,20 @@ std::vector<Configuration> bias_configurations() {
     std::vector<Configuration> configurations;
     for (const Sweep& sweep : bias_sweeps())
         for (Settings& settings : combinations(sweep)) configurations.push_back({sweep.technique, std::move(settings)});
+    return configurations;
+}
+
+std::vector<Configuration> soft_configurations(double sun_angle_degrees, std::uint32_t sun_samples) {
+    std::vector<Configuration> configurations(2, truth_configuration());
+    configurations.front().sun_samples = sun_samples;
+    for (const Family& family : families()) {
+        if (family.name != "filtered maps") continue;
+        for (const std::string& technique : family.techniques) configurations.push_back({technique, {}});
+    }
+    char tangent[32];
+    std::snprintf(tangent, sizeof(tangent), "%.9g", std::tan(sun_angle_degrees * (std::numbers::pi / 180)));
+    for (Configuration& configuration : configurations)
+        if (configuration.technique == "pcss") configuration.settings.emplace_back("light-size", tangent);
     return configurations;
 }
 

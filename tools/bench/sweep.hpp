@@ -15,6 +15,8 @@ struct Configuration {
     std::string mode =
         "animated";             ///< nothing is kept between runs; moving: clusters are; static: the light is prepared
     std::uint32_t samples = 1;  ///< per pixel; several are found, and decided, by run_samples()
+    /// Lights on the sun's disk, each decided; none: the directional light.
+    std::uint32_t sun_samples = 0;
 };
 
 /// Every registered technique with its defaults. The first is exact.
@@ -26,6 +28,10 @@ std::vector<Configuration> swept_configurations(std::uint32_t largest_map = 8192
 
 /// Shadow maps with constant, slope-scaled, adaptive and dual-layer bias of several strengths.
 std::vector<Configuration> bias_configurations();
+
+/// The exact truth with so many lights on a disk of this angle, the hard shadow, and what blurs a map's edges: pcss
+/// with this disk, and each filter.
+std::vector<Configuration> soft_configurations(double sun_angle_degrees, std::uint32_t sun_samples);
 
 /// The technique whose answer the others are measured against, with its defaults.
 Configuration truth_configuration();

@@ -92,6 +92,21 @@ Table error_table(const Comparison& view) {
     return table;
 }
 
+Table soft_table(const Comparison& view) {
+    Table table{view.title,
+                "Mean absolute errors of the visibility, and points that are wrong by half or more.",
+                {"technique", "ms", "error in penumbrae", "error everywhere", "wrong", "share of points in penumbrae"},
+                {}};
+    for (const Row* row : view.rows) {
+        if (!row->failed.empty() || !row->errors) continue;
+        const measure::VisibilityErrors& e = *row->errors;
+        table.lines.push_back({name_of(*row), times_text(row->total), three_digits(e.penumbra_mean_absolute),
+                               three_digits(e.mean_absolute), percent(e.wrong_share()),
+                               percent(double(e.penumbra_points) / double(std::max<std::uint64_t>(e.points, 1)))});
+    }
+    return table;
+}
+
 Table bias_table(const Comparison& view) {
     Table table{view.title,
                 "Acne: points that are lit and called dark. Peter-panning: points in shadow that are called lit. Both "
@@ -348,6 +363,39 @@ Table cluster_table(const std::vector<Comparison>& views) {
     return table;
 }
 
+// The first row of a view is gnomon's; each other one stands in a line of its own with the ratio of the two rates.
+Table lights_table(const std::vector<Comparison>& views) {
+    Table table{
+        "",
+        "Million front-facing pairs per second, by the wall clock; medians. Ratio: the rival's time over gnomon's, "
+        "the median of the rounds, by wall clock and by processor time.",
+        {"scene", "triangles", "points", "lights", "facing, M", "lit", "way", "M pairs/s", "ms a light", "ratio",
+         "by processor time", "differing bits"},
+        {}};
+    for (const Comparison& view : views) {
+        for (const Row* row : view.rows) {
+            if (!row->failed.empty() || !row->pairs) continue;
+            const LightPairs& pairs = *row->pairs;
+            const Row& ours = *view.rows.front();
+            std::vector<std::string> line{row->scene + ", " + row->view,
+                                          with_spaces(double(row->triangles)),
+                                          with_spaces(double(pairs.points)),
+                                          row->light + " (" + with_spaces(double(pairs.lights)) + ")",
+                                          three_digits(double(pairs.facing) / 1e6),
+                                          percent(double(pairs.lit) / double(std::max<std::uint64_t>(pairs.facing, 1))),
+                                          name_of(*row),
+                                          three_digits(double(pairs.facing) / row->total.median_ms / 1e3),
+                                          three_digits(row->total.median_ms / double(pairs.lights))};
+            for (const auto clock : {&RunTimes::wall_ms, &RunTimes::processor_ms})
+                line.push_back(row == &ours ? ""
+                                            : three_digits(ratio_by_turns(*row, ours, Part::shadow, clock).median_ms));
+            line.push_back(with_spaces(double(pairs.differing)));
+            table.lines.push_back(std::move(line));
+        }
+    }
+    return table;
+}
+
 Table samples_table(const std::vector<Comparison>& views) {
     Table table{
         "",
@@ -502,6 +550,10 @@ std::vector<Table> tables_of(std::span<const Row> rows, const std::string& exper
         tables = {map_table(views)};
     } else if (experiment == "samples") {
         tables = {samples_table(views)};
+    } else if (experiment == "soft") {
+        for (const Comparison& view : views) tables.push_back(soft_table(view));
+    } else if (experiment == "many_lights") {
+        tables = {lights_table(views)};
     } else if (experiment == "clusters") {
         tables = {cluster_table(views)};
     } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Writes a scene as GLB: a 12-byte header, a JSON chunk, and a BIN chunk with the positions and indices of each part in
-// turn. The JSON is small, the arrays go to the file as they lie in memory, so a scene is never held twice.
+// turn, then the images of masks. The JSON is small, the arrays go to the file as they lie in memory, so a scene is
+// never held twice.
 //
 // Cameras and lights are nodes with a matrix, not a quaternion: the -Z column of a light is then exactly the direction
 // asked for, unrounded, which scenes made of exact ties need. The other two columns are at right angles to it and as
@@ -13,6 +14,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "png.hpp"
 
 namespace gnomon::make_scenes {
 
@@ -100,10 +103,53 @@ Json camera_json(const CameraNode& camera) {
 
 Json material_json(const Part& part) {
     const auto& color = part.base_color;
-    return {{"name", part.material},
-            {"pbrMetallicRoughness",
-             {{"baseColorFactor", {color[0], color[1], color[2], 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
-            {"doubleSided", true}};
+    Json json{{"name", part.material},
+              {"pbrMetallicRoughness",
+               {{"baseColorFactor", {color[0], color[1], color[2], 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
+              {"doubleSided", true}};
+    if (part.mask) {
+        json["alphaMode"] = "MASK";
+        json["alphaCutoff"] = part.mask->cutoff;
+    }
+    return json;
+}
+
+bool has_texture(const Part& part) { return part.mask && part.mask->width > 0 && !part.indices.empty(); }
+
+std::vector<std::uint8_t> image_of(const Part& part) {
+    std::vector<std::uint8_t> png = png_of(part.mask->width, part.mask->height, part.mask->rgba);
+    png.resize((png.size() + 3) / 4 * 4);  // what follows IEND is not read
+    return png;
+}
+
+/// White with the alphas: COLOR_0.
+std::vector<float> colors_of(const Part& part) {
+    std::vector<float> colors;
+    for (const float alpha : part.alphas) colors.insert(colors.end(), {1, 1, 1, alpha});
+    return colors;
+}
+
+/// The texture of each masked part, behind all arrays. Returns the bytes that the images take.
+std::uint64_t add_images(Json& root, const Scene& scene, std::uint64_t offset) {
+    const std::uint64_t first = offset;
+    std::size_t material = 0;
+    for (const Part& part : scene.parts) {
+        if (has_texture(part)) {
+            const std::uint64_t bytes = image_of(part).size();
+            root["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes}});
+            offset += bytes;
+            const std::size_t index = root["images"].size();
+            root["images"].push_back(
+                {{"bufferView", root["bufferViews"].size() - 1}, {"mimeType", "image/png"}, {"name", part.material}});
+            root["samplers"].push_back({{"magFilter", int(part.mask->filter)},
+                                        {"wrapS", int(part.mask->wrap)},
+                                        {"wrapT", int(part.mask->wrap)}});
+            root["textures"].push_back({{"sampler", index}, {"source", index}});
+            root["materials"][material]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", index}};
+        }
+        material += !part.indices.empty();
+    }
+    return offset - first;
 }
 
 Json positions_accessor(const Part& part, std::size_t view) {
@@ -136,19 +182,29 @@ std::uint64_t add_mesh(Json& root, const Scene& scene) {
         if (part.indices.empty()) continue;
         const std::size_t positions_view = add_view(part.positions.size() * sizeof(float), 34962);
         root["accessors"].push_back(positions_accessor(part, positions_view));
+        Json attributes{{"POSITION", positions_view}};
+        const auto add_attribute = [&](const char* name, const char* type, std::size_t floats) {
+            attributes[name] = root["accessors"].size();
+            root["accessors"].push_back({{"bufferView", add_view(floats * sizeof(float), 34962)},
+                                         {"componentType", 5126},
+                                         {"count", part.positions.size() / 3},
+                                         {"type", type}});
+        };
+        if (!part.coordinates.empty()) add_attribute("TEXCOORD_0", "VEC2", part.coordinates.size());
+        if (!part.alphas.empty()) add_attribute("COLOR_0", "VEC4", 4 * part.alphas.size());
         const std::size_t indices_view = add_view(part.indices.size() * sizeof(std::uint32_t), 34963);
         root["accessors"].push_back({{"bufferView", indices_view},
                                      {"componentType", 5125},
                                      {"count", part.indices.size()},
                                      {"type", "SCALAR"}});
         root["materials"].push_back(material_json(part));
-        primitives.push_back({{"attributes", {{"POSITION", positions_view}}},
-                              {"indices", indices_view},
-                              {"material", root["materials"].size() - 1}});
+        primitives.push_back(
+            {{"attributes", attributes}, {"indices", indices_view}, {"material", root["materials"].size() - 1}});
     }
     if (primitives.empty()) return 0;
     root["meshes"].push_back({{"name", scene.name}, {"primitives", primitives}});
     root["nodes"].push_back({{"name", scene.name}, {"mesh", 0}});
+    offset += add_images(root, scene, offset);
     root["buffers"].push_back({{"byteLength", offset}});
     return offset;
 }
@@ -211,8 +267,12 @@ void write_glb(const Scene& scene, const std::filesystem::path& file) {
     for (const Part& part : scene.parts) {
         if (part.indices.empty()) continue;
         write_array(stream, part.positions);
+        write_array(stream, part.coordinates);
+        write_array(stream, colors_of(part));
         write_array(stream, part.indices);
     }
+    for (const Part& part : scene.parts)
+        if (has_texture(part)) write_array(stream, image_of(part));
     stream.close();
     if (!stream) throw MakeError("could not write all of '" + file.string() + "'; is the disk full?");
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,12 +21,26 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+/// alphaMode MASK. Without texels the alpha of the vertices decides alone.
+struct Mask {
+    enum Filter { nearest = 9728, linear = 9729 };
+    enum Wrap { repeat = 10497, clamp = 33071, mirror = 33648 };
+    double cutoff = 0.5;
+    std::uint32_t width = 0, height = 0;
+    std::vector<std::uint8_t> rgba{};  ///< 4 per texel
+    Filter filter = linear;
+    Wrap wrap = repeat;
+};
+
 /// The triangles of one material: float32 positions, 32-bit indices.
 struct Part {
     std::string material;
     std::array<double, 3> base_color{};  ///< linear
     std::vector<float> positions;        ///< 3 per vertex
     std::vector<std::uint32_t> indices;  ///< 3 per triangle
+    std::vector<float> coordinates{};    ///< of the texture: 2 per vertex, or none
+    std::vector<float> alphas{};         ///< 1 per vertex, or none
+    std::optional<Mask> mask{};
 
     std::uint32_t vertex(const Vec3& position);
     void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c);

@@ -42,6 +42,8 @@ std::span<const Recipe> recipes() {
         Recipe{"million_slivers", make_million_slivers,
                "slivers that all cross over the same few millimetres: one texel sees every one", true, true, 2'000, 10,
                most},
+        Recipe{"leaves", make_leaves, "leaves, wires and a veil, cut out by textures and by the alpha of vertices",
+               true, true},
         Recipe{"colonnade", make_colonnade,
                "a columned hall with steps, beams and a roof with openings: large polygons", false, true, 300'000,
                10'000, most},
@@ -51,6 +53,11 @@ std::span<const Recipe> recipes() {
                false, true, 5'300'000, 10'000, most},
         Recipe{"pipes", make_pipes, "a plant of pipes with elbows and flanges in a steel frame, with vessels", false,
                true, 12'800'000, 10'000, most},
+        Recipe{"town", make_town,
+               "streets of houses with gable roofs, terraces, flats, gardens and trees: closed solids", false, true,
+               60'000, 10'000, most},
+        Recipe{"terrain", make_terrain, "a fractal height field over two kilometres, an open sheet", false, true,
+               8'000'000, 10'000, most},
     };
     return list;
 }

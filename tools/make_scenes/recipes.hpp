@@ -58,10 +58,15 @@ Scene make_thin_wires(const Request&);
 Scene make_grass(const Request&);
 Scene make_million_slivers(const Request&);
 
+// Cut-outs (leaves.cpp).
+Scene make_leaves(const Request&);
+
 // Large scenes, each in its own file.
 Scene make_colonnade(const Request&);
 Scene make_city(const Request&);
 Scene make_foliage(const Request&);
 Scene make_pipes(const Request&);
+Scene make_town(const Request&);
+Scene make_terrain(const Request&);
 
 }  // namespace gnomon::make_scenes

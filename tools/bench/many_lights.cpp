@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT
+#include "many_lights.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "cl/embedded_files.hpp"
+#include "make_scenes/arithmetic.hpp"
+
+namespace gnomon {
+std::span<const EmbeddedFile> embedded_tables();
+}
+
+namespace gnomon::bench {
+namespace {
+
+using make_scenes::Random;
+
+// ---- Points ---------------------------------------------------------------------------------------------------------
+
+using Vector = std::array<double, 3>;
+
+Vector cross_of(const float* v) {
+    Vector e{}, f{};
+    for (std::size_t c = 0; c < 3; ++c) {
+        e[c] = double(v[3 + c]) - v[c];
+        f[c] = double(v[6 + c]) - v[c];
+    }
+    return {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+}
+
+double length_of(const Vector& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+void append_unit(std::vector<float>& normals, const Vector& n) {
+    const double length = length_of(n);
+    for (const double c : n) normals.push_back(static_cast<float>(c / length));
+}
+
+void points_on_faces(LightsQuestion& question, std::uint64_t count) {
+    const std::vector<float>& vertices = question.scene.scene.triangles;
+    std::vector<double> area_up_to;
+    double sum = 0, largest = 0;
+    for (std::size_t t = 0; t < vertices.size() / 9; ++t) {
+        const double twice = length_of(cross_of(&vertices[9 * t]));
+        if (std::isfinite(twice)) sum += twice;
+        area_up_to.push_back(sum);
+    }
+    for (const float coordinate : vertices)
+        if (std::isfinite(coordinate)) largest = std::max(largest, std::abs(double(coordinate)));
+    if (sum == 0) throw InvalidArgument("the scene has no area to put points on");
+    Random random(1);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const auto t =
+            static_cast<std::size_t>(std::ranges::upper_bound(area_up_to, random.unit() * sum) - area_up_to.begin());
+        const float* v = &vertices[9 * t];
+        const Vector n = cross_of(v);
+        const double lift = 2e-6 * largest / length_of(n);
+        double a = random.unit(), b = random.unit();
+        if (a + b > 1) {
+            a = 1 - a;
+            b = 1 - b;
+        }
+        for (std::size_t c = 0; c < 3; ++c)
+            question.positions.push_back(
+                static_cast<float>(v[c] + a * (double(v[3 + c]) - v[c]) + b * (double(v[6 + c]) - v[c]) + lift * n[c]));
+        append_unit(question.normals, n);
+        question.receivers.push_back(static_cast<std::uint32_t>(t));
+    }
+}
+
+// Each vertex is taken with the probability that leaves `count` of them, by a hash of the order in which they appear.
+void points_on_vertices(LightsQuestion& question, std::uint64_t count) {
+    const std::vector<float>& vertices = question.scene.scene.triangles;
+    std::map<std::array<float, 3>, Vector> normals;
+    for (std::size_t corner = 0; corner < vertices.size() / 3; ++corner) {
+        const float* at = &vertices[3 * corner];
+        const Vector n = cross_of(&vertices[corner / 3 * 9]);
+        Vector& sum = normals[{at[0], at[1], at[2]}];
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += n[c];
+    }
+    Random random(1);
+    std::uint64_t left = normals.size(), wanted = count;
+    for (const auto& [position, normal] : normals) {
+        const bool is_taken = random.unit() * double(left--) < double(wanted);
+        if (!is_taken) continue;
+        --wanted;
+        question.positions.insert(question.positions.end(), position.begin(), position.end());
+        append_unit(question.normals, normal);
+    }
+}
+
+// ---- Lights ---------------------------------------------------------------------------------------------------------
+
+struct TimedSun {
+    std::string hour;
+    Light light;
+};
+
+std::vector<TimedSun> suns_of_the_year() {
+    const EmbeddedFile& table = embedded_tables().front();
+    std::istringstream lines(std::string(table.text));
+    std::vector<TimedSun> suns;
+    for (std::string line; std::getline(lines, line);) {
+        Float3 d{};
+        const std::size_t time_end = line.find(',');
+        if (line.starts_with('#') || line.starts_with("time")) continue;
+        const char* at = line.data() + time_end + 1;
+        for (float& c : d) at = std::from_chars(at, line.data() + line.size(), c).ptr + 1;
+        suns.push_back({line.substr(line.find('T'), time_end - line.find('T')), Light::directional(d)});
+    }
+    return suns;
+}
+
+std::uint64_t number_in(const std::string& text, std::uint64_t most, const std::string& asked) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || value == 0 || value > most)
+        throw InvalidArgument("--many-lights takes suns, suns:N, sky, sky:D or disk:N, not \"" + asked + "\"");
+    return value;
+}
+
+void make_lights(LightsQuestion& question, const std::string& asked) {
+    const std::size_t colon = std::min(asked.find(':'), asked.size());
+    const std::string kind = asked.substr(0, colon), number = asked.substr(std::min(colon + 1, asked.size()));
+    const auto in_order = [&] {
+        for (std::uint32_t i = 0; i < question.lights.count(); ++i) question.light_order.push_back(i);
+    };
+    if (kind == "sky") {
+        const auto division = number.empty() ? 1 : number_in(number, 16, asked);
+        question.lights = sky_patches({0, 1, 0}, {0, 0, -1}, static_cast<std::uint32_t>(division));
+        return in_order();
+    }
+    if (kind == "disk") {
+        const auto samples = static_cast<std::uint32_t>(number_in(number, 1 << 20, asked));
+        question.lights = sun_disk({-0.3f, -1, -0.2f}, 0.533, samples);
+        return in_order();
+    }
+    const std::vector<TimedSun> all = suns_of_the_year();
+    const std::uint64_t count = kind == asked && kind == "suns" ? all.size() : number_in(number, all.size(), asked);
+    if (kind != "suns") number_in("", 1, asked);
+    std::vector<Light> lights;
+    std::vector<std::string> hours;
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const TimedSun& sun = all[i * all.size() / count];
+        lights.push_back(sun.light);
+        hours.push_back(sun.hour);
+    }
+    question.lights = Lights(std::move(lights));
+    in_order();
+    std::ranges::stable_sort(question.light_order, {}, [&](std::uint32_t i) { return hours[i]; });
+}
+
+std::uint64_t facing_pairs(const LightsQuestion& question) {
+    std::uint64_t facing = 0;
+    for (std::size_t i = 0; i < question.count(); ++i)
+        for (const Light& light : question.lights.lights()) facing += is_facing(&question.normals[3 * i], light.xyzw);
+    return facing;
+}
+
+// ---- gnomon ---------------------------------------------------------------------------------------------------------
+
+class OwnLightsContestant : public LightsContestant {
+public:
+    OwnLightsContestant(const LightsQuestion& question, const Place& place, const Configuration& configuration)
+        : question_(question),
+          place_(place),
+          configuration_(configuration),
+          technique_(make(configuration, place.device)),
+          triangles_(place.triangles),
+          points_(Points::upload(place.device, question.positions, question.receivers)),
+          normals_(Points::upload(place.device, question.normals)),
+          counts_(place.device, question.count()),
+          sums_(place.device, 2 * question.count()) {
+        triangles_.keep_clusters(place.device);
+    }
+
+    std::vector<std::uint32_t> bits() override {
+        return run_lights_to_host(*technique_, triangles_, points_, question_.lights, {.bits = true}, options()).bits;
+    }
+    RunTimes run() override {
+        return time_run([&] {
+            statistics_ = technique_->run(triangles_, points_, question_.lights,
+                                          {.counts = counts_.buffer(), .sums = sums_.buffer()}, options());
+            place_.device.finish();
+        });
+    }
+    std::vector<std::uint32_t> counts() const override {
+        std::vector<std::uint32_t> counts;
+        for (const float bits : counts_.read()) counts.push_back(std::bit_cast<std::uint32_t>(bits));
+        return counts;
+    }
+    void describe(Row& row) const override {
+        row.technique = configuration_.technique;
+        row.settings = configuration_.settings;
+        for (const TechniqueDescription& technique : techniques())
+            if (technique.name == row.technique) row.exact = technique.exact;
+        row.device = place_.device.description().name;
+        row.driver = place_.device.description().driver_version;
+        row.device_memory_bytes = statistics_.device_memory_bytes;
+        row.counts = statistics_.counts;
+    }
+
+private:
+    LightsOptions options() const { return {.normals = normals_.positions()}; }
+
+    const LightsQuestion& question_;
+    const Place& place_;
+    Configuration configuration_;
+    std::unique_ptr<Technique> technique_;
+    Triangles triangles_;
+    Points points_, normals_;
+    Visibility counts_, sums_;  ///< buffers of the right size
+    Statistics statistics_;
+};
+
+// ---- By turns -------------------------------------------------------------------------------------------------------
+
+struct Entered {
+    LightsContestant* contestant = nullptr;
+    Row row;
+    std::vector<std::uint32_t> lit_of_point;  ///< by the bits
+    std::vector<FrameTimes> runs;
+
+    template <typename Work>
+    void guarded(Work&& work) {
+        if (!row.failed.empty()) return;
+        try {
+            work();
+        } catch (const Error& error) {
+            row.failed = error.what();
+        }
+    }
+};
+
+void keep_bits(const LightsQuestion& question, Entered& entered, std::vector<std::uint32_t>& first) {
+    const std::vector<std::uint32_t> bits = entered.contestant->bits();
+    if (first.empty()) first = bits;
+    LightPairs& pairs = *entered.row.pairs;
+    entered.row.mask_hash = hash_of(std::span<const std::uint32_t>(bits));
+    entered.lit_of_point.assign(question.count(), 0);
+    for (std::size_t word = 0; word < bits.size(); ++word) {
+        const auto lit = static_cast<std::uint32_t>(std::popcount(bits[word]));
+        entered.lit_of_point[word / question.words()] += lit;
+        pairs.lit += lit;
+        pairs.differing += static_cast<std::uint64_t>(std::popcount(bits[word] ^ first[word]));
+    }
+}
+
+void finish(Entered& entered) {
+    entered.guarded([&] {
+        if (entered.contestant->counts() != entered.lit_of_point)
+            throw Error("a timed run counted other lights than the run that wrote the bits");
+        entered.row.set_runs(std::move(entered.runs), false);
+        entered.contestant->describe(entered.row);
+    });
+}
+
+}  // namespace
+
+LightsQuestion::LightsQuestion(const NamedScene& named, const ManyLights& asked) : scene(named) {
+    const bool is_terrain = named.name.starts_with("terrain");
+    if (is_terrain)
+        points_on_vertices(*this, asked.points);
+    else
+        points_on_faces(*this, asked.points);
+    make_lights(*this, asked.lights);
+    row.scene = named.name;
+    row.view = is_terrain ? "vertices" : "faces";
+    row.light = asked.lights;
+    row.width = static_cast<std::uint32_t>(count());
+    row.height = 1;
+    row.triangles = named.scene.triangle_count();
+    row.mode = "moving";
+    row.points_hash = hash_of(std::span<const float>(positions));
+    std::vector<float> directions;
+    for (const Light& light : lights.lights())
+        directions.insert(directions.end(), light.xyzw.begin(), light.xyzw.end());
+    row.pairs = LightPairs{count(),
+                           lights.count(),
+                           facing_pairs(*this),
+                           0,
+                           0,
+                           is_terrain ? "vertices, seed 1" : "uniform by area on faces, outward, seed 1",
+                           hash_of(std::span<const float>(directions))};
+}
+
+std::unique_ptr<LightsContestant> make_own_contestant(const LightsQuestion& question, const Place& place,
+                                                      const Configuration& configuration) {
+    return std::make_unique<OwnLightsContestant>(question, place, configuration);
+}
+
+std::vector<Row> run_contestants(const LightsQuestion& question,
+                                 std::span<const std::unique_ptr<LightsContestant>> contestants, const RunRule& rule) {
+    std::vector<Entered> all;
+    std::vector<std::uint32_t> first;
+    for (const auto& contestant : contestants) {
+        all.push_back({contestant.get(), question.row, {}, {}});
+        all.back().guarded([&] { keep_bits(question, all.back(), first); });
+    }
+    first = {};
+    const Clock clock;
+    for (int run = 0; rule.goes_on(run, clock.elapsed_ms() / double(all.size())); ++run)
+        for (Entered& entered : all)
+            entered.guarded([&] {
+                FrameTimes times;
+                times.shadow = entered.contestant->run();
+                entered.runs.push_back(times);
+            });
+    std::vector<Row> rows;
+    for (Entered& entered : all) {
+        finish(entered);
+        rows.push_back(std::move(entered.row));
+    }
+    return rows;
+}
+
+}  // namespace gnomon::bench

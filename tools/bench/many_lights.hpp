@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// Many lights: points of a scene times a table of directional lights, by gnomon and by its rival, by turns.
+//
+// Points: N area-uniform on the faces (seed 1), on the outward side by the winding, 2e-6 of the largest coordinate off
+// their face; of a terrain N of its vertices, with the mean normal of the triangles around them. Decisions are the
+// pairs whose light is in front of the point's normal. Timed runs write the number of lights that reach each point; one
+// run before them, which is not timed, writes all bits, and these are compared. Outside of all times: gnomon's
+// clusters, the rival's tree, and the rival's order of points and lights. gnomon's times contain its own tree and
+// order.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contestant.hpp"
+
+namespace gnomon::bench {
+
+struct ManyLights {
+    /// "suns" (latitude 52, hourly, elevation above 0), "suns:N" (N of them, evenly spread), "sky" (145 patches),
+    /// "sky:D" (Reinhart's division D), "disk:N" (N lights on the sun's disk).
+    std::string lights = "suns";
+    std::uint64_t points = 1'000'000;
+};
+
+struct LightsQuestion {
+    LightsQuestion(const NamedScene& scene, const ManyLights& asked);
+
+    const NamedScene& scene;
+    std::vector<float> positions, normals;  ///< 3 per point
+    std::vector<std::uint32_t> receivers;   ///< none where the points are vertices
+    Lights lights;
+    /// The lights in an order in which neighbours are close: suns of one hour, day after day.
+    std::vector<std::uint32_t> light_order;
+    Row row;  ///< what all rows share
+
+    std::size_t count() const { return positions.size() / 3; }
+    std::size_t words() const { return (lights.count() + 31) / 32; }
+    bool are_vertices() const { return receivers.empty(); }
+};
+
+/// Whether the light is in front of the point's normal, in double arithmetic.
+inline bool is_facing(const float* normal, const std::array<float, 4>& light) {
+    return double(normal[0]) * light[0] + double(normal[1]) * light[1] + double(normal[2]) * light[2] > 0;
+}
+
+class LightsContestant {
+public:
+    virtual ~LightsContestant() = default;
+    /// All bits, as LightsOutputs::bits. Called once, before all runs.
+    virtual std::vector<std::uint32_t> bits() = 0;
+    /// Writes the number of lights of each point.
+    virtual RunTimes run() = 0;
+    virtual std::vector<std::uint32_t> counts() const = 0;  ///< of the last run
+    virtual void describe(Row& row) const = 0;
+};
+
+std::unique_ptr<LightsContestant> make_own_contestant(const LightsQuestion& question, const Place& place,
+                                                      const Configuration& configuration);
+/// Embree's best of medium and high quality times 16 points x 1 light, 1 point x 16 lights and streams, as measured on
+/// a sample of the points. None without Embree.
+std::vector<std::unique_ptr<LightsContestant>> make_light_peers(const LightsQuestion& question, unsigned threads);
+
+/// A row for each, in their order. A contestant that fails says so in its row.
+std::vector<Row> run_contestants(const LightsQuestion& question,
+                                 std::span<const std::unique_ptr<LightsContestant>> contestants, const RunRule& rule);
+
+}  // namespace gnomon::bench
