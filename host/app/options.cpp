@@ -109,7 +109,7 @@ void add_light_options(CLI::App& app, ViewOptions& options, const std::string& m
     if (render)
         add("--area-light", "X,Y,Z,AX,AY,AZ,BX,BY,BZ",
             "A parallelogram that shines: a corner and two edges a and b. It shines on the side of\na x b, with the "
-            "cosines at lamp and surface and the inverse square of each sample's distance",
+            "cosines at light and surface and the inverse square of each sample's distance",
             [render](const std::string& option, const std::string& text) {
                 const auto [corner, a, b] = parse_three_float3(option, text);
                 render->area_light = {corner, a, b};

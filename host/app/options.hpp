@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "area_lamp.hpp"
+#include "area_light.hpp"
 #include "scene/scene.hpp"
 #include "suns.hpp"
 #include "values.hpp"
@@ -47,7 +47,7 @@ struct ViewOptions {
     // At most one of the following.
     std::optional<std::string> light;
     std::optional<Float3> light_direction, light_position;
-    std::optional<AreaLamp> area_light;  ///< of gnomon render
+    std::optional<AreaLight> area_light;  ///< of gnomon render
 
     std::optional<float> sun_angle_degrees;    ///< of the disk that a directional light is; none: a point of the sky
     std::optional<std::uint32_t> sun_samples;  ///< of the disk

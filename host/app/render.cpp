@@ -165,15 +165,15 @@ Visibility uploaded(const Device& device, std::vector<float> values) {
     return {device, holder.positions(), count};
 }
 
-/// The mask is the share of the lamp's light that reaches a pixel; what is shaded is how bright the lamp shines on it.
+/// The mask is the share of the area light that reaches a pixel; what is shaded is how bright it shines on it.
 Seen see_area_light(Report& report, const Device& device, Technique& technique, const Triangles& triangles,
                     const View& view) {
-    const AreaLamp& lamp = *report.lights.front().chosen.area;
-    const Lights lights =
-        area_light(lamp.corner, lamp.edge_a, lamp.edge_b, report.options.area_samples.value_or(default_area_samples));
+    const AreaLight& source = *report.lights.front().chosen.area;
+    const Lights lights = area_light(source.corner, source.edge_a, source.edge_b,
+                                     report.options.area_samples.value_or(default_area_samples));
     const LightsOnHost found = run_lights_to_host(technique, triangles, view.points, lights, {.bits = true});
     report.lights.front().statistics = found.statistics;
-    LampLight light = lamp_light(lamp, lights, read(device, triangles, view), found.bits);
+    ReceivedLight light = received_light(source, lights, read(device, triangles, view), found.bits);
     return {triangles,
             view,
             {uploaded(device, std::move(light.brightness))},

@@ -56,7 +56,7 @@ struct ChosenCamera {
 struct ChosenLight {
     Light light;  ///< of an area light: at its centre
     std::string source;
-    std::optional<AreaLamp> area{};
+    std::optional<AreaLight> area{};
 };
 
 /// Throws UsageError if the options make no camera, Error if the scene has none of that name.

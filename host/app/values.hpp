@@ -37,9 +37,9 @@ float parse_float(const std::string& option, const std::string& text);
 /// The same as a double, for times.
 double parse_double(const std::string& option, const std::string& text);
 /// "x,y,z", each as parse_float.
-/// Nine numbers.
-std::array<Float3, 3> parse_three_float3(const std::string& option, const std::string& text);
 Float3 parse_float3(const std::string& option, const std::string& text);
+/// Three of them, with commas between: nine numbers.
+std::array<Float3, 3> parse_three_float3(const std::string& option, const std::string& text);
 /// "WxH", each from 1 to largest_side_px.
 ImageSize parse_size(const std::string& option, const std::string& text);
 /// "X,Y", each from 0.

@@ -30,11 +30,14 @@ typedef struct ShaftScene {
     __global ShaftCounters* counters;
 } ShaftScene;
 
-static void queue_pairs(const ShaftWork* work, uint lane, uint undecided, uint triangle, const ShaftScene* scene,
-                        Reservation* mine) {
+// The pairs of one point; none where the point is a corner of the triangle.
+static void queue_pairs(const ShaftWork* work, int lane, uint undecided, const ShaftTriangle* t, uint triangle,
+                        const ShaftScene* scene, Reservation* mine) {
+    if (has_corner_at(t, lane_point(work->points, lane))) return;
     uint slot = reservation(mine, &scene->counters->queued);
     if (slot < scene->queue_capacity)
-        scene->queue[slot] = (ShaftPairs){(uint)(work->block * SHAFT_WIDTH) + lane, work->bundle, triangle, undecided};
+        scene->queue[slot] =
+            (ShaftPairs){(uint)(work->block * SHAFT_WIDTH) + SHAFT_LANE(lane), work->bundle, triangle, undecided};
 }
 
 // From so many points on, the triangle is first tested against the cones of 16 points at once.
@@ -55,11 +58,8 @@ GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundl
         if (!is_masked) work->open &= ~(decision.blocked & open & (int)(1u << l));
         LaneInt undecided = open & ~decision.missed;
         if (!is_masked) undecided &= ~decision.blocked;
-        for (uint bits = lane_bits(undecided); bits != 0u;) {
-            int lane = take_lane(&bits);
-            if (!has_corner_at(t, lane_point(work->points, lane)))
-                queue_pairs(work, SHAFT_LANE(lane), 1u << l, triangle, scene, mine);
-        }
+        for (uint bits = lane_bits(undecided); bits != 0u;)
+            queue_pairs(work, take_lane(&bits), 1u << l, t, triangle, scene, mine);
     }
 }
 #endif
@@ -96,8 +96,7 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
         LightDecision decision = decide_lights(&edges, bundle, open);
         if (is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
         LANE_OF_INT(work->open, lane) = (int)(open & ~decision.dark);
-        if (decision.undecided != 0u && !has_corner_at(&t, lane_point(work->points, lane)))
-            queue_pairs(work, SHAFT_LANE(lane), decision.undecided, triangle, scene, mine);
+        if (decision.undecided != 0u) queue_pairs(work, lane, decision.undecided, &t, triangle, scene, mine);
     }
 }
 

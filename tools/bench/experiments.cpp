@@ -410,12 +410,9 @@ const std::vector<Experiment>& experiments() {
          soft},
         {"many_lights", "Many lights",
          "Points of a scene times a table of suns: decisions are the pairs whose light is in front of the point's "
-         "face, "
-         "and every one of them is decided. Trees of the rival and kept clusters are not counted; gnomon's times "
-         "contain "
-         "its own tree and its order of the points. Embree is the best of medium and high quality trees and three ways "
-         "to "
-         "hand over rays. The two take turns.",
+         "face, and every one of them is decided. Trees of the rival and kept clusters are not counted; gnomon's "
+         "times contain its own tree and its order of the points. Embree is the best of medium and high quality trees "
+         "and three ways to hand over rays. The two take turns.",
          many_lights},
     };
     return all;

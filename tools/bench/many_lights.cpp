@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "api/vectors.hpp"
 #include "cl/embedded_files.hpp"
 #include "make_scenes/arithmetic.hpp"
 
@@ -22,20 +23,19 @@ using make_scenes::Random;
 
 // ---- Points ---------------------------------------------------------------------------------------------------------
 
-using Vector = std::array<double, 3>;
-
-Vector cross_of(const float* v) {
-    Vector e{}, f{};
+/// Of a triangle: outward by its winding, as long as twice its area.
+Double3 normal_of(const float* v) {
+    Double3 e{}, f{};
     for (std::size_t c = 0; c < 3; ++c) {
         e[c] = double(v[3 + c]) - v[c];
         f[c] = double(v[6 + c]) - v[c];
     }
-    return {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+    return cross(e, f);
 }
 
-double length_of(const Vector& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+double length_of(const Double3& v) { return std::sqrt(dot(v, v)); }
 
-void append_unit(std::vector<float>& normals, const Vector& n) {
+void append_unit(std::vector<float>& normals, const Double3& n) {
     const double length = length_of(n);
     for (const double c : n) normals.push_back(static_cast<float>(c / length));
 }
@@ -45,7 +45,7 @@ void points_on_faces(LightsQuestion& question, std::uint64_t count) {
     std::vector<double> area_up_to;
     double sum = 0, largest = 0;
     for (std::size_t t = 0; t < vertices.size() / 9; ++t) {
-        const double twice = length_of(cross_of(&vertices[9 * t]));
+        const double twice = length_of(normal_of(&vertices[9 * t]));
         if (std::isfinite(twice)) sum += twice;
         area_up_to.push_back(sum);
     }
@@ -57,7 +57,7 @@ void points_on_faces(LightsQuestion& question, std::uint64_t count) {
         const auto t =
             static_cast<std::size_t>(std::ranges::upper_bound(area_up_to, random.unit() * sum) - area_up_to.begin());
         const float* v = &vertices[9 * t];
-        const Vector n = cross_of(v);
+        const Double3 n = normal_of(v);
         const double lift = 2e-6 * largest / length_of(n);
         double a = random.unit(), b = random.unit();
         if (a + b > 1) {
@@ -72,14 +72,14 @@ void points_on_faces(LightsQuestion& question, std::uint64_t count) {
     }
 }
 
-// Each vertex is taken with the probability that leaves `count` of them, by a hash of the order in which they appear.
+// Selection sampling (Knuth 3.4.2 S): every choice of `count` vertices is equally likely.
 void points_on_vertices(LightsQuestion& question, std::uint64_t count) {
     const std::vector<float>& vertices = question.scene.scene.triangles;
-    std::map<std::array<float, 3>, Vector> normals;
+    std::map<std::array<float, 3>, Double3> normals;
     for (std::size_t corner = 0; corner < vertices.size() / 3; ++corner) {
         const float* at = &vertices[3 * corner];
-        const Vector n = cross_of(&vertices[corner / 3 * 9]);
-        Vector& sum = normals[{at[0], at[1], at[2]}];
+        const Double3 n = normal_of(&vertices[corner / 3 * 9]);
+        Double3& sum = normals[{at[0], at[1], at[2]}];
         for (std::size_t c = 0; c < 3; ++c) sum[c] += n[c];
     }
     Random random(1);
@@ -115,11 +115,14 @@ std::vector<TimedSun> suns_of_the_year() {
     return suns;
 }
 
+[[noreturn]] void refuse(const std::string& asked) {
+    throw InvalidArgument("--many-lights takes suns, suns:N, sky, sky:D or disk:N, not \"" + asked + "\"");
+}
+
 std::uint64_t number_in(const std::string& text, std::uint64_t most, const std::string& asked) {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || value == 0 || value > most)
-        throw InvalidArgument("--many-lights takes suns, suns:N, sky, sky:D or disk:N, not \"" + asked + "\"");
+    if (error != std::errc() || end != text.data() + text.size() || value == 0 || value > most) refuse(asked);
     return value;
 }
 
@@ -139,9 +142,9 @@ void make_lights(LightsQuestion& question, const std::string& asked) {
         question.lights = sun_disk({-0.3f, -1, -0.2f}, 0.533, samples);
         return in_order();
     }
+    if (kind != "suns") refuse(asked);
     const std::vector<TimedSun> all = suns_of_the_year();
-    const std::uint64_t count = kind == asked && kind == "suns" ? all.size() : number_in(number, all.size(), asked);
-    if (kind != "suns") number_in("", 1, asked);
+    const std::uint64_t count = kind == asked ? all.size() : number_in(number, all.size(), asked);
     std::vector<Light> lights;
     std::vector<std::string> hours;
     for (std::uint64_t i = 0; i < count; ++i) {

@@ -4,6 +4,7 @@
 // rest, so the count is met within one tree. Buildings are closed solids and reach 30 cm into the ground.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "recipes.hpp"
 #include "shapes.hpp"

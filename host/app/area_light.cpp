@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "area_lamp.hpp"
+#include "area_light.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "api/vectors.hpp"
+
 namespace gnomon::app {
 namespace {
 
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/// edge_a x edge_b, as long as the lamp's area.
-Vector area_vector(const AreaLamp& lamp) {
-    const Float3 &a = lamp.edge_a, &b = lamp.edge_b;
-    return {double(a[1]) * b[2] - double(a[2]) * b[1], double(a[2]) * b[0] - double(a[0]) * b[2],
-            double(a[0]) * b[1] - double(a[1]) * b[0]};
+/// edge_a x edge_b, as long as its area.
+Double3 area_vector(const AreaLight& source) {
+    return cross({source.edge_a[0], source.edge_a[1], source.edge_a[2]},
+                 {source.edge_b[0], source.edge_b[1], source.edge_b[2]});
 }
 
 /// The three sums of one point.
@@ -26,13 +23,11 @@ struct Sums {
 
 class LitPoint {
 public:
-    LitPoint(const Vector& lamp_area, const float* position, const float* normal)
-        : area_(lamp_area),
-          position_{position[0], position[1], position[2]},
-          normal_{normal[0], normal[1], normal[2]} {}
+    LitPoint(const Double3& area, const float* position, const float* normal)
+        : area_(area), position_{position[0], position[1], position[2]}, normal_{normal[0], normal[1], normal[2]} {}
 
     void add(const Light& sample, bool reaches, Sums& sums) const {
-        const Vector l{sample.xyzw[0] - position_[0], sample.xyzw[1] - position_[1], sample.xyzw[2] - position_[2]};
+        const Double3 l{sample.xyzw[0] - position_[0], sample.xyzw[1] - position_[1], sample.xyzw[2] - position_[2]};
         const double square = dot(l, l);
         if (square == 0) return;
         // area . l = |area| r cosine, so f times the area is this over r^3.
@@ -44,29 +39,29 @@ public:
     }
 
 private:
-    const Vector& area_;
-    Vector position_, normal_;
+    const Double3& area_;
+    Double3 position_, normal_;
 };
 
 }  // namespace
 
-Float3 AreaLamp::centre() const {
+Float3 AreaLight::centre() const {
     Float3 at{};
     for (std::size_t c = 0; c < 3; ++c)
         at[c] = static_cast<float>(corner[c] + 0.5 * (double(edge_a[c]) + double(edge_b[c])));
     return at;
 }
 
-void AreaLamp::require_area() const {
-    const Vector area = area_vector(*this);
+void AreaLight::require_area() const {
+    const Double3 area = area_vector(*this);
     if (!(dot(area, area) > 0)) throw Error("the area light has no area: its two edges must not be parallel");
 }
 
-LampLight lamp_light(const AreaLamp& lamp, const Lights& lights, const ViewOnHost& view,
-                     const std::vector<std::uint32_t>& bits) {
-    const Vector area = area_vector(lamp);
+ReceivedLight received_light(const AreaLight& source, const Lights& lights, const ViewOnHost& view,
+                             const std::vector<std::uint32_t>& bits) {
+    const Double3 area = area_vector(source);
     const std::size_t count = view.receiver.size(), samples = lights.count(), words = (samples + 31) / 32;
-    LampLight light;
+    ReceivedLight light;
     for (auto* values : {&light.share, &light.irradiance, &light.brightness}) values->assign(count, 0.0f);
     for (std::size_t pixel = 0; pixel < count; ++pixel) {
         if (view.receiver[pixel] == no_receiver) {
