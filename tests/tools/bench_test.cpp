@@ -540,7 +540,9 @@ TEST(BenchParts, ExperimentsStayWithinTheMachinesLimits) {
                 EXPECT_LE(std::stoull(block.scene.substr(colon + 1)),
                           is_sweep ? limits.swept_triangles : limits.largest_triangles);
                 EXPECT_EQ(block.sizes.empty(), block.many_lights.has_value()) << experiment.name;
-                if (block.many_lights) EXPECT_LE(block.many_lights->points, limits.largest_points);
+                if (block.many_lights) {
+                    EXPECT_LE(block.many_lights->points, limits.largest_points);
+                }
                 for (const Size size : block.sizes)
                     EXPECT_LE(std::uint64_t(size.width) * size.height,
                               is_sweep ? limits.swept_points : limits.largest_points)
