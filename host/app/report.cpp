@@ -50,11 +50,11 @@ ordered_json camera_json(const ChosenCamera& chosen) {
 ordered_json light_json(const ChosenLight& chosen) {
     const Light& light = chosen.light;
     ordered_json result{{"source", chosen.source}, {"option", light_option(chosen)}};
-    if (const auto& light = chosen.area)
+    if (const auto& area = chosen.area)
         result.update({{"type", "area"},
-                       {"corner", light->corner},
-                       {"edge_a", light->edge_a},
-                       {"edge_b", light->edge_b},
+                       {"corner", area->corner},
+                       {"edge_a", area->edge_a},
+                       {"edge_b", area->edge_b},
                        {"radiance_w_per_m2_sr", 1}});
     else if (light.is_directional())
         result.update({{"type", "directional"}, {"direction", direction_of(light)}});

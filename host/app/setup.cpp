@@ -167,9 +167,9 @@ Lights sun_of(const ViewOptions& options, const ChosenLight& chosen, std::uint32
 }
 
 std::string light_option(const ChosenLight& chosen) {
-    if (const auto& light = chosen.area)
-        return "--area-light=" + float3_text(light->corner) + "," + float3_text(light->edge_a) + "," +
-               float3_text(light->edge_b);
+    if (const auto& area = chosen.area)
+        return "--area-light=" + float3_text(area->corner) + "," + float3_text(area->edge_a) + "," +
+               float3_text(area->edge_b);
     const Light& light = chosen.light;
     return light.is_directional() ? "--light-direction=" + float3_text(direction_of(light))
                                   : "--light-position=" + float3_text(position_of(light));
