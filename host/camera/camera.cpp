@@ -156,6 +156,7 @@ void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uin
     height_ = height;
     samples_ = camera_samples(camera, width, height, offsets);
     fitted_ = false;
+    chunk_count_ = 0;
     projection_.reserve(session_, sizeof(Projection));
     counters_.reserve(session_, sizeof(FrameCounters));
     const Projection projection = camera_projection(camera, width, height);
@@ -167,6 +168,12 @@ void CameraStage::make_lists(Statistics& statistics) {
     ListInputs in{.projection{projection_}, .bin_count = tiles_x() * tiles_y()};
     in.projection.camera = &samples_;
     lists_.run(session_, statistics, in, triangles_, counters_);
+    if (session_.lanes() != 1) return;
+    // A long list of n entries has fewer than 2 n / LONG_LIST chunks.
+    chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / LONG_LIST + 1) * sizeof(ListChunk));
+    cl::StageTimer timer(session_, statistics, "camera_bins");
+    session_.launch("camera/camera.cl", "camera_chunks", cl::Range::items(in.bin_count), in.bin_count, bins().ranges(),
+                    chunks_, counters_);
 }
 
 bool CameraStage::check_lists(Statistics& statistics) {
@@ -180,6 +187,7 @@ bool CameraStage::check_lists(Statistics& statistics) {
                          {"triangles_outside", counted.outside},
                          {"triangles_kept", counted.survivors - counted.edge_on},
                          {"references", counted.references}};
+    chunk_count_ = counted.chunks;
     return lists_.fitted(session_, counted);
 }
 
@@ -202,23 +210,41 @@ CameraParams CameraStage::params_of(SampleOffset offset, bool has_pixel_receiver
             .has_pixel_receivers = has_pixel_receivers};
 }
 
-void CameraStage::find_points(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
-                              Statistics& statistics) {
-    const std::size_t pixels = std::size_t(width_) * height_;
+void CameraStage::find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
+                                 Statistics& statistics) {
     if (triangles_.count == 0) {
         const std::vector<cl_uint> sky(out.count, no_receiver);
         session_.write(out.receivers, sky.data(), sky.size() * sizeof(cl_uint));
         session_.fill(counters_, 0, sizeof(FrameCounters));
-    } else {
-        cl::StageTimer timer(session_, statistics, "camera_visibility");
-        session_.launch(triangles_.kernel("camera/camera.cl", "camera_visibility"), session_.blocks(pixels), params,
-                        projection_, triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(),
-                        bins().entries(), pixel_receivers != nullptr ? pixel_receivers : out.receivers, out.receivers,
-                        counters_);
+        return;
     }
+    cl::StageTimer timer(session_, statistics, "camera_visibility");
+    session_.launch(triangles_.kernel("camera/camera.cl", "camera_visibility"),
+                    session_.blocks(std::size_t(width_) * height_), params, projection_, triangles_.vertices, rays_,
+                    setup().records(), setup().bounds(), bins().ranges(), bins().entries(),
+                    pixel_receivers != nullptr ? pixel_receivers : out.receivers, out.receivers, counters_);
+}
+
+void CameraStage::find_in_long_lists(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
+                                     Statistics& statistics) {
+    const char* file = "camera/long_lists.cl";
+    const cl_mem own = pixel_receivers != nullptr ? pixel_receivers : out.receivers;
+    const std::uint32_t tile_pixels = 1u << 2 * CAMERA_TILE_LOG2;
+    found_.reserve(session_, std::size_t(chunk_count_) * tile_pixels * sizeof(cl_uint));
+    cl::StageTimer timer(session_, statistics, "camera_long_lists");
+    const auto items = cl::Range::items(std::size_t(chunk_count_) * tile_pixels);
+    session_.launch(triangles_.kernel(file, "camera_search_chunks"), items, params, chunk_count_, projection_,
+                    triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(), bins().entries(),
+                    own, chunks_, found_);
+    session_.launch(triangles_.kernel(file, "camera_join_chunks"), items, params, chunk_count_, projection_,
+                    triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(), own, chunks_,
+                    found_, out.receivers);
+}
+
+void CameraStage::make_points(const CameraParams& params, const PointSlice& out, Statistics& statistics) {
     cl::StageTimer timer(session_, statistics, "camera_points");
-    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(pixels), params, triangles_.vertices, rays_,
-                    out.receivers, out.positions, counters_);
+    session_.launch("camera/camera.cl", "camera_points", cl::Range::items(std::size_t(width_) * height_), params,
+                    triangles_.vertices, rays_, out.receivers, out.positions, counters_);
 }
 
 void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics) {
@@ -226,14 +252,19 @@ void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSl
     const std::vector<float> rays = camera_rays(camera_, width_, height_, offset);
     rays_.reserve(session_, rays.size() * sizeof(float));
     session_.write(rays_.get(), rays.data(), rays.size() * sizeof(float));
-    if (triangles_.count == 0 || fitted_) return find_points(params, pixel_receivers, out, statistics);
+    fitted_ = fitted_ || triangles_.count == 0;
     // Lists grow until they fit. The host reads the counters after it has enqueued all stages, so that the device does
     // not wait; where a list was too short, the kernels see it and do nothing.
-    while (!fitted_) {
-        make_lists(statistics);
-        find_points(params, pixel_receivers, out, statistics);
-        fitted_ = check_lists(statistics);
+    for (bool is_done = false; !is_done;) {
+        const bool had_lists = fitted_;
+        if (!had_lists) make_lists(statistics);
+        find_receivers(params, pixel_receivers, out, statistics);
+        make_points(params, out, statistics);
+        fitted_ = is_done = had_lists || check_lists(statistics);
     }
+    if (chunk_count_ == 0) return;
+    find_in_long_lists(params, pixel_receivers, out, statistics);
+    make_points(params, out, statistics);
 }
 
 // ---- Views ----------------------------------------------------------------------------------------------------------

@@ -48,7 +48,11 @@ public:
 private:
     CameraParams params_of(SampleOffset offset, bool has_pixel_receivers, const PointSlice& out) const;
     bool check_lists(Statistics& statistics);
-    void find_points(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
+    void find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
+                        Statistics& statistics);
+    void find_in_long_lists(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
+                            Statistics& statistics);
+    void make_points(const CameraParams& params, const PointSlice& out, Statistics& statistics);
     void make_lists(Statistics& statistics);
 
     cl::Session& session_;
@@ -58,7 +62,9 @@ private:
     CameraSamples samples_{};
     cl::Buffer projection_, rays_, counters_;
     OccluderLists lists_;
+    cl::Buffer chunks_, found_;  ///< of long lists
     bool fitted_ = false;
+    std::uint32_t chunk_count_ = 0;  ///< of the lists that fitted
 };
 
 /// Unit geometric normals facing the camera, 3 floats per pixel, packed; sky: 0.

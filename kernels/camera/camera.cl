@@ -2,130 +2,25 @@
 // Camera: visibility buffer by tiles, then shading points. Contract and proofs in camera.h.
 //
 // A CPU's work-item takes blocks of GN_LANES pixels and walks their tile's triangle list; a GPU's work-group takes a
-// tile (nearest_gpu.clh). The nearest stay in registers: no atomics, and the same result in any order. The records'
-// margins prove which pixels are certain; the rest are decided per pixel, exactly. Double precision is the device's own
-// or made of integers (exact/wide.clh).
-#include "camera/nearest_gpu.clh"
+// tile (nearest_gpu.clh), several groups one with a long list. The nearest stay in registers: no atomics, and the same
+// result in any order. The records' margins prove which pixels are certain; the rest are decided per pixel, exactly.
+// Double precision is the device's own or made of integers (exact/wide.clh).
+#include "camera/pixel_rays.clh"
 #include "camera/shading_lanes.clh"
 #include "camera/shading_point.clh"
 
-#define BLOCKS_PER_TILE ((1u << 2 * CAMERA_TILE_LOG2) / GN_LANES)
-// A block is a square of pixels: fewer triangles meet it than a row of as many.
-#define BLOCK_SIDE (GN_LANES == 1 ? 1 : 4)
-
-// The inputs and the output of camera_visibility.
-typedef struct VisibilityWork {
-    CameraParams params;
-    __constant const Projection* projection;
-    TileLists lists;
-    __global const uint* pixel_receivers;
-    __global uint* visible;
-    uint likely;  // slot of a record that the previous block saw
-} VisibilityWork;
-
-// A block of pixels in the picture, and the rays through one sample of each.
-typedef struct PixelRays {
-    LaneInt pixels, present;
-    RayBlock rays;
-    QuantisedBlock box;
-} PixelRays;
-
-// The box around the samples of columns x rows pixels.
-static QuantisedBlock box_of_pixels(const VisibilityWork* work, uint first_x, uint first_y, int columns, int rows) {
-    uint width = work->projection->width, height = work->projection->height;
-    float left = (float)first_x + (0.5f + work->params.offset[0]);
-    float top = (float)first_y + (0.5f + work->params.offset[1]);
-    QuantisedBlock box = {quantised_texel(left, width), quantised_texel(top, height),
-                          quantised_texel(left + (float)(columns - 1), width),
-                          quantised_texel(top + (float)(rows - 1), height), 0};
-    return box;
-}
-
-static PixelRays rays_of_pixels(const VisibilityWork* work, uint first_x, uint first_y) {
-    uint width = work->projection->width, height = work->projection->height;
-    float left = (float)first_x + (0.5f + work->params.offset[0]),
-          top = (float)first_y + (0.5f + work->params.offset[1]);
-    LaneInt column = LANE_INDEX & (BLOCK_SIDE - 1), row = (LaneInt)(LANE_INDEX) / BLOCK_SIDE;
-    LaneInt x = (int)first_x + column, y = (int)first_y + row;
-    PixelRays block;
-    block.present = LANE_COMPARE(x, <, (LaneInt)((int)width)) & LANE_COMPARE(y, <, (LaneInt)((int)height));
-    block.pixels = y * (int)width + x;
-    block.rays.column = x;
-    block.rays.row = y + (int)width;
-    block.rays.x = LANES_TO_FLOAT(column) + left;
-    block.rays.y = LANES_TO_FLOAT(row) + top;
-    block.box = box_of_pixels(work, first_x, first_y, BLOCK_SIDE, BLOCK_SIDE);
-    return block;
-}
-
-// The pixels' receivers that the samples' rays meet too, else GN_NO_ID.
-static LaneInt pixel_receivers_met(const VisibilityWork* work, const PixelRays* block) {
-    float3 eye = center_of(work->projection);
-    Outline outline;
-    uint outlined = GN_NO_ID;
-    LaneInt met = (LaneInt)((int)GN_NO_ID);
-    for (int lane = 0; lane < GN_LANES; ++lane) {
-        if (!LANE_OF_INT(block->present, lane)) continue;
-        uint receiver = work->pixel_receivers[LANE_OF_INT(block->pixels, lane)];
-        if (receiver == GN_NO_ID) continue;
-        if (receiver != outlined) outline = outline_of(load_triangle(work->lists.triangles.vertices, receiver), eye);
-        outlined = receiver;
-        Ray ray = ray_of_lane(work->lists.rays, &block->rays, lane);
-        if (covers(&outline, eye, ray) && is_seen_opaque(&work->lists, receiver, eye, ray))
-            LANE_OF_INT(met, lane) = (int)receiver;
-    }
-    return met;
-}
-
-static void store_visible(const PixelRays* block, LaneInt ids, __global uint* visible) {
-#if GN_LANES > 1
-    if (!LANES_ANY(~block->present)) {
-        vstore4(as_uint4(ids.s0123), 0, visible + block->pixels.s0);
-        vstore4(as_uint4(ids.s4567), 0, visible + block->pixels.s4);
-        vstore4(as_uint4(ids.s89ab), 0, visible + block->pixels.s8);
-        vstore4(as_uint4(ids.scdef), 0, visible + block->pixels.sc);
-        return;
-    }
-#endif
-    for (int lane = 0; lane < GN_LANES; ++lane)
-        if (LANE_OF_INT(block->present, lane)) visible[LANE_OF_INT(block->pixels, lane)] = (uint)LANE_OF_INT(ids, lane);
-}
-
-// The receivers that need no search, and the lanes that do.
-static LaneInt lanes_to_search(const VisibilityWork* work, const PixelRays* block, LaneInt* own) {
-    *own = (LaneInt)((int)GN_NO_ID);
-    if (!work->params.has_pixel_receivers) return block->present;
-    *own = pixel_receivers_met(work, block);
-    return block->present & LANE_COMPARE(*own, ==, (LaneInt)((int)GN_NO_ID));
-}
-
 #if GN_LANES == 1
-// Sets the boxes around the rays of the tile's parts, which hide nothing yet. All items must call this.
-static void start_tile(const VisibilityWork* work, uint left, uint top, __local ListBatch* batch) {
-    for (uint part = (uint)get_local_id(0); part < TILE_PARTS; part += (uint)get_local_size(0)) {
-        uint2 at = pixel_of_tile(part << (PART_COLUMNS_LOG2 + PART_ROWS_LOG2));
-        batch->boxes[part] = box_of_pixels(work, left + at.x, top + at.y, 1 << PART_COLUMNS_LOG2, 1 << PART_ROWS_LOG2);
-        batch->farthest[0][part] = 0u;
-    }
-}
-
 static void find_visible(VisibilityWork* work, __local ListBatch* batch) {
-    const uint tile_pixels = 1u << 2 * CAMERA_TILE_LOG2;
-    __constant const Projection* projection = work->projection;
-    float3 eye = center_of(projection);
-    uint items = (uint)get_local_size(0), shares = (tile_pixels + items - 1u) / items;
-    uint count = projection->bins_x * projection->bins_y * shares;
+    float3 eye = center_of(work->projection);
+    uint shares = groups_per_tile(), count = work->projection->bins_x * work->projection->bins_y * shares;
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
-        uint tile = i / shares, pixel = i % shares * items + (uint)get_local_id(0);
-        uint left = tile % projection->bins_x << CAMERA_TILE_LOG2, top = tile / projection->bins_x << CAMERA_TILE_LOG2;
-        start_tile(work, left, top, batch);
-        uint2 at = pixel_of_tile(pixel);
-        PixelRays block = rays_of_pixels(work, left + at.x, top + at.y);
-        if (pixel >= tile_pixels) block.present = 0;
-        LaneInt own, searching = lanes_to_search(work, &block, &own);
-        LaneInt nearest =
-            nearest_of_group(work->lists, eye, tile, part_of_tile(pixel), &block.rays, block.box, searching, batch);
-        store_visible(&block, LANES_SELECT(own, nearest, searching), work->visible + work->params.first_point);
+        uint tile = i / shares;
+        uint2 range = work->lists.ranges[tile];
+        if (chunks_of_list(range) != 0u) continue;
+        ItemPixel item = start_tile(work, tile, i % shares, batch);
+        NearestLanes best = nearest_of_group(work->lists, eye, range, part_of_tile(item.in_tile), &item.block.rays,
+                                             item.block.box, item.searching, batch);
+        store_visible(&item.block, item.searching ? best.id : item.own, work->visible + work->params.first_point);
     }
 }
 #else
@@ -149,7 +44,8 @@ GN_NOINLINE_ON_CPU void find_visible(ItemRange items, VisibilityWork* work) {
 #endif
 
 // `rays` has one ray per pixel, through one sample. With pixel_receivers, a sample takes the receiver of its pixel if
-// the sample's ray meets that receiver, even if another triangle hides it.
+// the sample's ray meets that receiver, even if another triangle hides it. On a GPU the tiles with long lists are
+// left to long_lists.cl.
 __kernel void camera_visibility(CameraParams params, __constant const Projection* projection,
                                 __global const float* vertices, __global const float* rays,
                                 __global const TriangleRecord* records, __global const TriangleBounds* bounds,
@@ -167,6 +63,20 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
     find_visible(item_range(projection->bins_x * projection->bins_y * BLOCKS_PER_TILE), &work);
 #endif
 }
+
+#if GN_LANES == 1
+// Lists the chunks of all long lists, those of a list one after the other.
+__kernel void camera_chunks(uint tile_count, __global const uint2* ranges, __global ListChunk* chunks,
+                            __global FrameCounters* counters) {
+    if (counters->references == GN_NO_LISTS) return;
+    GN_FOR_EACH(tile, tile_count) {
+        uint count = chunks_of_list(ranges[tile]);
+        if (count == 0u) continue;
+        uint first = atomic_add(&counters->chunks, count);
+        for (uint i = 0; i < count; ++i) chunks[first + i] = (ListChunk){(uint)tile, i};
+    }
+}
+#endif
 
 // ---- Shading points -------------------------------------------------------------------------------------------------
 

@@ -33,6 +33,14 @@
 // A pixel tile is a bin of the camera's projection.
 #define CAMERA_TILE_LOG2 4
 
+// On a GPU a tile's list of more entries than this is walked by several work-groups, each a chunk of at most so many.
+#define LONG_LIST 16384u
+
+// A chunk of a tile's long list. The chunks of one tile follow one another.
+GN_STRUCT_BEGIN(ListChunk)
+    uint tile, index;
+GN_STRUCT_END(ListChunk, 8)
+
 // Floats per entry of the ray table: high xyz, low xyz. Entries: width columns, then height rows.
 #define RAY_FLOATS 6
 

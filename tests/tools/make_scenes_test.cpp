@@ -274,6 +274,19 @@ TEST_F(MakeScenes, SliversComeInTheNumberAskedFor) {
     EXPECT_EQ(parse_glb(make("million_slivers --triangles 34567")).triangle_count(), 34'567u);
 }
 
+// From the camera, whose picture has 1080 rows over 50 degrees.
+TEST_F(MakeScenes, ABushOfManyLeavesLiesWithinThirtyPixels) {
+    const File file = parse_glb(make("far_bush"));
+    EXPECT_EQ(file.triangle_count(), 200'000u);
+    const auto eye = file.position("main");
+    const double pixel = 2 * std::tan(25 * 3.14159265358979 / 180) / 1080;
+    double farthest = 0;
+    for (const auto& leaf : file.part("leaves").positions)
+        farthest = std::max(farthest, std::abs(leaf[0]) / (eye[2] - leaf[2]) / pixel);
+    EXPECT_LT(farthest, 15.5);
+    EXPECT_GT(farthest, 12);
+}
+
 TEST(CommittedScenes, HaveNamedCamerasAndLightsAndValidIndices) {
     for (const std::string& name : committed_names()) {
         const File file = committed(name);

@@ -42,6 +42,8 @@ std::span<const Recipe> recipes() {
         Recipe{"million_slivers", make_million_slivers,
                "slivers that all cross over the same few millimetres: one texel sees every one", true, true, 2'000, 10,
                most},
+        Recipe{"far_bush", make_far_bush, "a bush of tiny leaves, so far off that all are within 30 x 30 pixels", false,
+               true, 200'000, 10, most},
         Recipe{"leaves", make_leaves, "leaves, wires and a veil, cut out by textures and by the alpha of vertices",
                true, true},
         Recipe{"colonnade", make_colonnade,

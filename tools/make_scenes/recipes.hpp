@@ -57,6 +57,7 @@ Scene make_pillars_point_light(const Request&);
 Scene make_thin_wires(const Request&);
 Scene make_grass(const Request&);
 Scene make_million_slivers(const Request&);
+Scene make_far_bush(const Request&);
 
 // Cut-outs (leaves.cpp).
 Scene make_leaves(const Request&);

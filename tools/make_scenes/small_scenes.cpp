@@ -261,4 +261,23 @@ Scene make_million_slivers(const Request& request) {
     return scene;
 }
 
+Scene make_far_bush(const Request& request) {
+    Random random(request.seed);
+    Scene scene;
+    floor_quad(scene.part("floor", stone), -60, -100, 60, 20, 0);
+    Part& leaves = scene.part("leaves", green);
+    // Each leaf is about two pixels long in a picture of 1080 rows, where the bush, 2 m across, is 30 pixels wide.
+    const Vec3 middle{0, 1, -75};
+    const std::uint64_t count = missing_triangles(scene, request.triangles);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const Vec3 foot = middle + random.in_ball() * 0.85;
+        const Vec3 along = random.in_ball() * 0.15, across = random.in_ball() * 0.15;
+        triangle(leaves, foot, foot + along, foot + across);
+    }
+    scene.camera("main", {0, 1.5, 2}, middle);
+    scene.camera("close", {1.5, 1.5, -71.5}, middle);
+    scene.directional("sun", {-0.5, -1, -0.25});
+    return scene;
+}
+
 }  // namespace gnomon::make_scenes
