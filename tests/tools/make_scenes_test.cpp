@@ -438,6 +438,7 @@ TEST_F(MakeScenes, ListNamesEveryScene) {
     EXPECT_EQ(outcome.status, 0);
     std::vector<std::string> names = committed_names();
     names.insert(names.end(), large_names.begin(), large_names.end());
+    names.push_back("far_bush");
     for (const std::string& name : names) EXPECT_NE(('\n' + outcome.output).find('\n' + name + ' '), std::string::npos);
     EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(outcome.output, '\n')), names.size());
 }
