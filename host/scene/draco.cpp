@@ -167,8 +167,9 @@ void unpack(tinygltf::Model& model, tinygltf::Primitive& primitive, DecodingBudg
     const tinygltf::Value& ids = extension.Get("attributes");
     for (auto& [name, accessor] : primitive.attributes) {
         if (!ids.Has(name)) continue;
+        // tinygltf keeps an id from 2^31 on as a negative int.
         const draco::PointAttribute* const from =
-            mesh->GetAttributeByUniqueId(std::uint32_t(ids.Get(name).GetNumberAsDouble()));
+            mesh->GetAttributeByUniqueId(std::uint32_t(ids.Get(name).GetNumberAsInt()));
         tinygltf::Accessor unpacked = model.accessors[std::size_t(accessor)];
         const auto components = std::size_t(tinygltf::GetNumComponentsInType(std::uint32_t(unpacked.type)));
         budget.charge(what, mesh->num_points(), element_bytes(unpacked));

@@ -545,6 +545,8 @@ TEST_F(Poses, DamagedDracoIsNamed) {
     Gltf gltf = draco_file(draco::MESH_EDGEBREAKER_ENCODING);
     gltf.set("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/attributes/POSITION", "3");
     expect_error(gltf, {"has no attribute POSITION in its Draco stream"});
+    gltf.set("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/attributes/POSITION", "2147483648");
+    expect_error(gltf, {"has no attribute POSITION in its Draco stream"});  // 2^31: above every int
     gltf = draco_file(draco::MESH_EDGEBREAKER_ENCODING);
     gltf.set("/bufferViews/0/byteLength", "20");
     expect_error(gltf, {"primitive 0 of mesh 'thing' holds no Draco stream that can be decoded"});
