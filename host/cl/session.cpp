@@ -117,10 +117,9 @@ Session::Session(cl_context context, cl_command_queue queue, const DeviceOptions
 void Session::configure(const DeviceOptions& options) {
     // A driver for CPUs without vectors of floats joins work-items to vectors itself (llvmpipe): kernels for GPUs suit
     // it.
-    cl_uint vector_width = 0;
-    clGetDeviceInfo(description_.device_id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, sizeof(vector_width), &vector_width,
-                    nullptr);
-    is_cpu_ = description_.type == "CPU" && vector_width > 1 && !options.gpu_kernels &&
+    clGetDeviceInfo(description_.device_id, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, sizeof(native_floats_),
+                    &native_floats_, nullptr);
+    is_cpu_ = description_.type == "CPU" && native_floats_ > 1 && !options.gpu_kernels &&
               std::getenv("GNOMON_GPU_KERNELS") == nullptr;
     has_fp64_ = description_.has_fp64 && !options.hide_fp64;
     keeps_items_apart_ = description_.type == "CPU" && has_extension(description_.device_id, "cl_intel_vec_len_hint");

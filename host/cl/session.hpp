@@ -107,6 +107,8 @@ public:
     cl_command_queue queue() const { return queue_; }
     bool is_cpu() const { return is_cpu_; }
     bool has_fp64() const { return has_fp64_; }
+    /// Floats of a register, as the device states.
+    std::uint32_t native_floats() const { return native_floats_; }
     bool profiles() const { return profiles_; }
     /// Points or pixels per work-item of the vector kernels.
     std::uint32_t lanes() const { return is_cpu_ ? 16 : 1; }
@@ -249,6 +251,7 @@ private:
     bool is_cpu_ = false, has_fp64_ = false, profiles_ = false, traces_ = false;
     std::optional<bool> caches_binaries_;  ///< none: not yet known
     bool keeps_items_apart_ = false;
+    cl_uint native_floats_ = 0;
     std::size_t work_group_size_ = 1;
     std::uint64_t memory_bytes_ = 0, peak_memory_bytes_ = 0, run_peak_bytes_ = 0, memory_limit_bytes_ = 0;
     FaultInjector injector_;

@@ -57,6 +57,14 @@
 #define TRIED_NARROW(x) convert_float_rte(x)
 #endif
 
+#ifndef TRIED_WIDE_REGISTERS  // those of a target for x86, known when it is compiled
+#if defined(__x86_64__) && !defined(__AVX512F__)
+#define TRIED_WIDE_REGISTERS 0
+#else
+#define TRIED_WIDE_REGISTERS 1
+#endif
+#endif
+
 static void demand(uint* faults, int fault, bool holds) {
     if (!holds) *faults |= 1u << fault;
 }
@@ -216,6 +224,7 @@ __kernel void self_check(__global SelfCheckResult* result, __global float* kept)
         check_copies(&faults, kept, zero);
         check_integers(&faults, zero);
         check_exact(&faults, kept, zero);
+        if (GN_LANES > 1) demand(&faults, FAULT_WIDE_VECTORS, TRIED_WIDE_REGISTERS);
 #ifdef GN_FP64
         check_doubles(&faults, kept, zero);
 #endif

@@ -30,6 +30,7 @@ TEST(SelfCheck, FindsNothingWrongWithASoundDevice) {
         const gnomon::ArithmeticFaults faults = gnomon::check_arithmetic(session_of(device));
         EXPECT_EQ(faults.everywhere, std::vector<std::string>{});
         EXPECT_EQ(faults.in_double, std::vector<std::string>{});
+        EXPECT_EQ(faults.in_vectors, std::vector<std::string>{});
         EXPECT_EQ(device.description().note, "");
         EXPECT_EQ(session_of(device).has_fp64(), device.description().has_fp64);
     }
@@ -99,6 +100,18 @@ TEST_P(WithoutDouble, TheDeviceIsUsedAndSaysSo) {
     // The caller's own context and queue: the same.
     const Device same(device.context(), device.queue());
     EXPECT_EQ(same.description().note, device.description().note);
+}
+
+// What PoCL 3.0 says of an AMD CPU with AVX-512: it would end the program where it compiles the kernels for CPUs.
+TEST(SelfCheck, ADriverThatCannotCallItsVectorFunctionsGetsTheKernelsForGpus) {
+    if (!session_of(Device()).is_cpu() || session_of(Device()).native_floats() < 16)
+        GTEST_SKIP() << "the device states no registers of 16 floats";
+    const support::Environment options("GNOMON_BUILD_OPTIONS",
+                                       "-DTRIED_WIDE_REGISTERS=0 -DTRIED_DOUBLE_RESIDUAL(a,b,s)=0.0");
+    Device device;
+    EXPECT_FALSE(session_of(device).is_cpu());
+    EXPECT_NE(device.description().note.find("the slower kernels for GPUs are used"), std::string::npos);
+    EXPECT_NE(device.description().note.find("double precision is not used"), std::string::npos);
 }
 
 TEST(SelfCheck, ShadowsAreTheSameWithoutDouble) {
