@@ -219,9 +219,11 @@ std::string Session::build_options() const {
     return options;
 }
 
+// Intel's runtime makes code for the CPU that its variable names.
 std::string Session::cache_key(const std::string& source) const {
     return hash_of(source + '\0' + build_options() + '\0' + description_.platform + '\0' + description_.name + '\0' +
-                   description_.driver_version + '\0' + description_.opencl_version + '\0' + std::string(version()));
+                   description_.driver_version + '\0' + description_.opencl_version + '\0' + std::string(version()) +
+                   '\0' + environment("CL_CONFIG_CPU_TARGET_ARCH"));
 }
 
 cl_program Session::load_cached(const std::string& key) {
