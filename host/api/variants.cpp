@@ -65,6 +65,8 @@ const char* with_cut_outs(std::string_view defines) {
         {directional_only, "GN_DIRECTIONAL_ONLY GN_CUT_OUTS"},
         {"GN_EYE_RECORDS", "GN_EYE_RECORDS GN_CUT_OUTS"},
         {"TRACE_QUEUE_OVERFLOW", "TRACE_QUEUE_OVERFLOW GN_CUT_OUTS"},
+        {"PREPARED_CACHED_FACING", "PREPARED_CACHED_FACING GN_CUT_OUTS"},
+        {"PREPARED_PLANE_SIDE", "PREPARED_PLANE_SIDE GN_CUT_OUTS"},
     };
     for (const auto& [without, with] : pairs)
         if (without == defines) return with;

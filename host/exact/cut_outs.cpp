@@ -290,7 +290,8 @@ private:
         const CutOutMaterial& material = in_.materials[m];
         const AlphaTexture& texture = in_.textures[material.texture];
         const std::size_t width = texture.width, height = texture.height, first = words.size();
-        words.resize(first + (width * height + CUT_OUT_GROUP - 1) / CUT_OUT_GROUP);
+        const std::size_t tiles = CUT_OUT_TILES(width);
+        words.resize(first + tiles * CUT_OUT_TILES(height));
         const auto neighbour = [](std::size_t i, std::size_t side, TextureWrap wrap, bool after) -> std::size_t {
             if (after ? i + 1 < side : i > 0) return after ? i + 1 : i - 1;
             return wrap != TextureWrap::repeat ? i : after ? 0 : side - 1;
@@ -314,8 +315,8 @@ private:
                 const std::uint32_t of_texel = std::uint32_t(range.least) << 16 >= threshold ? CUT_OUT_OPAQUE
                                                : std::uint32_t(range.most) << 16 < threshold ? CUT_OUT_CLEAR
                                                                                              : CUT_OUT_MASKED;
-                const std::size_t at = y * width + x;
-                words[first + at / CUT_OUT_GROUP] |= of_texel << 2 * (at % CUT_OUT_GROUP);
+                words[first + y / CUT_OUT_TILE * tiles + x / CUT_OUT_TILE] |=
+                    of_texel << 2 * (y % CUT_OUT_TILE * CUT_OUT_TILE + x % CUT_OUT_TILE);
             }
         }
     }

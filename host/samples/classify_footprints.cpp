@@ -8,7 +8,8 @@ namespace gnomon {
 void run_classify_footprints(cl::Session& session, const TraceInputs& inputs) {
     const PointInputs& points = inputs.points;
     const ListBuffers& lists = inputs.lists;
-    session.launch("samples/classify_footprints.cl", "classify_footprints", session.blocks(points.layout.count),
+    session.launch(inputs.triangles.kernel("samples/classify_footprints.cl", "classify_footprints"),
+                   session.blocks(points.layout.count),
                    ClassifyParams{.triangles = inputs.triangles,
                                   .light_frame = inputs.light_frame,
                                   .layout = points.layout,

@@ -46,12 +46,11 @@ void Trace::run(cl::Session& session, Task task, const TraceInputs& inputs, cons
     params.has_block_bounds = task == Task::trace && table != nullptr;
     params.round_points = static_cast<cl_uint>(each * session.work_group_size());
     const auto launch_with = [&](const auto& last) {
-        const bool in_place = task == Task::trace_queue_overflow;
-        session.launch(
-            variant(session, task, inputs.light_frame.perspective == 0, in_place && inputs.triangles.has_cut_outs),
-            session.uneven_items(points.layout.count / session.lanes() + 1, each), params, inputs.projections,
-            points.positions, points.receivers, inputs.triangles.vertices, inputs.map != nullptr ? *inputs.map : queue_,
-            lists.ranges, lists.entries, lists.records, lists.bounds, inputs.visibility, queue_, inputs.counters, last);
+        session.launch(variant(session, task, inputs.light_frame.perspective == 0, inputs.triangles.has_cut_outs),
+                       session.uneven_items(points.layout.count / session.lanes() + 1, each), params,
+                       inputs.projections, points.positions, points.receivers, inputs.triangles.vertices,
+                       inputs.map != nullptr ? *inputs.map : queue_, lists.ranges, lists.entries, lists.records,
+                       lists.bounds, inputs.visibility, queue_, inputs.counters, last);
     };
     if (session.lanes() == 1)
         launch_with(cl::LocalBytes{params.round_points * sizeof(cl_uint)});

@@ -47,8 +47,12 @@ GN_STRUCT_BEGIN(DeviceMaterial)
     uint is_linear;    // 0: the nearest texel
     uint threshold;    // in units of 2^-16 / 255
     uint has_alphas;   // 1: times the interpolated alpha of the corners, from 0 to 1
-    uint first_class;  // in words: of each texel with its eight neighbours the class, two bits; 0: there are none
+    uint first_class;  // in words: of each texel with its eight neighbours the class, two bits; a word for each tile of
+                       // CUT_OUT_TILE x CUT_OUT_TILE texels, row by row, since neighbouring hits are; 0: none
 GN_STRUCT_END(DeviceMaterial, 32)
+
+#define CUT_OUT_TILE 4u
+#define CUT_OUT_TILES(side) (((side) + CUT_OUT_TILE - 1u) / CUT_OUT_TILE)
 
 // A texture's sides are at most 2^15 texels, and no corner is farther than this many texels from (0, 0) in u or v.
 #define CUT_OUT_LARGEST_SIDE 32768u

@@ -44,9 +44,6 @@ typedef struct TileWork {
 typedef struct RecordBatch {
     uint count;
     uint slots[GN_LANES], ids[GN_LANES];  // as triangle_bounds left them
-#ifdef GN_CUT_OUTS
-    LaneInt masked;
-#endif
     BinRectangles bins;
 } RecordBatch;
 
@@ -109,9 +106,6 @@ static void add_to_batch(const TileWork* work, const SurvivingLanes* found, int 
     uint slot = (uint)LANE_OF_INT(found->slots, lane);
     batch->slots[batch->count] = slot;
     batch->ids[batch->count] = work->bounds[slot].id;
-#ifdef GN_CUT_OUTS
-    LANE_OF_INT(batch->masked, batch->count) = (work->bounds[slot].flags & BOUNDS_MASKED) != 0u ? -1 : 0;
-#endif
     __global const float* vertices = work->triangles.vertices + 9 * (size_t)batch->ids[batch->count];
     GN_PREFETCH(vertices);
     GN_PREFETCH(vertices + 8);
@@ -132,9 +126,6 @@ static LaneInt make_batch_records(TileWork* work, RecordBatch* batch, RecordBloc
     LaneInt kept = IS_CAMERA(work->params)
                        ? make_eye_records(&t, lanes, work->projection, work->params.picture, records, &work->exact)
                        : make_records(&t, lanes, work->projection, &batch->bins, records, &work->exact);
-#ifdef GN_CUT_OUTS
-    if (!IS_CAMERA(work->params)) never_blocks_for_certain(records, lanes & batch->masked);
-#endif
     LaneInt dropped = lanes & ~kept;
     if (!LANES_ANY(dropped)) return kept;
     work->edge_on += count_lanes(dropped);

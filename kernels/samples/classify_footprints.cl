@@ -152,6 +152,9 @@ static void walk_bin(OccluderLists lists, __constant const Projection* projectio
             FootprintFilter found = filter_footprints(&lists.records[slot], grid, lanes);
             if (!LANES_ANY(found.possible)) continue;
             TriangleBounds bounds = lists.bounds[slot];
+#ifdef GN_CUT_OUTS
+            if ((bounds.flags & BOUNDS_MASKED) != 0u) found.below = found.certain = (LaneInt)(0);
+#endif
             // A receiver cannot shadow its own samples.
             LaneInt possible = found.possible & LANE_COMPARE(receivers, !=, (LaneInt)((int)bounds.id));
             LaneInt blocked = (LaneInt)(0);

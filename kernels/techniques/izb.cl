@@ -85,6 +85,9 @@ __kernel void izb_trace(const IzbParams params, __global const float* positions,
             FilterResult found = filter(&records[slot], in_grid, (LaneInt)(-1));
             ++tests;
             if (!LANES_ANY(found.possible)) continue;
+#ifdef GN_CUT_OUTS
+            if (is_masked(&bounds[slot])) found.certain = (LaneInt)(0);
+#endif
             for (uint lane = 0; lane < GN_LANES; ++lane) {
                 uint point = order[block * GN_LANES + lane];
                 if (!LANE_OF_INT(found.possible, lane) || point == GN_NO_ID || is_receiver(&pairs, point, id) ||
