@@ -181,6 +181,7 @@ public:
     std::vector<std::uint32_t> counts() const override { return counts_; }
     void describe(Row& row) const override {
         row.technique = "embree";
+        row.driver = embree_version();
         row.settings = {{"quality", build_.quality},
                         {"rays", build_.rays},
                         {"shadow-rays", name_of(way_)},

@@ -35,6 +35,7 @@ struct Options {
     std::string many_lights;
     std::optional<double> sun_angle_degrees;
     std::uint64_t points = ManyLights{}.points;
+    std::uint32_t columns = 1;
     std::string json_file, csv_file, html_file, markdown_file, charts_prefix;
     std::optional<std::uint64_t> largest_triangles, largest_points;
     std::optional<int> runs;
@@ -99,7 +100,7 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
         }
         if (!options.many_lights.empty()) {
             block.experiment = "many_lights";
-            block.many_lights = {options.many_lights, options.points};
+            block.many_lights = {options.many_lights, options.points, options.columns};
         }
         if (const auto& p = options.light_position; !p.empty())
             block.light = {"position", gnomon::Light::positional({p[0], p[1], p[2]})};
@@ -235,6 +236,9 @@ int main(int argc, char** argv) {
     app.add_option("--points", options.points, "of --many-lights: on faces, or of a terrain's vertices")
         ->capture_default_str()
         ->check(CLI::Range(1, 1 << 28));
+    app.add_option("--columns", options.columns,
+                   "of --many-lights: only the points in one of so many columns of 24 x 24, all of them there")
+        ->check(CLI::Range(1, 576));
     app.add_option("--runs", options.runs, "timed runs; default 15, of small experiments 5")
         ->check(CLI::Range(1, 100000));
     app.add_option("--seconds", options.seconds,

@@ -93,6 +93,38 @@ void points_on_vertices(LightsQuestion& question, std::uint64_t count) {
     }
 }
 
+// Keeps the points in one of so many columns.
+void keep_columns(LightsQuestion& question, std::uint32_t one_in) {
+    constexpr double columns_a_side = 24;
+    std::array<double, 2> low, extent;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const auto coordinate = [&](std::size_t i) { return double(question.positions[3 * i + 2 * axis]); };
+        double high = low[axis] = coordinate(0);
+        for (std::size_t i = 0; i < question.count(); ++i) {
+            low[axis] = std::min(low[axis], coordinate(i));
+            high = std::max(high, coordinate(i));
+        }
+        extent[axis] = std::max(high - low[axis], 1e-30);
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < question.count(); ++i) {
+        std::uint64_t column = 0;
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            column = column * 32 + static_cast<std::uint64_t>((question.positions[3 * i + 2 * axis] - low[axis]) /
+                                                              extent[axis] * columns_a_side);
+        if (Random(column).below(one_in) != 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+            question.positions[3 * kept + c] = question.positions[3 * i + c];
+            question.normals[3 * kept + c] = question.normals[3 * i + c];
+        }
+        if (!question.are_vertices()) question.receivers[kept] = question.receivers[i];
+        ++kept;
+    }
+    question.positions.resize(3 * kept);
+    question.normals.resize(3 * kept);
+    if (!question.are_vertices()) question.receivers.resize(kept);
+}
+
 // ---- Lights ---------------------------------------------------------------------------------------------------------
 
 struct TimedSun {
@@ -270,6 +302,7 @@ LightsQuestion::LightsQuestion(const NamedScene& named, const ManyLights& asked)
         points_on_vertices(*this, asked.points);
     else
         points_on_faces(*this, asked.points);
+    if (asked.columns > 1 && count() != 0) keep_columns(*this, asked.columns);
     make_lights(*this, asked.lights);
     row.scene = named.name;
     row.view = is_terrain ? "vertices" : "faces";
@@ -282,12 +315,14 @@ LightsQuestion::LightsQuestion(const NamedScene& named, const ManyLights& asked)
     std::vector<float> directions;
     for (const Light& light : lights.lights())
         directions.insert(directions.end(), light.xyzw.begin(), light.xyzw.end());
+    const std::string columns =
+        asked.columns > 1 ? ", in one of " + std::to_string(asked.columns) + " columns" : std::string();
     row.pairs = LightPairs{count(),
                            lights.count(),
                            facing_pairs(*this),
                            0,
                            0,
-                           is_terrain ? "vertices, seed 1" : "uniform by area on faces, outward, seed 1",
+                           (is_terrain ? "vertices, seed 1" : "uniform by area on faces, outward, seed 1") + columns,
                            hash_of(std::span<const float>(directions))};
 }
 
