@@ -8,9 +8,9 @@
 #include <set>
 
 #include "reference/view.hpp"
+#include "support/decoded_png.hpp"
 #include "support/expect_exact.hpp"
 #include "support/scene_masks.hpp"
-#include "support/uncompressed_png.hpp"
 
 namespace {
 
@@ -20,8 +20,7 @@ using support::Floats;
 constexpr std::uint32_t width = 96, height = 64;
 
 const scene::Scene& leaves() {
-    static const scene::Scene scene =
-        scene::load(GNOMON_SCENES "/leaves.glb", {.decode_alpha = support::alpha_of_made_png});
+    static const scene::Scene scene = scene::load(GNOMON_SCENES "/leaves.glb", {.decode_alpha = support::alpha_of_png});
     return scene;
 }
 
