@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
 #include <set>
 
 #include "reference/view.hpp"
@@ -55,7 +56,8 @@ std::string name_of(const DeviceOptions& options) {
 
 /// What every path answers for one view and light.
 struct Answers {
-    std::vector<std::uint32_t> receiver, sun_bits;
+    std::vector<std::uint32_t> receiver;
+    std::map<std::string, std::vector<std::uint32_t>> sun_bits;  ///< by shafts and one by one
     Floats position, normal, animated, clustered, prepared, mean;
 
     bool operator==(const Answers&) const = default;
@@ -94,7 +96,10 @@ Answers answers_of(const DeviceOptions& family, const scene::Scene& scene, const
     Triangles clustered = triangles;
     clustered.keep_clusters(device);
     answers.clustered = run(clustered);
-    answers.sun_bits = run_lights_to_host(*technique, triangles, seen.points, suns(), {.bits = true}).bits;
+    for (const char* const way : {"shafts", "one-by-one"}) {
+        technique->set("many-lights", way);
+        answers.sun_bits[way] = run_lights_to_host(*technique, triangles, seen.points, suns(), {.bits = true}).bits;
+    }
     run_samples(*technique, device, triangles, seen, light, 8, visibility);
     answers.mean = visibility.read();
     technique->prepare(triangles, light);
@@ -141,11 +146,12 @@ void expect_samples_and_suns(const DeviceOptions& family, const reference::Pinho
     EXPECT_EQ(answers.mean, mean);
     const PointsOnHost points = read(device, seen.points);
     const std::size_t words = (suns().count() + 31) / 32;
+    EXPECT_EQ(answers.sun_bits.at("shafts"), answers.sun_bits.at("one-by-one"));
     for (const std::size_t sun : {0u, 17u, 39u}) {
         const Floats truth = truth_of(points, suns().lights()[sun], seen.points.eye());
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < truth.size(); ++i)
-            wrong += (answers.sun_bits[i * words + sun / 32] >> sun % 32 & 1u) != (truth[i] == 1);
+            wrong += (answers.sun_bits.at("shafts")[i * words + sun / 32] >> sun % 32 & 1u) != (truth[i] == 1);
         EXPECT_EQ(wrong, 0u) << "sun " << sun;
     }
 }
