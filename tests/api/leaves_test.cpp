@@ -9,6 +9,7 @@
 #include <set>
 
 #include "reference/view.hpp"
+#include "support/cut_out_scenes.hpp"
 #include "support/decoded_png.hpp"
 #include "support/expect_exact.hpp"
 #include "support/scene_masks.hpp"
@@ -184,6 +185,25 @@ TEST(Leaves, ControlsAreAsPlainAndAsAbsent) {
         EXPECT_TRUE(answers_of(family, all_clear, views[0], lights[2]) ==
                     answers_of(family, absent, views[0], lights[2]));
     }
+}
+
+// Seven words each, and half a byte for the classes of all triangles; then the material, the texture, its texels' classes.
+TEST(Leaves, AMaskedTriangleTakes28BytesMore) {
+    const Floats triangles = support::soup(20'000, 0.1f, 3);
+    reference::Masks masks;
+    masks.textures = {support::made_texture(16, 16, [](auto x, auto y) { return (x + y) % 2 * 255; })};
+    masks.materials = {{0}};
+    masks.material.assign(20'000, 0);
+    for (std::size_t i = 0; i < 20'000; ++i) masks.coordinates.insert(masks.coordinates.end(), {0, 0, 1, 0, 0, 1});
+    const support::CutOutData data(std::move(masks));
+    const auto bytes_of = [&](const auto&... cut_outs) {
+        const Device device;
+        const std::uint64_t before = device.memory_bytes();
+        const Triangles uploaded = Triangles::upload(device, triangles, cut_outs...);
+        EXPECT_EQ(uploaded.cut_out_counts().masked, sizeof...(cut_outs) * 20'000);
+        return device.memory_bytes() - before;
+    };
+    EXPECT_LE(bytes_of(data.cut_outs()), bytes_of() + 28 * 20'000 + 20'000 / 2 + 16 * 16 * 2);
 }
 
 // ---- Parts ----------------------------------------------------------------------------------------------------------
