@@ -187,7 +187,8 @@ TEST(Leaves, ControlsAreAsPlainAndAsAbsent) {
     }
 }
 
-// Seven words each, and half a byte for the classes of all triangles; then the material, the texture, its texels' classes.
+// Seven words each, and half a byte for the classes of all triangles; then the material, the texture, its texels'
+// classes.
 TEST(Leaves, AMaskedTriangleTakes28BytesMore) {
     const Floats triangles = support::soup(20'000, 0.1f, 3);
     reference::Masks masks;
