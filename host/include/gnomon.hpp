@@ -615,8 +615,8 @@ struct SurfaceTextures {
 class Surfaces {
 public:
     /// Only the textures that the view shows are uploaded. If they do not fit into the device's memory, the finest
-    /// levels of all are left out. Those of `kept` are used again if they are of the same arrays, whose contents must be
-    /// as they were. Throws InvalidArgument if arrays and numbers do not fit together.
+    /// levels of all are left out. Those of `kept` are used again if they are of the same arrays, whose contents must
+    /// be as they were. Throws InvalidArgument if arrays and numbers do not fit together.
     Surfaces(const Device& device, const Triangles& triangles, const View& view, const Materials& materials,
              const SurfaceDetail& detail = {}, SurfaceTextures* kept = nullptr);
     std::size_t count() const;  ///< pixels

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The triangles of a glTF file at one time, and their masks, by pygltflib, DracoPy, Pillow and numpy in double: written
-from glTF 2.0 and the texts of its extensions alone, for test_gltf.py to compare gnomon with. meshopt streams are decoded
-here, from their specification. Slow, and it knows no bad files.
+from glTF 2.0 and the texts of its extensions alone, for test_gltf.py to compare gnomon with. meshopt streams are
+decoded here, from their specification. Slow, and it knows no bad files.
 
 As a program it writes the masks of a file for build/tools/check_view: gltf_reference.py SCENE.glb MASKS.bin"""
 
@@ -63,7 +63,7 @@ class File:
         rows = [data[offset + i * (stride or size) :][:size] for i in range(count)]
         return np.frombuffer(b"".join(rows), dtype).reshape(count, width)
 
-    @functools.cache  # noqa: B019: a file lives as long as its evaluation
+    @functools.cache  # noqa: B019
     def raw(self, index: int) -> np.ndarray:
         a = self.gltf.accessors[index]
         dtype, width = TYPES[a.componentType], WIDTHS[a.type]
