@@ -53,6 +53,67 @@ std::vector<float> read_triangles(const std::string& path) {
     return triangles;
 }
 
+/// Little-endian words of a file, one after the other.
+class Words {
+public:
+    explicit Words(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+        if (!file_) throw std::runtime_error("cannot open " + path);
+    }
+    template <typename Value>
+    std::vector<Value> take(std::size_t count) {
+        std::vector<Value> values;
+        // In steps, so that a wrong count ends with the file and not with the memory.
+        for (constexpr std::size_t step = 1 << 20; values.size() < count;) {
+            const std::size_t first = values.size(), more = std::min(step, count - first);
+            values.resize(first + more);
+            if (!file_.read(reinterpret_cast<char*>(&values[first]),
+                            static_cast<std::streamsize>(more * sizeof(Value))))
+                throw std::runtime_error(path_ + " is too short");
+        }
+        return values;
+    }
+    void require_end() {
+        if (file_.peek() != std::ifstream::traits_type::eof()) throw std::runtime_error(path_ + " is too long");
+    }
+
+private:
+    std::string path_;
+    std::ifstream file_;
+};
+
+/// The masks of as many triangles: the numbers M, T and F; of M materials the texture or -1, the wraps of u and v (0:
+/// repeat, 1: mirror, 2: clamp), whether it is linear, cutoff and factor (float); of T textures width, height and their
+/// bytes; then of F triangles all materials or -1, all u and v of corners (float), all alphas of corners (float).
+reference::Masks read_masks(const std::string& path, std::size_t triangle_count) {
+    Words words(path);
+    const auto counts = words.take<std::uint32_t>(3);
+    if (counts[2] != triangle_count)
+        throw std::runtime_error(path + " has masks for " + std::to_string(counts[2]) + " triangles, not for " +
+                                 std::to_string(triangle_count));
+    reference::Masks masks;
+    for (std::uint32_t i = 0; i < counts[0]; ++i) {
+        const auto whole = words.take<std::int32_t>(4);
+        const auto real = words.take<float>(2);
+        const bool is_known = whole[0] >= -1 && whole[0] < std::int64_t(counts[1]) && whole[1] >= 0 && whole[1] <= 2 &&
+                              whole[2] >= 0 && whole[2] <= 2;
+        if (!is_known) throw std::runtime_error(path + ": material " + std::to_string(i) + " is none");
+        masks.materials.push_back(
+            {whole[0], reference::MaskWrap(whole[1]), reference::MaskWrap(whole[2]), whole[3] != 0, real[0], real[1]});
+    }
+    for (std::uint32_t i = 0; i < counts[1]; ++i) {
+        const auto sides = words.take<std::uint32_t>(2);
+        masks.textures.push_back({sides[0], sides[1], words.take<std::uint8_t>(std::size_t(sides[0]) * sides[1])});
+    }
+    masks.material = words.take<std::uint32_t>(triangle_count);
+    for (const std::uint32_t material : masks.material)
+        if (material != reference::NO_MATERIAL && material >= counts[0])
+            throw std::runtime_error(path + ": a triangle's material is none");
+    masks.coordinates = words.take<float>(6 * triangle_count);
+    masks.alphas = words.take<float>(3 * triangle_count);
+    words.require_end();
+    return masks;
+}
+
 /// A picture with every channel's bits as they are in the file. OpenImageIO's conversions are kept out: a receiver id
 /// that becomes a float loses its low bits.
 class NativePicture {
@@ -99,7 +160,7 @@ private:
 };
 
 struct Options {
-    std::string triangles, aov, eye, target, up = "0,1,0", light_direction, light_position;
+    std::string triangles, masks, aov, eye, target, up = "0,1,0", light_direction, light_position;
     double fov_y_degrees = 0;
     reference::JudgeOptions judge;
 };
@@ -125,6 +186,8 @@ std::vector<std::string> tied_arguments(int count, char** values) {
 
 void describe(CLI::App& app, Options& options) {
     app.add_option("--triangles", options.triangles, "world triangles: 9 little-endian float32 each")->required();
+    app.add_option("--masks", options.masks,
+                   "the triangles' cut-outs, as tests/python/gltf_reference.py writes them; without: all are opaque");
     app.add_option("--aov", options.aov, "EXR with P.X P.Y P.Z N.X N.Y N.Z visibility (float) and receiver (uint)")
         ->required();
     app.add_option("--eye", options.eye, "the camera's position, x,y,z")->required();
@@ -208,8 +271,13 @@ int check(const Options& options) {
     const auto normal = picture.channels<float>({"N.X", "N.Y", "N.Z"}, OIIO::TypeFloat);
     const auto visibility = picture.channels<float>({"visibility"}, OIIO::TypeFloat);
     const auto receiver = picture.channels<std::uint32_t>({"receiver"}, OIIO::TypeUInt32);
-    const auto report =
-        reference::judge_view(triangles, camera, light, {position, normal, receiver, visibility}, options.judge);
+    reference::Masks masks;
+    reference::JudgeOptions how = options.judge;
+    if (!options.masks.empty()) {
+        masks = read_masks(options.masks, triangles.size() / 9);
+        how.masks = &masks;
+    }
+    const auto report = reference::judge_view(triangles, camera, light, {position, normal, receiver, visibility}, how);
     print_report(report, triangles.size() / 9, camera, options.judge.ray_tolerance);
     return report.wrong() == 0 ? 0 : 1;
 }

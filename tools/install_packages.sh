@@ -11,7 +11,7 @@ run_packages=(
     pocl-opencl-icd                # an OpenCL device for every CPU; a GPU's driver brings its own
     libtinygltf-dev libglm-dev nlohmann-json3-dev libcli11-dev  # the command: scenes, statistics, options
     libdraco-dev libmeshoptimizer-dev                # optional: compressed meshes in scenes
-    libstb-dev                     # the command: the numbers of a legend
+    libstb-dev                     # the command: the numbers of a legend; tests: PNG files
     liberfa-dev                    # optional: the sun's positions for gnomon hours
     libpng-dev libopenimageio-dev  # the command: pictures; EXR files and galleries
     openimageio-tools              # OpenImageIO's CMake files refuse to be found without its tools

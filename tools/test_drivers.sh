@@ -40,7 +40,7 @@ from_debian() {
 library() { find "$1" -name "$2" | sort | head -1; }
 
 # What each test compares with: the golden record or the oracle.
-golden='*/sundial_default_sun:*/degenerate_main_sun:*/lattice_main_lamp_samples_8:*/pillars_point_light_main_lamp'
+golden='*/sundial_default_sun:*/degenerate_main_sun:*/lattice_main_lamp_samples_8:*/pillars_point_light_main_lamp:*/leaves_main_low_samples_8'
 exact='SameBits.*:Receivers.*:BadNumbers.*:*Extremes*'
 
 # run COMMAND...: under the environment `variables`; notes a failure and goes on.

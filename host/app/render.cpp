@@ -292,11 +292,11 @@ scene::Scene part_of(const scene::Scene& scene, const std::vector<std::uint32_t>
 
 /// The surfaces that the camera sees.
 struct SeenSurfaces {
-    SeenSurfaces(const Device& device, const scene::Scene& scene, const Seen& seen)
+    SeenSurfaces(const Device& device, const scene::Scene& scene, const Seen& seen, SurfaceTextures* textures)
         : part(seen.ids.empty() ? scene::Scene() : part_of(scene, seen.ids)),
           materials(seen.ids.empty() ? scene.materials : part.materials),
           detail(seen.ids.empty() ? scene : part),
-          surfaces(device, seen.triangles, seen.view, materials, detail.get()) {}
+          surfaces(device, seen.triangles, seen.view, materials, detail.get(), textures) {}
 
     scene::Scene part;  ///< of a scene that was processed in parts
     const Materials& materials;
@@ -306,8 +306,8 @@ struct SeenSurfaces {
 };
 
 std::unique_ptr<SeenSurfaces> surfaces_of(Report& report, const Device& device, const scene::Scene& scene,
-                                          const Seen& seen) {
-    auto made = std::make_unique<SeenSurfaces>(device, scene, seen);
+                                          const Seen& seen, SurfaceTextures* textures) {
+    auto made = std::make_unique<SeenSurfaces>(device, scene, seen, textures);
     report.texture_bytes = made->surfaces.texture_bytes();
     if (const std::uint32_t levels = made->surfaces.left_out_levels(); levels != 0) {
         const std::string what = "the textures do not fit into the device's memory: their " + std::to_string(levels) +
@@ -407,6 +407,7 @@ struct Shared {
     SceneSource source;
     std::optional<ChosenCamera> framing;  ///< the first frame's, for a scene without cameras
     std::optional<double> exposure_ev;    ///< the first frame's
+    SurfaceTextures textures{};           ///< the last frame's
 };
 
 /// All checks that can refuse the request at once: the device, the technique, the scene's file.
@@ -447,13 +448,15 @@ void render_picture(Steps& steps, Report& report, Shared& shared, Outputs& outpu
         } catch (const OutOfDeviceMemory&) {
             if (!can_be_in_parts(options)) throw;
         }
-        shared.technique.reset();  // frees its memory for the next attempt
+        shared.technique.reset();  // frees memory for the next attempt
+        shared.textures = {};
         return see_in_parts(steps, report, device, scene);
     }();
     std::unique_ptr<SeenSurfaces> surfaces;
     if (shows_surfaces(options))
-        surfaces =
-            steps.run("surfaces", "the surfaces' colours", [&] { return surfaces_of(report, device, scene, seen); });
+        surfaces = steps.run("surfaces", "the surfaces' colours", [&] {
+            return surfaces_of(report, device, scene, seen, options.frames > 0 ? &shared.textures : nullptr);
+        });
     if (surfaces && options.sky_division != 0)
         surfaces->sky_shares = steps.run("sky", "the sky's light", [&] {
             return sky_shares_of(device, *shared.technique, seen, surfaces->surfaces, options.sky_division);

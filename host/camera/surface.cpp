@@ -87,18 +87,22 @@ std::vector<SurfaceRecord> records_of(const Shown& shown, const Materials& mater
     return records;
 }
 
-/// The textures of the materials that a picture shows: a texture whose texels alpha weighs is another one.
+/// Which textures, and whether alpha weighs their texels: a texture whose texels it weighs is another one.
+using TextureKeys = std::vector<std::pair<std::uint32_t, bool>>;
+
 struct ShownTextures {
     std::vector<SurfaceMaterial> materials;
-    std::vector<std::pair<std::uint32_t, bool>> textures;  ///< which, and whether alpha weighs its texels
+    TextureKeys textures;
 };
 
+/// The textures of the materials that a picture shows, behind those that are on the device.
 ShownTextures textures_of(const std::vector<SurfaceRecord>& records, const Materials& materials,
-                          const SurfaceDetail& detail) {
+                          const SurfaceDetail& detail, const TextureKeys& on_device) {
     std::vector<char> is_shown(materials.base_color.size(), 0);
     for (const SurfaceRecord& record : records) is_shown[record.material] = 1;
-    ShownTextures shown;
+    ShownTextures shown{{}, on_device};
     std::map<std::pair<std::uint32_t, bool>, std::uint32_t> found;
+    for (const auto& key : on_device) found.emplace(key, static_cast<std::uint32_t>(found.size()));
     for (std::size_t i = 0; i < materials.base_color.size(); ++i) {
         SurfaceMaterial material{};
         std::copy_n(materials.base_color[i].begin(), 3, material.base_color);
@@ -122,46 +126,6 @@ static_assert(std::uint32_t(TextureWrap::repeat) == SURFACE_REPEAT &&
               std::uint32_t(TextureWrap::clamp) == SURFACE_CLAMP);
 
 std::uint32_t side_of_level(std::uint32_t side, std::uint32_t level) { return std::max(1u, side >> level); }
-
-/// Textures on the device. Where they do not fit, the finest levels of all are left out.
-struct TexturesOnDevice {
-    cl::Buffer headers, texels;
-    std::uint64_t bytes = 0;
-    std::uint32_t left_out = 0;
-
-    TexturesOnDevice(cl::Session& session, const ShownTextures& shown, std::span<const ColorTexture> all) {
-        constexpr std::uint32_t most_levels = 16;
-        for (;; ++left_out) try {
-                upload(session, shown, all);
-                return;
-            } catch (const OutOfDeviceMemory&) {
-                if (left_out == most_levels) throw;
-            }
-    }
-
-private:
-    void upload(cl::Session& session, const ShownTextures& shown, std::span<const ColorTexture> all) {
-        std::vector<SurfaceTexture> made;
-        bytes = 0;
-        for (const auto& [which, weighs] : shown.textures) {
-            const ColorTexture& from = all[which];
-            made.push_back({bytes / 4, side_of_level(from.width, left_out), side_of_level(from.height, left_out)});
-            bytes += level_bytes(from.width, from.height, left_out);
-        }
-        headers.reserve(session, made.size() * sizeof(SurfaceTexture));
-        texels.reserve(session, bytes);
-        session.write(headers.get(), made.data(), made.size() * sizeof(SurfaceTexture));
-        // One texture at a time on the host.
-        std::vector<std::uint8_t> levels;
-        for (std::size_t i = 0; i < made.size(); ++i) {
-            const auto& [which, weighs] = shown.textures[i];
-            const ColorTexture& from = all[which];
-            levels.resize(level_bytes(from.width, from.height, left_out));
-            write_levels(from, weighs, left_out, levels.data());
-            session.write(texels.get(), levels.data(), levels.size(), made[i].first_texel * 4);
-        }
-    }
-};
 
 SurfaceParams params_of(const Triangles& triangles, const View& view, const SurfaceDetail& detail) {
     if (!view.points.camera()) throw InvalidArgument("surfaces need a view that a camera has made");
@@ -199,8 +163,58 @@ std::uint32_t pack_normal(const Float3& normal) {
     return bits(u) | bits(v) << 16;
 }
 
+/// Textures on the device. Where they do not fit, the finest levels of all are left out.
+struct SurfaceTextures::OnDevice {
+    Device device;
+    TextureKeys keys;
+    std::vector<const std::uint8_t*> sources;  ///< of all textures
+    cl::Buffer headers, texels;
+    std::uint64_t bytes = 0;
+    std::uint32_t left_out = 0;
+
+    OnDevice(const Device& on, TextureKeys shown, std::span<const ColorTexture> all)
+        : device(on), keys(std::move(shown)), sources(sources_of(all)) {
+        constexpr std::uint32_t most_levels = 16;
+        for (;; ++left_out) try {
+                upload(session_of(device), all);
+                return;
+            } catch (const OutOfDeviceMemory&) {
+                if (left_out == most_levels) throw;
+            }
+    }
+
+    static std::vector<const std::uint8_t*> sources_of(std::span<const ColorTexture> all) {
+        std::vector<const std::uint8_t*> sources;
+        for (const ColorTexture& texture : all) sources.push_back(texture.rgba.data());
+        return sources;
+    }
+
+private:
+    void upload(cl::Session& session, std::span<const ColorTexture> all) {
+        std::vector<SurfaceTexture> made;
+        bytes = 0;
+        for (const auto& [which, weighs] : keys) {
+            const ColorTexture& from = all[which];
+            made.push_back({bytes / 4, side_of_level(from.width, left_out), side_of_level(from.height, left_out)});
+            bytes += level_bytes(from.width, from.height, left_out);
+        }
+        headers.reserve(session, made.size() * sizeof(SurfaceTexture));
+        texels.reserve(session, bytes);
+        session.write(headers.get(), made.data(), made.size() * sizeof(SurfaceTexture));
+        // One texture at a time on the host.
+        std::vector<std::uint8_t> levels;
+        for (std::size_t i = 0; i < made.size(); ++i) {
+            const auto& [which, weighs] = keys[i];
+            const ColorTexture& from = all[which];
+            levels.resize(level_bytes(from.width, from.height, left_out));
+            write_levels(from, weighs, left_out, levels.data());
+            session.write(texels.get(), levels.data(), levels.size(), made[i].first_texel * 4);
+        }
+    }
+};
+
 Surfaces::Surfaces(const Device& device, const Triangles& triangles, const View& view, const Materials& materials,
-                   const SurfaceDetail& detail) {
+                   const SurfaceDetail& detail, SurfaceTextures* kept) {
     require_surfaces(triangles, materials, detail);
     cl::Session& session = session_of(device);
     auto made = std::make_shared<Inside>(device, view.points);
@@ -220,11 +234,15 @@ Surfaces::Surfaces(const Device& device, const Triangles& triangles, const View&
     const SurfaceParams params = params_of(triangles, view, detail);
     const Shown shown = shown_by(session, view.points.receivers(), pixels, triangles.count());
     const std::vector<SurfaceRecord> records = records_of(shown, materials, detail);
-    const ShownTextures textures = textures_of(records, materials, detail);
+    SurfaceTextures textures = kept ? *kept : SurfaceTextures();
+    if (textures.on_device && textures.on_device->sources != SurfaceTextures::OnDevice::sources_of(detail.textures))
+        textures.on_device.reset();
+    const ShownTextures shown_textures =
+        textures_of(records, materials, detail, textures.on_device ? textures.on_device->keys : TextureKeys());
     cl::Buffer slots, records_on_device, materials_on_device, decoded;
     upload(slots, shown.slots);
     upload(records_on_device, records);
-    upload(materials_on_device, textures.materials);
+    upload(materials_on_device, shown_textures.materials);
     upload(decoded, linear_of_srgb());
     made->albedos.reserve(session, pixels * sizeof(Float3));
     made->has_shading_normals = params.has_normals != 0;
@@ -232,8 +250,15 @@ Surfaces::Surfaces(const Device& device, const Triangles& triangles, const View&
         made->shading_normals.reserve(session, pixels * sizeof(Float3));
         made->spreads.reserve(session, pixels * sizeof(float));
     }
-    const TexturesOnDevice on_device(session, textures, detail.textures);
-    made->texture_bytes = textures.textures.empty() ? 0 : on_device.bytes;
+    if (!textures.on_device || textures.on_device->keys != shown_textures.textures) {
+        textures.on_device.reset();  // its memory is needed
+        if (kept) kept->on_device.reset();
+        textures.on_device =
+            std::make_shared<SurfaceTextures::OnDevice>(device, shown_textures.textures, detail.textures);
+        if (kept) *kept = textures;
+    }
+    const SurfaceTextures::OnDevice& on_device = *textures.on_device;
+    made->texture_bytes = on_device.keys.empty() ? 0 : on_device.bytes;
     made->left_out_levels = on_device.left_out;
     session.launch("camera/surface.cl", "surfaces", cl::Range::items(pixels), params,
                    triangle_inputs(triangles).vertices, view.points.receivers(), slots, made->geometric_normals,

@@ -605,14 +605,20 @@ struct SurfacesOnHost {
     std::vector<float> albedo;  ///< linear RGB per pixel; sky: 0
     std::vector<float> normal;  ///< unit shading normal on the eye's side of the triangle; sky: 0
 };
+/// The colour textures of a view on the device, for the next view: give the same object to both.
+struct SurfaceTextures {
+    struct OnDevice;
+    std::shared_ptr<const OnDevice> on_device;
+};
 /// The surfaces of a view on the device: albedo (material x vertex colours x texture) and shading normal (interpolated;
 /// without corner normals the triangle's own) at each pixel's centre. Visibility does not depend on them.
 class Surfaces {
 public:
     /// Only the textures that the view shows are uploaded. If they do not fit into the device's memory, the finest
-    /// levels of all are left out. Throws InvalidArgument if arrays and numbers do not fit together.
+    /// levels of all are left out. Those of `kept` are used again if they are of the same arrays, whose contents must
+    /// be as they were. Throws InvalidArgument if arrays and numbers do not fit together.
     Surfaces(const Device& device, const Triangles& triangles, const View& view, const Materials& materials,
-             const SurfaceDetail& detail = {});
+             const SurfaceDetail& detail = {}, SurfaceTextures* kept = nullptr);
     std::size_t count() const;  ///< pixels
     cl_mem normals() const;     ///< the shading normals, 3 floats per pixel
     std::uint64_t texture_bytes() const;

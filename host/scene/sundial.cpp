@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 
 #include "affine.hpp"
 #include "scene.hpp"
@@ -107,7 +108,37 @@ private:
             }
             scene_.materials.triangle_material.push_back(material.index);
         }
+        add_normals();
         solid_.clear();
+    }
+
+    /// At each corner the mean of the faces that meet there, as large as they are, and bend by less than 30 degrees.
+    /// None where a triangle's neighbours lie in its plane.
+    void add_normals() {
+        std::map<Double3, std::vector<Double3>> faces;
+        std::vector<Double3> normals;
+        for (const Corners& t : solid_) {
+            const auto side = [&](int i) { return Double3{t[i][0] - t[0][0], t[i][1] - t[0][1], t[i][2] - t[0][2]}; };
+            normals.push_back(cross(side(1), side(2)));
+            for (const Double3& p : t) faces[p].push_back(normals.back());
+        }
+        const auto cosine = [](const Double3& a, const Double3& b) {
+            return dot(a, b) / std::sqrt(dot(a, a) * dot(b, b));
+        };
+        for (std::size_t i = 0; i < solid_.size(); ++i) {
+            std::array<std::uint32_t, 3> corners{};
+            bool is_flat = true;
+            for (std::size_t c = 0; c < 3; ++c) {
+                Double3 sum{};
+                for (const Double3& n : faces[solid_[i][c]])
+                    if (cosine(n, normals[i]) > std::cos(30 * degree))
+                        for (int k = 0; k < 3; ++k) sum[k] += n[k];
+                corners[c] = pack_normal(rounded(sum));
+                is_flat = is_flat && cosine(sum, normals[i]) > 1 - 1e-9;
+            }
+            if (is_flat) corners = {};
+            scene_.colors.corner_normals.insert(scene_.colors.corner_normals.end(), corners.begin(), corners.end());
+        }
     }
 
     Scene& scene_;

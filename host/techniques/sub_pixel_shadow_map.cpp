@@ -32,9 +32,10 @@ private:
         session_.reserve_filled(heights_, 0, bytes);
         session_.reserve_filled(ids_, GN_NO_ID, bytes);
         for (SubPixelParams drawn = params; drawn.stores_ids < 2; ++drawn.stores_ids)
-            session_.launch("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw",
+            session_.launch(run.triangles.kernel("techniques/sub_pixel_shadow_map.cl", "sub_pixel_draw"),
                             cl::Range::items(params.tile_capacity), drawn, frames_.projection(), setup_.records(),
-                            setup_.bounds(), setup_.tiles().buffer(), heights_, ids_, counters_);
+                            setup_.bounds(), setup_.tiles().buffer(), run.triangles.vertices, heights_, ids_,
+                            counters_);
         timer.next("sub_pixel_lookup");
         session_.launch(run.triangles.kernel("techniques/sub_pixel_shadow_map.cl", "sub_pixel_lookup"),
                         session_.blocks(run.points.layout.count), params, frames_.projection(), run.points.positions,

@@ -24,27 +24,52 @@ static uint height_key(const TriangleRecord* record, float4 square) {
     return float_to_key(height < INFINITY ? height : -INFINITY);
 }
 
+#ifdef GN_CUT_OUTS
+// True if a masked triangle is clear where the light sees it in the texel's middle, or, where that is beside the
+// triangle, on its border. The record's edges are barycentric coordinates times their sum (edge i lies opposite vertex
+// i + 2), without bounds: where alpha is nearly the threshold, either is right. A record that leaves all to the exact
+// predicate has none, and its triangle is stored.
+static bool is_clear_in_texel(const CutOut* cut_out, const TriangleRecord* record, float4 square) {
+    float2 middle = 0.5f * (square.xy + square.zw);
+    float e[3];
+    for (int i = 0; i < 3; ++i)
+        e[i] = fmax(fma(record->edge_x[i], middle.x, fma(record->edge_y[i], middle.y, record->edge_0[i])), 0.0f);
+    return class_of_hit(cut_out, weights_of(e[1], e[2], e[0], 0)) == CUT_OUT_CLEAR;
+}
+#endif
+
 // Runs twice. The first run finds the nearest height of each texel, the second (stores_ids) the lowest id among the
 // triangles at that height, so that the order of work does not change the map. Cleared before: heights 0, ids GN_NO_ID.
 __kernel void sub_pixel_draw(SubPixelParams params, __constant const Projection* projection,
                              __global const TriangleRecord* records, __global const TriangleBounds* bounds,
-                             __global const uint2* tiles, __global uint* heights, __global uint* ids,
-                             __global FrameCounters* counters) {
+                             __global const uint2* tiles, __global const float* vertices, __global uint* heights,
+                             __global uint* ids, __global FrameCounters* counters) {
     uint tile_count = min(counters->tiles, params.tile_capacity), texels = 0;
     GN_FOR_EACH(i, tile_count * TILE_ITEMS) {
         uint2 tile = tiles[i / TILE_ITEMS];
         if (tile.x == GN_NO_ID) continue;
         TriangleRecord record = records[tile.x];
+        uint id = bounds[tile.x].id;
+#ifdef GN_CUT_OUTS
+        Triangles triangles = triangles_of(vertices, params.framed.triangles);
+        bool is_masked = cut_out_class(triangles, id) == CUT_OUT_MASKED;
+        CutOut cut_out;
+        if (is_masked) cut_out = load_cut_out(triangles, id);
+#endif
         uint4 rectangle = bins_of_tile(tile.y);
         uint count = bins_of_rectangle(rectangle);
         for (uint t = (uint)i % TILE_ITEMS; t < count; t += TILE_ITEMS) {
             uint4 texel = bin_of_rectangle(rectangle, t);
             if (!survives_cull(&record, projection, texel, 0u, heights)) continue;
             uint at = texel.y * projection->width + texel.x;
-            uint key = height_key(&record, square_of_bins(texel, projection));
+            float4 square = square_of_bins(texel, projection);
+#ifdef GN_CUT_OUTS
+            if (is_masked && is_clear_in_texel(&cut_out, &record, square)) continue;
+#endif
+            uint key = height_key(&record, square);
             if (!params.stores_ids)
                 atomic_max(&heights[at], key);
-            else if (heights[at] == key && atomic_min(&ids[at], bounds[tile.x].id) == GN_NO_ID)
+            else if (heights[at] == key && atomic_min(&ids[at], id) == GN_NO_ID)
                 ++texels;
         }
     }

@@ -7,6 +7,8 @@
 // point against the triangle of its texel; with neighbours also against the triangles of the 8 texels around. So a
 // shadow's edge is the triangle's edge, however large the texels are, and the test needs no bias.
 //
+// A masked triangle that is clear where the light sees the texel's middle is not stored there, as maps test alpha.
+//
 // Promise: a point is in shadow only if a triangle other than its receiver blocks it, so no point is wrongly in shadow.
 // Limit: one triangle a texel. If several triangles overlap in a texel or are smaller than it, points are wrongly lit.
 #pragma once

@@ -9,6 +9,7 @@
 #include <string>
 
 #include <gnomon.hpp>
+#include "support/cut_out_scenes.hpp"
 #include "support/light_scene.hpp"
 
 namespace {
@@ -162,9 +163,63 @@ void approximate(const gnomon::Device& device, const Floats& scene, const Approx
     require(!a.is_lower_bound || wrongly_dark == 0, name + ": wrongly dark");
 }
 
+std::vector<float> truth_of(const Floats& scene, const reference::Masks& masks, const gnomon::PointsOnHost& points,
+                            const Light& light, const std::optional<Float3>& eye) {
+    std::vector<float> truth;
+    for (const auto in_shadow :
+         reference::shadowed(scene, points.position, points.receiver, light, eye, nullptr, &masks))
+        truth.push_back(in_shadow ? 0.0f : 1.0f);
+    return truth;
+}
+
+/// Triangles cut out by textures of all kinds, through the paths that read them: a camera's view, its shadows, prepared
+/// too, many lights, samples, and maps that test alpha. `is_second`: with alphas of corners, and clusters.
+void cut_out(const gnomon::Device& device, bool is_second) {
+    const Floats scene = soup(30, 1.5f, 4);
+    const CutOutData data(mixed_masks(scene.size() / 9, 6, is_second));
+    auto triangles = gnomon::Triangles::upload(device, scene, data.cut_outs());
+    require(triangles.cut_out_counts().masked > 5, "cut-outs: masked triangles must occur");
+    if (is_second) triangles.keep_clusters(device);
+    const auto camera = gnomon::Camera::look_at({0.5f, 1, 3}, {0, 0, 0}, {0, 1, 0}, 50);
+    const gnomon::View view = gnomon::look(device, triangles, camera, 10, 10);
+    const gnomon::Visibility visibility(device, view.points.count());
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("map-size", "32");
+    for (const Light& light : {along(-0.3f, -1, 0.2f), at(0.5f, 2, 0.5f)}) {
+        const gnomon::Light as_given{light};
+        const auto truth = truth_of(scene, data.masks(), gnomon::read(device, view.points), light, view.points.eye());
+        for (const bool is_prepared : {false, true}) {
+            if (is_prepared) technique->prepare(triangles, as_given);
+            technique->run(triangles, view.points, as_given, visibility);
+            const std::size_t wrong = differences(visibility.read(), truth);
+            require(wrong == 0, "cut-outs: " + std::to_string(wrong) + " pixels");
+        }
+        technique->set("many-lights", light[3] == 0 ? "shafts" : "one-by-one");
+        const auto bits = gnomon::run_lights_to_host(*technique, triangles, view.points,
+                                                     gnomon::Lights({as_given, as_given}), {.bits = true})
+                              .bits;
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < truth.size(); ++i) wrong += bits[i] != (truth[i] == 1 ? 3u : 0u);
+        require(wrong == 0, "cut-outs, many lights: " + std::to_string(wrong) + " pixels");
+        std::printf("cut-outs: %zu points, %td lit\n", truth.size(), std::ranges::count(truth, 1.0f));
+        if (is_second) continue;
+        gnomon::run_samples(*technique, device, triangles, view, as_given, 4, visibility);
+        for (const auto& [name, size] : {std::pair("sub-pixel", "map-size"), std::pair("shadow-map", "size")}) {
+            const auto map = gnomon::make_technique(name, device);
+            map->set(size, "32");
+            map->run(triangles, view.points, as_given, visibility);
+        }
+    }
+}
+
 }  // namespace
 
-int main() try {
+int main(int count, char** arguments) try {
+    if (count > 1 && arguments[1] == std::string("cut-outs")) {  // programs of their own
+        const gnomon::Device device;
+        for (const bool is_second : {false, true}) cut_out(device, is_second);
+        return all_right ? 0 : 1;
+    }
     const Floats blocks = lattice_blocks(2, 3, 1);
     Floats points = lattice_points(200, 3, 2), places = random_points(200, -1, 1, 3);
     std::vector<std::uint32_t> receivers;

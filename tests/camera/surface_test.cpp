@@ -252,6 +252,44 @@ TEST(Surfaces, TexturesThatDoNotFitLoseTheirFinestLevels) {
     for (const float albedo : surfaces.read(square.materials).albedo) EXPECT_EQ(albedo, 1);
 }
 
+// Two squares, each with a texture of its own, and views of one at a time.
+TEST(Surfaces, TexturesAreKeptFromViewToView) {
+    const Device device;
+    const Square square;
+    Floats triangles = square.triangles, coordinates = square.coordinates;
+    for (std::size_t i = 0; i < square.triangles.size(); ++i)
+        triangles.push_back(square.triangles[i] + (i % 3 == 0 ? 10.0f : 0.0f));
+    coordinates.insert(coordinates.end(), square.coordinates.begin(), square.coordinates.end());
+    const Triangles on_device = Triangles::upload(device, triangles);
+    const Materials materials{{0, 0, 1, 1}, {{1, 1, 1}, {1, 1, 1}}};
+    const std::vector<std::uint8_t> texels = grey({10, 60, 110, 160, 210, 240, 200, 90}), others = grey({1, 2, 3, 4});
+    std::vector<ColorTexture> textures{{4, 1, std::span(texels).first(16)}, {1, 4, std::span(texels).last(16)}};
+    const std::vector<ColorTextureUse> uses{{0}, {1}};
+    SurfaceTextures kept;
+    const auto expect_same = [&](float x) {
+        const View view = look(device, on_device, Camera::look_at({x, 0, 1}, {x, 0, 0}, {0, 1, 0}, 90), 8, 8);
+        const SurfaceDetail detail{coordinates, {}, {}, uses, textures};
+        const Surfaces alone(device, on_device, view, materials, detail);
+        const Surfaces with_kept(device, on_device, view, materials, detail, &kept);
+        const Floats wanted = alone.read(materials).albedo;
+        EXPECT_EQ(with_kept.read(materials).albedo, wanted);
+        EXPECT_NE(wanted[0], wanted[3 * 63]);
+        return wanted;
+    };
+    const Floats left = expect_same(0);
+    const auto first = kept.on_device;
+    EXPECT_EQ(expect_same(0), left);
+    EXPECT_EQ(kept.on_device, first);
+    EXPECT_NE(expect_same(10), left);
+    const auto both = kept.on_device;
+    EXPECT_NE(both, first);
+    EXPECT_EQ(expect_same(0), left);
+    EXPECT_EQ(kept.on_device, both) << "textures that were shown stay";
+    textures[0].rgba = others;
+    EXPECT_NE(expect_same(0), left);
+    EXPECT_NE(kept.on_device, both);
+}
+
 TEST(Surfaces, RefuseWhatDoesNotFitTogether) {
     const Device device;
     Square square;

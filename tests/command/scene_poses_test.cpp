@@ -373,6 +373,55 @@ INSTANTIATE_TEST_SUITE_P(
     }),
     [](const auto& damage) { return std::string(damage.param.name); });
 
+/// What gnomon draws otherwise than the file says: a warning each, which --strict makes an error (command_test.cpp).
+class Approximation : public SceneFile, public testing::WithParamInterface<Damage> {};
+
+TEST_P(Approximation, IsAWarning) {
+    Gltf gltf = posed_file();
+    for (const auto& [pointer, value] : GetParam().changes) gltf.set(pointer, value);
+    expect_warning(load_at(gltf, 0.5), GetParam().words);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Approximation,
+    testing::ValuesIn(std::vector<Damage>{
+        {"Points", {{"/meshes/1/primitives/0/mode", "0"}}, {"points and lines are left out", "mesh 'many'"}},
+        {"Lines", {{"/meshes/1/primitives/0/mode", "3"}}, {"points and lines are left out", "(lines)"}},
+        {"NoPositions",
+         {{"/meshes/1/primitives/0/attributes", R"({"NORMAL": 0})"}},
+         {"left out for want of positions"}},
+        {"NoJoints",
+         {{"/meshes/0/primitives/0/attributes/JOINTS_0", ""}},
+         {"a skin without joints and weights (drawn unskinned)"}},
+        {"InstancesOfASkin",
+         {{"/nodes/0/extensions", R"({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}})"}},
+         {"instances of a skinned mesh (all stand where its joints are)"}},
+        {"OtherTargets",
+         {{"/animations/0/channels/0/target/path", "\"pointer\""}},
+         {"an animation of 'pointer' (ignored)"}},
+        {"OtherExtensions", {{"/extensionsUsed", R"(["EXT_of_tomorrow"])"}}, {"'EXT_of_tomorrow' (ignored)"}},
+        {"OtherMeshopt",
+         {{"/extensionsUsed", R"(["KHR_meshopt_compression"])"}},
+         {"'KHR_meshopt_compression' (ignored)"}},
+        {"OrthographicCamera",
+         {{"/cameras", R"([{"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 1, "zfar": 2}}])"},
+          {"/nodes/3/camera", "0"}},
+         {"orthographic cameras are left out"}},
+        {"CameraWithoutADirection",
+         {{"/cameras", R"([{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}])"},
+          {"/nodes/3/camera", "0"},
+          {"/nodes/3/scale", "[0, 0, 0]"}},
+         {"left out, for the node's transform is degenerate"}},
+        {"Blend",
+         {{"/materials", R"([{"alphaMode": "BLEND"}])"}, {"/meshes/1/primitives/0/material", "0"}},
+         {"alphaMode BLEND (drawn opaque"}},
+        {"Glass",
+         {{"/materials", R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}])"},
+          {"/meshes/1/primitives/0/material", "0"}},
+         {"KHR_materials_transmission (drawn opaque)"}},
+    }),
+    [](const auto& of) { return std::string(of.param.name); });
+
 TEST_F(Poses, ABillionInstancesAreRefused) {
     Gltf gltf = triangle_file();
     gltf.add("accessors", R"({"componentType": 5126, "type": "VEC3", "count": 1000000000})");

@@ -888,6 +888,51 @@ TEST(Sundial, SolidsAreWoundOutwards) {
     EXPECT_NEAR(volume[0], 32 * 3600 * std::sin(2 * 3.14159265358979 / 64) * 0.44, 0.01);
 }
 
+/// From the octahedral map, as pack_normal() makes it.
+std::array<double, 3> unpacked(std::uint32_t bits) {
+    const auto part = [](std::uint32_t word) { return (double(word) - 32768) / 32767; };
+    std::array<double, 3> n{part(bits & 0xFFFFu), part(bits >> 16), 0};
+    n[2] = 1 - std::abs(n[0]) - std::abs(n[1]);
+    const double fold = std::max(-n[2], 0.0);
+    for (int i = 0; i < 2; ++i) n[i] += n[i] >= 0 ? -fold : fold;
+    const double size = std::hypot(n[0], n[1], n[2]);
+    for (double& c : n) c /= size;
+    return n;
+}
+
+/// The normals of the golden ball point away from its centre, also where its facets do not; the lawn has none.
+TEST(Sundial, WhatIsRoundHasNormals) {
+    const Scene scene = gnomon::scene::sundial();
+    const std::vector<std::uint32_t>& normals = scene.colors.corner_normals;
+    ASSERT_EQ(normals.size(), 3 * scene.triangle_count());
+    std::array<double, 3> low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
+    std::vector<std::size_t> of_ball;
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+        const std::uint32_t material = scene.materials.triangle_material[i / 3];
+        if (material == 0 && scene.triangles[9 * (i / 3) + 1] == scene.triangles[9 * (i / 3) + 4] &&
+            scene.triangles[9 * (i / 3) + 1] == scene.triangles[9 * (i / 3) + 7]) {
+            EXPECT_EQ(normals[i], 0u);
+        }
+        if (material != 10 || scene.triangles[3 * i + 1] < 1.8f) continue;
+        of_ball.push_back(i);
+        for (std::size_t k = 0; k < 3; ++k) {
+            low[k] = std::min<double>(low[k], scene.triangles[3 * i + k]);
+            high[k] = std::max<double>(high[k], scene.triangles[3 * i + k]);
+        }
+    }
+    ASSERT_GT(of_ball.size(), 1000u);
+    for (const std::size_t i : of_ball) {
+        const std::array<double, 3> n = unpacked(normals[i]);
+        double along = 0, squared = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double from_centre = scene.triangles[3 * i + k] - (low[k] + high[k]) / 2;
+            along += n[k] * from_centre;
+            squared += from_centre * from_centre;
+        }
+        EXPECT_GT(along / std::sqrt(squared), 0.999) << "corner " << i;
+    }
+}
+
 /// The dial tells the time: the style's tip casts its shadow onto the line of half past three. The hour line of a
 /// horizontal dial is tan(line) = sin(latitude) tan(15 degrees * hours), which the scene uses for its bars but not for
 /// its sun.

@@ -30,3 +30,15 @@ gnomon_fuzz_target(library_fuzz
   SOURCES ${CMAKE_CURRENT_LIST_DIR}/library_fuzz.cpp
   CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/library.tar
   LIBRARIES gnomon_inside gnomon_reference OpenCL::OpenCL)
+# The images of scenes, decoded as the command does.
+find_package(OpenImageIO QUIET)
+if(OpenImageIO_FOUND)
+  gnomon_fuzz_target(image_fuzz
+    SOURCES ${CMAKE_CURRENT_LIST_DIR}/image_fuzz.cpp ${PROJECT_SOURCE_DIR}/host/app/decoded_image.cpp
+    CORPUS ${CMAKE_CURRENT_LIST_DIR}/corpus/image.tar
+    LIBRARIES gnomon OpenImageIO::OpenImageIO)
+  target_include_directories(image_fuzz_replay PRIVATE ${PROJECT_SOURCE_DIR}/host/app)
+  if(GNOMON_FUZZ)
+    target_include_directories(image_fuzz PRIVATE ${PROJECT_SOURCE_DIR}/host/app)
+  endif()
+endif()

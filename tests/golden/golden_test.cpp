@@ -27,8 +27,8 @@
 #include <gnomon.hpp>
 #include "reference/visibility.hpp"
 #include "scene/scene.hpp"
+#include "support/decoded_png.hpp"
 #include "support/scene_masks.hpp"
-#include "support/uncompressed_png.hpp"
 #include "tools/make_scenes/recipes.hpp"
 
 namespace {
@@ -175,9 +175,7 @@ const gnomon::scene::Scene* scene_of(const Line& line) {
     else if (line.scene == "sundial")
         scene = gnomon::scene::sundial();
     else if (std::filesystem::exists(file))
-        scene = gnomon::scene::load(file, line.is_shared
-                                              ? gnomon::scene::LoadOptions{}
-                                              : gnomon::scene::LoadOptions{.decode_alpha = support::alpha_of_made_png});
+        scene = gnomon::scene::load(file, {.decode_alpha = support::alpha_of_png});
     else
         return nullptr;
     kept = line.scene;

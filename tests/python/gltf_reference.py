@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""The triangles of a glTF file at one time, by pygltflib, DracoPy and numpy in double: written from glTF 2.0 and the
-texts of its extensions alone, for test_gltf.py to compare gnomon with. meshopt streams are decoded here, from their
-specification. Slow, and it knows no bad files."""
+"""The triangles of a glTF file at one time, and their masks, by pygltflib, DracoPy, Pillow and numpy in double: written
+from glTF 2.0 and the texts of its extensions alone, for test_gltf.py to compare gnomon with. meshopt streams are
+decoded here, from their specification. Slow, and it knows no bad files.
+
+As a program it writes the masks of a file for build/tools/check_view: gltf_reference.py SCENE.glb MASKS.bin"""
 
 from __future__ import annotations
 
 import base64
+import functools
+import io
 import json
 import math
+import sys
 import urllib.parse
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import DracoPy
 import numpy as np
@@ -58,6 +63,7 @@ class File:
         rows = [data[offset + i * (stride or size) :][:size] for i in range(count)]
         return np.frombuffer(b"".join(rows), dtype).reshape(count, width)
 
+    @functools.cache  # noqa: B019
     def raw(self, index: int) -> np.ndarray:
         a = self.gltf.accessors[index]
         dtype, width = TYPES[a.componentType], WIDTHS[a.type]
@@ -324,19 +330,103 @@ def skinned(read: dict[str, Any], positions: np.ndarray, joints: np.ndarray) -> 
     return out[:, :3] / total[:, None]
 
 
-class Evaluation:
-    """The triangles in the order of nodes (depth first), instances, primitives; double, (F, 3, 3)."""
+# ---- Masks ----------------------------------------------------------------------------------------------------------
 
-    def __init__(self, path: Path, time: float | None = None, animation: int = 0, scene: int | None = None) -> None:
+WRAPS = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
+
+
+class Mask(NamedTuple):
+    """A material that cuts out."""
+
+    alpha: np.ndarray | None  # (height, width) uint8
+    cutoff: float
+    factor: float
+    wrap: tuple[str, str]
+    filter: str
+
+
+def image_of(file: File, texture: Any) -> int:
+    webp = (texture.extensions or {}).get("EXT_texture_webp")
+    return webp["source"] if webp else texture.source
+
+
+def alpha_of(file: File, index: int) -> np.ndarray:
+    from PIL import Image
+
+    image = file.gltf.images[index]
+    if image.bufferView is not None:
+        data = file.view(image.bufferView)[0]
+    elif image.uri.startswith("data:"):
+        data = base64.b64decode(image.uri.split(",", 1)[1])
+    else:
+        data = (file.path.parent / urllib.parse.unquote(image.uri)).read_bytes()
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGBA"))[:, :, 3].copy()
+
+
+def mask_of(file: File, material: Any, blend: str) -> Mask | None:
+    if material.alphaMode not in ("MASK", "BLEND") or (material.alphaMode == "BLEND" and blend == "opaque"):
+        return None
+    pbr = material.pbrMetallicRoughness
+    factor = pbr.baseColorFactor[3] if pbr is not None and pbr.baseColorFactor is not None else 1.0
+    cutoff = 0.5 if material.alphaCutoff is None or material.alphaMode == "BLEND" else material.alphaCutoff
+    if material.alphaMode == "BLEND" and blend == "clear":
+        cutoff = 2.0
+    if pbr is None or pbr.baseColorTexture is None:
+        return Mask(None, cutoff, factor, ("repeat", "repeat"), "linear")
+    texture = file.gltf.textures[pbr.baseColorTexture.index]
+    sampler = file.gltf.samplers[texture.sampler] if texture.sampler is not None else pygltflib.Sampler()
+    wraps = tuple(WRAPS[10497 if w is None else w] for w in (sampler.wrapS, sampler.wrapT))
+    alpha = alpha_of(file, image_of(file, texture))
+    return Mask(alpha, cutoff, factor, wraps, "nearest" if sampler.magFilter == 9728 else "linear")
+
+
+def coordinates(file: File, primitive: Any, material: Any) -> np.ndarray | None:
+    """u and v of each vertex, with KHR_texture_transform; None without a texture."""
+    pbr = material.pbrMetallicRoughness
+    if pbr is None or pbr.baseColorTexture is None:
+        return None
+    info = pbr.baseColorTexture
+    transform = (info.extensions or {}).get("KHR_texture_transform", {})
+    name = f"TEXCOORD_{transform.get('texCoord', info.texCoord or 0)}"
+    accessor = getattr(primitive.attributes, name, None)
+    if accessor is None:
+        return None
+    u, v = file.numbers(accessor).T
+    angle, (a, b), (x, y) = (transform.get(k, d) for k, d in (("rotation", 0), ("scale", [1, 1]), ("offset", [0, 0])))
+    c, s = math.cos(angle), math.sin(angle)
+    return np.stack([x + c * a * u + s * b * v, y - s * a * u + c * b * v], axis=1)
+
+
+class Evaluation:
+    """The triangles in the order of nodes (depth first), instances, primitives; double, (F, 3, 3). Of each its mask, an
+    index of `masks` or -1, and, in float32, the texture coordinates and alphas of its corners."""
+
+    def __init__(
+        self,
+        path: Path,
+        time: float | None = None,
+        animation: int = 0,
+        scene: int | None = None,
+        blend: str = "opaque",
+    ) -> None:
         self.file = File(path)
         self.nodes = pose(self.file, time, animation)
         self.out: list[np.ndarray] = []
+        self.of_masks: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+        self.masks: list[Mask] = []
+        self.index_of_mask: dict[int, int] = {}
+        for i, material in enumerate(self.file.gltf.materials):
+            mask = mask_of(self.file, material, blend)
+            if mask is not None:
+                self.index_of_mask[i] = len(self.masks)
+                self.masks.append(mask)
         gltf = self.file.gltf
         self.parent = {c: i for i, n in enumerate(gltf.nodes) for c in n.children or []}
         chosen = scene if scene is not None else (gltf.scene or 0)
         for root in gltf.scenes[chosen].nodes:
             self.visit(root)
         self.triangles = np.concatenate(self.out)
+        self.mask, self.uv, self.alpha = (np.concatenate(part) for part in zip(*self.of_masks, strict=True))
 
     def world(self, index: int) -> np.ndarray:
         node = self.file.gltf.nodes[index]
@@ -354,6 +444,7 @@ class Evaluation:
                 for primitive in self.file.gltf.meshes[node.mesh].primitives:
                     if (4 if primitive.mode is None else primitive.mode) == 4:
                         self.out.append(self.primitive(index, primitive, world))
+                        self.of_masks.append(self.mask_data(primitive, len(self.out[-1])))
         for child in node.children or []:
             self.visit(child)
 
@@ -383,6 +474,21 @@ class Evaluation:
             positions = positions @ world[:3, :3].T + world[:3, 3]
         return positions[corners].reshape(-1, 3, 3)
 
+    def mask_data(self, primitive: Any, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the primitive's triangles: the mask, u and v, alphas."""
+        mask = self.index_of_mask.get(primitive.material, -1)
+        uv, alpha = np.zeros((count, 3, 2), np.float32), np.ones((count, 3), np.float32)
+        if mask >= 0:
+            file, index = self.file, primitive.indices
+            corners = np.arange(3 * count) if index is None else file.raw(index)[:, 0].astype(np.int64)
+            at = coordinates(file, primitive, file.gltf.materials[primitive.material])
+            if at is not None:
+                uv = at[corners].astype(np.float32).reshape(count, 3, 2)
+            colors = primitive.attributes.COLOR_0
+            if colors is not None and file.gltf.accessors[colors].type == "VEC4":
+                alpha = file.numbers(colors)[corners, 3].clip(0, 1).astype(np.float32).reshape(count, 3)
+        return np.full(count, mask, np.int64), uv, alpha
+
     def joints(self, index: int) -> np.ndarray:
         skin = self.file.gltf.skins[index]
         inverse = np.tile(np.eye(4), (len(skin.joints), 1, 1))
@@ -393,3 +499,26 @@ class Evaluation:
 
 def triangles(path: Path, **choices: Any) -> np.ndarray:
     return Evaluation(path, **choices).triangles
+
+
+def write_masks(of: Evaluation, path: Path) -> None:
+    """The file that check_view --masks reads: little-endian words, see tools/check_view.cpp."""
+    with path.open("wb") as out:
+        images = [mask.alpha for mask in of.masks if mask.alpha is not None]
+        np.array([len(of.masks), len(images), len(of.mask)], "<u4").tofile(out)
+        image = 0
+        for mask in of.masks:
+            wraps = [list(WRAPS.values()).index(wrap) for wrap in mask.wrap]
+            has_image = mask.alpha is not None
+            np.array([image if has_image else -1, *wraps, mask.filter == "linear"], "<i4").tofile(out)
+            np.array([mask.cutoff, mask.factor], "<f4").tofile(out)
+            image += has_image
+        for alpha in images:
+            np.array([alpha.shape[1], alpha.shape[0]], "<u4").tofile(out)
+            alpha.tofile(out)
+        for rows, kind in ((of.mask, "<i4"), (of.uv, "<f4"), (of.alpha, "<f4")):
+            rows.astype(kind).tofile(out)
+
+
+if __name__ == "__main__":
+    write_masks(Evaluation(Path(sys.argv[1])), Path(sys.argv[2]))

@@ -97,6 +97,8 @@ def test_pyopencl_arrays_are_copied():
         for name, value in cut_outs._asdict().items()
         if isinstance(value, np.ndarray)
     }
+    textures = {id(m.alpha): array.to_device(queue, m.alpha) for m in cut_outs.materials}
+    on["materials"] = [m._replace(alpha=textures[id(m.alpha)]) for m in cut_outs.materials]
     scene = gnomon.Scene(array.to_device(queue, triangles), cut_outs=cut_outs._replace(**on))
     lit = scene.lit(array.to_device(queue, points), direction=DOWN).get() == 1
     np.testing.assert_array_equal(lit, gnomon.Scene(triangles, cut_outs=cut_outs).lit(points, direction=DOWN))
@@ -111,6 +113,7 @@ def test_pyopencl_arrays_are_copied():
         ({"uv": np.zeros((40, 2))}, "cut_outs.uv: shape (40, 2) is neither (40, 3, 2)"),
         ({"corner_alpha": np.zeros(3)}, "cut_outs.corner_alpha: shape (3,) is neither"),
         ({"materials": [gnomon.CutOut(LEAF.astype(float))] * 5}, "materials[0].alpha: must be uint8"),
+        ({"materials": [gnomon.CutOut(np.zeros((0, 4), np.uint8))] * 5}, "materials[0].alpha: must be uint8 of shape"),
         ({"materials": [gnomon.CutOut(LEAF, wrap="twice")] * 5}, "materials[0].wrap: must be one or two of repeat"),
         ({"materials": [gnomon.CutOut(LEAF, filter="cubic")] * 5}, "materials[0].filter: must be one of nearest"),
         ({"materials": [gnomon.CutOut(LEAF, cutoff=np.nan)] * 5}, "materials[0]: cutoff and factor must be finite"),

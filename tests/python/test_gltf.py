@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Poses, instances and packed files: equal, vertex by vertex, to the float32 of another evaluation in double."""
 
+import json
 import math
 import warnings
 from pathlib import Path
@@ -74,6 +75,61 @@ def test_shared_files(file):
         for time in TIMES:
             expected = gltf_reference.triangles(file, time=time, animation=index)
             expect_equal(load(file, time=time, animation=index), expected)
+
+
+# ---- Masks ----------------------------------------------------------------------------------------------------------
+
+
+def expect_same_masks(scene: gnomon.Scene, of: gltf_reference.Evaluation) -> None:
+    """The scene's masks are the reference's: both block the same points, whose rays meet masked triangles at random."""
+    triangles = scene.triangles
+    masks = [gnomon.CutOut(m.alpha, m.cutoff, m.factor, m.wrap, m.filter) for m in of.masks]
+    same = gnomon.Scene(triangles, cut_outs=gnomon.CutOuts(of.mask, masks, of.uv, of.alpha))
+    assert scene.cut_out_counts == same.cut_out_counts
+    random = np.random.default_rng(5)
+    where = np.flatnonzero(of.mask >= 0)
+    size = np.ptp(triangles, axis=(0, 1)).max()
+    through = 0.0
+    for towards in random.normal(size=(8, 3)):
+        chosen = triangles[where][random.integers(0, len(where), 1000)].astype(np.float64)
+        hits = np.einsum("nk,nki->ni", random.dirichlet([1, 1, 1], len(chosen)), chosen)
+        points = (hits - towards * size * 1e-3).astype(np.float32)
+        lit = scene.lit(points, direction=-towards)
+        np.testing.assert_array_equal(lit, same.lit(points, direction=-towards))
+        through += (lit != gnomon.Scene(triangles).lit(points, direction=-towards)).mean() / 8
+    assert 0.001 < through < 0.99, "the masks must matter"
+
+
+@pytest.mark.parametrize("blend", ["opaque", "mask", "clear"])
+@pytest.mark.parametrize("name", ["AlphaBlendModeTest", "GlassVaseFlowers"])
+def test_masks_of_shared_files(name, blend):
+    pytest.importorskip("PIL")
+    file = SHARED / name / f"{name}.glb"
+    if not file.exists():
+        pytest.skip(f"SKIPPED: {file} is not there")
+    expect_same_masks(load(file, blend=blend), gltf_reference.Evaluation(file, blend=blend))
+
+
+@pytest.mark.parametrize("name", ["TextureTransformTest", "TextureTransformMultiTest"])
+def test_texture_transforms_of_shared_files(name, tmp_path):
+    """The files' materials as masks, with images that tell every place from every other."""
+    image = pytest.importorskip("PIL.Image")
+    folder = SHARED / name
+    if not folder.exists():
+        pytest.skip(f"SKIPPED: {folder} is not there")
+    file = gltf_reference.File(next(folder.glob("*.gl*")))
+    root = file.json
+    alpha = np.random.default_rng(1).integers(0, 256, (32, 32), np.uint8)
+    image.fromarray(np.dstack([np.zeros((32, 32, 3), np.uint8), alpha])).save(tmp_path / "noise.png")
+    root["images"] = [{"uri": "noise.png"} for _ in root["images"]]
+    for material in root["materials"]:
+        material.update(alphaMode="MASK", alphaCutoff=0.4)
+    for i, buffer in enumerate(root["buffers"]):
+        buffer["uri"] = f"{i}.bin"
+        (tmp_path / f"{i}.bin").write_bytes(file.buffers[i])
+    made = tmp_path / "masked.gltf"
+    made.write_text(json.dumps(root))
+    expect_same_masks(load(made), gltf_reference.Evaluation(made))
 
 
 def test_scenes_of_a_file():

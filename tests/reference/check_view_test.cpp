@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -82,6 +84,22 @@ protected:
         return run(files() + camera_and_light);
     }
 
+    /// The roof is of a material with one texel of this alpha; `triangles_claimed` says how many there are.
+    void write_masks(std::uint8_t alpha, std::uint32_t triangles_claimed = 3) const {
+        std::ofstream file(path("masks.bin"), std::ios::binary);
+        const auto write = [&](const auto& values) {
+            file.write(reinterpret_cast<const char*>(values.data()),
+                       static_cast<std::streamsize>(values.size() * sizeof values[0]));
+        };
+        write(std::vector<std::uint32_t>{1, 1, triangles_claimed});
+        write(std::vector<std::int32_t>{0, 0, 1, 1});
+        write(std::vector<float>{0.5f, 1});
+        write(std::vector<std::uint32_t>{1, 1});
+        write(std::vector<std::uint8_t>{alpha});
+        write(std::vector<std::int32_t>{-1, -1, 0});
+        write(std::vector<float>(3 * 9, 1.0f));
+    }
+
     std::size_t pixel_on(std::uint32_t receiver) const {
         for (std::size_t i = 0; i < view.receiver.size(); ++i)
             if (view.receiver[i] == receiver) return i;
@@ -91,6 +109,7 @@ protected:
     void TearDown() override {
         std::filesystem::remove(path("triangles.bin"));
         std::filesystem::remove(path("view.exr"));
+        std::filesystem::remove(path("masks.bin"));
     }
 
     // A floor of two, and a roof.
@@ -184,6 +203,29 @@ TEST_F(CheckView, OtherLightAndOtherCameraAreFound) {
     EXPECT_EQ(judge(" --eye -3,4,8 --target -.5,1,0 --fovy 60 --light-direction .25,-1,-.125").status, 1);
     EXPECT_EQ(judge(" --eye -3,4,8 --target -.5,1,0 --fovy 60.001 --light-direction -.25,-1,-.125").status, 1);
     EXPECT_EQ(judge(" --eye -3,4,8 --target -.5,1,0 --fovy 60 --light-position .25,1,.125").status, 1);
+}
+
+TEST_F(CheckView, MasksAreTaken) {
+    const std::string camera_and_light = " --eye -3,4,8 --target -.5,1,0 --fovy 60 --light-direction -.25,-1,-.125";
+    const std::string with_masks = camera_and_light + " --masks " + path("masks.bin");
+    write_masks(128);  // 127.5 is the threshold
+    EXPECT_EQ(judge(with_masks).status, 0);
+    write_masks(127);
+    EXPECT_EQ(judge(with_masks).status, 1) << "the roof is not to be seen";
+    std::vector<float> floor_alone = triangles;
+    std::fill(floor_alone.end() - 9, floor_alone.end(), std::numeric_limits<float>::quiet_NaN());
+    view = make_view(floor_alone, camera, light);
+    EXPECT_EQ(judge(with_masks).status, 0);
+    EXPECT_EQ(judge(camera_and_light).status, 1);
+    write_masks(127, 4);
+    Outcome outcome = judge(with_masks);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.output.find("has masks for 4 triangles, not for 3"), std::string::npos) << outcome.output;
+    write_masks(127);
+    std::filesystem::resize_file(path("masks.bin"), 100);
+    outcome = run(files() + with_masks);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.output.find("is too short"), std::string::npos) << outcome.output;
 }
 
 TEST_F(CheckView, WhatCannotBeJudgedIsSaidInOneSentence) {

@@ -166,6 +166,7 @@ Tally& Tally::operator+=(const Tally& other) {
     by_float += other.by_float;
     by_double += other.by_double;
     by_integers += other.by_integers;
+    has_plain |= other.has_plain;
     plain_wrong += other.plain_wrong;
     has_embree |= other.has_embree;
     for (std::size_t way = 0; way < embree_wrong.size(); ++way) embree_wrong[way] += other.embree_wrong[way];
@@ -245,6 +246,7 @@ void Judge::ask(const Question& question, const std::vector<std::pair<std::strin
     if (question.star_view) judge_star(trees_->bvh, question, kinds, tally);
 
     if (question.cut_outs) return;  // the others know nothing of cut-outs
+    tally.has_plain = true;
     Stopwatch plain_time;
     tally.plain_wrong += count_wrong(shadowed_by_plain_float(trees_->bvh, question), truth, kinds);
     tally.plain_seconds += plain_time.seconds();

@@ -37,8 +37,8 @@ struct Tally {
     std::uint64_t pairs = 0, open_pairs = 0;    ///< point and triangle, tested by the filter; left open by it
     std::uint64_t by_float = 0, by_double = 0, by_integers = 0;
 
-    std::uint64_t plain_wrong = 0;  ///< of the points that do not face away
-    bool has_embree = false;
+    bool has_plain = false, has_embree = false;  ///< asked; neither knows of cut-outs
+    std::uint64_t plain_wrong = 0;               ///< of the points that do not face away
     std::array<std::uint64_t, EMBREE_WAYS.size()> embree_wrong{};
     std::uint64_t embree_left_out = 0;  ///< points that Embree does not take
 

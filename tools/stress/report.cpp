@@ -70,7 +70,7 @@ std::vector<std::string> answers(const std::string& name, const Tally& tally) {
                                       percent(tally.positional, tally.points),
                                       percent(tally.shadowed, tally.points),
                                       std::string("**").append(grouped(tally.wrong)).append("**"),
-                                      grouped(tally.plain_wrong)};
+                                      tally.has_plain ? grouped(tally.plain_wrong) : "-"};
     if (tally.has_embree)
         for (const std::uint64_t wrong : tally.embree_wrong) cells.push_back(grouped(wrong));
     return cells;
@@ -163,8 +163,9 @@ std::string line_of(const CaseResult& result) {
         "%-32s %12s points %5s point light %7s shadow  wrong %llu  plain %-9s open %-9s gnomon %.1f s  oracle %.1f s  "
         "plain %.1f s  embree %.1f s",
         result.name.c_str(), grouped(t.points).c_str(), percent(t.positional, t.points).c_str(),
-        percent(t.shadowed, t.points).c_str(), static_cast<unsigned long long>(t.wrong), grouped(t.plain_wrong).c_str(),
-        percent(t.open_pairs, t.pairs).c_str(), t.gnomon_seconds, t.oracle_seconds, t.plain_seconds, t.embree_seconds);
+        percent(t.shadowed, t.points).c_str(), static_cast<unsigned long long>(t.wrong),
+        (t.has_plain ? grouped(t.plain_wrong) : "-").c_str(), percent(t.open_pairs, t.pairs).c_str(), t.gnomon_seconds,
+        t.oracle_seconds, t.plain_seconds, t.embree_seconds);
     return text + (t.first_wrong.empty() ? std::string() : "\n    " + t.first_wrong);
 }
 
