@@ -258,11 +258,11 @@ void Session::write(cl_mem buffer, const void* data, std::size_t bytes, std::siz
             [&] { return clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, first, bytes, data, 0, nullptr, nullptr); });
 }
 
-void Session::read(cl_mem buffer, void* data, std::size_t bytes) {
+void Session::read(cl_mem buffer, void* data, std::size_t bytes, std::size_t first) {
     if (bytes == 0) return;
     if (traces_) std::fprintf(stderr, "gnomon: trace: reading %zu bytes from the device\n", bytes);
     attempt("reading from the device",
-            [&] { return clEnqueueReadBuffer(queue_, buffer, CL_TRUE, 0, bytes, data, 0, nullptr, nullptr); });
+            [&] { return clEnqueueReadBuffer(queue_, buffer, CL_TRUE, first, bytes, data, 0, nullptr, nullptr); });
 }
 
 void Session::bring_to_host(cl_mem buffer, std::size_t bytes) {

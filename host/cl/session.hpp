@@ -161,7 +161,8 @@ public:
     void copy(const Buffer& from, std::size_t from_first, const Buffer& to, std::size_t to_first, std::size_t bytes);
     /// To byte `first` of the buffer.
     void write(cl_mem buffer, const void* data, std::size_t bytes, std::size_t first = 0);
-    void read(cl_mem buffer, void* data, std::size_t bytes);
+    /// From byte `first` of the buffer.
+    void read(cl_mem buffer, void* data, std::size_t bytes, std::size_t first = 0);
     /// Makes a buffer's bytes appear in the host's memory that the buffer was made of.
     void bring_to_host(cl_mem buffer, std::size_t bytes);
     /// The first bytes of the buffer.

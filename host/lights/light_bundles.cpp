@@ -2,6 +2,7 @@
 #include "lights/light_bundles.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -121,16 +122,16 @@ Double3 loaded(const float* from) { return {from[0], from[1], from[2]}; }
 double determinant(const Double3& a, const Double3& b, const Double3& c) { return dot(a, cross(b, c)); }
 
 // s D = middle + u across + v along with |u|, |v| <= 1 and s > 0, and D strictly inside of all planes.
-bool contains(const LightBundle& bundle, const Double3& unit) {
-    const Double3 middle = loaded(bundle.middle), across = loaded(bundle.across), along = loaded(bundle.along);
+bool contains(const LightCone& cone, const Double3& unit) {
+    const Double3 middle = loaded(cone.middle), across = loaded(cone.across), along = loaded(cone.along);
     const double det = determinant(across, along, unit);
     const double u = -determinant(middle, along, unit) / det, v = -determinant(across, middle, unit) / det;
     if (!(std::abs(u) < 1 - 1e-6 && std::abs(v) < 1 - 1e-6 && dot(unit, middle) > 0.1)) return false;
-    return std::ranges::all_of(bundle.planes, [&](const auto& plane) { return dot(loaded(plane), unit) < -2e-7; });
+    return std::ranges::all_of(cone.planes, [&](const auto& plane) { return dot(loaded(plane), unit) < -2e-7; });
 }
 
-void store_planes(LightBundle& bundle) {
-    const Double3 middle = loaded(bundle.middle), across = loaded(bundle.across), along = loaded(bundle.along);
+void store_planes(LightCone& cone) {
+    const Double3 middle = loaded(cone.middle), across = loaded(cone.across), along = loaded(cone.along);
     const Double3 normals[] = {cross(sum(middle, across), along), cross(sum(middle, scaled(across, -1)), along),
                                cross(sum(middle, along), across), cross(sum(middle, scaled(along, -1)), across),
                                middle};
@@ -138,12 +139,12 @@ void store_planes(LightBundle& bundle) {
         Double3 normal = normals[k];
         normalize(normal);
         if (dot(normal, middle) > 0) normal = scaled(normal, -1);
-        store(bundle.planes[k], normal);
+        store(cone.planes[k], normal);
     }
 }
 
 // No cone of less than some 80 degrees holds them: false.
-bool fit_cone(LightBundle& bundle, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
+bool fit_cone(LightCone& cone, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     const Axes axes = axes_of(part, directions);
     double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
     for (const std::uint32_t i : part) {
@@ -160,22 +161,29 @@ bool fit_cone(LightBundle& bundle, std::span<const std::uint32_t> part, const st
         sum(axes.middle, sum(scaled(axes.across, (low[0] + high[0]) / 2), scaled(axes.along, (low[1] + high[1]) / 2)));
     const double length = std::sqrt(dot(middle, middle));
     for (double more = 3e-6; more < 0.1; more *= 4) {
-        store(bundle.middle, scaled(middle, 1 / length));
-        store(bundle.across, scaled(axes.across, ((high[0] - low[0]) / 2 * (1 + 1e-5) + more) / length));
-        store(bundle.along, scaled(axes.along, ((high[1] - low[1]) / 2 * (1 + 1e-5) + more) / length));
-        store_planes(bundle);
-        if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(bundle, directions[i].unit); }))
-            return true;
+        store(cone.middle, scaled(middle, 1 / length));
+        store(cone.across, scaled(axes.across, ((high[0] - low[0]) / 2 * (1 + 1e-5) + more) / length));
+        store(cone.along, scaled(axes.along, ((high[1] - low[1]) / 2 * (1 + 1e-5) + more) / length));
+        store_planes(cone);
+        if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(cone, directions[i].unit); })) return true;
     }
     return false;
 }
 
 void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     LightBundle bundle{};
-    if (!fit_cone(bundle, part, directions)) {
+    if (!fit_cone(bundle.cones[0], part, directions)) {
         add_bundle(made, part.first(part.size() / 2), directions);
         add_bundle(made, part.subspan(part.size() / 2), directions);
         return;
+    }
+    for (std::size_t k = 1; k < LIGHT_CONES; ++k) {
+        // Cone k is of one half of the lights of cone (k - 1) / 2.
+        const std::size_t level = std::bit_width(k + 1) - 1, size = MOST_BUNDLE_LIGHTS >> level;
+        const std::size_t first = (k + 1 - (std::size_t(1) << level)) * size;
+        if (first >= part.size()) continue;
+        const auto lights = part.subspan(first, std::min(size, part.size() - first));
+        if (!fit_cone(bundle.cones[k], lights, directions)) bundle.cones[k] = bundle.cones[(k - 1) / 2];
     }
     bundle.light_count = static_cast<std::uint32_t>(part.size());
     for (std::size_t l = 0; l < part.size(); ++l)

@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "lights/point_order.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-
 #include "kernels/lights/point_order.h"
 #include "lists/morton.hpp"
 #include "lists/sort.hpp"
 
 namespace gnomon {
 namespace {
-
-float float_of_key(cl_uint key) { return std::bit_cast<float>((key & 0x80000000u) != 0 ? key & 0x7FFFFFFFu : ~key); }
 
 // Fits the grid to the present points. Returns the largest magnitude of a coordinate.
 float fit_grid(cl::Session& session, PointOrderParams& params, const PointInputs& points) {
@@ -22,16 +16,10 @@ float fit_grid(cl::Session& session, PointOrderParams& params, const PointInputs
     session.launch("lights/point_order.cl", "point_bounds", cl::Range::items(points.layout.count), params,
                    points.positions, bounds);
     const auto keys = session.read_values<cl_uint>(bounds.get(), POINT_BOUNDS_WORDS);
-    if (keys[0] == GN_NO_ID) return 0;
-    std::array<double, 3> low{}, high{};
-    double largest = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        low[c] = float_of_key(keys[c]);
-        high[c] = float_of_key(keys[3 + c]);
-        largest = std::max({largest, std::abs(low[c]), std::abs(high[c])});
-    }
-    params.grid = morton_grid(low, high, 2 * POINT_CODE_BITS);
-    return static_cast<float>(largest);
+    const auto box = bounds_of_keys(keys);
+    if (!box) return 0;
+    params.grid = morton_grid(box->low, box->high, 2 * POINT_CODE_BITS);
+    return box->largest();
 }
 
 }  // namespace

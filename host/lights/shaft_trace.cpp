@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Stage shaft_trace: a run over many lights by shafts. Parts of the sorted points pass through facing (light_sides),
-// the trace, the exact predicate and the sums, each part with all bundles of lights.
+// the trace (shaft_trace or fan_trace), the exact predicate and the sums, each part with all bundles of lights.
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "api/statistics.hpp"
 #include "kernels/lights/light_sides.h"
@@ -11,11 +13,35 @@
 namespace gnomon {
 namespace {
 
-constexpr float largest_in_range = 0x1p19f;  // differences up to 2^20: the filter's range (shaft_test.clh)
 constexpr std::size_t first_queue = std::size_t(1) << 16;
 
 struct Part {
     std::size_t first, count;
+};
+
+// Which shape the next part gets: the one that took less time per point where each was tried last. The other is tried
+// again after some parts, the sooner the less it lost, since neighbouring parts are alike and distant ones are not.
+class ShapeChoice {
+public:
+    explicit ShapeChoice(std::optional<ShaftShape> only) : only_(only) {}
+
+    ShaftShape next() {
+        if (only_) return *only_;
+        for (std::size_t shape = 0; shape < 2; ++shape)
+            if (!ms_per_point_[shape]) return ShaftShape(shape);
+        const std::size_t best = *ms_per_point_[0] <= *ms_per_point_[1] ? 0 : 1;
+        const double loss = *ms_per_point_[1 - best] / *ms_per_point_[best];
+        const unsigned wait = loss < 1.5 ? 8 : loss < 4 ? 32 : 128;
+        if (++parts_since_other_ < wait) return ShaftShape(best);
+        parts_since_other_ = 0;
+        return ShaftShape(1 - best);
+    }
+    void took(ShaftShape shape, double ms_per_point) { ms_per_point_[std::size_t(shape)] = ms_per_point; }
+
+private:
+    std::optional<ShaftShape> only_;
+    std::array<std::optional<double>, 2> ms_per_point_{};
+    unsigned parts_since_other_ = 0;
 };
 
 class ShaftPasses {
@@ -34,27 +60,29 @@ public:
         part_points_ = reserve_masks();
     }
 
-    // The time that all points may take, from a part in their middle. A part without time for the kernels' builds goes
-    // first.
+    // The time that all points may take, from a part in their middle, by the better shape.
     double estimated_ms() {
         constexpr std::size_t pairs = std::size_t(1) << 22;
         const std::size_t count = run_.points.count();
         const std::size_t sample =
             std::min({count, part_points_, std::max<std::size_t>(pairs / run_.lights.count(), 512)});
-        decide({count / 2, std::min<std::size_t>(count - count / 2, 64)});
-        session_.finish();
-        const auto start = cl::Clock::now();
-        decide({(count - sample) / 2, sample});
-        session_.finish();
-        return cl::ms_since(start) * (double(count) / double(sample));
+        const Part middle{(count - sample) / 2, sample};
+        double least = std::numeric_limits<double>::infinity();
+        for (const ShaftShape shape : {ShaftShape::block, ShaftShape::fan})
+            if (!run_.shape || run_.shape == shape) least = std::min(least, timed(middle, shape));
+        return least * (double(count) / double(sample));
     }
 
     void run() {
         const std::size_t count = run_.points.count();
         LightSums sums(run_, slots_, &points_);
+        ShapeChoice choice(run_.shape);
+        if (!run_.shape) build_kernels();
         for (std::size_t first = 0; first < count; first += part_points_) {
             const Part part{first, std::min(part_points_, count - first)};
-            decide(part);
+            const ShaftShape shape = choice.next();
+            choice.took(shape, timed(part, shape) / double(part.count));
+            if (shape == ShaftShape::fan) points_in_fans_ += part.count;
             cl::StageTimer timer(session_, statistics_, "light_sums");
             sums.add(masks_, part_points_, part.first, part.count, 0, bundle_count_);
             session_.finish();
@@ -64,6 +92,7 @@ public:
         statistics_.counts = {{"points", count},
                               {"lights", run_.lights.count()},
                               {"bundles", bundle_count_},
+                              {"points_in_fans", points_in_fans_},
                               {"queued_pairs", queued_},
                               {"decided_by_float", by_level_[0]},
                               {"decided_by_double", by_level_[1]},
@@ -71,11 +100,11 @@ public:
     }
 
 private:
-    // Masks for as many points as fit: at most all.
+    // Masks for the points of a part: as many pairs as take some tenths of a second on a CPU, some ms on a GPU.
     std::size_t reserve_masks() {
-        const std::size_t most_bytes = session_.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
+        const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 22 : std::size_t(1) << 26;
         const std::size_t width = 64, per_point = bundle_count_ * sizeof(cl_uint);
-        std::size_t points = std::max(most_bytes / per_point, width);
+        std::size_t points = std::max(pairs / run_.lights.count(), width);
         points = std::min((points + width - 1) / width, (run_.points.count() + width - 1) / width) * width;
         for (;; points = (points / 2 + width - 1) / width * width) {
             try {
@@ -87,13 +116,27 @@ private:
         }
     }
 
+    // So that no part's time holds that of a build.
+    void build_kernels() {
+        for (const ShaftShape shape : {ShaftShape::block, ShaftShape::fan})
+            decide({0, std::min<std::size_t>(run_.points.count(), 64)}, shape);
+    }
+
+    double timed(const Part& part, ShaftShape shape) {
+        session_.finish();
+        const auto start = cl::Clock::now();
+        decide(part, shape);
+        session_.finish();
+        return cl::ms_since(start);
+    }
+
     // The masks of a part of the points.
-    void decide(const Part& part) {
+    void decide(const Part& part, ShaftShape shape) {
         cl::StageTimer timer(session_, statistics_, "light_sides");
         decide_sides(part);
-        timer.next("shaft_trace");
+        timer.next(shape == ShaftShape::fan ? "fan_trace" : "shaft_trace");
         ShaftCounters counted;
-        while (counted = trace(part), counted.queued > capacity())
+        while (counted = trace(part, shape), counted.queued > capacity())
             queue_.reserve(session_, std::size_t(counted.queued) * 5 / 4 * sizeof(ShaftPairs));
         timer.next("shaft_exact");
         if (counted.queued != 0) decide_queue(part);
@@ -121,8 +164,7 @@ private:
     cl_uint capacity() const { return static_cast<cl_uint>(queue_.bytes() / sizeof(ShaftPairs)); }
 
     ShaftParams params_of(const Part& part) const {
-        return {.tree = run_.tree.layout(),
-                .triangles = triangle_inputs(run_.triangles),
+        return {.triangles = triangle_inputs(run_.triangles),
                 .points = points_.part(part.first, part.count),
                 .bundle_count = bundle_count_,
                 .mask_stride = static_cast<cl_uint>(part_points_),
@@ -130,16 +172,19 @@ private:
                 .rounding = rounding()};
     }
 
-    ShaftCounters trace(const Part& part) {
+    ShaftCounters trace(const Part& part, ShaftShape shape) {
         session_.fill(counters_, 0, sizeof(ShaftCounters));
+        const bool is_fan = shape == ShaftShape::fan;
         const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
         const std::size_t tasks = blocks * bundle_count_;
         const cl::Range range = session_.is_cpu() ? session_.uneven_items(tasks, 1)
                                                   : cl::Range::groups_of(width, std::min<std::size_t>(tasks, 65536));
-        session_.launch(triangle_inputs(run_.triangles).kernel("lights/shaft_trace.cl", "shaft_trace"), range,
-                        params_of(part), bundles_, run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(),
+        const TriangleInputs triangles = triangle_inputs(run_.triangles);
+        session_.launch(is_fan ? triangles.kernel("lights/fan_trace.cl", "fan_trace")
+                               : triangles.kernel("lights/shaft_trace.cl", "shaft_trace"),
+                        range, params_of(part), bundles_, run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(),
                         points_.positions(), points_.receivers(), points_.surface_normals(), masks_, queue_, counters_,
-                        cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+                        cl::LocalBytes{(is_fan ? FAN_LOCAL_WORDS : SHAFT_LOCAL_WORDS) * sizeof(cl_uint)});
         return session_.read_value<ShaftCounters>(counters_);
     }
 
@@ -165,13 +210,14 @@ private:
     cl_uint bundle_count_;
     cl::Buffer bundles_, counters_, queue_, masks_;
     std::size_t part_points_ = 0;
-    std::uint64_t queued_ = 0, by_level_[3] = {};
+    std::uint64_t points_in_fans_ = 0, queued_ = 0, by_level_[3] = {};
 };
 
 }  // namespace
 
 bool run_shafts(const ShaftRun& run, Statistics& statistics) {
-    if (!(std::max(run.tree.largest_coordinate(), run.sorted.largest_coordinate()) <= largest_in_range)) return false;
+    if (!(std::max(run.tree.largest_coordinate(), run.sorted.largest_coordinate()) <= SHAFT_LARGEST_COORDINATE))
+        return false;
     const auto bundles = make_light_bundles(run.lights.lights(), run.bundle_lights);
     if (!bundles) return false;
     ShaftPasses passes(run, *bundles, statistics);

@@ -2,87 +2,92 @@
 #include "lights/shaft_tree.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
-
-#include "kernels/occluders/clusters.h"
-#include "lists/morton.hpp"
-#include "lists/sort.hpp"
 
 namespace gnomon {
 namespace {
 
-std::uint32_t divided_up(std::uint32_t count, std::uint32_t by) { return count / by + (count % by != 0); }
-
-ShaftTree layout_of(std::uint32_t triangles, std::uint32_t width) {
-    ShaftTree tree{};
-    tree.triangle_count = triangles;
-    tree.leaf_count = divided_up(triangles, width);
-    std::uint32_t nodes_of_level[MOST_SHAFT_LEVELS] = {}, nodes = tree.leaf_count;
-    do {
-        nodes = divided_up(nodes, width);
-        nodes_of_level[tree.level_count++] = nodes;
-    } while (nodes > 1);
-    std::uint32_t first = 0;
-    for (std::uint32_t level = tree.level_count; level-- > 0; first += nodes_of_level[level])
-        tree.first_node[level] = first;
-    return tree;
-}
+// Leaves of fewer triangles, on average, take too much memory: 576 bytes each on a CPU.
+constexpr std::uint32_t fewest_triangles_of_leaf = 4;
 
 }  // namespace
 
-BuiltShaftTree::BuiltShaftTree(const Device& device, const Triangles& given)
-    : device_(device),
-      triangles_(given),
-      width_(shaft_width(session_of(device))),
-      layout_(layout_of(static_cast<std::uint32_t>(given.count()), width_)) {
+BuiltShaftTree::BuiltShaftTree(const Device& device, const Triangles& given) : device_(device), triangles_(given) {
     const TriangleInputs triangles = triangle_inputs(given);
     cl::Session& session = session_of(device_);
-    const std::size_t slots = std::size_t(layout_.leaf_count) * width_;
-    const std::size_t nodes = layout_.first_node[0] + divided_up(layout_.leaf_count, width_);
+    const TriangleCurve curve(session, triangles);
+    largest_coordinate_ = curve.largest_coordinate();
+    if (!(largest_coordinate_ <= SHAFT_LARGEST_COORDINATE)) return;
+    if (!build(triangles, curve, false)) build(triangles, curve, true);
+}
+
+// False if the tree is too high for the kernels' stacks, or its leaves are too small. A balanced one never is: it has
+// at most 24 levels for 2^28 triangles, and full leaves.
+bool BuiltShaftTree::build(const TriangleInputs& triangles, const TriangleCurve& curve, bool is_balanced) {
+    cl::Session& session = session_of(device_);
+    const std::uint32_t width = shaft_width(session);
+    if (curve.count() == 0) {
+        // One node of empty boxes: NaN is inside of nothing.
+        nodes_.reserve(session, SHAFT_NODE_ROWS * width * sizeof(float));
+        leaves_.reserve(session, 0);
+        ids_.reserve(session, 0);
+        session.fill(nodes_, 0x7FC00000u, SHAFT_NODE_ROWS * width * sizeof(float));
+        return true;
+    }
+    const BinaryTree binary(session, triangles, curve, width, is_balanced);
+    ShaftTreeParams params{};
+    params.triangles = triangles;
+    params.node_capacity = curve.count() / 64 + 64;
+    params.leaf_capacity = curve.count() / fewest_triangles_of_leaf + 64;
+    const std::uint32_t most_levels = (MOST_SHAFT_ENTRIES - 2) / (width - 1);
+    cl::Buffer leaf_roots(session, params.leaf_capacity * sizeof(cl_uint));
+    for (;;) {
+        const Made made = make_nodes(params, curve, binary, leaf_roots);
+        if (!is_balanced && (made.leaves > params.leaf_capacity || made.levels > most_levels)) return false;
+        if (made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
+            make_leaves(params, made.leaves, curve, binary, leaf_roots);
+            return true;
+        }
+        params.node_capacity = std::max(params.node_capacity, made.nodes) * 2;
+        params.leaf_capacity = std::max(params.leaf_capacity, made.leaves);
+        leaf_roots.reserve(session, params.leaf_capacity * sizeof(cl_uint));
+    }
+}
+
+// Level by level, until a level has no nodes or there is no room for them.
+BuiltShaftTree::Made BuiltShaftTree::make_nodes(ShaftTreeParams params, const TriangleCurve& curve,
+                                                const BinaryTree& binary, const cl::Buffer& leaf_roots) {
+    cl::Session& session = session_of(device_);
+    const TriangleInputs triangles = triangle_inputs(triangles_);
+    nodes_.reserve(session, params.node_capacity * std::size_t(SHAFT_NODE_ROWS * shaft_width(session)) * sizeof(float));
+    cl::Buffer node_roots(session, params.node_capacity * sizeof(cl_uint));
+    cl::Buffer counters(session, sizeof(ShaftTreeCounters));
+    const std::uint32_t root = binary.root();
+    session.write(node_roots.get(), &root, sizeof(root));
+    ShaftTreeCounters counted{.nodes = 1, .leaves = 0};
+    session.write(counters.get(), &counted, sizeof(counted));
+    Made made{1, 0, 0};
+    while (params.first < made.nodes && made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
+        params.count = made.nodes - params.first;
+        session.launch("lights/shaft_tree.cl", "shaft_nodes", cl::Range::items(params.count), params,
+                       triangles.vertices, curve.numbers(), binary.nodes(), binary.ranks(), nodes_, node_roots,
+                       leaf_roots, counters);
+        counted = session.read_value<ShaftTreeCounters>(counters);
+        params.first = made.nodes;
+        made = {counted.nodes, counted.leaves, made.levels + 1};
+    }
+    return made;
+}
+
+void BuiltShaftTree::make_leaves(ShaftTreeParams params, std::uint32_t leaves, const TriangleCurve& curve,
+                                 const BinaryTree& binary, const cl::Buffer& leaf_roots) {
+    cl::Session& session = session_of(device_);
+    const TriangleInputs triangles = triangle_inputs(triangles_);
+    const std::size_t slots = std::size_t(leaves) * shaft_width(session);
     leaves_.reserve(session, slots * SHAFT_LEAF_ROWS * sizeof(float));
-    nodes_.reserve(session, nodes * SHAFT_NODE_ROWS * width_ * sizeof(float));
     ids_.reserve(session, slots * sizeof(cl_uint));
-    std::vector<cl_uint> identity(triangles.count);
-    std::iota(identity.begin(), identity.end(), 0u);
-    cl::Buffer numbers(session, triangles.count * sizeof(cl_uint));
-    session.write(numbers.get(), identity.data(), identity.size() * sizeof(cl_uint));
-    build(triangles, numbers);
-    sort(triangles, numbers);
-    build(triangles, numbers);
-}
-
-void BuiltShaftTree::build(const TriangleInputs& triangles, const cl::Buffer& numbers) {
-    cl::Session& session = session_of(device_);
-    const TrianglesLayout& layout = triangles;
-    session.launch(triangles.kernel("lights/shaft_tree.cl", "shaft_leaves"),
-                   cl::Range::items(std::size_t(layout_.leaf_count) * width_), layout_, layout, triangles.vertices,
-                   numbers, leaves_, ids_);
-    std::uint32_t boxes = layout_.leaf_count;
-    for (std::uint32_t level = 0; level < layout_.level_count; ++level) {
-        session.launch("lights/shaft_tree.cl", "shaft_boxes", cl::Range::items(boxes + width_), layout_, level, leaves_,
-                       nodes_);
-        boxes = divided_up(boxes, width_);
-    }
-}
-
-// Orders the triangles along a curve through the box around all of them: the root of the tree so far.
-void BuiltShaftTree::sort(const TriangleInputs& triangles, cl::Buffer& numbers) {
-    cl::Session& session = session_of(device_);
-    const auto root = session.read_values<float>(nodes_.get(), SHAFT_NODE_ROWS * width_);
-    std::array<double, 3> low{}, high{};
-    for (std::size_t c = 0; c < 3; ++c) {
-        low[c] = *std::min_element(&root[c * width_], &root[c * width_] + width_);
-        high[c] = *std::max_element(&root[(3 + c) * width_], &root[(3 + c) * width_] + width_);
-        if (low[c] > high[c]) return;  // no finite triangle
-        largest_coordinate_ = std::max(largest_coordinate_, float(std::max(std::abs(low[c]), std::abs(high[c]))));
-    }
-    const MortonGrid grid = morton_grid(low, high, MORTON_BITS);
-    cl::Buffer codes(session, triangles.count * sizeof(cl_uint));
-    session.launch("occluders/clusters.cl", "cluster_codes", cl::Range::items(triangles.count), grid,
-                   ClusterParams{.triangles = triangles, .cluster_count = 0, .has_pyramid = 0}, triangles.vertices,
-                   codes, numbers);
-    Sort().run(session, triangles.count, codes, numbers);
+    params.count = leaves;
+    session.launch(triangles.kernel("lights/shaft_tree.cl", "shaft_leaves"), cl::Range::items(leaves), params,
+                   triangles.vertices, curve.numbers(), binary.nodes(), leaf_roots, leaves_, ids_);
 }
 
 }  // namespace gnomon

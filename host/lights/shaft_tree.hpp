@@ -2,8 +2,8 @@
 // Stage shaft_tree: the tree over the triangles through which shafts find their occluders (kernels/lights/shaft.h).
 #pragma once
 
-#include "api/inputs.hpp"
 #include "kernels/lights/shaft.h"
+#include "lights/binary_tree.hpp"
 
 namespace gnomon {
 
@@ -14,21 +14,24 @@ public:
 
     const Triangles& triangles() const { return triangles_; }
 
-    const ShaftTree& layout() const { return layout_; }
     const cl::Buffer& leaves() const { return leaves_; }
     const cl::Buffer& nodes() const { return nodes_; }
     const cl::Buffer& ids() const { return ids_; }
-    /// The largest magnitude of a coordinate.
+    /// The largest magnitude of a coordinate. There is no tree if it exceeds SHAFT_LARGEST_COORDINATE.
     float largest_coordinate() const { return largest_coordinate_; }
 
 private:
-    void build(const TriangleInputs& triangles, const cl::Buffer& numbers);
-    void sort(const TriangleInputs& triangles, cl::Buffer& numbers);
+    struct Made {
+        std::uint32_t nodes, leaves, levels;
+    };
+    bool build(const TriangleInputs& triangles, const TriangleCurve& curve, bool is_balanced);
+    Made make_nodes(ShaftTreeParams params, const TriangleCurve& curve, const BinaryTree& binary,
+                    const cl::Buffer& leaf_roots);
+    void make_leaves(ShaftTreeParams params, std::uint32_t leaves, const TriangleCurve& curve, const BinaryTree& binary,
+                     const cl::Buffer& leaf_roots);
 
     Device device_;
     Triangles triangles_;  ///< its clusters, if it has some, live as long as the tree
-    std::uint32_t width_;
-    ShaftTree layout_{};
     cl::Buffer leaves_, nodes_, ids_;
     float largest_coordinate_ = 0;
 };

@@ -13,46 +13,66 @@
 
 #define SHAFT_WIDTH_ON_CPU 16u
 #define SHAFT_WIDTH_ON_GPU 32u
-#define MOST_SHAFT_LEVELS 8u
-// The boxes that wait on the way through the tree: each level adds less than a node's children.
-#define MOST_SHAFT_ENTRIES 256u
+// Of triangles and points: differences stay within the filter's range (shaft_test.clh).
+#define SHAFT_LARGEST_COORDINATE 0x1p19f
+// The children that wait on the way through the tree.
+#define MOST_SHAFT_ENTRIES 768u
 // Words of local memory on a GPU: shaft_lanes.clh.
 #define SHAFT_LOCAL_WORDS (1u + 7u * SHAFT_WIDTH_ON_GPU + MOST_SHAFT_ENTRIES)
+// What a fan knows of a triangle, for its tests of single lights.
+#define FAN_EDGE_ROWS 11u
+#define FAN_LOCAL_WORDS (SHAFT_LOCAL_WORDS + FAN_EDGE_ROWS * SHAFT_WIDTH_ON_GPU)
 #define MOST_BUNDLE_LIGHTS 32u
 // In the id of a leaf's masked triangle (exact/cut_outs.h): it blocks nothing for certain. Scenes with cut-outs have
 // fewer triangles than this.
 #define SHAFT_MASKED 0x80000000u
 
-// Lights whose directions lie in one cone. All directions are scaled by powers of two, exactly, so that the largest
-// coordinate of each is between 1/2 and 1. For each light's direction D there are s > 0 and u, v in [-1, 1] with
+// All directions are scaled by powers of two, exactly, so that the largest coordinate of each is between 1/2 and 1. A
+// cone holds the directions of some lights: for each of these, D, there are s > 0 and u, v in [-1, 1] with
 // s D = middle + u across + v along; middle, across and along have coordinates of at most 1.
-GN_STRUCT_BEGIN(LightBundle)
+GN_STRUCT_BEGIN(LightCone)
     // Outward normals of the shaft's four sides and of its near side: n . D < 0 for each light.
     float planes[5][3];
-    float middle[4], across[4], along[4];
+    float middle[3], across[3], along[3];
+GN_STRUCT_END(LightCone, 96)
+
+// Neighbouring lights, and cones of all of them, of each half, quarter and eighth of the slots. Where all open lights
+// lie in one part, its cone is thinner.
+#define LIGHT_CONES 15u
+GN_STRUCT_BEGIN(LightBundle)
+    LightCone cones[LIGHT_CONES];
     float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
     uint light_count;
-GN_STRUCT_END(LightBundle, 496)
+    uint padding[3];
+GN_STRUCT_END(LightBundle, 1840)
 
-// Level 0 of the tree has one box per leaf; a leaf is SHAFT_WIDTH triangles. Node k of level l holds the boxes of
-// children k SHAFT_WIDTH .. of the level below, coordinate by coordinate: low x, low y, low z, high x, high y, high z.
-GN_STRUCT_BEGIN(ShaftTree)
-    uint first_node[MOST_SHAFT_LEVELS];  // of each level; the root, the only node of the last level, is node 0
-    uint level_count;
-    uint leaf_count;
-    uint triangle_count;
-    uint padding;
-GN_STRUCT_END(ShaftTree, 48)
+// A node of the tree has rows of SHAFT_WIDTH floats: for its children, low x, low y, low z, high x, high y, high z of
+// the box, and its code: the index of a node, or SHAFT_LEAF and the index of a leaf. An absent child's box is empty. A
+// leaf has up to SHAFT_WIDTH triangles, in rows for the coordinates of the corners; absent ones are NaN.
+#define SHAFT_NODE_ROWS 7u
+#define SHAFT_LEAF_ROWS 9u
+#define SHAFT_CODES (6u * SHAFT_WIDTH)
+#define SHAFT_LEAF 0x80000000u
+
+// How the nodes [first, first + count) of one level are made of a binary tree.
+GN_STRUCT_BEGIN(ShaftTreeParams)
+    TrianglesLayout triangles;
+    uint first, count;
+    uint node_capacity, leaf_capacity;
+GN_STRUCT_END(ShaftTreeParams, 32)
+
+GN_STRUCT_BEGIN(ShaftTreeCounters)
+    uint nodes, leaves;
+GN_STRUCT_END(ShaftTreeCounters, 8)
 
 GN_STRUCT_BEGIN(ShaftParams)
-    ShaftTree tree;
     TrianglesLayout triangles;
     PointsLayout points;  // of a part of the sorted points
     uint bundle_count;
     uint mask_stride;  // masks[bundle mask_stride + point]: bit l is light l of the bundle
     uint queue_capacity;
     float rounding;  // a bound of the rounding errors of n . X, for coordinates of n up to 1
-GN_STRUCT_END(ShaftParams, 128)
+GN_STRUCT_END(ShaftParams, 80)
 
 // Pairs that the filter left undecided: a point, a triangle, and the lights of a bundle.
 GN_STRUCT_BEGIN(ShaftPairs)
@@ -68,11 +88,19 @@ GN_STRUCT_BEGIN(ShaftCounters)
 GN_STRUCT_END(ShaftCounters, 16)
 
 #ifndef __cplusplus
+// The cone of the smallest part that has all lights of a mask.
+static __global const LightCone* cone_of(__global const LightBundle* bundle, uint lights) {
+    uint part = 0u;
+    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; part < LIGHT_CONES / 2u; size /= 2u) {
+        uint low = ((1u << size) - 1u) << first, high = low << size;
+        if ((lights & (low | high)) != lights || ((lights & low) != 0u && (lights & high) != 0u)) break;
+        part = 2u * part + ((lights & low) != 0u ? 1u : 2u);
+        if ((lights & low) == 0u) first += size;
+    }
+    return &bundle->cones[part];
+}
+
 static float3 light_direction(__global const LightBundle* bundle, uint light) {
     return (float3)(bundle->directions[0][light], bundle->directions[1][light], bundle->directions[2][light]);
 }
 #endif
-
-// A node's six rows and a leaf's nine, of SHAFT_WIDTH floats each.
-#define SHAFT_NODE_ROWS 6u
-#define SHAFT_LEAF_ROWS 9u

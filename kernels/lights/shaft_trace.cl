@@ -2,11 +2,7 @@
 // The trace of shafts (shaft.h): for each block of points and each bundle of lights, the tree's triangles, near ones
 // first, until no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
 #include "exact/decide_pair.clh"
-#include "lights/shaft_test.clh"
-#include "lists/append.h"
-
-// A box of the tree: of level 0, a leaf; of another level, a node of the level below.
-static uint entry_of(uint level, uint index) { return level << 28 | index; }
+#include "lights/shaft_walk.clh"
 
 // What one work-item, or group, works on.
 typedef struct ShaftWork {
@@ -18,26 +14,10 @@ typedef struct ShaftWork {
     uint bundle;
 } ShaftWork;
 
-// All arguments of the launch that the functions below need.
-typedef struct ShaftScene {
-    ShaftTree tree;
-    __global const float* nodes;
-    __global const float* leaves;
-    __global const uint* ids;
-    __global ShaftPairs* queue;
-    uint queue_capacity;
-    float rounding;
-    __global ShaftCounters* counters;
-} ShaftScene;
-
-// The pairs of one point; none where the point is a corner of the triangle.
-static void queue_pairs(const ShaftWork* work, int lane, uint undecided, const ShaftTriangle* t, uint triangle,
-                        const ShaftScene* scene, Reservation* mine) {
-    if (has_corner_at(t, lane_point(work->points, lane))) return;
-    uint slot = reservation(mine, &scene->counters->queued);
-    if (slot < scene->queue_capacity)
-        scene->queue[slot] =
-            (ShaftPairs){(uint)(work->block * SHAFT_WIDTH) + SHAFT_LANE(lane), work->bundle, triangle, undecided};
+static void queue_pairs_of_lane(const ShaftWork* work, int lane, uint undecided, const ShaftTriangle* t, uint triangle,
+                                const ShaftScene* scene, Reservation* mine) {
+    uint point = (uint)(work->block * SHAFT_WIDTH) + SHAFT_LANE(lane);
+    queue_pairs((ShaftPairs){point, work->bundle, triangle, undecided}, t, lane_point(work->points, lane), scene, mine);
 }
 
 // From so many points on, the triangle is first tested against the cones of 16 points at once.
@@ -50,7 +30,8 @@ static void queue_pairs(const ShaftWork* work, int lane, uint undecided, const S
 GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundle* bundle, const ShaftTriangle* t,
                                       uint triangle, bool is_masked, LaneInt lanes, const ShaftScene* scene,
                                       Reservation* mine) {
-    ShaftEdges edges = edges_of(t, &work->points);
+    LaneTriangles in_lanes = triangle_in_lanes(t);
+    ShaftEdges edges = edges_of(&in_lanes, work->points);
     for (uint l = 0; l < bundle->light_count; ++l) {
         LaneInt open = lanes & -((work->open >> (int)l) & 1);
         if (!LANES_ANY(open)) continue;
@@ -59,15 +40,16 @@ GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundl
         LaneInt undecided = open & ~decision.missed;
         if (!is_masked) undecided &= ~decision.blocked;
         for (uint bits = lane_bits(undecided); bits != 0u;)
-            queue_pairs(work, take_lane(&bits), 1u << l, t, triangle, scene, mine);
+            queue_pairs_of_lane(work, take_lane(&bits), 1u << l, t, triangle, scene, mine);
     }
 }
 #endif
 
 // Tests triangle i of a leaf against all open pairs of the block and the bundle. `lanes`: the points whose rays it may
 // meet.
-GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle* bundle, __global const float* leaf,
-                                    uint triangle, uint i, LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
+GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle* bundle,
+                                    __global const LightCone* cone_of_open, __global const float* leaf, uint triangle,
+                                    uint i, LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
     ShaftTriangle t = shaft_triangle(leaf, i);
     uint bits = lane_bits(lanes);
 #ifdef GN_CUT_OUTS
@@ -83,8 +65,9 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
     }
 #endif
     if (GN_LANES == 1 || popcount(bits) >= POINTS_WORTH_CONES) {
-        ShaftEdges edges = edges_of(&t, &work->points);
-        ShaftDecision cone = decide_cone(&edges, bundle);
+        LaneTriangles in_lanes = triangle_in_lanes(&t);
+        ShaftEdges edges = edges_of(&in_lanes, work->points);
+        ShaftDecision cone = decide_cone(&edges, cone_of_open);
         if (is_masked) cone.blocked = (LaneInt)(0);
         work->open &= ~(cone.blocked & lanes);
         bits = lane_bits(lanes & ~(cone.blocked | cone.missed));
@@ -96,16 +79,16 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
         LightDecision decision = decide_lights(&edges, bundle, open);
         if (is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
         LANE_OF_INT(work->open, lane) = (int)(open & ~decision.dark);
-        if (decision.undecided != 0u) queue_pairs(work, lane, decision.undecided, &t, triangle, scene, mine);
+        if (decision.undecided != 0u) queue_pairs_of_lane(work, lane, decision.undecided, &t, triangle, scene, mine);
     }
 }
 
 // Tests the triangles of a leaf that the shaft may meet.
-GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bundle, const Shaft* shaft, uint leaf,
+GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bundle, const BlockShaft* shaft, uint leaf,
                                 const ShaftScene* scene, Reservation* mine SHARED_PARAMETER) {
     __global const float* rows = scene->leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
     __global const uint* ids = scene->ids + (size_t)leaf * SHAFT_WIDTH;
-    ShaftHits hits = triangles_in_shaft(rows, bundle, shaft);
+    ShaftHits hits = triangles_in_shaft(rows, &shaft->all);
     SHARE_LEAST(hits);
     for (uint bits = SHAFT_BITS(hits.some); bits != 0u;) {
         uint i = take_lowest_bit(&bits), id = ids[i];
@@ -116,82 +99,41 @@ GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bun
             LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)id));
         for (uint k = 0; k < 6u; ++k)
             lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, i)), <=, shaft->point_limits[k]);
-        if (LANES_ANY(lanes)) test_triangle(work, bundle, rows, ids[i], i, lanes, scene, mine);
+        if (LANES_ANY(lanes)) test_triangle(work, bundle, shaft->all.cone, rows, ids[i], i, lanes, scene, mine);
     }
 }
 
 #if GN_LANES > 1
 #define ANY_OPEN(work) LANES_ANY((work)->open)
-
-// Pushes the children in `bits`, the nearest last.
-static uint push_boxes(uint* stack, uint top, uint level, uint first, uint bits, LaneFloat nearness) {
-    float key[16];
-    vstore16(nearness, 0, key);
-    uint bottom = top;
-    while (bits != 0u) {
-        uint child = take_lowest_bit(&bits), at = top++;
-        for (; at > bottom && key[stack[at - 1u] & 15u] < key[child]; --at) stack[at] = stack[at - 1u];
-        stack[at] = child;
-    }
-    for (uint at = bottom; at < top; ++at) stack[at] = entry_of(level, first + stack[at]);
-    return top;
-}
 #else
 #define ANY_OPEN(work) (group_bits((work)->open != 0, shared) != 0u)
-
-// The same, each child by its own item: its slot is the number of children that are farther.
-static uint push_boxes(__local uint* stack, uint top, uint level, uint first, uint bits, float nearness,
-                       __local uint* shared) {
-    uint item = get_local_id(0), key = float_to_key(nearness);
-    shared[SHAFT_KEYS + item] = key;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if ((bits >> item & 1u) != 0u) {
-        uint farther = 0;
-        for (uint rest = bits; rest != 0u;) {
-            uint other = take_lowest_bit(&rest);
-            uint its_key = shared[SHAFT_KEYS + other];
-            farther += its_key > key || (its_key == key && other > item);
-        }
-        stack[top + farther] = entry_of(level, first + item);
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-    return top + popcount(bits);
-}
 #endif
+
+static BlockShaft shaft_of_open(const ShaftWork* work, uint lights, const ShaftScene* scene,
+                                __global const LightBundle* bundle SHARED_PARAMETER) {
+    return shaft_of_points(&work->points, LANE_COMPARE(work->open, !=, (LaneInt)(0)), work->normal, scene->rounding,
+                           cone_of(bundle, lights) SHARED);
+}
 
 GN_INLINE_ON_CPU void trace_shaft(ShaftWork* work, __global const LightBundle* bundle, const ShaftScene* scene,
                                   Reservation* mine SHARED_PARAMETER) {
-    Shaft shaft = shaft_of_points(&work->points, LANE_COMPARE(work->open, !=, (LaneInt)(0)), work->normal,
-                                  scene->rounding, bundle SHARED);
-#if GN_LANES > 1
-    uint stack[MOST_SHAFT_ENTRIES];
-#else
-    __local uint* stack = shared + SHAFT_STACK;
-    if (get_local_id(0) == 0)
-#endif
-    stack[0] = entry_of(scene->tree.level_count, 0u);
+    BlockShaft shaft = shaft_of_open(work, SHAFT_ANY_BIT(work->open), scene, bundle SHARED);
+    SHAFT_BEGIN_STACK(stack);
     uint top = 1u, open_points = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
-#if GN_LANES == 1
-    barrier(CLK_LOCAL_MEM_FENCE);
-#endif
     while (top != 0u) {
-        uint entry = stack[--top], level = entry >> 28, index = entry & 0x0FFFFFFFu;
-        if (level != 0u) {
-            __global const float* node =
-                scene->nodes + (size_t)(scene->tree.first_node[level - 1u] + index) * (SHAFT_NODE_ROWS * SHAFT_WIDTH);
-            LaneFloat nearness;
-            uint bits = SHAFT_BITS(boxes_in_shaft(node, bundle, &shaft, &nearness));
-            top = push_boxes(stack, top, level - 1u, index * SHAFT_WIDTH, bits, nearness SHARED);
+        uint code = stack[--top];
+        if ((code & SHAFT_LEAF) == 0u) {
+            top = push_children(stack, top, code, &shaft.all, scene SHARED);
             continue;
         }
-        test_leaf(work, bundle, &shaft, index, scene, mine SHARED);
-        // A shaft of fewer points is thinner.
+        test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);
         uint still_open = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
         if (still_open == 0u) return;
-        if (2u * popcount(still_open) > popcount(open_points)) continue;
+        // A shaft of fewer points, or of the lights in one part of the bundle, is thinner.
+        uint lights = SHAFT_ANY_BIT(work->open);
+        if (2u * popcount(still_open) > popcount(open_points) && cone_of(bundle, lights) == shaft.all.cone) continue;
         open_points = still_open;
-        shaft = shaft_of_points(&work->points, LANE_COMPARE(work->open, !=, (LaneInt)(0)), work->normal,
-                                scene->rounding, bundle SHARED);
+        shaft = shaft_of_open(work, lights, scene, bundle SHARED);
     }
 }
 
@@ -231,7 +173,7 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
                           __global const float* leaves, __global const uint* ids, __global const float* positions,
                           __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
                           __global ShaftPairs* queue, __global ShaftCounters* counters, __local uint* shared) {
-    ShaftScene scene = {params.tree, nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
+    ShaftScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
 #if GN_LANES > 1
@@ -252,10 +194,7 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
         mask[get_local_id(0)] &= ~(uint)dark;
 #endif
     }
-#if GN_LANES > 1
-    for (; mine.next != mine.end; ++mine.next)
-        if (mine.next < params.queue_capacity) queue[mine.next].lights = 0u;
-#endif
+    close_queue(&mine, &scene);
 }
 
 // Decides the queued pairs on the triangles' own vertices. Several entries may name one point and bundle.

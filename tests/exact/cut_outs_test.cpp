@@ -199,11 +199,12 @@ TEST(CutOuts, ShaftsAndExplainHonourThem) {
         const Points given = Points::upload(device, points);
         const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
         std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
-        for (const char* how : {"shafts", "one-by-one"})
+        for (const char* how : {"shafts", "one-by-one", "fans"})
             bits.push_back(gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), triangles, given,
                                                       suns, {.bits = true})
                                .bits);
         EXPECT_EQ(bits[0], bits[1]) << family.name;
+        EXPECT_EQ(bits[2], bits[1]) << family.name;
         const auto technique = technique_with(device, {{"many-lights", "shafts"}});
         EXPECT_NE(
             bits[0],

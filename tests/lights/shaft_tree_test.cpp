@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// The tree of shafts holds each finite triangle once, in boxes that contain it, and is low enough for the kernels'
+// stacks, whatever the triangles are like.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <set>
+
+#include "lights/shaft_tree.hpp"
+#include "support/device.hpp"
+#include "support/light_scenes.hpp"
+
+namespace {
+
+using namespace support;
+
+constexpr float NAN_FLOAT = std::numeric_limits<float>::quiet_NaN();
+
+struct Box {
+    Float3 low, high;
+    bool contains(const float* vertex) const {
+        for (std::size_t c = 0; c < 3; ++c)
+            if (!(low[c] <= vertex[c] && vertex[c] <= high[c])) return false;
+        return true;
+    }
+};
+
+/// The tree as the kernels read it.
+class ReadTree {
+public:
+    ReadTree(const gnomon::Device& device, const gnomon::BuiltShaftTree& tree, const Floats& triangles)
+        : width_(gnomon::shaft_width(gnomon::session_of(device))), triangles_(triangles) {
+        gnomon::cl::Session& session = gnomon::session_of(device);
+        nodes_ = session.read_values<float>(tree.nodes().get(), tree.nodes().bytes() / sizeof(float));
+        ids_ = session.read_values<std::uint32_t>(tree.ids().get(), tree.ids().bytes() / sizeof(std::uint32_t));
+        leaves_ = session.read_values<float>(tree.leaves().get(), tree.leaves().bytes() / sizeof(float));
+        walk_node(0, {}, 1);
+    }
+
+    std::multiset<std::uint32_t> found;
+    std::size_t levels = 0, leaves = 0;
+
+private:
+    void walk_node(std::uint32_t node, std::vector<Box> around, std::size_t level) {
+        levels = std::max(levels, level);
+        ASSERT_LT(level, 64u);
+        for (std::uint32_t k = 0; k < width_; ++k) {
+            const float* at = &nodes_.at((std::size_t(node) * SHAFT_NODE_ROWS) * width_ + k);
+            const Box box{{at[0], at[width_], at[2 * width_]}, {at[3 * width_], at[4 * width_], at[5 * width_]}};
+            if (!(box.low[0] <= box.high[0])) continue;  // absent
+            std::uint32_t code = 0;
+            std::memcpy(&code, &at[6 * width_], sizeof(code));
+            around.push_back(box);
+            if ((code & SHAFT_LEAF) != 0)
+                read_leaf(code & ~SHAFT_LEAF, around);
+            else
+                walk_node(code, around, level + 1);
+            around.pop_back();
+            if (testing::Test::HasFailure()) return;
+        }
+    }
+
+    void read_leaf(std::uint32_t leaf, const std::vector<Box>& around) {
+        ++leaves;
+        for (std::uint32_t k = 0; k < width_; ++k) {
+            const float* row = &leaves_.at((std::size_t(leaf) * SHAFT_LEAF_ROWS) * width_ + k);
+            if (std::isnan(row[0])) continue;  // absent
+            const std::uint32_t id = ids_.at(std::size_t(leaf) * width_ + k);
+            found.insert(id);
+            for (std::uint32_t corner = 0; corner < 3; ++corner) {
+                const float vertex[3] = {row[3 * corner * width_], row[(3 * corner + 1) * width_],
+                                         row[(3 * corner + 2) * width_]};
+                EXPECT_EQ(std::memcmp(vertex, &triangles_.at(9 * std::size_t(id) + 3 * corner), sizeof(vertex)), 0);
+                for (const Box& box : around) EXPECT_TRUE(box.contains(vertex)) << "triangle " << id;
+            }
+        }
+    }
+
+    std::uint32_t width_;
+    const Floats& triangles_;
+    std::vector<float> nodes_, leaves_;
+    std::vector<std::uint32_t> ids_;
+};
+
+struct Case {
+    std::string name;
+    Floats triangles;
+};
+
+Floats random_triangles(std::size_t count, float size, std::uint64_t seed) {
+    Random random(seed);
+    Floats made;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float at[3] = {float(random.below(1000)), float(random.below(1000)), float(random.below(1000))};
+        for (int k = 0; k < 9; ++k) made.push_back(at[k % 3] + size * float(random.below(1000)) / 1000);
+    }
+    return made;
+}
+
+/// Each triangle's box contains those of all before it, and is larger by the factor.
+Floats nested_triangles(std::size_t count, float factor) {
+    Floats made;
+    float size = 1e-30f;
+    for (std::size_t i = 0; i < count; ++i, size = std::min(size * factor, 1e5f))
+        append(made, {-size, -size, -size, size, size, -size, -size, size, size});
+    return made;
+}
+
+std::vector<Case> cases() {
+    std::vector<Case> made{{"one", random_triangles(1, 1, 1)},
+                           {"two", random_triangles(2, 1, 2)},
+                           {"a leaf and one", random_triangles(17, 1, 3)},
+                           {"small ones", random_triangles(5000, 3, 4)},
+                           {"large ones", random_triangles(3000, 900, 5)},
+                           {"nested, by tenths", nested_triangles(2500, 1.1f)},
+                           {"nested, twice as large each", nested_triangles(300, 2)},
+                           {"coincident", {}},
+                           {"some not finite", random_triangles(700, 3, 6)},
+                           {"none finite", Floats(9 * 40, NAN_FLOAT)}};
+    for (int i = 0; i < 2000; ++i) append(made[7].triangles, {1, 2, 3, 4, 2, 3, 1, 5, 3});
+    for (std::size_t i = 0; i < made[8].triangles.size(); i += 50)
+        made[8].triangles[i] = i % 100 == 0 ? NAN_FLOAT : std::numeric_limits<float>::infinity();
+    return made;
+}
+
+std::multiset<std::uint32_t> finite_ones(const Floats& triangles) {
+    std::multiset<std::uint32_t> ids;
+    for (std::size_t i = 0; i < triangles.size(); i += 9)
+        if (std::all_of(&triangles[i], &triangles[i] + 9, [](float x) { return std::isfinite(x); }))
+            ids.insert(static_cast<std::uint32_t>(i / 9));
+    return ids;
+}
+
+TEST(ShaftTree, HoldsEachFiniteTriangleOnceAndIsLow) {
+    for (const bool gpu_kernels : {false, true}) {
+        gnomon::DeviceOptions options;
+        options.gpu_kernels = gpu_kernels;
+        const gnomon::Device device({}, options);
+        const std::uint32_t width = gnomon::shaft_width(gnomon::session_of(device));
+        for (const Case& one : cases()) {
+            SCOPED_TRACE(one.name + (gpu_kernels ? ", kernels for GPUs" : ""));
+            const gnomon::BuiltShaftTree tree(device, gnomon::Triangles::upload(device, one.triangles));
+            const ReadTree read(device, tree, one.triangles);
+            if (HasFailure()) return;
+            const auto finite = finite_ones(one.triangles);
+            EXPECT_EQ(read.found, finite);
+            EXPECT_LE(read.levels * (width - 1) + 2, MOST_SHAFT_ENTRIES);
+            EXPECT_LE(read.leaves, finite.size() / 4 + 64);
+        }
+    }
+}
+
+TEST(ShaftTree, IsNotMadeForCoordinatesOutOfTheFiltersRange) {
+    const gnomon::Device device = device_with();
+    Floats triangles = random_triangles(20, 3, 7);
+    triangles[5] = 0x1p20f;
+    const gnomon::BuiltShaftTree tree(device, gnomon::Triangles::upload(device, triangles));
+    EXPECT_EQ(tree.largest_coordinate(), 0x1p20f);
+    EXPECT_EQ(tree.nodes().get(), nullptr);
+}
+
+}  // namespace
