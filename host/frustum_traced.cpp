@@ -295,16 +295,28 @@ Statistics FrustumTraced::classify_footprints(const Triangles& triangles, const 
     return run_on(triangles, inputs, light, answers.buffer());
 }
 
+Statistics FrustumTraced::classify_parts(const Triangles& triangles, const Points& centres,
+                                         const cl::Buffer& footprints, const Light& light, const Visibility& answers) {
+    if (!footprint_lists_) return classify_footprints(triangles, centres, footprints, light, answers);
+    require_run(triangles, centres, light, answers);
+    PointInputs inputs = point_inputs(centres);
+    inputs.footprints = footprints.get();
+    return run_on_footprint_lists(triangles, inputs, answers.buffer());
+}
+
 Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
                                       const Visibility& visibility) {
     require_run(triangles, samples, light, visibility);
     PointInputs inputs = point_inputs(samples, true);
-    if (!footprint_lists_) {
-        inputs.face_light = true;
-        return run_on(triangles, inputs, light, visibility.buffer());
-    }
+    if (footprint_lists_) return run_on_footprint_lists(triangles, inputs, visibility.buffer());
+    inputs.face_light = true;
+    return run_on(triangles, inputs, light, visibility.buffer());
+}
+
+Statistics FrustumTraced::run_on_footprint_lists(const Triangles& triangles, const PointInputs& points,
+                                                 cl_mem visibility) {
     MeasuredRun measured(session_, kept_bytes_);
-    const FramedInputs in{triangle_inputs(triangles), inputs, footprint_lists_->light_frame, visibility.buffer()};
+    const FramedInputs in{triangle_inputs(triangles), points, footprint_lists_->light_frame, visibility};
     FrameCounters read;
     clear(session_, counters_);
     decide(frame_inputs(in, 0, footprint_lists_->map), measured.stages, read);

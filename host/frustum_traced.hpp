@@ -26,6 +26,8 @@ public:
                    const LightsOptions& options) override;
     Statistics classify_footprints(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
                                    const Light& light, const Visibility& answers) override;
+    Statistics classify_parts(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
+                              const Light& light, const Visibility& answers) override;
     Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
                            const Visibility& visibility) override;
     Statistics prepare(const Triangles& triangles, const Light& light) override;
@@ -62,6 +64,8 @@ private:
     static const SettingsTable<Settings>& settings_table();
     bool may_sort(const PointInputs& points) const;
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
+    /// Over the lists of the last footprints.
+    Statistics run_on_footprint_lists(const Triangles& triangles, const PointInputs& points, cl_mem visibility);
     const BuiltShaftTree& shaft_tree(const Triangles& triangles);
     bool run_prepared(const FramedInputs& in, RunResult& result);
     void run_unprepared(const FramedInputs& in, RunResult& result);

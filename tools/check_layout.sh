@@ -111,8 +111,9 @@ lines_of '^kernels/.*\.(cl|clh)$' | awk '$1 > 450 { print $2 ": " $1 " lines" }'
 product=$(lines_of "$kernel_or_host.*$source" | awk '{ sum += $1 } END { print sum + 0 }')
 # A ratchet: lower it whenever the product gets shorter. The aim is 27,105, what it had before explain and the contracts.
 # The C interface takes 1,620 of the lines; poses, instances and packed files of scenes take 1,500, cut-outs 1,950,
-# pictures (textures, vertex colours, normals, exposure, the sky, interiors) 1,310.
-product_limit=41570
+# pictures (textures, vertex colours, normals, exposure, the sky, interiors) 1,310, samples by masks and squares 410,
+# the tree of many lights and its fans 780.
+product_limit=42770
 [ "$product" -le $product_limit ] ||
     echo "kernels and host: $product lines" | complain "the product has at most $product_limit lines"
 

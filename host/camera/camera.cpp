@@ -157,6 +157,7 @@ void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uin
     samples_ = camera_samples(camera, width, height, offsets);
     fitted_ = false;
     chunk_count_ = 0;
+    long_list_ = next_long_list_;
     projection_.reserve(session_, sizeof(Projection));
     counters_.reserve(session_, sizeof(FrameCounters));
     const Projection projection = camera_projection(camera, width, height);
@@ -169,11 +170,11 @@ void CameraStage::make_lists(Statistics& statistics) {
     in.projection.camera = &samples_;
     lists_.run(session_, statistics, in, triangles_, counters_);
     if (session_.lanes() != 1) return;
-    // A long list of n entries has fewer than 2 n / LONG_LIST chunks.
-    chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / LONG_LIST + 1) * sizeof(ListChunk));
+    // A long list of n entries has fewer than 2 n / long_list_ chunks.
+    chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / long_list_ + 1) * sizeof(ListChunk));
     cl::StageTimer timer(session_, statistics, "camera_bins");
-    session_.launch("camera/camera.cl", "camera_chunks", cl::Range::items(in.bin_count), in.bin_count, bins().ranges(),
-                    chunks_, counters_);
+    session_.launch("camera/camera.cl", "camera_chunks", cl::Range::items(in.bin_count), in.bin_count, long_list_,
+                    bins().ranges(), chunks_, counters_);
 }
 
 bool CameraStage::check_lists(Statistics& statistics) {
@@ -188,6 +189,7 @@ bool CameraStage::check_lists(Statistics& statistics) {
                          {"triangles_kept", counted.survivors - counted.edge_on},
                          {"references", counted.references}};
     chunk_count_ = counted.chunks;
+    next_long_list_ = std::max(LEAST_LONG_LIST, counted.entries / LONG_LISTS);
     return lists_.fitted(session_, counted);
 }
 
@@ -207,7 +209,9 @@ CameraParams CameraStage::params_of(SampleOffset offset, bool has_pixel_receiver
             .height = height_,
             .first_point = cl_uint(out.first),
             .point_count = cl_uint(out.count),
-            .has_pixel_receivers = has_pixel_receivers};
+            .has_pixel_receivers = has_pixel_receivers,
+            .long_list = long_list_,
+            .chunk_count = chunk_count_};
 }
 
 void CameraStage::find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
@@ -233,12 +237,11 @@ void CameraStage::find_in_long_lists(const CameraParams& params, cl_mem pixel_re
     found_.reserve(session_, std::size_t(chunk_count_) * tile_pixels * sizeof(cl_uint));
     cl::StageTimer timer(session_, statistics, "camera_long_lists");
     const auto items = cl::Range::items(std::size_t(chunk_count_) * tile_pixels);
-    session_.launch(triangles_.kernel(file, "camera_search_chunks"), items, params, chunk_count_, projection_,
-                    triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(), bins().entries(),
-                    own, chunks_, found_);
-    session_.launch(triangles_.kernel(file, "camera_join_chunks"), items, params, chunk_count_, projection_,
-                    triangles_.vertices, rays_, setup().records(), setup().bounds(), bins().ranges(), own, chunks_,
-                    found_, out.receivers);
+    session_.launch(triangles_.kernel(file, "camera_search_chunks"), items, params, projection_, triangles_.vertices,
+                    rays_, setup().records(), setup().bounds(), bins().ranges(), bins().entries(), own, chunks_,
+                    found_);
+    session_.launch(triangles_.kernel(file, "camera_join_chunks"), items, params, projection_, triangles_.vertices,
+                    rays_, setup().records(), setup().bounds(), bins().ranges(), own, chunks_, found_, out.receivers);
 }
 
 void CameraStage::make_points(const CameraParams& params, const PointSlice& out, Statistics& statistics) {
@@ -263,7 +266,7 @@ void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSl
         fitted_ = is_done = had_lists || check_lists(statistics);
     }
     if (chunk_count_ == 0) return;
-    find_in_long_lists(params, pixel_receivers, out, statistics);
+    find_in_long_lists(params_of(offset, pixel_receivers != nullptr, out), pixel_receivers, out, statistics);
     make_points(params, out, statistics);
 }
 

@@ -41,6 +41,8 @@ public:
     const cl::Buffer& projection() const { return projection_; }
     const PictureRays& picture() const { return samples_.picture; }
     const TriangleSetup& setup() const { return lists_.setup(); }
+    /// Of the frame whose lists fit_lists() made.
+    const cl::Buffer& counters() const { return counters_; }
     const Bins& bins() const { return lists_.bins(); }
     std::uint32_t tiles_x() const { return (width_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
     std::uint32_t tiles_y() const { return (height_ + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2; }
@@ -65,6 +67,7 @@ private:
     cl::Buffer chunks_, found_;  ///< of long lists
     bool fitted_ = false;
     std::uint32_t chunk_count_ = 0;  ///< of the lists that fitted
+    std::uint32_t long_list_ = FIRST_LONG_LIST, next_long_list_ = FIRST_LONG_LIST;
 };
 
 /// Unit geometric normals facing the camera, 3 floats per pixel, packed; sky: 0.

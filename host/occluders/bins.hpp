@@ -19,8 +19,8 @@ public:
     bool fitted(cl::Session& session, const FrameCounters& counted, bool setup_fitted);
 
     std::uint32_t pair_capacity() const { return pairs_.capacity(); }
-    std::uint32_t entry_capacity() const { return entries_.capacity(); }
     const cl::Buffer& pairs() const { return pairs_.buffer(); }
+    std::uint32_t entry_capacity() const { return entries_.capacity(); }
     const cl::Buffer& ranges() const { return ranges_; }
     const cl::Buffer& entries() const { return entries_.buffer(); }
 

@@ -21,6 +21,9 @@ public:
     virtual Statistics classify_footprints(const Triangles& triangles, const Points& centres,
                                            const cl::Buffer& footprints, const Light& light,
                                            const Visibility& classes) = 0;
+    /// The same for footprints within mixed ones, whose class is VISIBILITY_OPEN: others need not be classified again.
+    virtual Statistics classify_parts(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
+                                      const Light& light, const Visibility& classes) = 0;
     /// As Technique::run(), for samples of mixed footprints, as the last classify_footprints() of these triangles and
     /// this light classified them. Their visibility is VISIBILITY_OPEN.
     virtual Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,

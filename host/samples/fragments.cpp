@@ -18,8 +18,9 @@ public:
     CameraStage camera;
     cl::Buffer pattern, counters, rays;
     cl::Buffer edges;             ///< edge pixels of a batch, then the unproven ones (PixelBatch::edge_slots)
-    cl::Buffer sample_receivers;  ///< of the samples of unproven pixels, on a CPU
+    cl::Buffer slots;             ///< of the triangles' records in the camera's lists
     cl::Buffer fragments, mixed;  ///< of a batch (fragments.clh), and the slots of its mixed fragments
+    cl::Buffer squares;           ///< mixed squares of pixels
     cl::Buffer centres, footprints, classes;                           ///< of its fragments
     cl::Buffer point_samples, point_receivers, positions, visibility;  ///< of samples that are traced
     std::size_t extra_expected = 0;
@@ -42,7 +43,7 @@ public:
           view_(in.view),
           session_(session_of(in.device)),
           inputs_(triangle_inputs(in.triangles)),
-          points_at_once_(std::max<std::size_t>(in.points_at_once, pixels_of_bands(1) * in.pattern.size())),
+          points_at_once_(std::max<std::size_t>(in.points_at_once, slots_of_bands(1) * in.pattern.size())),
           camera_(view_.points.camera()->camera),
           pattern_(pattern_of(in.pattern)),
           kept_(buffers_of(technique, in.device)),
@@ -58,9 +59,10 @@ public:
         Statistics camera;
         kept_.camera.fit_lists(camera);
         add_stages(total_, camera);
+        list_slots();
         const std::uint32_t bands = kept_.camera.tiles_y();
         std::uint32_t at_once =
-            static_cast<std::uint32_t>(std::clamp<std::size_t>(points_at_once_ / 2 / pixels_of_bands(1), 1, bands));
+            static_cast<std::uint32_t>(std::clamp<std::size_t>(points_at_once_ / 2 / slots_of_bands(1), 1, bands));
         for (std::uint32_t first = 0; first < bands;) {
             set_batch(first, std::min(at_once, bands - first));
             if (!find_fragments()) {
@@ -71,7 +73,9 @@ public:
             }
             bound();
             classify();
-            resolve();
+            resolve(used_slots(), 0);
+            if (counted_.squares != 0) resolve_squares();
+            add_sums();
             trace_mixed();
             write_mean();
             first += batch_.bands;
@@ -110,17 +114,24 @@ private:
         return session_.is_cpu() ? session_.many_groups() * session_.work_group_size() * APPEND_BLOCK_ON_CPU : 0;
     }
 
-    std::size_t pixels_of_bands(std::uint32_t bands) const {
-        return std::size_t(view_.width) * std::min(bands << CAMERA_TILE_LOG2, view_.height);
+    std::size_t slots_of_bands(std::uint32_t bands) const {
+        const std::size_t tiles_x = (view_.width + (1u << CAMERA_TILE_LOG2) - 1) >> CAMERA_TILE_LOG2;
+        return bands * tiles_x << 2 * CAMERA_TILE_LOG2;
+    }
+
+    /// In the picture.
+    std::size_t pixels_of_batch() const {
+        const std::uint32_t first_row = batch_.first_tile / batch_.tiles_x << CAMERA_TILE_LOG2;
+        return std::size_t(view_.width) * std::min(batch_.bands << CAMERA_TILE_LOG2, view_.height - first_row);
     }
 
     void set_batch(std::uint32_t first_band, std::uint32_t bands) {
-        const std::size_t first = pixels_of_bands(first_band), count = pixels_of_bands(first_band + bands) - first;
+        const std::size_t count = slots_of_bands(bands);
         const std::size_t extra = std::min(std::max(kept_.extra_expected, count / 2 + 64), points_at_once_);
         const std::size_t unused =
             session_.is_cpu() ? 2 * unused_slots() : fragment_groups(count).count * SLOTS_OF_GROUP;
         const std::size_t slots = count + extra + unused;
-        batch_ = {.first = cl_uint(first),
+        batch_ = {.first_tile = first_band * kept_.camera.tiles_x(),
                   .count = cl_uint(count),
                   .width = view_.width,
                   .height = view_.height,
@@ -128,7 +139,7 @@ private:
                   .bands = bands,
                   .slots = cl_uint(slots),
                   .edge_slots = cl_uint(count + unused_slots())};
-        kept_.edges.reserve(session_, 2 * std::size_t(batch_.edge_slots) * sizeof(cl_uint));
+        kept_.edges.reserve(session_, (session_.is_cpu() ? 1 : 2) * std::size_t(batch_.edge_slots) * sizeof(cl_uint));
         kept_.fragments.reserve(session_, 3 * slots * sizeof(cl_uint));
         kept_.centres.reserve(session_, 3 * slots * sizeof(float));
         kept_.footprints.reserve(session_, FOOTPRINT_FLOATS * slots * sizeof(float));
@@ -148,51 +159,38 @@ private:
                 .count = count,
                 .extra_count = counted_.extra,
                 .point_stride = 0,
-                .samples = pattern_.count};
+                .samples = cl_ushort(pattern_.count),
+                .squares = 0};
     }
 
     /// False if there are more fragments than slots.
     bool find_fragments() {
-        run_stage("samples_whole", session_.blocks(batch_.count), params_of(0, batch_.count), kept_.pattern,
-                  inputs_.vertices, view_.points.receivers(), kept_.camera.bins().ranges(), kept_.fragments,
-                  kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
+        SamplesParams whole = params_of(0, batch_.count);
+        // The parts of a point light's squares would go through all stages once more.
+        whole.squares = in_.light.is_directional();
+        run_stage("samples_whole", session_.blocks(batch_.count), whole, kept_.pattern, kept_.camera.setup().records(),
+                  kept_.camera.setup().bounds(), kept_.slots, view_.points.receivers(), kept_.camera.bins().ranges(),
+                  kept_.fragments, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
         read_counters();
-        find_receivers("samples_guess", session_.blocks(counted_.edges), counted_.edges);
+        run_stage("samples_masks", session_.blocks(counted_.edges), params_of(0, counted_.edges), kept_.pattern,
+                  inputs_.vertices, kept_.rays, kept_.camera.setup().records(), kept_.camera.setup().bounds(),
+                  kept_.camera.bins().ranges(), kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots,
+                  kept_.edges, kept_.fragments, kept_.counters);
         read_counters();
-        if (session_.is_cpu())
-            find_receivers_in_parts();
-        else if (counted_.unproven != 0)
-            find_receivers("samples_fragments", fragment_groups(counted_.unproven), counted_.unproven);
-        read_counters();
+        if (counted_.unproven != 0) {
+            run_stage("samples_fragments", fragment_groups(counted_.unproven), params_of(0, counted_.unproven),
+                      kept_.pattern, inputs_.vertices, kept_.rays, kept_.camera.setup().records(),
+                      kept_.camera.setup().bounds(), kept_.camera.bins().ranges(), kept_.camera.bins().entries(),
+                      view_.points.receivers(), kept_.edges, kept_.fragments, kept_.counters);
+            read_counters();
+        }
         return counted_.extra <= batch_.slots - batch_.count;
     }
 
-    /// The fragments of `count` edge pixels or unproven pixels, by samples_guess or a GPU's samples_fragments.
-    void find_receivers(const char* kernel, cl::Range range, cl_uint count) {
-        run_stage(kernel, range, params_of(0, count), kept_.pattern, inputs_.vertices, kept_.rays,
-                  kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
-                  kept_.camera.bins().entries(), view_.points.receivers(), kept_.edges, kept_.fragments,
-                  kept_.counters);
-    }
-
-    void find_receivers_in_parts() {
-        const std::size_t part = points_at_once_ / pattern_.count;
-        // Room for all edge pixels: the number of unproven pixels depends on threads, and a run's memory must not.
-        kept_.sample_receivers.reserve(
-            session_, std::min<std::size_t>(part, counted_.edges + unused_slots()) * pattern_.count * sizeof(cl_uint));
-        for (std::size_t first = 0; first < counted_.unproven; first += part)
-            find_receivers_of_part(static_cast<cl_uint>(first),
-                                   static_cast<cl_uint>(std::min(part, counted_.unproven - first)));
-    }
-
-    void find_receivers_of_part(cl_uint first, cl_uint count) {
-        const SamplesParams params = params_of(first, count);
-        run_stage("samples_receivers", cl::Range::items(std::size_t(count) * pattern_.count), params,
-                  kept_.camera.projection(), kept_.pattern, inputs_.vertices, kept_.rays,
-                  kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
-                  kept_.camera.bins().entries(), view_.points.receivers(), kept_.edges, kept_.sample_receivers);
-        run_stage("samples_group", cl::Range::items(count), params, kept_.pattern, view_.points.receivers(),
-                  kept_.edges, kept_.sample_receivers, kept_.fragments, kept_.counters);
+    void list_slots() {
+        kept_.slots.reserve(session_, (std::size_t(inputs_.count) + 1) * sizeof(cl_uint));
+        run_stage("samples_slots", cl::Range::items(inputs_.count), params_of(0, 0), kept_.camera.counters(),
+                  kept_.camera.setup().bounds(), kept_.slots);
     }
 
     void bound() {
@@ -204,25 +202,47 @@ private:
     cl_uint used_slots() const { return batch_.count + counted_.extra; }
 
     void classify() {
-        const std::size_t count = used_slots();
-        // Room for all slots: the number of used slots depends on threads (see find_receivers_in_parts()).
+        // Room for all slots: the number of used slots depends on threads, and a run's memory must not.
         kept_.classes.reserve(session_, batch_.slots * sizeof(float));
-        // The fragments' buffer begins with their receivers.
-        Points centres =
-            Points::wrap(in_.device, kept_.centres.get(), {0, 1, batch_.slots}, count, kept_.fragments.get());
-        centres.set_eye(camera_.eye);
-        const Visibility classes(in_.device, kept_.classes.get(), count);
         add_run([&] {
-            return technique_.classify_footprints(in_.triangles, centres, kept_.footprints, in_.light, classes);
+            return technique_.classify_footprints(in_.triangles, centres(), kept_.footprints, in_.light, classes());
         });
     }
 
-    void resolve() {
-        kept_.mixed.reserve(session_, (batch_.slots + unused_slots()) * sizeof(cl_uint));
-        run_stage("samples_resolve", cl::Range::items(used_slots()), params_of(0, used_slots()), kept_.fragments,
-                  kept_.classes, kept_.mixed, kept_.counters);
+    /// Of the fragments' footprints. The fragments' buffer begins with their receivers.
+    Points centres() const {
+        Points centres =
+            Points::wrap(in_.device, kept_.centres.get(), {0, 1, batch_.slots}, used_slots(), kept_.fragments.get());
+        centres.set_eye(camera_.eye);
+        return centres;
+    }
+    Visibility classes() const { return Visibility(in_.device, kept_.classes.get(), used_slots()); }
+
+    /// Adds up the decided samples of `count` fragments and lists the mixed ones; with `squares`, of the fragments of
+    /// these squares' pixels.
+    void resolve(cl_uint count, cl_uint squares) {
+        kept_.mixed.reserve(session_, (batch_.slots + 2 * unused_slots()) * sizeof(cl_uint));
+        kept_.squares.reserve(session_, (batch_.count / SQUARE_PIXELS + unused_slots()) * sizeof(cl_uint));
+        SamplesParams params = params_of(0, count);
+        params.extra_count = squares;
+        run_stage("samples_resolve", cl::Range::items(count), params, kept_.fragments, kept_.classes, kept_.mixed,
+                  kept_.squares, kept_.counters);
         read_counters();
-        sum_.edges += batch_.count - counted_.whole;
+    }
+
+    /// Classifies the pixels of mixed squares one by one.
+    void resolve_squares() {
+        run_stage("samples_split", cl::Range::items(counted_.squares), params_of(0, counted_.squares), kept_.pattern,
+                  kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.slots, kept_.squares,
+                  kept_.fragments, kept_.centres, kept_.footprints, kept_.classes);
+        add_run([&] {
+            return technique_.classify_parts(in_.triangles, centres(), kept_.footprints, in_.light, classes());
+        });
+        resolve(counted_.squares * SQUARE_PIXELS, counted_.squares);
+    }
+
+    void add_sums() {
+        sum_.edges += pixels_of_batch() - counted_.whole;
         sum_.whole += counted_.whole;
         sum_.fragments += counted_.fragments;
         sum_.mixed_fragments += counted_.mixed_fragments;

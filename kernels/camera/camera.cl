@@ -16,8 +16,12 @@ static void find_visible(VisibilityWork* work, __local ListBatch* batch) {
     for (uint i = (uint)get_group_id(0); i < count; i += (uint)get_num_groups(0)) {
         uint tile = i / shares;
         uint2 range = work->lists.ranges[tile];
-        if (chunks_of_list(range) != 0u) continue;
         ItemPixel item = start_tile(work, tile, i % shares, batch);
+        if (range.y - range.x > work->params.long_list) {
+            // long_lists.cl writes these pixels, but camera_points reads them before.
+            store_visible(&item.block, (int)GN_NO_ID, work->visible + work->params.first_point);
+            continue;
+        }
         NearestLanes best = nearest_of_group(work->lists, eye, range, part_of_tile(item.in_tile), &item.block.rays,
                                              item.block.box, item.searching, batch);
         store_visible(&item.block, item.searching ? best.id : item.own, work->visible + work->params.first_point);
@@ -66,11 +70,11 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
 
 #if GN_LANES == 1
 // Lists the chunks of all long lists, those of a list one after the other.
-__kernel void camera_chunks(uint tile_count, __global const uint2* ranges, __global ListChunk* chunks,
+__kernel void camera_chunks(uint tile_count, uint long_list, __global const uint2* ranges, __global ListChunk* chunks,
                             __global FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
     GN_FOR_EACH(tile, tile_count) {
-        uint count = chunks_of_list(ranges[tile]);
+        uint count = chunks_of_list(ranges[tile], long_list);
         if (count == 0u) continue;
         uint first = atomic_add(&counters->chunks, count);
         for (uint i = 0; i < count; ++i) chunks[first + i] = (ListChunk){(uint)tile, i};

@@ -7,7 +7,7 @@
 #if GN_LANES == 1
 
 // Writes for each pixel of a chunk's tile the slot of the chunk's nearest triangle, GN_NO_ID if there is none.
-__kernel void camera_search_chunks(const CameraParams params, uint chunk_count, __constant const Projection* projection,
+__kernel void camera_search_chunks(const CameraParams params, __constant const Projection* projection,
                                    __global const float* vertices, __global const float* rays,
                                    __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                                    __global const uint2* ranges, __global const BinEntries* entries,
@@ -18,11 +18,11 @@ __kernel void camera_search_chunks(const CameraParams params, uint chunk_count, 
     TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     VisibilityWork work = {params, projection, lists, pixel_receivers, 0, GN_NO_ID};
     uint shares = groups_per_tile();
-    for (uint i = (uint)get_group_id(0); i < chunk_count * shares; i += (uint)get_num_groups(0)) {
+    for (uint i = (uint)get_group_id(0); i < params.chunk_count * shares; i += (uint)get_num_groups(0)) {
         ListChunk chunk = chunks[i / shares];
         uint2 range = ranges[chunk.tile];
-        range.x += chunk.index * LONG_LIST;
-        range.y = min(range.x + LONG_LIST, range.y);
+        range.x += chunk.index * params.long_list;
+        range.y = min(range.x + params.long_list, range.y);
         ItemPixel item = start_tile(&work, chunk.tile, i % shares, &batch);
         NearestLanes best = nearest_of_group(lists, center_of(projection), range, part_of_tile(item.in_tile),
                                              &item.block.rays, item.block.box, item.searching, &batch);
@@ -31,7 +31,7 @@ __kernel void camera_search_chunks(const CameraParams params, uint chunk_count, 
 }
 
 // Writes the nearest of the triangles that were found in the chunks of a pixel's tile.
-__kernel void camera_join_chunks(const CameraParams params, uint chunk_count, __constant const Projection* projection,
+__kernel void camera_join_chunks(const CameraParams params, __constant const Projection* projection,
                                  __global const float* vertices, __global const float* rays,
                                  __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                                  __global const uint2* ranges, __global const uint* pixel_receivers,
@@ -41,12 +41,12 @@ __kernel void camera_join_chunks(const CameraParams params, uint chunk_count, __
     TileLists lists = {ranges, 0, records, bounds, triangles, rays, params.picture};
     VisibilityWork work = {params, projection, lists, pixel_receivers, visible, GN_NO_ID};
     uint shares = groups_per_tile();
-    for (uint i = (uint)get_group_id(0); i < chunk_count * shares; i += (uint)get_num_groups(0)) {
+    for (uint i = (uint)get_group_id(0); i < params.chunk_count * shares; i += (uint)get_num_groups(0)) {
         ListChunk chunk = chunks[i / shares];
         if (chunk.index != 0u) continue;
         ItemPixel item = start_tile(&work, chunk.tile, i % shares, &batch);
         NearestLanes best = nothing_near();
-        uint count = item.searching ? chunks_of_list(ranges[chunk.tile]) : 0u;
+        uint count = item.searching ? chunks_of_list(ranges[chunk.tile], params.long_list) : 0u;
         for (uint k = 0; k < count; ++k) {
             uint slot = found[(size_t)(i / shares + k) * TILE_PIXELS + item.in_tile];
             if (slot != GN_NO_ID) test_record(lists, center_of(projection), &item.block.rays, slot, -1, &best);

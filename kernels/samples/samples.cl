@@ -3,22 +3,23 @@
 // samples_mean. The kernels in the order of their launches:
 //
 // samples_rays            the tables of the samples' rays
+// samples_slots           where the records of triangles are
 // samples_whole           the whole pixels and their footprints; lists the edge pixels
-// samples_guess           guesses that an edge pixel's samples lie on the receivers of its neighbours; writes the
-//                         fragments of the pixels for which it proves this; lists the unproven pixels
-// samples_fragments       GPU: the receivers and fragments of the unproven pixels. A CPU takes two kernels:
-// samples_receivers           the receivers
-// samples_group               the fragments
+// samples_masks           finds the receivers of the edge pixels' samples and writes their fragments; a GPU lists the
+//                         pixels that its float filter leaves open
+// samples_fragments       a GPU's: the receivers and fragments of these pixels
 // samples_bound           the footprints of the edge pixels' fragments
 // samples_resolve         after the footprints are classified: adds up the decided samples, lists the mixed fragments
+// samples_split           a CPU's: the pixels of mixed squares, which are classified and resolved one by one
 // samples_points          the samples of mixed fragments and their shading points
 // samples_count_lit       adds up the samples that the trace found lit
 // samples_mean_of_sums    the pixels' means
 #include "samples/samples.h"
 
-#include "camera/shading_point.clh"
+#include "samples/coverage_masks.clh"
 #include "samples/find_receivers_gpu.clh"
 #include "samples/footprints.clh"
+#include "samples/sample_points.clh"
 
 // visibility: sample by sample, `pixels` each. The first batch starts the sum; the last batch's scale makes it the
 // mean. Sums of 0 and 1 are exact. The mean is exact because the number of samples is a power of two. On every device
@@ -55,95 +56,129 @@ __kernel void samples_rays(RayAxes axes, __constant const SamplePattern* pattern
     }
 }
 
+// Writes for each triangle that has a record the record's slot, and behind them the number of slots.
+__kernel void samples_slots(SamplesParams params, __global const FrameCounters* camera,
+                            __global const TriangleBounds* bounds, __global uint* slots) {
+    if (get_global_id(0) == 0) slots[params.triangles.count] = camera->slots;
+    GN_FOR_EACH(slot, camera->slots) {
+        if (bounds[slot].x0 <= bounds[slot].x1) slots[bounds[slot].id] = (uint)slot;
+    }
+}
+
 // ---- Fragments ------------------------------------------------------------------------------------------------------
 
-__kernel void samples_whole(SamplesParams params, __constant const SamplePattern* pattern,
-                            __global const float* vertices, __global const uint* pixel_receivers,
-                            __global const uint2* tile_ranges, __global uint* fragment_words, __global uint* edges,
-                            __global float* centres, __global float* footprints, __global SampleCounters* counters) {
-    Fragments fragments = fragments_of(fragment_words, params.batch);
-    float3 eye = eye_of_samples(params);
-    uint block_count = params.batch.bands * params.batch.tiles_x * WHOLE_BLOCKS_PER_TILE;
-    LaneInt minus_whole = (LaneInt)(0), minus_sky = (LaneInt)(0);
-    vertices += params.triangles.first_float;
+// Counts of pixels.
+typedef struct WholeCounts {
+    LaneInt minus_whole, minus_sky;
+} WholeCounts;
+
 #if GN_LANES == 1
-    // The edge pixels that a group finds in a round lie in one or two tiles and are neighbours in the list: neighbours
-    // in a warp then walk the same lists.
-    __local uint reserved[GROUP_APPEND_WORDS], sums[2];
-    uint items = (uint)get_local_size(0);
-    if (get_local_id(0) == 0) reserved[0] = sums[0] = sums[1] = 0u;
+// The edge pixels that a group finds in a round lie in one or two tiles and are neighbours in the list: neighbours in a
+// warp then walk the same lists.
+GN_INLINE WholeCounts find_all_whole(const WholeWork* work, uint block_count, __local uint* reserved,
+                                     __global uint* edges, __global SampleCounters* counters) {
+    WholeCounts counts = {0, 0};
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    if (item == 0u) reserved[0] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint start = (uint)get_group_id(0) * items * WHOLE_EACH; start < block_count;
          start += (uint)get_global_size(0) * WHOLE_EACH) {
         uint found_edges[WHOLE_EACH], count = 0u;
         for (uint k = 0; k < WHOLE_EACH; ++k) {
-            uint block = start + k * items + (uint)get_local_id(0);
+            uint block = start + k * items + item;
             if (block >= block_count) break;
-            WholePixels found = find_whole(params, pattern, eye, vertices, pixel_receivers, tile_ranges, block,
-                                           fragments, centres, footprints);
-            minus_whole += found.whole;
-            minus_sky += found.sky;
-            if (found.edges) found_edges[count++] = found.first;
+            WholePixels found = find_whole(work, block);
+            store_whole(work, block, &found, found.whole);
+            counts.minus_whole += found.whole;
+            counts.minus_sky += found.sky;
+            if (found.edges) found_edges[count++] = block;
         }
         uint slot = append_in_group(count, reserved, &counters->edges);
         for (uint k = 0; k < count; ++k) edges[slot + k] = found_edges[k];
     }
-    atomic_add(&sums[0], (uint)-minus_whole);
-    atomic_add(&sums[1], (uint)-minus_sky);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    uint whole_count = get_local_id(0) == 0 ? sums[0] : 0u, sky_count = get_local_id(0) == 0 ? sums[1] : 0u;
+    return counts;
+}
 #else
-    Reservation reserved = no_reservation();
-    GN_FOR_EACH(block, block_count) {
-        WholePixels found = find_whole(params, pattern, eye, vertices, pixel_receivers, tile_ranges, (uint)block,
-                                       fragments, centres, footprints);
-        minus_whole += found.whole;
-        minus_sky += found.sky;
+// A square of whole pixels on one receiver becomes a fragment in an extra slot, and its pixels' fragments are empty.
+// (On an H100 squares take classify_footprints from .64 to 1.22 ms, and the depths from .13 to .26.)
+GN_NOINLINE_ON_CPU WholeCounts find_all_whole(ItemRange items, const WholeWork* work, __global uint* edges,
+                                              __global SampleCounters* counters) {
+    WholeCounts counts = {(LaneInt)(0), (LaneInt)(0)};
+    PixelBatch batch = work->params.batch;
+    Reservation reserved = no_reservation(), extra = no_reservation();
+    GN_FOR_EACH_OF(block, items) {
+        WholePixels found = find_whole(work, (uint)block);
+        counts.minus_whole += found.whole;
+        counts.minus_sky += found.sky;
+        bool square =
+            work->params.squares && !LANES_ANY(~found.whole | LANE_COMPARE(found.ids, !=, (LaneInt)(found.ids.s0)));
+        store_whole(work, (uint)block, &found, square ? (LaneInt)(0) : found.whole);
+        if (square)
+            store_extra(work->fragments, batch, reservation(&extra, &counters->extra),
+                        (uint)block * GN_LANES | IS_SQUARE, (uint)found.ids.s0, work->pattern->all);
+        if (!LANES_ANY(found.edges)) continue;
         for (int lane = 0; lane < GN_LANES; ++lane)
-            if (LANE_OF_INT(found.edges, lane)) edges[reservation(&reserved, &counters->edges)] = found.first + lane;
+            if (LANE_OF_INT(found.edges, lane))
+                edges[reservation(&reserved, &counters->edges)] = (uint)block * GN_LANES + lane;
     }
     for (; reserved.next < reserved.end; ++reserved.next) edges[reserved.next] = GN_NO_ID;
-    uint whole_count = (uint)-LANES_SUM(minus_whole), sky_count = (uint)-LANES_SUM(minus_sky);
+    mark_unused_slots(work->fragments, batch, extra.next, extra.end);
+    return counts;
+}
 #endif
-    if (whole_count != 0) atomic_add(&counters->whole, whole_count);
-    if (sky_count != 0) atomic_add(&counters->lit, sky_count * pattern->count);
+
+__kernel void samples_whole(SamplesParams params, __constant const SamplePattern* pattern,
+                            __global const TriangleRecord* records, __global const TriangleBounds* bounds,
+                            __global const uint* slots, __global const uint* pixel_receivers,
+                            __global const uint2* tile_ranges, __global uint* fragment_words, __global uint* edges,
+                            __global float* centres, __global float* footprints, __global SampleCounters* counters) {
+    __local uint sums[2];
+    WholeWork work = {params,
+                      pattern,
+                      eye_of_samples(params),
+                      camera_records(slots, params.triangles.count, records, bounds),
+                      pixel_receivers,
+                      tile_ranges,
+                      fragments_of(fragment_words, params.batch),
+                      centres,
+                      footprints};
+    if (get_local_id(0) == 0) sums[0] = sums[1] = 0u;
+    barrier(CLK_LOCAL_MEM_FENCE);
+#if GN_LANES == 1
+    __local uint reserved[GROUP_APPEND_WORDS];
+    WholeCounts counts = find_all_whole(&work, params.batch.count, reserved, edges, counters);
+#else
+    WholeCounts counts = find_all_whole(item_range(params.batch.count / GN_LANES), &work, edges, counters);
+#endif
+    atomic_add(&sums[0], count_lanes(counts.minus_whole));
+    atomic_add(&sums[1], count_lanes(counts.minus_sky));
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) != 0) return;
+    if (sums[0] != 0u) atomic_add(&counters->whole, sums[0]);
+    if (sums[1] != 0u) atomic_add(&counters->lit, sums[1] * pattern->count);
 }
 
-// edges: the list of edge pixels. The kernel writes the list of unproven pixels behind it.
-__kernel void samples_guess(SamplesParams params, __constant const SamplePattern* pattern,
+// The receivers of the edge pixels' samples, and their fragments (coverage_masks.clh).
+__kernel void samples_masks(SamplesParams params, __constant const SamplePattern* pattern,
                             __global const float* vertices, __global const float* rays,
                             __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                             __global const uint2* ranges, __global const BinEntries* entries,
-                            __global const uint* pixel_receivers, __global uint* edges, __global uint* fragment_words,
-                            __global SampleCounters* counters) {
+                            __global const uint* pixel_receivers, __global const uint* slots, __global uint* edges,
+                            __global uint* fragment_words, __global SampleCounters* counters) {
     Triangles triangles = triangles_of(vertices, params.triangles);
-    TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
-    SampleRays sample_rays = {rays, params.batch.width, pattern->count};
-    Fragments fragments = fragments_of(fragment_words, params.batch);
-    __global uint* unproven = edges + params.batch.edge_slots;
-    float3 eye = eye_of_samples(params);
-    Reservation extra = no_reservation(), unproven_slots = no_reservation();
-    uint sky_count = 0;
-    GN_FOR_EACH(block, (params.count + GN_LANES - 1u) / GN_LANES) {
-        GuessedPixels p;
-        load_edge_pixels(params.batch, edges, params.count, (uint)block, pixel_receivers, &p);
-        if (!LANES_ANY(p.lanes)) continue;
-        prove_receivers(lists, params.batch, pattern, sample_rays, pixel_receivers, eye, &p);
-        for (int lane = 0; lane < GN_LANES; ++lane) {
-            if (!LANE_OF_INT(p.lanes, lane)) continue;
-            if (LANE_OF_INT(p.proven, lane))
-                sky_count += store_guessed(&p, lane, fragments, params.batch, &extra, counters);
-            else
-                unproven[reservation(&unproven_slots, &counters->unproven)] = (uint)LANE_OF_INT(p.pixel, lane);
-        }
-    }
-    for (; unproven_slots.next < unproven_slots.end; ++unproven_slots.next) unproven[unproven_slots.next] = GN_NO_ID;
-    mark_unused_slots(fragments, params.batch, extra.next, extra.end);
-    if (sky_count != 0) atomic_add(&counters->lit, sky_count);
+    MasksWork work = {{ranges, entries, records, bounds, triangles, rays, params.picture},
+                      params.batch,
+                      pattern,
+                      eye_of_samples(params),
+                      pixel_receivers,
+                      camera_records(slots, params.triangles.count, records, bounds),
+                      edges,
+                      fragments_of(fragment_words, params.batch),
+                      counters};
+    find_masks(item_range((params.count + GN_LANES - 1u) / GN_LANES), params.count, &work);
 }
 
 #if GN_LANES == 1
-
 // One group takes one unproven pixel (find_receivers_gpu.clh).
 __kernel void samples_fragments(SamplesParams params, __constant const SamplePattern* pattern,
                                 __global const float* vertices, __global const float* rays,
@@ -164,87 +199,14 @@ __kernel void samples_fragments(SamplesParams params, __constant const SamplePat
     }
     if (item == 0u) group.next = group.end = 0u;
     for (uint edge = (uint)get_group_id(0); edge < params.count; edge += (uint)get_num_groups(0)) {
-        uint i = unproven[edge], pixel = params.batch.first + i, own = pixel_receivers[pixel];
-        find_sample_receivers(lists, params.batch, pattern, eye, pixel, own, &group);
+        uint i = unproven[edge];
+        uint2 at = place_of_pixel(params.batch, i);
+        uint own = pixel_receivers[at.y * params.batch.width + at.x];
+        find_sample_receivers(lists, params.batch, pattern, eye, i, at, own, &group);
         group_by_receiver(params, samples, own, &group, fragments, counters);
         sky_count += store_fragments(params, samples, i, own, &group, fragments);
     }
     if (item == 0u) mark_unused_slots(fragments, params.batch, group.next, group.end);
-    if (sky_count != 0) atomic_add(&counters->lit, sky_count);
-}
-
-#else
-
-// sample_receivers[unproven pixel of this part * samples + sample]. One work-item takes GN_LANES samples of a pixel.
-__kernel void samples_receivers(SamplesParams params, __constant const Projection* projection,
-                                __constant const SamplePattern* pattern, __global const float* vertices,
-                                __global const float* rays, __global const TriangleRecord* records,
-                                __global const TriangleBounds* bounds, __global const uint2* ranges,
-                                __global const BinEntries* entries, __global const uint* pixel_receivers,
-                                __global const uint* edges, __global uint* sample_receivers) {
-    Triangles triangles = triangles_of(vertices, params.triangles);
-    TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
-    PixelBatch batch = params.batch;
-    __global const uint* unproven = edges + batch.edge_slots + params.first;
-    float3 eye = eye_of_samples(params);
-    uint samples = pattern->count, blocks = (samples + GN_LANES - 1u) / GN_LANES;
-    GN_FOR_EACH(item, params.count * blocks) {
-        uint edge = (uint)item / blocks, first = (uint)item % blocks * GN_LANES;
-        if (unproven[edge] == GN_NO_ID) continue;
-        uint pixel = batch.first + unproven[edge];
-        uint x = pixel % batch.width, y = pixel / batch.width;
-        RayBlock block;
-        LaneInt sample = (LaneInt)((int)first) + LANE_INDEX;
-        LaneInt searching = LANE_COMPARE(sample, <, (LaneInt)((int)samples)), present = searching;
-        block.column = sample + (int)(x * samples);
-        block.row = sample + (int)((batch.width + y) * samples);
-        // Lanes past the last sample are 0.
-        block.x = (float)x + LANES_STRIDED(pattern->position_x + first, 1);
-        block.y = (float)y + LANES_STRIDED(pattern->position_y + first, 1);
-        uint own = pixel_receivers[pixel];
-        if (own != GN_NO_ID) searching &= ~lanes_met(lists, eye, &block, own, searching);
-        QuantisedBlock box = box_of_rays(projection, &block, searching);
-        uint likely = GN_NO_ID;
-        LaneInt nearest =
-            nearest_of_tile(lists, projection, tile_of_pixel(batch, pixel), block, box, searching, &likely);
-        nearest = LANES_SELECT((LaneInt)((int)own), nearest, searching);
-        for (int lane = 0; lane < GN_LANES; ++lane)
-            if (LANE_OF_INT(present, lane))
-                sample_receivers[(size_t)edge * samples + first + lane] = (uint)LANE_OF_INT(nearest, lane);
-    }
-}
-
-// One fragment for each receiver of an unproven pixel's samples: the fragment on the own receiver goes into the pixel's
-// slot, every other fragment into an extra slot.
-__kernel void samples_group(SamplesParams params, __constant const SamplePattern* pattern,
-                            __global const uint* pixel_receivers, __global const uint* edges,
-                            __global const uint* sample_receivers, __global uint* fragment_words,
-                            __global SampleCounters* counters) {
-    Fragments fragments = fragments_of(fragment_words, params.batch);
-    __global const uint* unproven = edges + params.batch.edge_slots + params.first;
-    Reservation extra = no_reservation();
-    uint sky_count = 0;
-    GN_FOR_EACH(edge, params.count) {
-        uint i = unproven[edge];
-        if (i == GN_NO_ID) continue;
-        __global const uint* ids = sample_receivers + (size_t)edge * pattern->count;
-        uint own = pixel_receivers[params.batch.first + i], left = pattern->all;
-        while (left != 0u) {
-            uint first = 31u - clz(left & (0u - left)), id = ids[first], mask = 0u;
-            for (uint sample = first; sample < pattern->count; ++sample)
-                if (ids[sample] == id) mask |= 1u << sample;
-            left &= ~mask;
-            if (id == GN_NO_ID) {
-                fragments.lit[i] = popcount(mask);
-                sky_count += popcount(mask);
-            } else if (id == own) {
-                fragments.masks[i] = mask;
-            } else {
-                store_extra(fragments, params.batch, reservation(&extra, &counters->extra), i, id, mask);
-            }
-        }
-    }
-    mark_unused_slots(fragments, params.batch, extra.next, extra.end);
     if (sky_count != 0) atomic_add(&counters->lit, sky_count);
 }
 
@@ -261,7 +223,7 @@ __kernel void samples_bound(SamplesParams params, __constant const SamplePattern
     GN_FOR_EACH(block, (count + GN_LANES - 1u) / GN_LANES) {
         uint slots[GN_LANES];
         LaneInt written = (LaneInt)(0), mask = (LaneInt)(0), ids = (LaneInt)((int)GN_NO_ID);
-        LaneFloat x = (LaneFloat)(0.0f), y = x;
+        LaneFloat x = (LaneFloat)(0.0f), y = x, more = x;  // pixels to the right and down
         for (int lane = 0; lane < GN_LANES; ++lane) {
             uint i = (uint)block * GN_LANES + lane;
             if (i >= count) continue;
@@ -271,9 +233,10 @@ __kernel void samples_bound(SamplesParams params, __constant const SamplePattern
             LANE_OF_INT(written, lane) = -1;
             LANE_OF_INT(mask, lane) = (int)fragments.masks[slot];
             LANE_OF_INT(ids, lane) = (int)fragments.receivers[slot];
-            uint pixel = batch.first + pixel_of_fragment(fragments, batch, slot);
-            LANE_OF_FLOAT(x, lane) = (float)(pixel % batch.width);
-            LANE_OF_FLOAT(y, lane) = (float)(pixel / batch.width);
+            uint2 at = place_of_pixel(batch, pixel_of_fragment(fragments, batch, slot));
+            LANE_OF_FLOAT(x, lane) = (float)at.x;
+            LANE_OF_FLOAT(y, lane) = (float)at.y;
+            if (is_square(fragments, batch, slot)) LANE_OF_FLOAT(more, lane) = 3.0f;
         }
         LaneInt lanes = LANE_COMPARE(mask, !=, (LaneInt)(0));
         FragmentBounds bounds = no_fragments();
@@ -281,46 +244,71 @@ __kernel void samples_bound(SamplesParams params, __constant const SamplePattern
             PictureBox box = box_of_samples(pattern, mask);
             TriangleBlock t = load_triangles_of(vertices + params.triangles.first_float, ids, lanes);
             RayLanes rays[4];
-            box.low_x += x, box.low_y += y, box.high_x += x, box.high_y += y;
+            box.low_x += x, box.low_y += y, box.high_x += x + more, box.high_y += y + more;
             corner_rays(params.picture, &box, rays);
             bounds = bounds_of_fragments(&t, rays, eye, lanes);
             narrow_to_receivers(&t, eye, lanes, &bounds);
         }
-        store_bounds(&bounds, slots, written, false, batch, centres, footprints);
+        store_bounds(&bounds, slots, written, batch, centres, footprints);
     }
 }
 
 // ---- Undecided fragments --------------------------------------------------------------------------------------------
 
-// visibility: the class of each fragment's footprint. Appends to `mixed`.
+// The fragments that samples_resolve has found.
+typedef struct ResolvedFragments {
+    Reservation mixed, squares;
+    uint fragments, in_shadow, lit, mixed_fragments, mixed_samples;
+} ResolvedFragments;
+
+// Adds up a fragment by its class; lists it in `mixed` or `squares` if it is mixed.
+static void resolve_fragment(PixelBatch batch, Fragments fragments, uint slot, float visibility, __global uint* mixed,
+                             __global uint* squares, __global SampleCounters* counters, ResolvedFragments* found) {
+    uint samples = popcount(fragments.masks[slot]);
+    if (samples == 0u) return;
+    bool square = is_square(fragments, batch, slot);
+    uint pixel = pixel_of_fragment(fragments, batch, slot), pixels = square ? SQUARE_PIXELS : 1u;
+    if (visibility != 0.0f && visibility != 1.0f && square) {
+        squares[reservation(&found->squares, &counters->squares)] = pixel / SQUARE_PIXELS;
+        return;
+    }
+    found->fragments += pixels;
+    if (visibility == 0.0f) {
+        found->in_shadow += samples * pixels;
+    } else if (visibility == 1.0f) {
+        found->lit += samples * pixels;
+        for (uint i = 0; i < pixels; ++i) atomic_add(&fragments.lit[pixel + i], samples);
+    } else {
+        ++found->mixed_fragments;
+        found->mixed_samples += samples;
+        mixed[reservation(&found->mixed, &counters->mixed)] = slot;
+    }
+}
+
+// visibility: the class of each fragment's footprint. Appends to `mixed` and `squares`. With params.extra_count, the
+// fragments are those of the pixels of that many squares.
 __kernel void samples_resolve(SamplesParams params, __global uint* fragment_words, __global const float* visibility,
-                              __global uint* mixed, __global SampleCounters* counters) {
+                              __global uint* mixed, __global uint* squares, __global SampleCounters* counters) {
     Fragments fragments = fragments_of(fragment_words, params.batch);
-    Reservation mixed_slots = no_reservation();
-    uint in_shadow = 0, lit_count = 0, mixed_count = 0, mixed_samples = 0, fragment_count = 0;
+    ResolvedFragments found = {no_reservation(), no_reservation(), 0u, 0u, 0u, 0u, 0u};
     __local uint sums[5];  // of the group: atomics of every item on one address are too slow on a GPU
     if (get_local_id(0) == 0)
         for (int i = 0; i < 5; ++i) sums[i] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
-    GN_FOR_EACH(slot, params.count) {
-        uint samples = popcount(fragments.masks[slot]);
-        if (samples == 0u) continue;
-        ++fragment_count;
-        if (visibility[slot] == 0.0f) {
-            in_shadow += samples;
-        } else if (visibility[slot] == 1.0f) {
-            lit_count += samples;
-            atomic_add(&fragments.lit[pixel_of_fragment(fragments, params.batch, (uint)slot)], samples);
-        } else {
-            ++mixed_count;
-            mixed_samples += samples;
-            mixed[reservation(&mixed_slots, &counters->mixed)] = (uint)slot;
+    GN_FOR_EACH(i, params.count) {
+        uint slot = (uint)i;
+        if (params.extra_count != 0u) {
+            uint square = squares[slot / SQUARE_PIXELS];
+            if (square == GN_NO_ID) continue;
+            slot = square * SQUARE_PIXELS + slot % SQUARE_PIXELS;
         }
+        resolve_fragment(params.batch, fragments, slot, visibility[slot], mixed, squares, counters, &found);
     }
-    for (; mixed_slots.next < mixed_slots.end; ++mixed_slots.next) mixed[mixed_slots.next] = GN_NO_ID;
-    const uint found[5] = {fragment_count, in_shadow, lit_count, mixed_count, mixed_samples};
+    for (; found.mixed.next < found.mixed.end; ++found.mixed.next) mixed[found.mixed.next] = GN_NO_ID;
+    for (; found.squares.next < found.squares.end; ++found.squares.next) squares[found.squares.next] = GN_NO_ID;
+    const uint counts[5] = {found.fragments, found.in_shadow, found.lit, found.mixed_fragments, found.mixed_samples};
     for (int i = 0; i < 5; ++i)
-        if (found[i] != 0u) atomic_add(&sums[i], found[i]);
+        if (counts[i] != 0u) atomic_add(&sums[i], counts[i]);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) != 0) return;
     atomic_add(&counters->fragments, sums[0]);
@@ -330,33 +318,26 @@ __kernel void samples_resolve(SamplesParams params, __global uint* fragment_word
     atomic_add(&counters->mixed_samples, sums[4]);
 }
 
-// The output points of mixed samples. The points are open (point_blocks.h). x of point_stride points, then y, then z.
-typedef struct SamplePoints {
-    __global uint2* samples;  // (pixel of the batch, sample)
-    __global uint* receivers;
-    __global float* positions;
-    __global float* visibility;
-} SamplePoints;
-
-// Writes the points of the samples in `mask` of a fragment, from `point` on.
-static void write_points(SamplesParams params, __global const float* vertices, __global const float* rays,
-                         Fragments fragments, uint slot, uint mask, uint point, SamplePoints points) {
-    PixelBatch batch = params.batch;
-    uint pixel = pixel_of_fragment(fragments, batch, slot), at = batch.first + pixel;
-    uint column = at % batch.width * params.samples, row = (batch.width + at / batch.width) * params.samples;
-    float3 eye = eye_of_samples(params);
-    SeenTriangle seen = see_triangle(vertices, fragments.receivers[slot], eye);
-    for (; mask != 0u; ++point) {
-        uint sample = take_lowest_bit(&mask);
-        points.samples[point] = (uint2)(pixel, sample);
-        points.receivers[point] = seen.id;
-        points.visibility[point] = VISIBILITY_OPEN;
-        float3 p = shading_point(&seen, eye, load_ray(rays, column + sample, row + sample));
-        points.positions[point] = p.x;
-        points.positions[point + params.point_stride] = p.y;
-        points.positions[point + 2 * (size_t)params.point_stride] = p.z;
+#if GN_LANES == SQUARE_PIXELS
+// Splits the mixed squares into the fragments of their pixels, which are to be classified.
+__kernel void samples_split(SamplesParams params, __constant const SamplePattern* pattern,
+                            __global const TriangleRecord* records, __global const TriangleBounds* bounds,
+                            __global const uint* slots, __global const uint* squares, __global uint* fragment_words,
+                            __global float* centres, __global float* footprints, __global float* visibility) {
+    WholeWork work = {params,
+                      pattern,
+                      eye_of_samples(params),
+                      camera_records(slots, params.triangles.count, records, bounds),
+                      0,
+                      0,
+                      fragments_of(fragment_words, params.batch),
+                      centres,
+                      footprints};
+    GN_FOR_EACH(i, params.count) {
+        if (squares[i] != GN_NO_ID) split_square(&work, squares[i], visibility);
     }
 }
+#endif
 
 // A fragment's samples share a plane, and their points are neighbours in the buffers. A CPU's work-item takes all
 // samples of a fragment, a GPU's work-item a part.
@@ -380,14 +361,14 @@ __kernel void samples_points(SamplesParams params, __global const float* vertice
             mask = fragments.masks[slot] & (SAMPLES_OF_PART << part * (MOST_SAMPLES / PARTS_OF_FRAGMENT));
         }
         uint point = append_in_group(popcount(mask), reserved, &counters->points);
-        if (mask != 0u) write_points(params, vertices, rays, fragments, slot, mask, point, points);
+        if (mask != 0u) write_points(&params, vertices, rays, fragments, slot, mask, point, &points);
     }
 #else
     GN_FOR_EACH(i, params.count) {
         uint slot = mixed[i];
         if (slot == GN_NO_ID) continue;
         uint point = atomic_add(&counters->points, popcount(fragments.masks[slot]));
-        write_points(params, vertices, rays, fragments, slot, fragments.masks[slot], point, points);
+        write_points(&params, vertices, rays, fragments, slot, fragments.masks[slot], point, &points);
     }
 #endif
 }
@@ -403,5 +384,9 @@ __kernel void samples_count_lit(SamplesParams params, __global const uint2* poin
 __kernel void samples_mean_of_sums(SamplesParams params, __global uint* fragment_words, __global float* mean) {
     __global const uint* lit = fragments_of(fragment_words, params.batch).lit;
     float scale = 1.0f / (float)params.samples;  // exact: a power of two
-    GN_FOR_EACH(i, params.batch.count) mean[params.batch.first + i] = (float)lit[i] * scale;
+    GN_FOR_EACH(block, params.batch.count / GN_LANES) {
+        PlaceLanes at = places_of_block(params.batch, (uint)block);
+        LaneInt sums = LANES_AS_INT(LANES_STRIDED((__global const float*)lit + block * GN_LANES, 1));
+        store_at_places(&at, params.batch.width, LANES_AS_INT(LANES_TO_FLOAT(sums) * scale), (__global uint*)mean);
+    }
 }

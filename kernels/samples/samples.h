@@ -29,16 +29,20 @@ GN_STRUCT_BEGIN(SamplePattern)
     float position_y[MOST_SAMPLES];
 GN_STRUCT_END(SamplePattern, 280)
 
-// The pixels of a batch: `count` pixels from `first` on, in rows of `width`. A batch has whole bands; a band is a row
-// of camera tiles.
+// The pixels of a batch, numbered tile by tile, on a CPU square by square of 4 x 4 pixels, on a GPU row by row. A batch
+// has whole bands; a band is a row of camera tiles. Pixels of a tile that lie outside the picture have numbers, too.
 GN_STRUCT_BEGIN(PixelBatch)
-    uint first, count;
+    uint first_tile, count;
     uint width, height;  // of the picture
     uint tiles_x;        // camera tiles per band
     uint bands;
     uint slots;       // of fragments: one for each pixel, then the extra slots
     uint edge_slots;  // of the list of edge pixels; the list of unproven pixels follows, of the same size
 GN_STRUCT_END(PixelBatch, 32)
+
+// Of an extra slot's pixel: the fragment has the samples of all pixels of its square, which begins with this pixel.
+#define IS_SQUARE 0x80000000u
+#define SQUARE_PIXELS 16u
 
 // Each kernel takes the elements [first, first + count) of its list.
 GN_STRUCT_BEGIN(SamplesParams)
@@ -47,9 +51,10 @@ GN_STRUCT_BEGIN(SamplesParams)
     PixelBatch batch;
     float eye[3];
     uint first, count;
-    uint extra_count;   // samples_bound: fragments in the extra slots
+    uint extra_count;   // samples_bound: fragments in the extra slots; samples_resolve: mixed squares, or 0
     uint point_stride;  // samples_points: points that the buffers have room for
-    uint samples;       // per pixel
+    ushort samples;     // per pixel
+    ushort squares;     // samples_whole: 1 if squares may become fragments
 GN_STRUCT_END(SamplesParams, 128)
 
 // Means of visibility that a technique has written sample by sample, `pixels` values each.
@@ -65,6 +70,7 @@ GN_STRUCT_BEGIN(SampleCounters)
     uint unproven;       // slots in the list of unproven pixels
     uint whole;          // whole pixels
     uint extra;          // extra slots needed (may exceed the capacity)
+    uint squares;        // squares of pixels that are mixed fragments
     uint mixed;          // slots in the list of mixed fragments
     uint mixed_samples;  // samples in mixed fragments
     uint fragments;      // fragments with a sample
@@ -72,4 +78,4 @@ GN_STRUCT_BEGIN(SampleCounters)
     uint in_shadow;  // samples decided by their footprint
     uint lit;        // samples decided by their footprint, including samples of the sky
     uint points;     // written for a part of the mixed fragments; zeroed for each part
-GN_STRUCT_END(SampleCounters, 44)
+GN_STRUCT_END(SampleCounters, 48)
