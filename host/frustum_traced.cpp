@@ -70,7 +70,7 @@ constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
 constexpr std::string_view sort_points_names[] = {"on", "off", "auto"};
 
 // In the order of ManyLights.
-constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts", "fans"};
+constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts", "point-shafts"};
 
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
@@ -98,7 +98,7 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
         {{"sort-points", "auto",
           "on, off or auto: sort points that come in no order before they are traced (auto: on a CPU)"},
          setting::choice(&S::sort_points, sort_points_names)},
-        {{"many-lights", "auto", "auto, one-by-one, shafts or fans: how a run over many lights decides them"},
+        {{"many-lights", "auto", "auto, one-by-one, shafts or point-shafts: how a run over many lights decides them"},
          setting::choice(&S::many_lights, many_lights_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
@@ -342,15 +342,14 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     timer.next("shaft_tree");
     ShaftRun shafts{run, sorted, shaft_tree(triangles), settings_.bundle_lights};
     if (settings_.many_lights == ManyLights::shafts) shafts.shape = ShaftShape::block;
-    if (settings_.many_lights == ManyLights::fans) shafts.shape = ShaftShape::fan;
+    if (settings_.many_lights == ManyLights::point_shafts) shafts.shape = ShaftShape::point;
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
     if (is_auto && points.count() * lights.count() >= pairs_worth_measuring)
         shafts.one_light_ms = time_of_one_light(*this, run, in_order);
     if (run_shafts(shafts, measured.stages)) return measured.finish(measured.stages.counts);
     if (!is_auto)
-        throw InvalidArgument(
-            "shafts and fans decide directional lights, and coordinates up to 2^19: use many-lights=auto");
+        throw InvalidArgument("shafts decide directional lights, and coordinates up to 2^19: use many-lights=auto");
     run_one_by_one(*this, run, in_order, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }

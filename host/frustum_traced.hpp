@@ -48,7 +48,7 @@ public:
 
 private:
     enum class MapMode { on, off, automatic };
-    enum class ManyLights { automatic, one_by_one, shafts, fans };
+    enum class ManyLights { automatic, one_by_one, shafts, point_shafts };
     struct Settings {
         MapMode map_mode;
         CoverTest cover_test;

@@ -61,8 +61,8 @@ void run_one_by_one(Technique& technique, const LightsRun& run, const SortedPoin
 /// Calls the progress function, if there is one; throws Cancelled if it returns false.
 void report_progress(const LightsOptions& options, double done);
 
-/// Which shadow rays are decided together: of a block of points to a bundle of lights, or of one point (a fan).
-enum class ShaftShape { block, fan };
+/// Which shadow rays are decided together: of a block of points to a bundle of lights, or of one point (a point shaft).
+enum class ShaftShape { block, point };
 
 /// A run by shafts (kernels/lights/shaft.h).
 struct ShaftRun : LightsRun {

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Stage shaft_trace: a run over many lights by shafts. Parts of the sorted points pass through facing (light_sides),
-// the trace (shaft_trace or fan_trace), the exact predicate and the sums, each part with all bundles of lights.
+// the trace (shaft_trace or point_shaft_trace), the exact predicate and the sums, each part with all bundles of lights.
 #include <algorithm>
-#include <array>
-#include <limits>
 
 #include "api/statistics.hpp"
 #include "kernels/lights/light_sides.h"
@@ -17,36 +15,6 @@ constexpr std::size_t first_queue = std::size_t(1) << 16;
 
 struct Part {
     std::size_t first, count;
-};
-
-struct PartKind {
-    ShaftShape shape;
-    bool is_probe;  // a smaller part, to see how long this shape takes
-};
-
-// Which shape the next part gets: the one that took less time per point where each was tried last. The other is probed
-// again after some parts, the sooner the less it lost, since neighbouring parts are alike and distant ones are not.
-class ShapeChoice {
-public:
-    explicit ShapeChoice(std::optional<ShaftShape> only) : only_(only) {}
-
-    PartKind next() {
-        if (only_) return {*only_, false};
-        for (std::size_t shape = 0; shape < 2; ++shape)
-            if (!ms_per_point_[shape]) return {ShaftShape(shape), true};
-        const std::size_t best = *ms_per_point_[0] <= *ms_per_point_[1] ? 0 : 1;
-        const double loss = *ms_per_point_[1 - best] / *ms_per_point_[best];
-        const unsigned wait = loss < 1.5 ? 2 : loss < 4 ? 6 : 24;
-        if (++parts_since_probe_ <= wait) return {ShaftShape(best), false};
-        parts_since_probe_ = 0;
-        return {ShaftShape(1 - best), true};
-    }
-    void took(ShaftShape shape, double ms_per_point) { ms_per_point_[std::size_t(shape)] = ms_per_point; }
-
-private:
-    std::optional<ShaftShape> only_;
-    std::array<std::optional<double>, 2> ms_per_point_{};
-    unsigned parts_since_probe_ = 0;
 };
 
 class ShaftPasses {
@@ -65,29 +33,24 @@ public:
         part_points_ = reserve_masks();
     }
 
-    // The time that all points may take, from a part in their middle, by the better shape.
+    // The time that all points may take, by the better shape.
     double estimated_ms() {
-        constexpr std::size_t pairs = std::size_t(1) << 22;
-        const std::size_t count = run_.points.count();
-        const std::size_t sample =
-            std::min({count, probe_points(), std::max<std::size_t>(pairs / run_.lights.count(), 512)});
-        const Part middle{(count - sample) / 2, sample};
-        double least = std::numeric_limits<double>::infinity();
-        for (const ShaftShape shape : {ShaftShape::block, ShaftShape::fan})
-            if (!run_.shape || run_.shape == shape) least = std::min(least, timed(middle, shape));
-        return least * (double(count) / double(sample));
+        build_kernels();
+        const Part all{0, run_.points.count()};
+        return sampled_ms(all, run_.shape.value_or(faster_shape(all)));
     }
 
     void run() {
         const std::size_t count = run_.points.count();
         LightSums sums(run_, slots_, &points_);
-        ShapeChoice choice(run_.shape);
         if (!run_.shape) build_kernels();
+        ShaftShape shape = run_.shape.value_or(ShaftShape::point);
+        std::size_t index = 0;
         for (Part part{0, 0}; part.first < count; part.first += part.count) {
-            const auto [shape, is_probe] = choice.next();
-            part.count = std::min(is_probe ? probe_points() : part_points_, count - part.first);
-            choice.took(shape, timed(part, shape) / double(part.count));
-            if (shape == ShaftShape::fan) points_in_fans_ += part.count;
+            part.count = std::min(part_points_, count - part.first);
+            if (!run_.shape && index++ % parts_of_a_choice == 0) shape = faster_shape(part);
+            decide(part, shape);
+            if (shape == ShaftShape::point) points_in_point_shafts_ += part.count;
             cl::StageTimer timer(session_, statistics_, "light_sums");
             sums.add(masks_, part_points_, part.first, part.count, 0, bundle_count_);
             session_.finish();
@@ -97,7 +60,7 @@ public:
         statistics_.counts = {{"points", count},
                               {"lights", run_.lights.count()},
                               {"bundles", bundle_count_},
-                              {"points_in_fans", points_in_fans_},
+                              {"points_in_point_shafts", points_in_point_shafts_},
                               {"queued_pairs", queued_},
                               {"decided_by_float", by_level_[0]},
                               {"decided_by_double", by_level_[1]},
@@ -105,12 +68,34 @@ public:
     }
 
 private:
-    std::size_t probe_points() const { return std::max<std::size_t>(part_points_ / 16 / 64 * 64, 64); }
+    // Neighbouring parts are alike and distant ones are not: the shapes are compared for every few parts, on small
+    // pieces of the part that is next.
+    static constexpr std::size_t parts_of_a_choice = 8, pieces = 4, sample_of_part = 32;
+
+    ShaftShape faster_shape(const Part& part) {
+        if (part.count * run_.lights.count() < std::size_t(1) << 20) return ShaftShape::point;
+        return sampled_ms(part, ShaftShape::block) < sampled_ms(part, ShaftShape::point) ? ShaftShape::block
+                                                                                         : ShaftShape::point;
+    }
+
+    // The time that a part may take, from pieces that are strewn over it.
+    double sampled_ms(const Part& part, ShaftShape shape) {
+        const std::size_t piece =
+            std::clamp<std::size_t>(part.count / (pieces * sample_of_part) / 64 * 64, 64, part_points_);
+        double ms = 0, sampled = 0;
+        for (std::size_t i = 0; i < pieces; ++i) {
+            const std::size_t first = part.first + part.count * (2 * i + 1) / (2 * pieces);
+            const Part strewn{first, std::min(piece, part.first + part.count - first)};
+            ms += timed(strewn, shape);
+            sampled += double(strewn.count);
+        }
+        return ms * double(part.count) / sampled;
+    }
 
     // Masks for the points of a part: as many pairs as take some tenths of a second. At the end of each part a GPU
     // waits for the work-groups that have most to do (Sponza, 2^26 pairs a part: 1.7 G pairs/s in place of 5).
     std::size_t reserve_masks() {
-        const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 22 : std::size_t(1) << 30;
+        const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 24 : std::size_t(1) << 30;
         const std::size_t most_bytes = session_.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
         const std::size_t width = 64, per_point = bundle_count_ * sizeof(cl_uint);
         std::size_t points = std::max(std::min(pairs / run_.lights.count(), most_bytes / per_point), width);
@@ -127,7 +112,7 @@ private:
 
     // So that no part's time holds that of a build.
     void build_kernels() {
-        for (const ShaftShape shape : {ShaftShape::block, ShaftShape::fan})
+        for (const ShaftShape shape : {ShaftShape::block, ShaftShape::point})
             decide({0, std::min<std::size_t>(run_.points.count(), 64)}, shape);
     }
 
@@ -143,7 +128,7 @@ private:
     void decide(const Part& part, ShaftShape shape) {
         cl::StageTimer timer(session_, statistics_, "light_sides");
         decide_sides(part);
-        timer.next(shape == ShaftShape::fan ? "fan_trace" : "shaft_trace");
+        timer.next(shape == ShaftShape::point ? "point_shaft_trace" : "shaft_trace");
         ShaftCounters counted;
         while (counted = trace(part, shape), counted.queued > capacity())
             queue_.reserve(session_, std::size_t(counted.queued) * 5 / 4 * sizeof(ShaftPairs));
@@ -183,17 +168,17 @@ private:
 
     ShaftCounters trace(const Part& part, ShaftShape shape) {
         session_.fill(counters_, 0, sizeof(ShaftCounters));
-        const bool is_fan = shape == ShaftShape::fan;
+        const bool is_of_point = shape == ShaftShape::point;
         const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
         const std::size_t tasks = blocks * bundle_count_;
         const cl::Range range = session_.is_cpu() ? session_.uneven_items(tasks, 1)
                                                   : cl::Range::groups_of(width, std::min<std::size_t>(tasks, 65536));
         const TriangleInputs triangles = triangle_inputs(run_.triangles);
-        session_.launch(is_fan ? triangles.kernel("lights/fan_trace.cl", "fan_trace")
-                               : triangles.kernel("lights/shaft_trace.cl", "shaft_trace"),
+        session_.launch(is_of_point ? triangles.kernel("lights/point_shaft_trace.cl", "point_shaft_trace")
+                                    : triangles.kernel("lights/shaft_trace.cl", "shaft_trace"),
                         range, params_of(part), bundles_, run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(),
                         points_.positions(), points_.receivers(), points_.surface_normals(), masks_, queue_, counters_,
-                        cl::LocalBytes{(is_fan ? FAN_LOCAL_WORDS : SHAFT_LOCAL_WORDS) * sizeof(cl_uint)});
+                        cl::LocalBytes{(is_of_point ? POINT_SHAFT_LOCAL_WORDS : SHAFT_LOCAL_WORDS) * sizeof(cl_uint)});
         return session_.read_value<ShaftCounters>(counters_);
     }
 
@@ -219,7 +204,7 @@ private:
     cl_uint bundle_count_;
     cl::Buffer bundles_, counters_, queue_, masks_;
     std::size_t part_points_ = 0;
-    std::uint64_t points_in_fans_ = 0, queued_ = 0, by_level_[3] = {};
+    std::uint64_t points_in_point_shafts_ = 0, queued_ = 0, by_level_[3] = {};
 };
 
 }  // namespace

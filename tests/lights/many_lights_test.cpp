@@ -90,7 +90,7 @@ std::size_t expect_outputs(const gnomon::LightsOnHost& answers, const std::vecto
     return lit_pairs;
 }
 
-TEST(ManyLights, EveryBitEqualsTheOracleOneByOneByShaftsAndByFans) {
+TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShaftsOfBlocksAndOfPoints) {
     const gnomon::Device device = device_with();
     std::size_t pairs = 0, lit = 0, by_shafts = 0, undecided = 0, seed = 0;
     for (LightScene scene : light_scenes()) {
@@ -106,12 +106,12 @@ TEST(ManyLights, EveryBitEqualsTheOracleOneByOneByShaftsAndByFans) {
         expect_outputs(either, truth, lights, scene.name + ", by what takes less time");
         const bool are_shafts = either.statistics.count("bundles") != 0;
         by_shafts += are_shafts;
-        for (const char* way : {"shafts", "fans"}) {
+        for (const char* way : {"shafts", "point-shafts"}) {
             if (!are_shafts) continue;
             const auto shafts = run(device, scene, lights, way, {}, seed % 2 == 0 ? "32" : "5");
             expect_outputs(shafts, truth, lights, scene.name + ", by " + way);
-            EXPECT_EQ(shafts.statistics.count("points_in_fans"),
-                      std::string(way) == "fans" ? scene.points.size() / 3 : 0);
+            EXPECT_EQ(shafts.statistics.count("points_in_point_shafts"),
+                      std::string(way) == "point-shafts" ? scene.points.size() / 3 : 0);
             undecided += shafts.statistics.count("queued_pairs");
         }
         if (HasFailure()) return;
@@ -178,7 +178,7 @@ TEST(ManyLights, SidesAreThoseOfOneLight) {
         const auto shafts = run(device, scene, lights, "shafts", options);
         EXPECT_EQ(one.bits, shafts.bits);
         EXPECT_EQ(one.sums, shafts.sums);
-        EXPECT_EQ(one.bits, run(device, scene, lights, "fans", options).bits);
+        EXPECT_EQ(one.bits, run(device, scene, lights, "point-shafts", options).bits);
         std::size_t lit = 0;
         for (const std::uint32_t count : one.counts) lit += count;
         EXPECT_GT(lit, 2000u);
@@ -199,7 +199,7 @@ TEST(ManyLights, NoDeviceSettingChangesABit) {
         if (kind == 2) options.work_group_size = 3;
         if (kind == 3) options.memory_limit_bytes = 12 << 20;
         const gnomon::Device device({}, options);
-        for (const char* way : {"shafts", "fans"})
+        for (const char* way : {"shafts", "point-shafts"})
             for (const char* bundle_lights : {"1", "16", "32"}) {
                 const auto got = run(device, scene, lights, way, {}, bundle_lights);
                 EXPECT_EQ(got.bits, usual.bits) << "kind " << kind << ", " << way << ", bundles of " << bundle_lights;

@@ -10,6 +10,7 @@
 
 #include "embree_rays.hpp"
 #include "many_lights.hpp"
+#include "peers.hpp"
 
 namespace gnomon::bench {
 

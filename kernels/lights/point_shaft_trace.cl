@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
-// The trace of fans (shaft.h): a fan is the shadow rays from one point to a bundle of lights. Where triangles are small
-// beside the distance of neighbouring points, a block's shaft meets many that each block few of its rays; a fan meets
-// only what lies near its rays. Lanes are first a node's children, then a leaf's triangles, then lights.
+// The trace of point shafts (shaft.h): the shadow rays from one point to a bundle of lights. Where triangles are small
+// beside the distance of neighbouring points, a block's shaft meets many that each block few of its rays; a point shaft
+// meets only what lies near its rays. Lanes are first a node's children, then a leaf's triangles, then lights.
 #include "lights/shaft_walk.clh"
 
 // The same for all lanes.
-typedef struct FanWork {
+typedef struct PointWork {
     float3 p;
     uint open;  // the lights of the bundle that are not yet dark
     uint receiver;
     uint point, bundle;
-} FanWork;
+} PointWork;
 
 // PointEdges of a leaf's triangles, row by row.
 #define PUT_POINT_BLOCK(rows, k, v)                          \
-    FAN_PUT(rows, k, (v).x), FAN_PUT(rows, (k) + 1u, (v).y); \
-    FAN_PUT(rows, (k) + 2u, (v).z)
+    PUT_ROW(rows, k, (v).x), PUT_ROW(rows, (k) + 1u, (v).y); \
+    PUT_ROW(rows, (k) + 2u, (v).z)
 #define FLOAT3_AT(rows, k, i)                                                       \
     (float3)((rows)[(k)*SHAFT_WIDTH + (i)], (rows)[((k) + 1u) * SHAFT_WIDTH + (i)], \
              (rows)[((k) + 2u) * SHAFT_WIDTH + (i)])
@@ -26,23 +26,23 @@ typedef struct FanWork {
             as_int(FLOAT_AT(rows, 10u, i)) != 0                                                        \
     }
 #if GN_LANES > 1
-#define FAN_ROWS(rows) float rows[FAN_EDGE_ROWS * SHAFT_WIDTH_ON_CPU]
-#define FAN_PUT(rows, k, v) vstore16(v, k, rows)
-#define FAN_PUT_END
+#define EDGE_ROWS_OF_LEAF(rows) float rows[POINT_EDGE_ROWS * SHAFT_WIDTH_ON_CPU]
+#define PUT_ROW(rows, k, v) vstore16(v, k, rows)
+#define EDGE_ROWS_ARE_PUT
 #else
-#define FAN_ROWS(rows) __local float* rows = (__local float*)(shared + FAN_EDGES)
-#define FAN_PUT(rows, k, v) (rows)[(k)*SHAFT_WIDTH + get_local_id(0)] = (v)
-#define FAN_PUT_END barrier(CLK_LOCAL_MEM_FENCE)
+#define EDGE_ROWS_OF_LEAF(rows) __local float* rows = (__local float*)(shared + POINT_EDGES)
+#define PUT_ROW(rows, k, v) (rows)[(k)*SHAFT_WIDTH + get_local_id(0)] = (v)
+#define EDGE_ROWS_ARE_PUT barrier(CLK_LOCAL_MEM_FENCE)
 #endif
 
-static void queue_fan(const FanWork* work, uint undecided, __global const float* leaf, uint i, uint triangle,
-                      const ShaftScene* scene, Reservation* mine) {
+static void queue_pairs_of_point(const PointWork* work, uint undecided, __global const float* leaf, uint i,
+                                 uint triangle, const ShaftScene* scene, Reservation* mine) {
     ShaftTriangle t = shaft_triangle(leaf, i);
     queue_pairs((ShaftPairs){work->point, work->bundle, triangle & ~SHAFT_MASKED, undecided}, &t, work->p, scene, mine);
 }
 
 // Tests the triangles of a leaf.
-GN_INLINE_ON_CPU void test_leaf(FanWork* work, __global const LightBundle* bundle,
+GN_INLINE_ON_CPU void test_leaf(PointWork* work, __global const LightBundle* bundle,
                                 __global const LightCone* cone_of_open, uint leaf, const ShaftScene* scene,
                                 Reservation* mine SHARED_PARAMETER) {
     __global const float* corners = scene->leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
@@ -63,13 +63,13 @@ GN_INLINE_ON_CPU void test_leaf(FanWork* work, __global const LightBundle* bundl
         work->open = 0u;
         return;
     }
-    FAN_ROWS(rows);
+    EDGE_ROWS_OF_LEAF(rows);
     PUT_POINT_BLOCK(rows, 0u, e.ab);
     PUT_POINT_BLOCK(rows, 3u, e.bc);
     PUT_POINT_BLOCK(rows, 6u, e.ca);
-    FAN_PUT(rows, 9u, e.bound);
-    FAN_PUT(rows, 10u, LANES_AS_FLOAT(e.sided));
-    FAN_PUT_END;
+    PUT_ROW(rows, 9u, e.bound);
+    PUT_ROW(rows, 10u, LANES_AS_FLOAT(e.sided));
+    EDGE_ROWS_ARE_PUT;
 #if GN_LANES > 1
     while (bits != 0u && work->open != 0u) {
         uint i = take_lowest_bit(&bits);
@@ -79,7 +79,7 @@ GN_INLINE_ON_CPU void test_leaf(FanWork* work, __global const LightBundle* bundl
         if ((ids[i] & SHAFT_MASKED) != 0u) decision = (LightDecision){0u, decision.dark | decision.undecided};
 #endif
         work->open &= ~decision.dark;
-        if (decision.undecided != 0u) queue_fan(work, decision.undecided, corners, i, ids[i], scene, mine);
+        if (decision.undecided != 0u) queue_pairs_of_point(work, decision.undecided, corners, i, ids[i], scene, mine);
     }
 #else
     uint light = get_local_id(0);
@@ -95,16 +95,16 @@ GN_INLINE_ON_CPU void test_leaf(FanWork* work, __global const LightBundle* bundl
         if (decision.blocked != 0)
             is_open = false;
         else if (decision.missed == 0)
-            queue_fan(work, 1u << light, corners, i, ids[i], scene, mine);
+            queue_pairs_of_point(work, 1u << light, corners, i, ids[i], scene, mine);
     }
     work->open = group_bits(is_open ? -1 : 0, shared);
 #endif
 }
 
-// *blocking: a leaf whose triangles block rays of the fan; first, that of the last fan, since neighbouring points are
-// often in the same shadow.
-GN_INLINE_ON_CPU void trace_fan(FanWork* work, float3 normal, __global const LightBundle* bundle,
-                                const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
+// *blocking: a leaf whose triangles block rays of the shaft; first, that of the last shaft, since neighbouring points
+// are often in the same shadow.
+GN_INLINE_ON_CPU void trace_point_shaft(PointWork* work, float3 normal, __global const LightBundle* bundle,
+                                        const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
     Shaft shaft = shaft_of_point(work->p, normal, scene->rounding, cone_of(bundle, work->open));
     SHAFT_BEGIN_STACK(stack);
     uint top = 1u;
@@ -118,16 +118,17 @@ GN_INLINE_ON_CPU void trace_fan(FanWork* work, float3 normal, __global const Lig
         test_leaf(work, bundle, shaft.cone, code & ~SHAFT_LEAF, scene, mine SHARED);
         if (work->open == before) continue;
         *blocking = code;
-        // A fan of the lights in one part of the bundle is thinner.
+        // A shaft to the lights in one part of the bundle is thinner.
         __global const LightCone* cone = cone_of(bundle, work->open);
         if (cone != shaft.cone) shaft = shaft_of_point(work->p, normal, scene->rounding, cone);
     }
 }
 
-__kernel void fan_trace(const ShaftParams params, __global const LightBundle* bundles, __global const float* nodes,
-                        __global const float* leaves, __global const uint* ids, __global const float* positions,
-                        __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
-                        __global ShaftPairs* queue, __global ShaftCounters* counters, __local uint* shared) {
+__kernel void point_shaft_trace(const ShaftParams params, __global const LightBundle* bundles,
+                                __global const float* nodes, __global const float* leaves, __global const uint* ids,
+                                __global const float* positions, __global const uint* receivers,
+                                __global const float* surface_normals, __global uint* masks, __global ShaftPairs* queue,
+                                __global ShaftCounters* counters, __local uint* shared) {
     ShaftScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint first = params.points.first / 3u, blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
@@ -139,10 +140,11 @@ __kernel void fan_trace(const ShaftParams params, __global const LightBundle* bu
         uint bundle = (uint)(task / blocks), point = (uint)(task % blocks) * SHAFT_WIDTH, blocking = 0u;
         for (uint end = min(point + SHAFT_WIDTH, params.points.count); point < end; ++point) {
             __global uint* mask = &masks[bundle * (size_t)params.mask_stride + point];
-            FanWork work = {load_point(positions, params.points, point), *mask, GN_NO_ID, point, bundle};
+            PointWork work = {load_point(positions, params.points, point), *mask, GN_NO_ID, point, bundle};
             if (work.open == 0u || !is_present(work.p)) continue;
             if (params.points.has_receivers != 0u) work.receiver = receivers[first + point];
-            trace_fan(&work, vload3(first + point, surface_normals), &bundles[bundle], &scene, &blocking, &mine SHARED);
+            trace_point_shaft(&work, vload3(first + point, surface_normals), &bundles[bundle], &scene, &blocking,
+                              &mine SHARED);
 #if GN_LANES == 1
             if (get_local_id(0) != 0) continue;
 #endif
