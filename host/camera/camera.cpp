@@ -170,8 +170,8 @@ void CameraStage::make_lists(Statistics& statistics) {
     in.projection.camera = &samples_;
     lists_.run(session_, statistics, in, triangles_, counters_);
     if (session_.lanes() != 1) return;
-    // A long list of n entries has fewer than 2 n / long_list_ chunks. There is room for the least limit from the start,
-    // so that a look like the one before takes no more memory.
+    // A long list of n entries has fewer than 2 n / long_list_ chunks. There is room for the least limit from the
+    // start, so that a look like the one before takes no more memory.
     chunks_.reserve(session_, (2 * std::size_t(bins().entry_capacity()) / LEAST_LONG_LIST + 1) * sizeof(ListChunk));
     cl::StageTimer timer(session_, statistics, "camera_bins");
     session_.launch("camera/camera.cl", "camera_chunks", cl::Range::items(in.bin_count), in.bin_count, long_list_,
