@@ -75,9 +75,8 @@ typedef struct WholeCounts {
 #if GN_LANES == 1
 // The edge pixels that a group finds in a round lie in one or two tiles and are neighbours in the list: neighbours in a
 // warp then walk the same lists.
-GN_INLINE WholeCounts find_all_whole(const WholeWork* work, uint block_count, __local uint* reserved,
-                                     __global uint* edges, __global SampleCounters* counters) {
-    WholeCounts counts = {0, 0};
+GN_INLINE void find_all_whole(const WholeWork* work, uint block_count, __local uint* reserved, __global uint* edges,
+                              __global SampleCounters* counters, WholeCounts* counts) {
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
     if (item == 0u) reserved[0] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -87,29 +86,29 @@ GN_INLINE WholeCounts find_all_whole(const WholeWork* work, uint block_count, __
         for (uint k = 0; k < WHOLE_EACH; ++k) {
             uint block = start + k * items + item;
             if (block >= block_count) break;
-            WholePixels found = find_whole(work, block);
+            WholePixels found;
+            find_whole(work, block, &found);
             store_whole(work, block, &found, found.whole);
-            counts.minus_whole += found.whole;
-            counts.minus_sky += found.sky;
+            counts->minus_whole += found.whole;
+            counts->minus_sky += found.sky;
             if (found.edges) found_edges[count++] = block;
         }
         uint slot = append_in_group(count, reserved, &counters->edges);
         for (uint k = 0; k < count; ++k) edges[slot + k] = found_edges[k];
     }
-    return counts;
 }
 #else
 // A square of whole pixels on one receiver becomes a fragment in an extra slot, and its pixels' fragments are empty.
 // (On an H100 squares take classify_footprints from .64 to 1.22 ms, and the depths from .13 to .26.)
-GN_NOINLINE_ON_CPU WholeCounts find_all_whole(ItemRange items, const WholeWork* work, __global uint* edges,
-                                              __global SampleCounters* counters) {
-    WholeCounts counts = {(LaneInt)(0), (LaneInt)(0)};
+GN_NOINLINE_ON_CPU void find_all_whole(ItemRange items, const WholeWork* work, __global uint* edges,
+                                       __global SampleCounters* counters, WholeCounts* counts) {
     PixelBatch batch = work->params.batch;
     Reservation reserved = no_reservation(), extra = no_reservation();
     GN_FOR_EACH_OF(block, items) {
-        WholePixels found = find_whole(work, (uint)block);
-        counts.minus_whole += found.whole;
-        counts.minus_sky += found.sky;
+        WholePixels found;
+        find_whole(work, (uint)block, &found);
+        counts->minus_whole += found.whole;
+        counts->minus_sky += found.sky;
         bool square =
             work->params.squares && !LANES_ANY(~found.whole | LANE_COMPARE(found.ids, !=, (LaneInt)(found.ids.s0)));
         store_whole(work, (uint)block, &found, square ? (LaneInt)(0) : found.whole);
@@ -123,7 +122,6 @@ GN_NOINLINE_ON_CPU WholeCounts find_all_whole(ItemRange items, const WholeWork* 
     }
     for (; reserved.next < reserved.end; ++reserved.next) edges[reserved.next] = GN_NO_ID;
     mark_unused_slots(work->fragments, batch, extra.next, extra.end);
-    return counts;
 }
 #endif
 
@@ -144,11 +142,12 @@ __kernel void samples_whole(SamplesParams params, __constant const SamplePattern
                       footprints};
     if (get_local_id(0) == 0) sums[0] = sums[1] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
+    WholeCounts counts = {(LaneInt)(0), (LaneInt)(0)};
 #if GN_LANES == 1
     __local uint reserved[GROUP_APPEND_WORDS];
-    WholeCounts counts = find_all_whole(&work, params.batch.count, reserved, edges, counters);
+    find_all_whole(&work, params.batch.count, reserved, edges, counters, &counts);
 #else
-    WholeCounts counts = find_all_whole(item_range(params.batch.count / GN_LANES), &work, edges, counters);
+    find_all_whole(item_range(params.batch.count / GN_LANES), &work, edges, counters, &counts);
 #endif
     atomic_add(&sums[0], count_lanes(counts.minus_whole));
     atomic_add(&sums[1], count_lanes(counts.minus_sky));
