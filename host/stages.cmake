@@ -53,7 +53,7 @@ gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facin
             receiver_depth_pyramid light_frames)
 gnomon_wing(occluders bin_lists bin_test hull_bounds clusters cluster_boxes conservative_map triangle_setup
             triangle_bounds triangle_records eye_records tile_bins triangle_tiles bins occluder_lists)
-gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu long_lists shading_point shading_lanes texture surface shade)
+gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filter long_lists shading_point shading_lanes texture surface shade)
 gnomon_wing(trace light_order trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
             explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)

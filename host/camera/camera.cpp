@@ -156,7 +156,7 @@ void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uin
     height_ = height;
     samples_ = camera_samples(camera, width, height, offsets);
     fitted_ = false;
-    chunk_count_ = 0;
+    chunk_count_ = open_count_ = 0;
     long_list_ = next_long_list_;
     projection_.reserve(session_, sizeof(Projection));
     counters_.reserve(session_, sizeof(FrameCounters));
@@ -164,10 +164,11 @@ void CameraStage::aim(const Triangles& triangles, const Camera& camera, std::uin
     session_.write(projection_.get(), &projection, sizeof(projection));
 }
 
-void CameraStage::make_lists(Statistics& statistics) {
+void CameraStage::make_lists(Statistics& statistics, bool orders_runs) {
     session_.fill(counters_, 0, sizeof(FrameCounters));
     ListInputs in{.projection{projection_}, .bin_count = tiles_x() * tiles_y()};
     in.projection.camera = &samples_;
+    in.settings.orders_runs = orders_runs;
     lists_.run(session_, statistics, in, triangles_, counters_);
     if (session_.lanes() != 1) return;
     // A long list of n entries has fewer than 2 n / long_list_ chunks. There is room for the least limit from the
@@ -190,13 +191,14 @@ bool CameraStage::check_lists(Statistics& statistics) {
                          {"triangles_kept", counted.survivors - counted.edge_on},
                          {"references", counted.references}};
     chunk_count_ = counted.chunks;
+    open_count_ = counted.open_pairs;
     next_long_list_ = std::max(LEAST_LONG_LIST, counted.entries / LONG_LISTS);
     return lists_.fitted(session_, counted);
 }
 
 void CameraStage::fit_lists(Statistics& statistics) {
     while (!fitted_) {
-        make_lists(statistics);
+        make_lists(statistics, true);
         fitted_ = check_lists(statistics);
     }
 }
@@ -230,6 +232,28 @@ void CameraStage::find_receivers(const CameraParams& params, cl_mem pixel_receiv
                     pixel_receivers != nullptr ? pixel_receivers : out.receivers, out.receivers, counters_);
 }
 
+// Pairs that find no place are decided in place, by another look.
+bool CameraStage::filters(const CameraParams& params) const {
+    return session_.lanes() == 1 && !fitted_ && params.has_pixel_receivers == 0;
+}
+
+void CameraStage::filter_receivers(const CameraParams& params, const PointSlice& out, Statistics& statistics) {
+    const auto of_file = [&](const char* kernel) { return triangles_.kernel("camera/camera_filter.cl", kernel); };
+    const std::size_t pixels = std::size_t(width_) * height_;
+    const std::size_t every = triangles_.has_cut_outs ? OPEN_PAIRS_EVERY_WITH_CUT_OUTS : OPEN_PAIRS_EVERY;
+    open_capacity_ = cl_uint(pixels / every + LEAST_OPEN_PAIRS);
+    open_pairs_.reserve(session_, open_capacity_ * sizeof(cl_uint2));
+    cl::StageTimer timer(session_, statistics, "camera_visibility");
+    // Tiles differ in work: a multiprocessor that is done takes another one.
+    const std::size_t tile_pixels = 1u << 2 * CAMERA_TILE_LOG2, group = session_.work_group_size();
+    const std::size_t groups = std::size_t(tiles_x()) * tiles_y() * ((tile_pixels + group - 1) / group);
+    session_.launch(of_file("camera_filter"), cl::Range::groups(groups), params, projection_, setup().records(),
+                    setup().bounds(), bins().ranges(), bins().entries(), out.receivers, open_pairs_, open_capacity_,
+                    counters_);
+    session_.launch(of_file("camera_open_pairs"), cl::Range::items(open_capacity_), params, triangles_.vertices, rays_,
+                    setup().bounds(), open_pairs_, open_capacity_, out.receivers, counters_);
+}
+
 void CameraStage::find_in_long_lists(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
                                      Statistics& statistics) {
     const char* file = "camera/long_lists.cl";
@@ -261,13 +285,19 @@ void CameraStage::run(SampleOffset offset, cl_mem pixel_receivers, const PointSl
     // not wait; where a list was too short, the kernels see it and do nothing.
     for (bool is_done = false; !is_done;) {
         const bool had_lists = fitted_;
-        if (!had_lists) make_lists(statistics);
-        find_receivers(params, pixel_receivers, out, statistics);
+        if (!had_lists) make_lists(statistics, false);
+        if (filters(params))
+            filter_receivers(params, out, statistics);
+        else
+            find_receivers(params, pixel_receivers, out, statistics);
         make_points(params, out, statistics);
         fitted_ = is_done = had_lists || check_lists(statistics);
     }
-    if (chunk_count_ == 0) return;
-    find_in_long_lists(params_of(offset, pixel_receivers != nullptr, out), pixel_receivers, out, statistics);
+    if (open_count_ <= open_capacity_ && chunk_count_ == 0) return;
+    if (open_count_ > open_capacity_) find_receivers(params, pixel_receivers, out, statistics);
+    open_count_ = 0;
+    if (chunk_count_ != 0)
+        find_in_long_lists(params_of(offset, pixel_receivers != nullptr, out), pixel_receivers, out, statistics);
     make_points(params, out, statistics);
 }
 

@@ -36,7 +36,7 @@ public:
     /// if the sample's ray meets it; else, or if pixel_receivers is null, the nearest triangle. Adds to `statistics`.
     void run(SampleOffset offset, cl_mem pixel_receivers, const PointSlice& out, Statistics& statistics);
 
-    /// Makes the lists of triangles per tile, once. Adds to `statistics`.
+    /// Makes the lists of triangles per tile, once, and their runs in order (bin_lists.h). Adds to `statistics`.
     void fit_lists(Statistics& statistics);
     const cl::Buffer& projection() const { return projection_; }
     const PictureRays& picture() const { return samples_.picture; }
@@ -50,12 +50,14 @@ public:
 private:
     CameraParams params_of(SampleOffset offset, bool has_pixel_receivers, const PointSlice& out) const;
     bool check_lists(Statistics& statistics);
+    bool filters(const CameraParams& params) const;
+    void filter_receivers(const CameraParams& params, const PointSlice& out, Statistics& statistics);
     void find_receivers(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
                         Statistics& statistics);
     void find_in_long_lists(const CameraParams& params, cl_mem pixel_receivers, const PointSlice& out,
                             Statistics& statistics);
     void make_points(const CameraParams& params, const PointSlice& out, Statistics& statistics);
-    void make_lists(Statistics& statistics);
+    void make_lists(Statistics& statistics, bool orders_runs);
 
     cl::Session& session_;
     TriangleInputs triangles_{};
@@ -65,6 +67,8 @@ private:
     cl::Buffer projection_, rays_, counters_;
     OccluderLists lists_;
     cl::Buffer chunks_, found_;  ///< of long lists
+    cl::Buffer open_pairs_;
+    std::uint32_t open_capacity_ = 0, open_count_ = 0;
     bool fitted_ = false;
     std::uint32_t chunk_count_ = 0;  ///< of the lists that fitted
     std::uint32_t long_list_ = FIRST_LONG_LIST, next_long_list_ = FIRST_LONG_LIST;

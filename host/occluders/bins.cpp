@@ -16,7 +16,7 @@ PairBuffers Bins::begin(cl::Session& session, std::uint32_t bin_count, const Tri
 }
 
 void Bins::run(cl::Session& session, const ProjectionInput& projection, const TriangleSetup& setup,
-               const cl::Buffer* pyramid, const cl::Buffer& counters) {
+               const cl::Buffer* pyramid, bool orders_runs, const cl::Buffer& counters) {
     const std::size_t group = session.work_group_size();
     const BinsParams params{.bin_count = bin_count_,
                             .bounds_capacity = setup.capacity(),
@@ -33,7 +33,7 @@ void Bins::run(cl::Session& session, const ProjectionInput& projection, const Tr
                    cl::Range::items(session.is_cpu() ? bin_count_ / 128 + 1 : bin_count_), params, counts_, ranges_,
                    entries_.buffer(), counters, cl::LocalBytes{group * sizeof(cl_uint)},
                    cl::LocalBytes{sizeof(cl_uint)});
-    const bool orders = session.lanes() == 1;
+    const bool orders = session.lanes() == 1 && orders_runs;
     unordered_.reserve(session, orders ? entries_.capacity() * std::size_t(BIN_ENTRY_BYTES) : 0);
     session.launch("occluders/bins.cl", "bins_scatter", cl::Range::items(params.pair_capacity), params, pairs_.buffer(),
                    ranges_, setup.bounds(), orders ? unordered_ : entries_.buffer(), counters);

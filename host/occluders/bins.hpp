@@ -11,9 +11,10 @@ public:
     /// Makes room for the lists of this many bins, and zeroes their counts. The setup may append pairs before run().
     PairBuffers begin(cl::Session& session, std::uint32_t bin_count, const TriangleSetup& setup);
     /// Fills pairs(), ranges() and entries() from the bounds, records and tiles of the setup. `pyramid`
-    /// (receiver_depth_pyramid) may be null: then the depth excludes no bin.
+    /// (receiver_depth_pyramid) may be null: then the depth excludes no bin. Without `orders_runs` no walk may end a
+    /// run early.
     void run(cl::Session& session, const ProjectionInput& projection, const TriangleSetup& setup,
-             const cl::Buffer* pyramid, const cl::Buffer& counters);
+             const cl::Buffer* pyramid, bool orders_runs, const cl::Buffer& counters);
     /// True if all lists fitted; else grows them, and the run must be repeated. After a run whose tiles did not fit,
     /// the number of pairs is guessed, so that all lists grow at once.
     bool fitted(cl::Session& session, const FrameCounters& counted, bool setup_fitted);

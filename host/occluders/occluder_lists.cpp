@@ -29,7 +29,7 @@ const cl::Buffer* OccluderLists::run(cl::Session& session, Statistics& statistic
     const PairBuffers pairs = bins_.begin(session, in.bin_count, setup_);
     setup_.run_tiles(session, in.projection, triangles, pyramid, &pairs, counters);
     timer.next(is_camera ? "camera_bins" : "bins");
-    bins_.run(session, in.projection, setup_, pyramid, counters);
+    bins_.run(session, in.projection, setup_, pyramid, in.settings.orders_runs, counters);
     return map;
 }
 

@@ -22,6 +22,7 @@ struct ListSettings {
     bool draws_map = true;
     bool judges_map = false;  ///< a map that would cover few texels is left empty and not used
     CoverTest cover_test = CoverTest::tight;
+    bool orders_runs = true;  ///< on a GPU: each run of a list has its highest triangle first (bin_lists.h)
 };
 
 /// The projection that lists are made for: a frame of a light, or a camera.

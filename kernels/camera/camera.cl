@@ -22,7 +22,8 @@ static void find_visible(VisibilityWork* work, __local ListBatch* batch) {
             store_visible(&item.block, (int)GN_NO_ID, work->visible + work->params.first_point);
             continue;
         }
-        NearestLanes best = nearest_of_group(work->lists, eye, range, part_of_tile(item.in_tile), &item.block.rays,
+        NearestSearch search = {work->lists, eye};
+        NearestLanes best = nearest_of_group(&search, range, i % shares, part_of_tile(item.in_tile), &item.block.rays,
                                              item.block.box, item.searching, batch);
         store_visible(&item.block, item.searching ? best.id : item.own, work->visible + work->params.first_point);
     }

@@ -42,6 +42,11 @@
 #define LEAST_LONG_LIST 2048u
 #define LONG_LISTS 256u
 
+// On a GPU there is room for an open pair (camera_filter.cl) for every so many pixels. (Sponza has one for 200.)
+#define OPEN_PAIRS_EVERY 16u
+#define OPEN_PAIRS_EVERY_WITH_CUT_OUTS 2u
+#define LEAST_OPEN_PAIRS 4096u
+
 // A chunk of a tile's long list. The chunks of one tile follow one another.
 GN_STRUCT_BEGIN(ListChunk)
     uint tile, index;

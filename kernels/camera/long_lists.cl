@@ -24,8 +24,9 @@ __kernel void camera_search_chunks(const CameraParams params, __constant const P
         range.x += chunk.index * params.long_list;
         range.y = min(range.x + params.long_list, range.y);
         ItemPixel item = start_tile(&work, chunk.tile, i % shares, &batch);
-        NearestLanes best = nearest_of_group(lists, center_of(projection), range, part_of_tile(item.in_tile),
-                                             &item.block.rays, item.block.box, item.searching, &batch);
+        NearestSearch search = {lists, center_of(projection)};
+        NearestLanes best = nearest_of_group(&search, range, i % shares, part_of_tile(item.in_tile), &item.block.rays,
+                                             item.block.box, item.searching, &batch);
         if (item.in_tile < TILE_PIXELS) found[(size_t)(i / shares) * TILE_PIXELS + item.in_tile] = (uint)best.slot;
     }
 }

@@ -56,9 +56,15 @@ __kernel void bins_pairs(BinsParams params, __constant const Projection* project
             end = min(total, first + items * PAIRS_AT_ONCE);
             for (uint i = first + item; i < end; i += items) {
                 uint slot;
-                uint4 bin = bin_to_walk(group, i, &slot);
-                TriangleRecord record = records[slot];
-                if (survives_cull(&record, projection, bin, params.has_pyramid, pyramid))
+                bool alone;
+                uint4 bin = bin_to_walk(group, i, &slot, &alone);
+                // Without a depth to fail, a triangle meets the only bin of its rectangle, and needs no record.
+                bool survives = alone && !params.has_pyramid;
+                if (!survives) {
+                    TriangleRecord record = records[slot];
+                    survives = survives_cull(&record, projection, bin, params.has_pyramid, pyramid);
+                }
+                if (survives)
                     group_pairs[atomic_inc(&reserved[0])] = (uint2)(bin_index(projection, bin.x, bin.y), slot);
             }
             barrier(CLK_LOCAL_MEM_FENCE);

@@ -107,7 +107,8 @@ __kernel void conservative_map_draw(ConservativeMapParams params, __constant con
         uint total = take_tile(group, tiles, count, round, projection, 1u, pyramid, records);
         for (uint i = item; i < total; i += items) {
             uint slot;
-            uint4 bin = bin_to_walk(group, i, &slot);
+            bool alone;
+            uint4 bin = bin_to_walk(group, i, &slot, &alone);
             TriangleRecord record = records[slot];
             written += draw_bins(&record, projection, bin, params.circle_cover, map);
         }

@@ -40,9 +40,10 @@ GN_STRUCT_BEGIN(FrameCounters)
     uint facing_exact;      // facing: points (or receivers, each counted once) that needed the exact level
     uint fallback_points;   // fallback points of a prepared light (trace) or of classify_footprints
     uint chunks;            // camera, on a GPU: chunks of tiles' long lists
+    uint open_pairs;        // camera, on a GPU: (pixel, triangle) pairs that records leave open, wanted
     uint tests_low;         // trace: (point, triangle) tests, 64 bits in two words
     uint tests_high;
-GN_STRUCT_END(FrameCounters, 140)
+GN_STRUCT_END(FrameCounters, 144)
 
 // FrameCounters::references where something did not fit.
 #define GN_NO_LISTS 0xFFFFFFFFu
