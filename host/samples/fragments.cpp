@@ -18,6 +18,7 @@ public:
     CameraStage camera;
     cl::Buffer pattern, counters, rays;
     cl::Buffer edges;             ///< edge pixels of a batch, then the unproven ones (PixelBatch::edge_slots)
+    cl::Buffer open;              ///< on a GPU: open pairs of samples, and their pixels (samples_filter.cl)
     cl::Buffer slots;             ///< of the triangles' records in the camera's lists
     cl::Buffer fragments, mixed;  ///< of a batch (fragments.clh), and the slots of its mixed fragments
     cl::Buffer squares;           ///< mixed squares of pixels
@@ -97,9 +98,13 @@ private:
     }
 
     template <typename... Arguments>
+    void run_stage(const cl::Kernel& kernel, cl::Range range, const Arguments&... arguments) {
+        cl::StageTimer timer(session_, total_, kernel.name);
+        session_.launch(kernel, range, arguments...);
+    }
+    template <typename... Arguments>
     void run_stage(const char* kernel, cl::Range range, const Arguments&... arguments) {
-        cl::StageTimer timer(session_, total_, kernel);
-        session_.launch(inputs_.kernel("samples/samples.cl", kernel), range, arguments...);
+        run_stage(inputs_.kernel("samples/samples.cl", kernel), range, arguments...);
     }
 
     /// Work-groups of samples_fragments; each may leave some of its reserved slots unused.
@@ -160,7 +165,8 @@ private:
                 .extra_count = counted_.extra,
                 .point_stride = 0,
                 .samples = cl_ushort(pattern_.count),
-                .squares = 0};
+                .squares = 0,
+                .open = {}};
     }
 
     /// False if there are more fragments than slots.
@@ -172,10 +178,35 @@ private:
                   kept_.camera.setup().bounds(), kept_.slots, view_.points.receivers(), kept_.camera.bins().ranges(),
                   kept_.fragments, kept_.edges, kept_.centres, kept_.footprints, kept_.counters);
         read_counters();
+        session_.is_cpu() ? find_masks() : filter_edges();
+        return counted_.extra <= batch_.slots - batch_.count;
+    }
+
+    void find_masks() {
         run_stage("samples_masks", session_.blocks(counted_.edges), params_of(0, counted_.edges), kept_.pattern,
                   inputs_.vertices, kept_.rays, kept_.camera.setup().records(), kept_.camera.setup().bounds(),
                   kept_.camera.bins().ranges(), kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots,
                   kept_.edges, kept_.fragments, kept_.counters);
+        read_counters();
+    }
+
+    /// Open pairs are decided by themselves; where too many are, by samples_fragments.
+    void filter_edges() {
+        const auto of_file = [&](const char* kernel) { return inputs_.kernel("samples/samples_filter.cl", kernel); };
+        SamplesParams params = params_of(0, counted_.edges);
+        OpenCapacities& room = params.open;
+        room.pixels = counted_.edges / 2 + LEAST_OPEN_ROOM;
+        room.pairs = (inputs_.has_cut_outs ? 8 : 2) * counted_.edges + LEAST_OPEN_ROOM;
+        const std::size_t words = std::size_t(room.pixels) * (MOST_SAMPLES + 1) + 2 * std::size_t(room.pairs);
+        kept_.open.reserve(session_, words * sizeof(cl_uint));
+        run_stage(of_file("samples_filter"), fragment_groups(counted_.edges), params, kept_.pattern,
+                  kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
+                  kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots, kept_.edges, kept_.fragments,
+                  kept_.open, kept_.counters);
+        run_stage(of_file("samples_open_pairs"), cl::Range::items(room.pairs), params, inputs_.vertices, kept_.rays,
+                  kept_.camera.setup().bounds(), view_.points.receivers(), kept_.open, kept_.counters);
+        run_stage(of_file("samples_open_fragments"), fragment_groups(room.pixels), params, kept_.pattern,
+                  view_.points.receivers(), kept_.fragments, kept_.open, kept_.counters);
         read_counters();
         if (counted_.unproven != 0) {
             run_stage("samples_fragments", fragment_groups(counted_.unproven), params_of(0, counted_.unproven),
@@ -184,7 +215,6 @@ private:
                       view_.points.receivers(), kept_.edges, kept_.fragments, kept_.counters);
             read_counters();
         }
-        return counted_.extra <= batch_.slots - batch_.count;
     }
 
     void list_slots() {

@@ -5,9 +5,8 @@
 // samples_rays            the tables of the samples' rays
 // samples_slots           where the records of triangles are
 // samples_whole           the whole pixels and their footprints; lists the edge pixels
-// samples_masks           finds the receivers of the edge pixels' samples and writes their fragments; a GPU lists the
-//                         pixels that its float filter leaves open
-// samples_fragments       a GPU's: the receivers and fragments of these pixels
+// samples_masks           a CPU's: finds the receivers of the edge pixels' samples and writes their fragments
+// samples_fragments       a GPU's: the same for pixels that samples_filter.cl leaves out
 // samples_bound           the footprints of the edge pixels' fragments
 // samples_resolve         after the footprints are classified: adds up the decided samples, lists the mixed fragments
 // samples_split           a CPU's: the pixels of mixed squares, which are classified and resolved one by one
@@ -157,6 +156,7 @@ __kernel void samples_whole(SamplesParams params, __constant const SamplePattern
     if (sums[1] != 0u) atomic_add(&counters->lit, sums[1] * pattern->count);
 }
 
+#if GN_LANES > 1
 // The receivers of the edge pixels' samples, and their fragments (coverage_masks.clh).
 __kernel void samples_masks(SamplesParams params, __constant const SamplePattern* pattern,
                             __global const float* vertices, __global const float* rays,
@@ -176,8 +176,7 @@ __kernel void samples_masks(SamplesParams params, __constant const SamplePattern
                       counters};
     find_masks(item_range((params.count + GN_LANES - 1u) / GN_LANES), params.count, &work);
 }
-
-#if GN_LANES == 1
+#else
 // One group takes one unproven pixel (find_receivers_gpu.clh).
 __kernel void samples_fragments(SamplesParams params, __constant const SamplePattern* pattern,
                                 __global const float* vertices, __global const float* rays,
@@ -191,12 +190,8 @@ __kernel void samples_fragments(SamplesParams params, __constant const SamplePat
     Fragments fragments = fragments_of(fragment_words, params.batch);
     __global const uint* unproven = edges + params.batch.edge_slots;
     float3 eye = eye_of_samples(params);
-    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), samples = pattern->count, sky_count = 0;
-    for (uint sample = item; sample < samples; sample += items) {
-        group.position_x[sample] = pattern->position_x[sample];
-        group.position_y[sample] = pattern->position_y[sample];
-    }
-    if (item == 0u) group.next = group.end = 0u;
+    uint item = (uint)get_local_id(0), samples = pattern->count, sky_count = 0;
+    begin_group(pattern, &group);
     for (uint edge = (uint)get_group_id(0); edge < params.count; edge += (uint)get_num_groups(0)) {
         uint i = unproven[edge];
         uint2 at = place_of_pixel(params.batch, i);

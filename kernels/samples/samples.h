@@ -13,8 +13,8 @@
 
 #define MOST_SAMPLES 32
 
-// Slots that a work-group of samples_fragments reserves at a time: enough for any pixel.
-#define SLOTS_OF_GROUP 64u
+// Slots that a GPU's work-group reserves at a time for the fragments that it finds: enough for any pixel.
+#define SLOTS_OF_GROUP 32u
 
 // The number of a GPU's work-items that make the points of one fragment. (H200: .23, .21, .23, .32 ms with 4, 8, 16,
 // 32.)
@@ -44,6 +44,12 @@ GN_STRUCT_END(PixelBatch, 32)
 #define IS_SQUARE 0x80000000u
 #define SQUARE_PIXELS 16u
 
+// Room for the open pairs of samples_filter.cl, and for the pixels that have them.
+#define LEAST_OPEN_ROOM 64u
+GN_STRUCT_BEGIN(OpenCapacities)
+    uint pixels, pairs;
+GN_STRUCT_END(OpenCapacities, 8)
+
 // Each kernel takes the elements [first, first + count) of its list.
 GN_STRUCT_BEGIN(SamplesParams)
     TrianglesLayout triangles;
@@ -55,7 +61,8 @@ GN_STRUCT_BEGIN(SamplesParams)
     uint point_stride;  // samples_points: points that the buffers have room for
     ushort samples;     // per pixel
     ushort squares;     // samples_whole: 1 if squares may become fragments
-GN_STRUCT_END(SamplesParams, 128)
+    OpenCapacities open;
+GN_STRUCT_END(SamplesParams, 136)
 
 // Means of visibility that a technique has written sample by sample, `pixels` values each.
 GN_STRUCT_BEGIN(MeanParams)
@@ -75,7 +82,9 @@ GN_STRUCT_BEGIN(SampleCounters)
     uint mixed_samples;  // samples in mixed fragments
     uint fragments;      // fragments with a sample
     uint mixed_fragments;
-    uint in_shadow;  // samples decided by their footprint
-    uint lit;        // samples decided by their footprint, including samples of the sky
-    uint points;     // written for a part of the mixed fragments; zeroed for each part
-GN_STRUCT_END(SampleCounters, 48)
+    uint in_shadow;    // samples decided by their footprint
+    uint lit;          // samples decided by their footprint, including samples of the sky
+    uint open_pixels;  // samples_filter: pixels with open pairs (may exceed the capacity)
+    uint open_pairs;   // samples_filter: open pairs of these pixels (likewise)
+    uint points;       // written for a part of the mixed fragments; zeroed for each part
+GN_STRUCT_END(SampleCounters, 56)
