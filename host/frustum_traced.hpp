@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "api/settings_table.hpp"
-#include "lights/many_lights.hpp"
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
 #include "samples/classify_footprints.hpp"
+#include "shafts/shaft_trace.hpp"
 #include "trace/light_order.hpp"
 #include "trace/provenance.hpp"
 

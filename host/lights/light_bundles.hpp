@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Bundles of neighbouring directional lights, each with a cone that contains their directions (kernels/lights/shaft.h).
+// Bundles of neighbouring directional lights, each with a cone that contains their directions (kernels/lights/light_bundle.h).
 #pragma once
 
 #include <gnomon.hpp>
 #include <optional>
 #include <vector>
 
-#include "kernels/lights/shaft.h"
+#include "kernels/lights/light_bundle.h"
 
 namespace gnomon {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Stage shaft_tree: the tree over the triangles through which shafts find their occluders (kernels/lights/shaft.h).
+// Stage shaft_tree: the tree over the triangles through which shafts find their occluders (kernels/shafts/shaft.h).
 #pragma once
 
-#include "kernels/lights/shaft.h"
-#include "lights/binary_tree.hpp"
+#include "kernels/shafts/shaft.h"
+#include "shafts/binary_tree.hpp"
 
 namespace gnomon {
 

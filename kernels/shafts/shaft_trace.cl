@@ -2,7 +2,7 @@
 // The trace of shafts (shaft.h): for each block of points and each bundle of lights, the tree's triangles, near ones
 // first, until no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
 #include "exact/decide_pair.clh"
-#include "lights/shaft_walk.clh"
+#include "shafts/shaft_walk.clh"
 
 // What one work-item, or group, works on.
 typedef struct ShaftWork {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Stage shaft_trace: a run over many lights by shafts. Parts of the sorted points pass through facing (light_sides),
 // the trace (shaft_trace or point_shaft_trace), the exact predicate and the sums, each part with all bundles of lights.
+#include "shafts/shaft_trace.hpp"
+
 #include <algorithm>
 
 #include "api/statistics.hpp"
 #include "kernels/lights/light_sides.h"
-#include "kernels/lights/shaft.h"
-#include "lights/many_lights.hpp"
+#include "kernels/shafts/shaft.h"
 
 namespace gnomon {
 namespace {
@@ -173,8 +174,8 @@ private:
         const cl::Range range = session_.is_cpu() ? session_.uneven_items(tasks, 1)
                                                   : cl::Range::groups_of(width, std::min<std::size_t>(tasks, 65536));
         const TriangleInputs triangles = triangle_inputs(run_.triangles);
-        session_.launch(is_of_point ? triangles.kernel("lights/point_shaft_trace.cl", "point_shaft_trace")
-                                    : triangles.kernel("lights/shaft_trace.cl", "shaft_trace"),
+        session_.launch(is_of_point ? triangles.kernel("shafts/point_shaft_trace.cl", "point_shaft_trace")
+                                    : triangles.kernel("shafts/shaft_trace.cl", "shaft_trace"),
                         range, params_of(part), bundles_, run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(),
                         points_.positions(), points_.receivers(), points_.surface_normals(), masks_, queue_, counters_,
                         cl::LocalBytes{(is_of_point ? POINT_SHAFT_LOCAL_WORDS : SHAFT_LOCAL_WORDS) * sizeof(cl_uint)});
@@ -183,7 +184,7 @@ private:
 
     void decide_queue(const Part& part) {
         const TriangleInputs triangles = triangle_inputs(run_.triangles);
-        session_.launch(triangles.kernel("lights/shaft_trace.cl", "shaft_exact"), cl::Range::items(capacity()),
+        session_.launch(triangles.kernel("shafts/shaft_trace.cl", "shaft_exact"), cl::Range::items(capacity()),
                         params_of(part), bundles_, triangles.vertices, points_.positions(), queue_, masks_, counters_);
         const auto counted = session_.read_value<ShaftCounters>(counters_);
         queued_ += counted.queued;

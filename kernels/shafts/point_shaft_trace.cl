@@ -2,7 +2,7 @@
 // The trace of point shafts (shaft.h): the shadow rays from one point to a bundle of lights. Where triangles are small
 // beside the distance of neighbouring points, a block's shaft meets many that each block few of its rays; a point shaft
 // meets only what lies near its rays. Lanes are first a node's children, then a leaf's triangles, then lights.
-#include "lights/shaft_walk.clh"
+#include "shafts/shaft_walk.clh"
 
 // The same for all lanes.
 typedef struct PointWork {
