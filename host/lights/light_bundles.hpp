@@ -19,4 +19,7 @@ struct LightBundles {
 /// be scaled exactly.
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most);
 
+/// The same, in the lights' order, full and without cones.
+std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights);
+
 }  // namespace gnomon

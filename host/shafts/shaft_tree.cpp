@@ -44,6 +44,7 @@ bool BuiltShaftTree::build(const TriangleInputs& triangles, const TriangleCurve&
         const Made made = make_nodes(params, curve, binary, leaf_roots);
         if (!is_balanced && (made.leaves > params.leaf_capacity || made.levels > most_levels)) return false;
         if (made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
+            leaf_count_ = made.leaves;
             make_leaves(params, made.leaves, curve, binary, leaf_roots);
             return true;
         }
@@ -66,6 +67,7 @@ BuiltShaftTree::Made BuiltShaftTree::make_nodes(ShaftTreeParams params, const Tr
     ShaftTreeCounters counted{.nodes = 1, .leaves = 0};
     session.write(counters.get(), &counted, sizeof(counted));
     Made made{1, 0, 0};
+    levels_ = {0, 1};
     while (params.first < made.nodes && made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
         params.count = made.nodes - params.first;
         session.launch("shafts/shaft_tree.cl", "shaft_nodes", cl::Range::items(params.count), params,
@@ -74,6 +76,7 @@ BuiltShaftTree::Made BuiltShaftTree::make_nodes(ShaftTreeParams params, const Tr
         counted = session.read_value<ShaftTreeCounters>(counters);
         params.first = made.nodes;
         made = {counted.nodes, counted.leaves, made.levels + 1};
+        if (made.nodes != params.first) levels_.push_back(made.nodes);
     }
     return made;
 }

@@ -123,7 +123,7 @@ GN_INLINE_ON_CPU void trace_shaft(ShaftWork* work, __global const LightBundle* b
     while (top != 0u) {
         uint code = stack[--top];
         if ((code & SHAFT_LEAF) == 0u) {
-            top = push_children(stack, top, code, &shaft.all, scene SHARED);
+            top = push_children_in_shaft(stack, top, code, &shaft.all, scene SHARED);
             continue;
         }
         test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);
