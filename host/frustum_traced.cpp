@@ -69,8 +69,8 @@ constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
 // In the order of SortPoints.
 constexpr std::string_view sort_points_names[] = {"on", "off", "auto"};
 
-// In the order of ManyLights.
-constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts", "point-shafts"};
+// In the order of ManyLightsWay.
+constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts", "point-shafts", "rays"};
 
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
@@ -98,7 +98,8 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
         {{"sort-points", "auto",
           "on, off or auto: sort points that come in no order before they are traced (auto: on a CPU)"},
          setting::choice(&S::sort_points, sort_points_names)},
-        {{"many-lights", "auto", "auto, one-by-one, shafts or point-shafts: how a run over many lights decides them"},
+        {{"many-lights", "auto",
+          "auto, one-by-one, shafts, point-shafts or rays: how a run over many lights decides them"},
          setting::choice(&S::many_lights, many_lights_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
@@ -323,14 +324,15 @@ Statistics FrustumTraced::run_on_footprint_lists(const Triangles& triangles, con
     return measured.finish();
 }
 
-// Shafts share the work of neighbouring points and lights; one light at a time shares that of all points. Which takes
-// less time depends on how large triangles are beside the points' distances, so `auto` measures both where that pays.
+// Shafts share the work of neighbouring points and lights, one light at a time that of all points, and single rays meet
+// the fewest triangles. Which takes least time depends on how large triangles are beside the distances of points and
+// lights, so `auto` measures them where that pays.
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Lights& lights,
                               const LightsOutputs& outputs, const LightsOptions& options) {
     constexpr std::size_t few_lights = 4, pairs_worth_measuring = std::size_t(1) << 25;
-    const bool is_auto = settings_.many_lights == ManyLights::automatic;
+    const bool is_auto = settings_.many_lights == ManyLightsWay::automatic;
     const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
-    if (settings_.many_lights == ManyLights::one_by_one || is_empty || (is_auto && lights.count() < few_lights))
+    if (settings_.many_lights == ManyLightsWay::one_by_one || is_empty || (is_auto && lights.count() < few_lights))
         return Technique::run(triangles, points, lights, outputs, options);
     std::uint64_t kept = kept_bytes_;  // runs of one light within this one note what they keep
     MeasuredRun measured(session_, kept);
@@ -340,16 +342,17 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     cl::StageTimer timer(session_, measured.stages, "point_order");
     const SortedPoints sorted = sorted_points(run);
     timer.next("shaft_tree");
-    ShaftRun shafts{run, sorted, shaft_tree(triangles), settings_.bundle_lights};
-    if (settings_.many_lights == ManyLights::shafts) shafts.shape = ShaftShape::block;
-    if (settings_.many_lights == ManyLights::point_shafts) shafts.shape = ShaftShape::point;
+    const TreeRun through_tree{run, sorted, shaft_tree(triangles)};
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
+    std::optional<double> one_light_ms;
     if (is_auto && points.count() * lights.count() >= pairs_worth_measuring)
-        shafts.one_light_ms = time_of_one_light(*this, run, in_order);
-    if (run_shafts(shafts, measured.stages)) return measured.finish(measured.stages.counts);
+        one_light_ms = time_of_one_light(*this, run, in_order);
+    if (run_through_tree(through_tree, settings_.many_lights, settings_.bundle_lights, one_light_ms, measured.stages))
+        return measured.finish(measured.stages.counts);
     if (!is_auto)
-        throw InvalidArgument("shafts decide directional lights, and coordinates up to 2^19: use many-lights=auto");
+        throw InvalidArgument(
+            "shafts and rays decide directional lights, and coordinates up to 2^19: use many-lights=auto");
     run_one_by_one(*this, run, in_order, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }

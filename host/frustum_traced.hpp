@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "api/settings_table.hpp"
-#include "lights/many_lights.hpp"
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
 #include "samples/classify_footprints.hpp"
+#include "shafts/tree_run.hpp"
 #include "trace/light_order.hpp"
 #include "trace/provenance.hpp"
 
@@ -48,13 +48,12 @@ public:
 
 private:
     enum class MapMode { on, off, automatic };
-    enum class ManyLights { automatic, one_by_one, shafts, point_shafts };
     struct Settings {
         MapMode map_mode;
         CoverTest cover_test;
         std::uint32_t map_size;        ///< 0: chosen by the device and the scene
         std::uint32_t first_capacity;  ///< 0: the lists' default
-        ManyLights many_lights;
+        ManyLightsWay many_lights;
         std::uint32_t bundle_lights;
         SortPoints sort_points;
     };

@@ -170,6 +170,15 @@ bool fit_cone(LightCone& cone, std::span<const std::uint32_t> part, const std::v
     return false;
 }
 
+void add_lights(LightBundles& made, LightBundle& bundle, std::span<const std::uint32_t> part,
+                const std::vector<Direction>& directions) {
+    bundle.light_count = static_cast<std::uint32_t>(part.size());
+    for (std::size_t l = 0; l < part.size(); ++l)
+        for (int c = 0; c < 3; ++c) bundle.directions[c][l] = directions[part[l]].scaled[c];
+    made.bundles.push_back(bundle);
+    for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) made.lights.push_back(l < part.size() ? part[l] : no_light);
+}
+
 void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     LightBundle bundle{};
     if (!fit_cone(bundle.cones[0], part, directions)) {
@@ -185,16 +194,10 @@ void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const s
         const auto lights = part.subspan(first, std::min(size, part.size() - first));
         if (!fit_cone(bundle.cones[k], lights, directions)) bundle.cones[k] = bundle.cones[(k - 1) / 2];
     }
-    bundle.light_count = static_cast<std::uint32_t>(part.size());
-    for (std::size_t l = 0; l < part.size(); ++l)
-        for (int c = 0; c < 3; ++c) bundle.directions[c][l] = directions[part[l]].scaled[c];
-    made.bundles.push_back(bundle);
-    for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) made.lights.push_back(l < part.size() ? part[l] : no_light);
+    add_lights(made, bundle, part, directions);
 }
 
-}  // namespace
-
-std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most) {
+std::optional<std::vector<Direction>> directions_of(std::span<const Light> lights) {
     std::vector<Direction> directions;
     for (const Light& light : lights) {
         if (!light.is_directional()) return {};
@@ -202,6 +205,30 @@ std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, st
         if (!direction) return {};
         directions.push_back(*direction);
     }
+    return directions;
+}
+
+}  // namespace
+
+std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights) {
+    const auto directions = directions_of(lights);
+    if (!directions) return {};
+    std::vector<std::uint32_t> order(lights.size());
+    std::iota(order.begin(), order.end(), 0u);
+    LightBundles made;
+    for (std::size_t first = 0; first < order.size(); first += MOST_BUNDLE_LIGHTS) {
+        LightBundle bundle{};
+        add_lights(made, bundle,
+                   std::span(order).subspan(first, std::min<std::size_t>(MOST_BUNDLE_LIGHTS, order.size() - first)),
+                   *directions);
+    }
+    return made;
+}
+
+std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most) {
+    const auto scaled_directions = directions_of(lights);
+    if (!scaled_directions) return {};
+    const std::vector<Direction>& directions = *scaled_directions;
     std::vector<std::uint32_t> order = coarse_order(directions);
     for (std::size_t first = 0; first < order.size(); first += most_in_chain)
         chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);

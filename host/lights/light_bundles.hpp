@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Bundles of neighbouring directional lights, each with a cone that contains their directions (kernels/lights/shaft.h).
+// Bundles of neighbouring directional lights, each with a cone that contains their directions
+// (kernels/lights/light_bundle.h).
 #pragma once
 
 #include <gnomon.hpp>
 #include <optional>
 #include <vector>
 
-#include "kernels/lights/shaft.h"
+#include "kernels/lights/light_bundle.h"
 
 namespace gnomon {
 
@@ -18,5 +19,8 @@ struct LightBundles {
 /// Divides lights into bundles of at most `most` lights. No value if a light is a point light, or its direction cannot
 /// be scaled exactly.
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most);
+
+/// The same, in the lights' order, full and without cones.
+std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights);
 
 }  // namespace gnomon

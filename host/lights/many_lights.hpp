@@ -6,7 +6,6 @@
 #include "kernels/lights/light_sums.h"
 #include "lights/light_bundles.hpp"
 #include "lights/point_order.hpp"
-#include "lights/shaft_tree.hpp"
 
 namespace gnomon {
 
@@ -60,20 +59,5 @@ void run_one_by_one(Technique& technique, const LightsRun& run, const SortedPoin
 
 /// Calls the progress function, if there is one; throws Cancelled if it returns false.
 void report_progress(const LightsOptions& options, double done);
-
-/// Which shadow rays are decided together: of a block of points to a bundle of lights, or of one point (a point shaft).
-enum class ShaftShape { block, point };
-
-/// A run by shafts (kernels/lights/shaft.h).
-struct ShaftRun : LightsRun {
-    const SortedPoints& sorted;
-    const BuiltShaftTree& tree;
-    std::uint32_t bundle_lights;
-    std::optional<ShaftShape> shape{};     ///< if not given, whatever takes less time, measured part by part
-    std::optional<double> one_light_ms{};  ///< if given, the run is refused where one light at a time takes less time
-};
-/// False, and no output is written, if shafts cannot decide these lights (a point light among them, or coordinates out
-/// of the filter's range), or would take longer than one light at a time. Adds its stages and counts to `statistics`.
-bool run_shafts(const ShaftRun& run, Statistics& statistics);
 
 }  // namespace gnomon

@@ -3,7 +3,7 @@
 // points, and points without a side, face all lights.
 #pragma once
 
-#include "lights/shaft.h"
+#include "lights/light_bundle.h"
 
 // Which side of its surface a point lies on.
 #define SIDE_NONE 0u     // unknown: a receiver only excludes its triangle

@@ -3,7 +3,7 @@
 // Weights are whole numbers, so that a sum does not depend on the order of its terms.
 #pragma once
 
-#include "lights/shaft.h"
+#include "lights/light_bundle.h"
 
 #define WANTS_BITS 1u
 #define WANTS_COUNTS 2u

@@ -194,7 +194,7 @@ void cut_out(const gnomon::Device& device, bool is_second) {
             const std::size_t wrong = differences(visibility.read(), truth);
             require(wrong == 0, "cut-outs: " + std::to_string(wrong) + " pixels");
         }
-        technique->set("many-lights", light[3] == 0 ? "shafts" : "one-by-one");
+        technique->set("many-lights", light[3] != 0 ? "one-by-one" : is_second ? "rays" : "shafts");
         const auto bits = gnomon::run_lights_to_host(*technique, triangles, view.points,
                                                      gnomon::Lights({as_given, as_given}), {.bits = true})
                               .bits;

@@ -199,7 +199,7 @@ TEST(CutOuts, ShaftsAndExplainHonourThem) {
         const Points given = Points::upload(device, points);
         const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
         std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
-        for (const char* how : {"shafts", "one-by-one", "point-shafts"})
+        for (const char* how : {"shafts", "one-by-one", "point-shafts", "rays"})
             bits.push_back(gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), triangles, given,
                                                       suns, {.bits = true})
                                .bits);

@@ -17,7 +17,7 @@ using namespace support;
 using gnomon::Lights;
 
 constexpr gnomon::LightsWanted EVERYTHING{true, true, true, true, true};
-constexpr const char* WAYS[] = {"one-by-one", "shafts", "point-shafts", "auto"};
+constexpr const char* WAYS[] = {"one-by-one", "shafts", "point-shafts", "rays", "auto"};
 
 gnomon::LightsOnHost run(const gnomon::Device& device, const LightScene& scene, const Lights& lights,
                          const std::string& way, const gnomon::LightsOptions& options = {}) {
@@ -42,7 +42,7 @@ double expect_truth(const gnomon::Device& device, LightScene scene, const Lights
     }
     for (const std::string way : WAYS) {
         SCOPED_TRACE(scene.name + ", " + way);
-        if ((way == "shafts" || way == "point-shafts") &&
+        if ((way == "shafts" || way == "point-shafts" || way == "rays") &&
             !std::ranges::all_of(lights.lights(), &gnomon::Light::is_directional))
             continue;
         const auto answers = run(device, scene, lights, way);

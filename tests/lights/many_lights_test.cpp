@@ -106,7 +106,7 @@ TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShaftsOfBlocksAndOfPoints) 
         expect_outputs(either, truth, lights, scene.name + ", by what takes less time");
         const bool are_shafts = either.statistics.count("bundles") != 0;
         by_shafts += are_shafts;
-        for (const char* way : {"shafts", "point-shafts"}) {
+        for (const char* way : {"shafts", "point-shafts", "rays"}) {
             if (!are_shafts) continue;
             const auto shafts = run(device, scene, lights, way, {}, seed % 2 == 0 ? "32" : "5");
             expect_outputs(shafts, truth, lights, scene.name + ", by " + way);
@@ -199,7 +199,7 @@ TEST(ManyLights, NoDeviceSettingChangesABit) {
         if (kind == 2) options.work_group_size = 3;
         if (kind == 3) options.memory_limit_bytes = 12 << 20;
         const gnomon::Device device({}, options);
-        for (const char* way : {"shafts", "point-shafts"})
+        for (const char* way : {"shafts", "point-shafts", "rays"})
             for (const char* bundle_lights : {"1", "16", "32"}) {
                 const auto got = run(device, scene, lights, way, {}, bundle_lights);
                 EXPECT_EQ(got.bits, usual.bits) << "kind " << kind << ", " << way << ", bundles of " << bundle_lights;

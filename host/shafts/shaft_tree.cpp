@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lights/shaft_tree.hpp"
+#include "shafts/shaft_tree.hpp"
 
 #include <algorithm>
 
@@ -44,6 +44,7 @@ bool BuiltShaftTree::build(const TriangleInputs& triangles, const TriangleCurve&
         const Made made = make_nodes(params, curve, binary, leaf_roots);
         if (!is_balanced && (made.leaves > params.leaf_capacity || made.levels > most_levels)) return false;
         if (made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
+            leaf_count_ = made.leaves;
             make_leaves(params, made.leaves, curve, binary, leaf_roots);
             return true;
         }
@@ -66,14 +67,16 @@ BuiltShaftTree::Made BuiltShaftTree::make_nodes(ShaftTreeParams params, const Tr
     ShaftTreeCounters counted{.nodes = 1, .leaves = 0};
     session.write(counters.get(), &counted, sizeof(counted));
     Made made{1, 0, 0};
+    levels_ = {0, 1};
     while (params.first < made.nodes && made.nodes <= params.node_capacity && made.leaves <= params.leaf_capacity) {
         params.count = made.nodes - params.first;
-        session.launch("lights/shaft_tree.cl", "shaft_nodes", cl::Range::items(params.count), params,
+        session.launch("shafts/shaft_tree.cl", "shaft_nodes", cl::Range::items(params.count), params,
                        triangles.vertices, curve.numbers(), binary.nodes(), binary.ranks(), nodes_, node_roots,
                        leaf_roots, counters);
         counted = session.read_value<ShaftTreeCounters>(counters);
         params.first = made.nodes;
         made = {counted.nodes, counted.leaves, made.levels + 1};
+        if (made.nodes != params.first) levels_.push_back(made.nodes);
     }
     return made;
 }
@@ -86,7 +89,7 @@ void BuiltShaftTree::make_leaves(ShaftTreeParams params, std::uint32_t leaves, c
     leaves_.reserve(session, slots * SHAFT_LEAF_ROWS * sizeof(float));
     ids_.reserve(session, slots * sizeof(cl_uint));
     params.count = leaves;
-    session.launch(triangles.kernel("lights/shaft_tree.cl", "shaft_leaves"), cl::Range::items(leaves), params,
+    session.launch(triangles.kernel("shafts/shaft_tree.cl", "shaft_leaves"), cl::Range::items(leaves), params,
                    triangles.vertices, curve.numbers(), binary.nodes(), leaf_roots, leaves_, ids_);
 }
 

@@ -9,7 +9,7 @@
 // are the points or the children, and 32 on a GPU, where the items of a work-group are.
 #pragma once
 
-#include "simd/points.h"
+#include "lights/light_bundle.h"
 
 #define SHAFT_WIDTH_ON_CPU 16u
 #define SHAFT_WIDTH_ON_GPU 32u
@@ -22,29 +22,9 @@
 // What a point shaft knows of a triangle, for its tests of single lights.
 #define POINT_EDGE_ROWS 11u
 #define POINT_SHAFT_LOCAL_WORDS (SHAFT_LOCAL_WORDS + POINT_EDGE_ROWS * SHAFT_WIDTH_ON_GPU)
-#define MOST_BUNDLE_LIGHTS 32u
 // In the id of a leaf's masked triangle (exact/cut_outs.h): it blocks nothing for certain. Scenes with cut-outs have
 // fewer triangles than this.
 #define SHAFT_MASKED 0x80000000u
-
-// All directions are scaled by powers of two, exactly, so that the largest coordinate of each is between 1/2 and 1. A
-// cone holds the directions of some lights: for each of these, D, there are s > 0 and u, v in [-1, 1] with
-// s D = middle + u across + v along; middle, across and along have coordinates of at most 1.
-GN_STRUCT_BEGIN(LightCone)
-    // Outward normals of the shaft's four sides and of its near side: n . D < 0 for each light.
-    float planes[5][3];
-    float middle[3], across[3], along[3];
-GN_STRUCT_END(LightCone, 96)
-
-// Neighbouring lights, and cones of all of them, of each half, quarter and eighth of the slots. Where all open lights
-// lie in one part, its cone is thinner.
-#define LIGHT_CONES 15u
-GN_STRUCT_BEGIN(LightBundle)
-    LightCone cones[LIGHT_CONES];
-    float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
-    uint light_count;
-    uint padding[3];
-GN_STRUCT_END(LightBundle, 1840)
 
 // A node of the tree has rows of SHAFT_WIDTH floats: for its children, low x, low y, low z, high x, high y, high z of
 // the box, and its code: the index of a node, or SHAFT_LEAF and the index of a leaf. An absent child's box is empty. A
@@ -86,21 +66,3 @@ GN_STRUCT_BEGIN(ShaftCounters)
     uint queued;
     uint by_level[3];
 GN_STRUCT_END(ShaftCounters, 16)
-
-#ifndef __cplusplus
-// The cone of the smallest part that has all lights of a mask.
-static __global const LightCone* cone_of(__global const LightBundle* bundle, uint lights) {
-    uint part = 0u;
-    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; part < LIGHT_CONES / 2u; size /= 2u) {
-        uint low = ((1u << size) - 1u) << first, high = low << size;
-        if ((lights & (low | high)) != lights || ((lights & low) != 0u && (lights & high) != 0u)) break;
-        part = 2u * part + ((lights & low) != 0u ? 1u : 2u);
-        if ((lights & low) == 0u) first += size;
-    }
-    return &bundle->cones[part];
-}
-
-static float3 light_direction(__global const LightBundle* bundle, uint light) {
-    return (float3)(bundle->directions[0][light], bundle->directions[1][light], bundle->directions[2][light]);
-}
-#endif

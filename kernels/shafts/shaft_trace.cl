@@ -2,7 +2,7 @@
 // The trace of shafts (shaft.h): for each block of points and each bundle of lights, the tree's triangles, near ones
 // first, until no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
 #include "exact/decide_pair.clh"
-#include "lights/shaft_walk.clh"
+#include "shafts/shaft_walk.clh"
 
 // What one work-item, or group, works on.
 typedef struct ShaftWork {
@@ -123,7 +123,7 @@ GN_INLINE_ON_CPU void trace_shaft(ShaftWork* work, __global const LightBundle* b
     while (top != 0u) {
         uint code = stack[--top];
         if ((code & SHAFT_LEAF) == 0u) {
-            top = push_children(stack, top, code, &shaft.all, scene SHARED);
+            top = push_children_in_shaft(stack, top, code, &shaft.all, scene SHARED);
             continue;
         }
         test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The binary tree over a scene's triangles (binary_tree.h), round by round.
-#include "lights/binary_tree.h"
+#include "shafts/binary_tree.h"
 #include "simd/lanes.clh"
 
 static float3 low_of(Triangle t) { return fmin(fmin(t.a, t.b), t.c); }

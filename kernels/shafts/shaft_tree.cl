@@ -2,8 +2,8 @@
 // The tree of a shaft's triangles (shaft.h): nodes of SHAFT_WIDTH children, level by level from the root of a binary
 // tree (binary_tree.h), and the leaves.
 #include "exact/cut_outs.clh"
-#include "lights/binary_tree.h"
-#include "lights/shaft.h"
+#include "shafts/binary_tree.h"
+#include "shafts/shaft.h"
 
 #ifdef GN_CPU
 #define SHAFT_WIDTH SHAFT_WIDTH_ON_CPU

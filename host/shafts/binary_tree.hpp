@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Stage binary_tree: a binary tree over the finite triangles of a scene (kernels/lights/binary_tree.h).
+// Stage binary_tree: a binary tree over the finite triangles of a scene (kernels/shafts/binary_tree.h).
 #pragma once
 
 #include "api/inputs.hpp"
-#include "kernels/lights/binary_tree.h"
+#include "kernels/shafts/binary_tree.h"
 #include "lists/morton.hpp"
 
 namespace gnomon {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-#include "lights/shaft_tree.hpp"
+#include "shafts/shaft_tree.hpp"
 #include "support/device.hpp"
 #include "support/light_scenes.hpp"
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Stage shaft_tree: the tree over the triangles through which shafts find their occluders (kernels/lights/shaft.h).
+// Stage shaft_tree: the tree over the triangles through which shafts find their occluders (kernels/shafts/shaft.h).
 #pragma once
 
-#include "kernels/lights/shaft.h"
-#include "lights/binary_tree.hpp"
+#include "kernels/shafts/shaft.h"
+#include "shafts/binary_tree.hpp"
 
 namespace gnomon {
 
@@ -17,6 +17,9 @@ public:
     const cl::Buffer& leaves() const { return leaves_; }
     const cl::Buffer& nodes() const { return nodes_; }
     const cl::Buffer& ids() const { return ids_; }
+    /// The first node of each level, from the root down, and the number of all nodes.
+    const std::vector<std::uint32_t>& levels() const { return levels_; }
+    std::uint32_t leaf_count() const { return leaf_count_; }
     /// The largest magnitude of a coordinate. There is no tree if it exceeds SHAFT_LARGEST_COORDINATE.
     float largest_coordinate() const { return largest_coordinate_; }
 
@@ -33,6 +36,8 @@ private:
     Device device_;
     Triangles triangles_;  ///< its clusters, if it has some, live as long as the tree
     cl::Buffer leaves_, nodes_, ids_;
+    std::vector<std::uint32_t> levels_{0, 1};
+    std::uint32_t leaf_count_ = 0;
     float largest_coordinate_ = 0;
 };
 

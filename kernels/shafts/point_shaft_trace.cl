@@ -2,7 +2,7 @@
 // The trace of point shafts (shaft.h): the shadow rays from one point to a bundle of lights. Where triangles are small
 // beside the distance of neighbouring points, a block's shaft meets many that each block few of its rays; a point shaft
 // meets only what lies near its rays. Lanes are first a node's children, then a leaf's triangles, then lights.
-#include "lights/shaft_walk.clh"
+#include "shafts/shaft_walk.clh"
 
 // The same for all lanes.
 typedef struct PointWork {
@@ -112,7 +112,7 @@ GN_INLINE_ON_CPU void trace_point_shaft(PointWork* work, float3 normal, __global
     while (top != 0u && work->open != 0u) {
         uint code = stack[--top], before = work->open;
         if ((code & SHAFT_LEAF) == 0u) {
-            top = push_children(stack, top, code, &shaft, scene SHARED);
+            top = push_children_in_shaft(stack, top, code, &shaft, scene SHARED);
             continue;
         }
         test_leaf(work, bundle, shaft.cone, code & ~SHAFT_LEAF, scene, mine SHARED);
@@ -146,6 +146,7 @@ __kernel void point_shaft_trace(const ShaftParams params, __global const LightBu
             trace_point_shaft(&work, vload3(first + point, surface_normals), &bundles[bundle], &scene, &blocking,
                               &mine SHARED);
 #if GN_LANES == 1
+            barrier(CLK_GLOBAL_MEM_FENCE);  // all items have read the mask
             if (get_local_id(0) != 0) continue;
 #endif
             *mask = work.open;

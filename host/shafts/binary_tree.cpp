@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "lights/binary_tree.hpp"
+#include "shafts/binary_tree.hpp"
 
 #include "kernels/occluders/clusters.h"
 #include "lists/scan.hpp"
@@ -12,7 +12,7 @@ namespace {
 // little larger, would take a round each.
 constexpr std::uint32_t slow_round = 16;
 
-constexpr const char* file = "lights/binary_tree.cl";
+constexpr const char* file = "shafts/binary_tree.cl";
 
 }  // namespace
 

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// The masks of the lights that reach a part of the sorted points: which of them each point faces, and the exact
+// predicate for what a trace leaves undecided.
+#pragma once
+
+#include <algorithm>
+
+#include "api/statistics.hpp"
+#include "kernels/shafts/shaft.h"
+#include "lights/many_lights.hpp"
+#include "shafts/shaft_tree.hpp"
+
+namespace gnomon {
+
+/// A run by the tree over the triangles.
+struct TreeRun : LightsRun {
+    const SortedPoints& sorted;
+    const BuiltShaftTree& tree;
+
+    float largest_coordinate() const { return std::max(tree.largest_coordinate(), sorted.largest_coordinate()); }
+};
+
+/// Some of the sorted points.
+struct PointPart {
+    std::size_t first, count;
+};
+
+/// The memory that a part's masks may take.
+std::size_t most_mask_bytes(const cl::Session& session);
+
+class LightMasks {
+public:
+    LightMasks(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
+
+    /// Room for a part of at most so many points, or of less if there is no memory for them.
+    void reserve(std::size_t points);
+    std::size_t most_points() const { return most_points_; }
+    std::size_t bytes_per_point() const { return bundle_count_ * sizeof(cl_uint); }
+
+    /// Writes the masks of the lights that the points face.
+    void face(const PointPart& part);
+    /// Launches a trace, which takes params_of(part), then decides what it queued. A trace whose queue was too short is
+    /// launched again: its masks only lose lights.
+    template <typename Trace>
+    void trace(const PointPart& part, const char* stage, Trace&& launch) {
+        cl::StageTimer timer(session_, statistics_, stage);
+        ShaftCounters counted;
+        for (;;) {
+            session_.fill(counters_, 0, sizeof(ShaftCounters));
+            launch();
+            counted = session_.read_value<ShaftCounters>(counters_);
+            if (counted.queued <= capacity()) break;
+            queue_.reserve(session_, std::size_t(counted.queued) * 5 / 4 * sizeof(ShaftPairs));
+        }
+        timer.next("shaft_exact");
+        if (counted.queued != 0) decide_queue(part);
+    }
+    /// Adds the masks of all bundles.
+    void add_to(LightSums& sums, const PointPart& part);
+
+    ShaftParams params_of(const PointPart& part) const;
+    const cl::Buffer& bundles() const { return bundles_; }
+    const cl::Buffer& masks() const { return masks_; }
+    const cl::Buffer& queue() const { return queue_; }
+    const cl::Buffer& counters() const { return counters_; }
+    std::span<const std::uint32_t> slots() const { return slots_; }
+    cl_uint bundle_count() const { return bundle_count_; }
+    /// Of the run so far.
+    void describe(decltype(Statistics::counts)& counts) const;
+
+private:
+    cl_uint side() const;
+    cl_uint capacity() const { return static_cast<cl_uint>(queue_.bytes() / sizeof(ShaftPairs)); }
+    void decide_queue(const PointPart& part);
+
+    const TreeRun& run_;
+    cl::Session& session_;
+    Statistics& statistics_;
+    std::vector<std::uint32_t> slots_;
+    cl_uint bundle_count_;
+    cl::Buffer bundles_, counters_, queue_, masks_;
+    std::size_t most_points_ = 0;
+    std::uint64_t queued_ = 0, by_level_[3] = {};
+};
+
+}  // namespace gnomon

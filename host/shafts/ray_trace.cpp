@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "shafts/ray_trace.hpp"
+
+namespace gnomon {
+
+RayPasses::RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics)
+    : run_(run),
+      session_(session_of(run.device)),
+      statistics_(statistics),
+      masks_(run, bundles, statistics),
+      tree_(session_, run.tree) {
+    masks_.reserve(most_mask_bytes(session_) / masks_.bytes_per_point());
+}
+
+double RayPasses::estimated_ms() {
+    const PointPart part{0, std::min(masks_.most_points(), run_.points.count())};
+    const auto light = static_cast<std::uint32_t>(run_.lights.count() / 2);
+    masks_.face(part);
+    decide({0, std::min<std::size_t>(part.count, 64)}, light);  // so that the time below holds no build
+    session_.finish();
+    const auto start = cl::Clock::now();
+    decide(part, light);
+    session_.finish();
+    return cl::ms_since(start) * double(run_.points.count()) / double(part.count) * double(run_.lights.count());
+}
+
+void RayPasses::run() {
+    const std::size_t count = run_.points.count(), lights = run_.lights.count();
+    LightSums sums(run_, masks_.slots(), &run_.sorted);
+    for (PointPart part{0, 0}; part.first < count; part.first += part.count) {
+        part.count = std::min(masks_.most_points(), count - part.first);
+        masks_.face(part);
+        for (std::uint32_t light = 0; light < lights; ++light) {
+            decide(part, light);
+            const double done = double(part.first) + double(part.count) * (light + 1) / double(lights);
+            report_progress(run_.options, done / double(count));
+        }
+        masks_.add_to(sums, part);
+    }
+    sums.finish();
+    masks_.describe(statistics_.counts);
+}
+
+void RayPasses::decide(const PointPart& part, std::uint32_t light) {
+    const LightAxes axes = axes_of_light(run_.lights.lights()[light]);
+    {
+        const cl::StageTimer timer(session_, statistics_, "light_tree");
+        tree_.turn_to(axes);
+    }
+    masks_.trace(part, "ray_trace", [&] {
+        const ShaftParams of_part = masks_.params_of(part);
+        const RayParams params{.points = of_part.points,
+                               .axes = axes,
+                               .bundle = light / MOST_BUNDLE_LIGHTS,
+                               .light = light % MOST_BUNDLE_LIGHTS,
+                               .mask_stride = of_part.mask_stride,
+                               .queue_capacity = of_part.queue_capacity,
+                               .rounding = of_part.rounding,
+                               .padding = 0};
+        const std::size_t tasks = part.count / 64 + 1;
+        const cl::Range range =
+            session_.is_cpu() ? session_.uneven_items(tasks, 1) : cl::Range::groups_of(shaft_width(session_), tasks);
+        const TriangleInputs triangles = triangle_inputs(run_.triangles);
+        session_.launch(triangles.kernel("shafts/ray_trace.cl", "ray_trace"), range, params, masks_.bundles(),
+                        tree_.nodes(), tree_.leaves(), run_.tree.leaves(), run_.tree.ids(), run_.sorted.positions(),
+                        run_.sorted.receivers(), masks_.masks(), masks_.queue(), masks_.counters(),
+                        cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+    });
+}
+
+}  // namespace gnomon

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "shafts/tree_run.hpp"
+
+#include <limits>
+
+#include "api/statistics.hpp"
+#include "shafts/ray_trace.hpp"
+#include "shafts/shaft_trace.hpp"
+
+namespace gnomon {
+namespace {
+
+// Where a run takes less than some milliseconds, a sample of it takes as long.
+constexpr std::size_t pairs_worth_measuring = std::size_t(1) << 20;
+constexpr double never = std::numeric_limits<double>::infinity();
+
+struct Bundled {
+    LightBundles plain, coned;
+};
+
+// A way that has no room takes for ever.
+double rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+    try {
+        return RayPasses(run, bundles, statistics).estimated_ms();
+    } catch (const OutOfDeviceMemory&) {
+        return never;
+    }
+}
+
+ManyLightsWay faster_way(const TreeRun& run, const Bundled& bundles, std::optional<double> one_light_ms,
+                         Statistics& statistics) {
+    if (run.points.count() * run.lights.count() < pairs_worth_measuring) return ManyLightsWay::shafts;
+    const double one_by_one = one_light_ms ? *one_light_ms * double(run.lights.count()) : never;
+    const double rays = rays_ms(run, bundles.plain, statistics), least = std::min(one_by_one, rays);
+    const double shafts = ShaftPasses(run, bundles.coned, {}, statistics).estimated_ms(least);
+    if (shafts <= least) return ManyLightsWay::shafts;
+    return rays <= one_by_one ? ManyLightsWay::rays : ManyLightsWay::one_by_one;
+}
+
+}  // namespace
+
+bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
+                      std::optional<double> one_light_ms, Statistics& statistics) {
+    if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return false;
+    auto plain = make_plain_bundles(run.lights.lights());
+    auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
+    if (!plain || !coned) return false;
+    const Bundled bundles{std::move(*plain), std::move(*coned)};
+    std::optional<ShaftShape> shape;
+    if (way == ManyLightsWay::shafts) shape = ShaftShape::block;
+    if (way == ManyLightsWay::point_shafts) shape = ShaftShape::point;
+    if (way == ManyLightsWay::automatic) way = faster_way(run, bundles, one_light_ms, statistics);
+    if (way == ManyLightsWay::one_by_one) return false;
+    if (way == ManyLightsWay::rays)
+        RayPasses(run, bundles.plain, statistics).run();
+    else
+        ShaftPasses(run, bundles.coned, shape, statistics).run();
+    merge_stages(statistics);
+    return true;
+}
+
+}  // namespace gnomon

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Chooses how a run over many lights goes through the tree over the triangles.
+#pragma once
+
+#include "shafts/light_masks.hpp"
+
+namespace gnomon {
+
+/// The ways to decide many lights, as the setting many-lights names them.
+enum class ManyLightsWay { automatic, one_by_one, shafts, point_shafts, rays };
+
+/// Decides a run through the tree. `automatic` measures shafts and rays on a sample, and takes the faster. False, and
+/// no output is written, if the tree cannot serve these lights (a point light among them, a direction that cannot be
+/// scaled, coordinates out of the filter's range), or, by `automatic`, would take longer than `one_light_ms` for each
+/// light. Adds its stages and counts to `statistics`.
+bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
+                      std::optional<double> one_light_ms, Statistics& statistics);
+
+}  // namespace gnomon
