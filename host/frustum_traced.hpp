@@ -67,6 +67,8 @@ private:
     /// Over the lists of the last footprints.
     Statistics run_on_footprint_lists(const Triangles& triangles, const PointInputs& points, cl_mem visibility);
     const BuiltShaftTree& shaft_tree(const Triangles& triangles);
+    TraceInputs prepared_inputs(const FramedInputs& in) const;
+    void classify_prepared(const FramedInputs& in, RunResult& result);
     bool run_prepared(const FramedInputs& in, RunResult& result);
     void run_unprepared(const FramedInputs& in, RunResult& result);
     void run_one_frame(const FramedInputs& in, RunResult& result);
@@ -101,10 +103,12 @@ private:
     LightFrames frames_;
     OccluderLists lists_;
     Trace trace_;
-    /// The frame of the lists, if they were made for footprints and are valid for all of their samples.
+    /// The frame of the lists, if they were made for footprints and are valid for all of their samples; or the prepared
+    /// light's, whose trace takes any points.
     struct FootprintLists {
         LightFrame light_frame;
         const cl::Buffer* map;
+        bool is_prepared;
     };
     std::optional<FootprintLists> footprint_lists_;
     std::optional<Provenance> provenance_;  ///< while a run records provenance

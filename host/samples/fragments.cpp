@@ -300,6 +300,7 @@ private:
         const Statistics run = run_technique();
         add_stages(total_, run);
         technique_memory_bytes_ = std::max(technique_memory_bytes_, run.device_memory_bytes);
+        was_prepared_ |= run.count("prepared") != 0;
     }
 
     void add_counts() {
@@ -310,7 +311,8 @@ private:
                          {"fragments_mixed", sum_.mixed_fragments},
                          {"samples_decided_in_shadow", sum_.in_shadow},
                          {"samples_decided_lit", sum_.lit},
-                         {"samples_traced", sum_.mixed_samples}};
+                         {"samples_traced", sum_.mixed_samples},
+                         {"prepared", was_prepared_}};
     }
 
     ClassifiesFootprints& technique_;
@@ -330,6 +332,7 @@ private:
     } sum_{};
     Statistics total_;
     std::uint64_t technique_memory_bytes_ = 0;
+    bool was_prepared_ = false;
 };
 
 }  // namespace
