@@ -108,9 +108,14 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
 
 // ---- Whether a frame draws a map ------------------------------------------------------------------------------------
 
+// What a run's memory goes by. How many slots of footprints are used depends on threads; how many there are does not.
+std::size_t FrustumTraced::expected_count(const PointInputs& points) {
+    return points.footprints != nullptr ? points.layout.coordinate_stride : points.layout.count;
+}
+
 bool FrustumTraced::may_draw_map(const PointInputs& points) const {
     if (settings_.map_mode != MapMode::automatic) return settings_.map_mode == MapMode::on;
-    return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
+    return expected_count(points) >= 4096;  // fewer points than that cost less to trace than a map to clear
 }
 
 // A CPU estimates in each frame whether a map is worth its cost, between two kernels. On a GPU a map's launches take a
@@ -390,7 +395,7 @@ bool FrustumTraced::may_sort(const PointInputs& points) const {
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
                                  cl_mem visibility) {
     MeasuredRun measured(session_, kept_bytes_);
-    const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), points.layout.count);
+    const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), expected_count(points));
     FramedInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     footprint_lists_.reset();
     counters_.reserve(session_, sizeof(FrameCounters));

@@ -82,6 +82,7 @@ private:
     /// Records provenance if the run has a Provenance.
     void observe(Moment moment, const TraceInputs& inputs);
 
+    static std::size_t expected_count(const PointInputs& points);
     bool may_draw_map(const PointInputs& points) const;
     bool goes_by_last_map(const PointInputs& points) const;
     ListSettings list_settings(const PointInputs& points, cl_uint frame) const;
