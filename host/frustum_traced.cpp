@@ -108,9 +108,9 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
 
 // ---- Whether a frame draws a map ------------------------------------------------------------------------------------
 
-// What a run's memory goes by. How many slots of footprints are used depends on threads; how many there are does not.
-std::size_t FrustumTraced::expected_count(const PointInputs& points) {
-    return points.footprints != nullptr ? points.layout.coordinate_stride : points.layout.count;
+// What a run's memory goes by. How many slots of footprints are used depends on threads.
+std::size_t FrustumTraced::expected_count(const PointInputs& points) const {
+    return points.footprints != nullptr ? expected_footprints : points.layout.count;
 }
 
 bool FrustumTraced::may_draw_map(const PointInputs& points) const {

@@ -82,7 +82,7 @@ private:
     /// Records provenance if the run has a Provenance.
     void observe(Moment moment, const TraceInputs& inputs);
 
-    static std::size_t expected_count(const PointInputs& points);
+    std::size_t expected_count(const PointInputs& points) const;
     bool may_draw_map(const PointInputs& points) const;
     bool goes_by_last_map(const PointInputs& points) const;
     ListSettings list_settings(const PointInputs& points, cl_uint frame) const;

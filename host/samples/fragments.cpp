@@ -204,6 +204,7 @@ private:
     void classify() {
         // Room for all slots: the number of used slots depends on threads, and a run's memory must not.
         kept_.classes.reserve(session_, batch_.slots * sizeof(float));
+        technique_.expected_footprints = batch_.count;
         add_run([&] {
             return technique_.classify_footprints(in_.triangles, centres(), kept_.footprints, in_.light, classes());
         });

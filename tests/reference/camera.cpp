@@ -71,6 +71,16 @@ PixelRays::PixelRays(const PinholeCamera& camera, double ray_tolerance) : camera
     if (camera.width == 0 || camera.height == 0) throw std::invalid_argument("the camera has no pixels");
     if (!(camera.fov_y_degrees > 0 && camera.fov_y_degrees < 180))
         throw std::invalid_argument("the vertical field of view must lie between 0 and 180 degrees");
+    tangent_ = std::tan(static_cast<long double>(camera.fov_y_degrees) * std::numbers::pi_v<long double> / 360);
+    if (camera.axes) {
+        for (int i = 0; i < 3; ++i) {
+            right_[i] = (*camera.axes)[0][i];
+            up_[i] = (*camera.axes)[1][i];
+            forward_[i] = (*camera.axes)[2][i];
+        }
+        tilt_ = static_cast<long double>(ray_tolerance);
+        return;
+    }
     Vector view, hint;
     for (int i = 0; i < 3; ++i) {
         view[i] = static_cast<long double>(camera.target[i]) - static_cast<long double>(camera.eye[i]);
@@ -80,7 +90,6 @@ PixelRays::PixelRays(const PinholeCamera& camera, double ray_tolerance) : camera
     const Vector sideways = cross(forward_, normalized(hint, "the camera's up must not be 0,0,0"));
     right_ = normalized(sideways, "the camera's up is parallel to its view");
     up_ = cross(right_, forward_);
-    tangent_ = std::tan(static_cast<long double>(camera.fov_y_degrees) * std::numbers::pi_v<long double> / 360);
     tilt_ = static_cast<long double>(ray_tolerance) / length(sideways);
 }
 

@@ -20,6 +20,7 @@
 //   (c) distance: P is at most 16 ulp from where the ray meets the receiver's plane.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -39,6 +40,8 @@ struct PinholeCamera {
     Float3 eye{}, target{0, 0, -1}, up{0, 1, 0};
     double fov_y_degrees = 50;
     std::uint32_t width = 0, height = 0;
+    /// Right, up and forward, unit and orthogonal up to the roundings of doubles: in place of target and up.
+    std::optional<std::array<std::array<double, 3>, 3>> axes{};
 };
 
 /// In pixels from the picture's upper left corner, rightwards and downwards.

@@ -24,8 +24,8 @@ struct ViewClaim {
     /// With several samples per pixel (sample_positions()), visibility is the share of the pixel's samples that are
     /// lit, and these are sample by sample, each pixel by pixel. A sample of the sky: NO_RECEIVER, and it is lit.
     std::uint32_t samples = 1;
-    std::span<const float> sample_position;  ///< 3 per sample
-    std::span<const std::uint32_t> sample_receiver;
+    std::span<const float> sample_position{};  ///< 3 per sample
+    std::span<const std::uint32_t> sample_receiver{};
 };
 
 struct JudgeOptions {
