@@ -109,9 +109,14 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
 
 // ---- Whether a frame draws a map ------------------------------------------------------------------------------------
 
+// What a run's memory goes by. How many slots of footprints are used depends on threads.
+std::size_t FrustumTraced::expected_count(const PointInputs& points) const {
+    return points.footprints != nullptr ? expected_footprints : points.layout.count;
+}
+
 bool FrustumTraced::may_draw_map(const PointInputs& points) const {
     if (settings_.map_mode != MapMode::automatic) return settings_.map_mode == MapMode::on;
-    return points.layout.count >= 4096;  // fewer points than that cost less to trace than a map to clear
+    return expected_count(points) >= 4096;  // fewer points than that cost less to trace than a map to clear
 }
 
 // A CPU estimates in each frame whether a map is worth its cost, between two kernels. On a GPU a map's launches take a
@@ -215,19 +220,36 @@ FrustumTraced::FrameResult FrustumTraced::run_frame(const FramedInputs& in, cl_u
 
 // ---- A run ----------------------------------------------------------------------------------------------------------
 
+TraceInputs FrustumTraced::prepared_inputs(const FramedInputs& in) const {
+    const LightFrame& light_frame = prepared_->light_frame();
+    return {.light_frame = light_frame,
+            .first_frame = 0,
+            .frame_count = frame_count_of(light_frame),
+            .triangles = in.triangles,
+            .points = in.points,
+            .projections = prepared_->projections(),
+            .map = prepared_->map(),
+            .lists = prepared_->lists(),
+            .visibility = in.visibility,
+            .counters = counters_};
+}
+
+// Facing, then the classes over the prepared lists. What they do not cover is mixed.
+void FrustumTraced::classify_prepared(const FramedInputs& in, RunResult& result) {
+    const TraceInputs inputs = prepared_inputs(in);
+    frames_.start_facing(session_, result.statistics, {in.triangles, in.points, inputs.light_frame, in.visibility},
+                         counters_);
+    cl::StageTimer timer(session_, result.statistics, "classify_footprints");
+    run_classify_footprints(session_, inputs);
+    result.facing = session_.read_value<FrameCounters>(counters_);
+    result.frames = inputs.frame_count;
+    footprint_lists_ = FootprintLists{inputs.light_frame, inputs.map, true};
+}
+
 // Runs only the stages that depend on the points; false if there are fallback points.
 bool FrustumTraced::run_prepared(const FramedInputs& in, RunResult& result) {
-    const LightFrame& light_frame = prepared_->light_frame();
-    const TraceInputs inputs{.light_frame = light_frame,
-                             .first_frame = 0,
-                             .frame_count = frame_count_of(light_frame),
-                             .triangles = in.triangles,
-                             .points = in.points,
-                             .projections = prepared_->projections(),
-                             .map = prepared_->map(),
-                             .lists = prepared_->lists(),
-                             .visibility = in.visibility,
-                             .counters = counters_};
+    const TraceInputs inputs = prepared_inputs(in);
+    const LightFrame& light_frame = inputs.light_frame;
     const auto trace = [&](Task task) {
         clear(session_, counters_);
         cl::StageTimer timer(session_, result.statistics, "trace");
@@ -247,8 +269,6 @@ bool FrustumTraced::run_prepared(const FramedInputs& in, RunResult& result) {
     result.frames = inputs.frame_count;
     result.facing = counted;
     result.add(counted);
-    for (const char* stage : {"light_frame", "receiver_depth_pyramid", "triangle_setup", "conservative_map", "bins"})
-        result.statistics.stages.push_back({stage, 0, 0, "prepared"});
     result.statistics.stages.push_back({"facing", 0, 0, "decided by the trace"});
     return true;
 }
@@ -309,8 +329,9 @@ Statistics FrustumTraced::trace_mixed(const Triangles& triangles, const Points& 
                                       const Visibility& visibility) {
     require_run(triangles, samples, light, visibility);
     PointInputs inputs = point_inputs(samples, true);
-    if (footprint_lists_) return run_on_footprint_lists(triangles, inputs, visibility.buffer());
-    inputs.face_light = true;
+    if (footprint_lists_ && !footprint_lists_->is_prepared)
+        return run_on_footprint_lists(triangles, inputs, visibility.buffer());
+    inputs.face_light = !footprint_lists_;  // a prepared trace decides facing on the way, which costs nothing
     return run_on(triangles, inputs, light, visibility.buffer());
 }
 
@@ -320,7 +341,8 @@ Statistics FrustumTraced::run_on_footprint_lists(const Triangles& triangles, con
     const FramedInputs in{triangle_inputs(triangles), points, footprint_lists_->light_frame, visibility};
     FrameCounters read;
     clear(session_, counters_);
-    decide(frame_inputs(in, 0, footprint_lists_->map), measured.stages, read);
+    decide(footprint_lists_->is_prepared ? prepared_inputs(in) : frame_inputs(in, 0, footprint_lists_->map),
+           measured.stages, read);
     return measured.finish();
 }
 
@@ -376,7 +398,7 @@ bool FrustumTraced::may_sort(const PointInputs& points) const {
 Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& points, const Light& light,
                                  cl_mem visibility) {
     MeasuredRun measured(session_, kept_bytes_);
-    const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), points.layout.count);
+    const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), expected_count(points));
     FramedInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     footprint_lists_.reset();
     counters_.reserve(session_, sizeof(FrameCounters));
@@ -387,15 +409,16 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
     result.sorted_points = sorted.has_value();
     if (sorted) in = {in.triangles, *sorted, in.light_frame, order_.visibility()};
     if (points.layout.count != 0) {
-        const bool is_prepared = !provenance_ && points.footprints == nullptr && prepared_ && prepared_->is_usable() &&
-                                 prepared_->is_of(triangles, light);
-        result.used_prepared = is_prepared && run_prepared(in, result);
+        const bool is_prepared =
+            !provenance_ && prepared_ && prepared_->is_usable() && prepared_->is_of(triangles, light);
+        if (is_prepared && points.footprints != nullptr) classify_prepared(in, result);
+        result.used_prepared = is_prepared && (points.footprints != nullptr || run_prepared(in, result));
         if (!result.used_prepared) run_unprepared(in, result);
     }
     if (sorted) order_.scatter(session_, measured.stages, points.layout.count, visibility);
     const bool has_one_frame = frame_count_of(in.light_frame) == 1 && result.frames == 1;
-    if (points.footprints != nullptr && has_one_frame && result.total.fallback_points == 0)
-        footprint_lists_ = FootprintLists{in.light_frame, result.map};
+    if (points.footprints != nullptr && has_one_frame && !result.used_prepared && result.total.fallback_points == 0)
+        footprint_lists_ = FootprintLists{in.light_frame, result.map, false};
     describe_stages(in, result);
     describe_counts(in, result);
     return measured.finish();
@@ -406,6 +429,10 @@ Statistics FrustumTraced::run_on(const Triangles& triangles, const PointInputs& 
 void FrustumTraced::describe_stages(const FramedInputs& in, RunResult& result) const {
     Statistics& s = result.statistics;
     merge_stages(s);
+    if (result.used_prepared)
+        for (const char* stage :
+             {"light_frame", "receiver_depth_pyramid", "triangle_setup", "conservative_map", "bins"})
+            s.stages.push_back({stage, 0, 0, "prepared"});
     if (!result.used_prepared && !may_draw_map(in.points)) {
         const char* why = settings_.map_mode == MapMode::off ? "switched off" : "few points";
         s.stages.push_back({"conservative_map", 0, 0, why});

@@ -66,6 +66,8 @@ private:
     /// Over the lists of the last footprints.
     Statistics run_on_footprint_lists(const Triangles& triangles, const PointInputs& points, cl_mem visibility);
     const BuiltShaftTree& shaft_tree(const Triangles& triangles);
+    TraceInputs prepared_inputs(const FramedInputs& in) const;
+    void classify_prepared(const FramedInputs& in, RunResult& result);
     bool run_prepared(const FramedInputs& in, RunResult& result);
     void run_unprepared(const FramedInputs& in, RunResult& result);
     void run_one_frame(const FramedInputs& in, RunResult& result);
@@ -79,6 +81,7 @@ private:
     /// Records provenance if the run has a Provenance.
     void observe(Moment moment, const TraceInputs& inputs);
 
+    std::size_t expected_count(const PointInputs& points) const;
     bool may_draw_map(const PointInputs& points) const;
     bool goes_by_last_map(const PointInputs& points) const;
     ListSettings list_settings(const PointInputs& points, cl_uint frame) const;
@@ -100,10 +103,12 @@ private:
     LightFrames frames_;
     OccluderLists lists_;
     Trace trace_;
-    /// The frame of the lists, if they were made for footprints and are valid for all of their samples.
+    /// The frame of the lists, if they were made for footprints and are valid for all of their samples; or the prepared
+    /// light's, whose trace takes any points.
     struct FootprintLists {
         LightFrame light_frame;
         const cl::Buffer* map;
+        bool is_prepared;
     };
     std::optional<FootprintLists> footprint_lists_;
     std::optional<Provenance> provenance_;  ///< while a run records provenance

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // check_view: is a view that gnomon wrote right? Reads the triangles of `gnomon render --dump-triangles` and the EXR of
 // `--aov`, and judges every pixel with the exact reference: visibility, normal, sky, and the camera's three promises
-// (tests/reference/camera.hpp). Shares no code with gnomon. Exit status: 0 nothing wrong, 1 something is, 2 it could
-// not be judged.
+// (tests/reference/camera.hpp). With --samples the mean of every pixel and each sample's receiver, point and shadow,
+// from the points of `--dump-points`. Shares no code with gnomon. Exit status: 0 nothing wrong, 1 something is, 2 it
+// could not be judged.
 #include <OpenImageIO/imageio.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +15,7 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -159,8 +161,24 @@ private:
     std::vector<unsigned char> bytes_;
 };
 
+/// The points of `gnomon render --dump-points`: x, y, z and receiver, 4 bytes each. Those of the sky are not finite.
+struct SamplePoints {
+    SamplePoints(const std::string& path, std::size_t count) {
+        Words words(path);
+        const auto all = words.take<std::uint32_t>(4 * count);
+        words.require_end();
+        for (std::size_t i = 0; i < count; ++i) {
+            for (std::size_t k = 0; k < 3; ++k) position.push_back(std::bit_cast<float>(all[4 * i + k]));
+            receiver.push_back(all[4 * i + 3]);
+        }
+    }
+    std::vector<float> position;
+    std::vector<std::uint32_t> receiver;
+};
+
 struct Options {
-    std::string triangles, masks, aov, eye, target, up = "0,1,0", light_direction, light_position;
+    std::uint32_t samples = 1;
+    std::string triangles, masks, aov, points, eye, target, up = "0,1,0", light_direction, light_position;
     double fov_y_degrees = 0;
     reference::JudgeOptions judge;
 };
@@ -190,6 +208,9 @@ void describe(CLI::App& app, Options& options) {
                    "the triangles' cut-outs, as tests/python/gltf_reference.py writes them; without: all are opaque");
     app.add_option("--aov", options.aov, "EXR with P.X P.Y P.Z N.X N.Y N.Z visibility (float) and receiver (uint)")
         ->required();
+    app.add_option("--samples", options.samples, "samples per pixel of visibility and --points: 1, 4, 8, 16 or 32")
+        ->capture_default_str();
+    app.add_option("--points", options.points, "with --samples: the file of gnomon render --dump-points");
     app.add_option("--eye", options.eye, "the camera's position, x,y,z")->required();
     app.add_option("--target", options.target, "what it looks at, x,y,z")->required();
     app.add_option("--up", options.up, "up, made orthogonal to the view, x,y,z")->capture_default_str();
@@ -234,10 +255,11 @@ void print_faults(const char* name, const reference::Faults& faults, std::uint32
 void print_report(const reference::ViewReport& report, std::size_t triangle_count,
                   const reference::PinholeCamera& camera, double ray_tolerance) {
     const auto& visibility = report.visibility;
-    const std::uint64_t points = report.pixels - report.sky;
+    const std::uint64_t points = visibility.absent + visibility.facing_away + visibility.lit + visibility.shadowed;
     std::printf("%zu triangles, %u x %u pixels\n", triangle_count, camera.width, camera.height);
     print_row("sky", report.sky, report.pixels);
-    print_row("points", points, report.pixels);
+    const std::uint64_t samples = report.samples_of_sky + report.samples_on_own + report.samples_on_others;
+    print_row("points", points, samples != 0 ? samples : report.pixels);
     print_row("facing away", visibility.facing_away, points);
     print_row("lit", visibility.lit, points);
     print_row("shadowed", visibility.shadowed, points);
@@ -246,6 +268,14 @@ void print_report(const reference::ViewReport& report, std::size_t triangle_coun
     print_row("camera judged", report.camera_pixels, report.pixels);
     print_row("camera decided by integers", report.camera_decided_exactly, report.camera_pixels);
     print_row("camera ambiguous", report.camera_ambiguous, report.camera_pixels);
+    if (report.samples_judged != 0) {
+        print_row("samples of sky", report.samples_of_sky, samples);
+        print_row("samples on their pixel's receiver", report.samples_on_own, samples);
+        print_row("samples on others", report.samples_on_others, samples);
+        print_row("samples judged", report.samples_judged, samples);
+        print_row("samples ambiguous", report.samples_ambiguous, report.samples_judged);
+        print_row("pixels partly lit", report.partly_lit, report.pixels);
+    }
     std::printf("  %-34s %12.3Lf  (16 allowed)\n", "largest distance to the hit, ulp", report.largest_distance_ulp);
     std::printf("  %-34s %12.3g\n", "ray tolerance", ray_tolerance);
     std::printf("  %-34s %12.1f  visibility, %.1f camera\n", "seconds", report.visibility_seconds,
@@ -256,6 +286,11 @@ void print_report(const reference::ViewReport& report, std::size_t triangle_coun
     print_faults("WRONG nearest triangle (a)", report.wrong_nearest, camera.width);
     print_faults("WRONG side of the plane (b)", report.wrong_side, camera.width);
     print_faults("WRONG distance to the hit (c)", report.wrong_distance, camera.width);
+    if (report.samples_judged != 0) {
+        print_faults("WRONG nearest, samples (a)", report.wrong_sample_nearest, camera.width);
+        print_faults("WRONG side, samples (b)", report.wrong_sample_side, camera.width);
+        print_faults("WRONG distance, samples (c)", report.wrong_sample_distance, camera.width);
+    }
     std::printf(report.wrong() == 0 ? "right: nothing wrong\n" : "WRONG\n");
 }
 
@@ -277,7 +312,19 @@ int check(const Options& options) {
         masks = read_masks(options.masks, triangles.size() / 9);
         how.masks = &masks;
     }
-    const auto report = reference::judge_view(triangles, camera, light, {position, normal, receiver, visibility}, how);
+    reference::ViewClaim claim{position, normal, receiver, visibility, options.samples, {}, {}};
+    std::optional<SamplePoints> samples;
+    if (options.samples != 1) {
+        if (reference::sample_positions(options.samples).empty())
+            throw std::invalid_argument("--samples must be 1, 4, 8, 16 or 32");
+        if (options.points.empty()) throw std::invalid_argument("--samples needs --points as well");
+        samples.emplace(options.points, receiver.size() * options.samples);
+        claim.sample_position = samples->position;
+        claim.sample_receiver = samples->receiver;
+    } else if (!options.points.empty()) {
+        throw std::invalid_argument("--points goes with --samples");
+    }
+    const auto report = reference::judge_view(triangles, camera, light, claim, how);
     print_report(report, triangles.size() / 9, camera, options.judge.ray_tolerance);
     return report.wrong() == 0 ? 0 : 1;
 }

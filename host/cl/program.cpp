@@ -35,7 +35,8 @@ constexpr std::array picture_files = {"occluders/triangle_bounds.cl",
                                       "trace/exact_trace.cl",
                                       "camera/surface.cl",
                                       "camera/shade.cl",
-                                      "occluders/conservative_map.cl"};
+                                      "occluders/conservative_map.cl",
+                                      "occluders/clusters.cl"};
 
 // Empty if the variable is not set.
 std::string environment(const char* variable) {

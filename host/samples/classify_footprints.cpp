@@ -16,7 +16,7 @@ void run_classify_footprints(cl::Session& session, const TraceInputs& inputs) {
                                   .first_frame = inputs.first_frame,
                                   .frame_count = inputs.frame_count,
                                   .has_map = inputs.map != nullptr,
-                                  .padding = 0},
+                                  .domains = lists.tables.domains},
                    inputs.projections, inputs.triangles.vertices, points.positions, points.footprints, points.receivers,
                    inputs.map != nullptr ? *inputs.map : lists.ranges, lists.ranges, lists.entries, lists.records,
                    lists.bounds, inputs.visibility, inputs.counters);

@@ -31,6 +31,7 @@ public:
 
     /// Buffers that run_samples_by_fragments() keeps from run to run, until the technique's end; null before the first.
     std::unique_ptr<SampleBuffers> sample_buffers;
+    std::size_t expected_footprints = 0;  ///< about as many as a batch has, and the same number in each run
 };
 
 /// As Trace::run(), for points that carry footprints.

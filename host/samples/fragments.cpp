@@ -234,6 +234,7 @@ private:
     void classify() {
         // Room for all slots: the number of used slots depends on threads, and a run's memory must not.
         kept_.classes.reserve(session_, batch_.slots * sizeof(float));
+        technique_.expected_footprints = batch_.count;
         add_run([&] {
             return technique_.classify_footprints(in_.triangles, centres(), kept_.footprints, in_.light, classes());
         });
@@ -330,6 +331,7 @@ private:
         const Statistics run = run_technique();
         add_stages(total_, run);
         technique_memory_bytes_ = std::max(technique_memory_bytes_, run.device_memory_bytes);
+        was_prepared_ |= run.count("prepared") != 0;
     }
 
     void add_counts() {
@@ -340,7 +342,8 @@ private:
                          {"fragments_mixed", sum_.mixed_fragments},
                          {"samples_decided_in_shadow", sum_.in_shadow},
                          {"samples_decided_lit", sum_.lit},
-                         {"samples_traced", sum_.mixed_samples}};
+                         {"samples_traced", sum_.mixed_samples},
+                         {"prepared", was_prepared_}};
     }
 
     ClassifiesFootprints& technique_;
@@ -360,6 +363,7 @@ private:
     } sum_{};
     Statistics total_;
     std::uint64_t technique_memory_bytes_ = 0;
+    bool was_prepared_ = false;
 };
 
 }  // namespace

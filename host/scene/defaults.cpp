@@ -82,9 +82,10 @@ public:
         const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
         const auto [left, right] = std::minmax({t[u], t[u + 3], t[u + 6]});
         const auto [low, high] = std::minmax({t[v], t[v + 3], t[v + 6]});
-        for (std::size_t i = 0; i < at_.size(); ++i) {
+        const auto first = std::ranges::lower_bound(at_, double(left), {}, [](const auto& line) { return line[0]; });
+        for (std::size_t i = std::size_t(first - at_.begin()); i < at_.size() && at_[i][0] <= right; ++i) {
             const auto& [x, y] = at_[i];
-            if (x < left || x > right || y < low || y > high) continue;
+            if (y < low || y > high) continue;
             double e[3], sum = 0;
             for (int k = 0; k < 3; ++k) {
                 const float *a = t + 3 * ((k + 1) % 3), *b = t + 3 * ((k + 2) % 3);
@@ -107,7 +108,7 @@ private:
 
     int axis_;
     Double3 middle_;
-    std::vector<std::array<double, 2>> at_;
+    std::vector<std::array<double, 2>> at_;  ///< the first coordinate does not fall
 };
 
 void meet(const Scene& scene, std::span<Lines> lines) {

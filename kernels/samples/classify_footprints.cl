@@ -24,8 +24,13 @@
 // The samples of mixed footprints are traced over the same lists: their grid positions lie in the footprints, and every
 // bin lists the triangles for these positions. The lists do not cover fallback points: footprints that are unbounded,
 // lie in no frame as a whole or are too large. If there is a fallback point, the samples get a frame of their own.
+//
+// A prepared light's lists are complete for every sample in the light's domain. So a footprint that lies in the domain
+// as a whole is classified over them as over a run's own lists, which also lack triangles below the map. Any other
+// footprint is mixed, and the prepared trace decides for each of its samples whether the lists cover it.
 #include "occluders/bin_test.clh"
 #include "occluders/triangle_setup.h"
+#include "prepared/prepared_light.h"
 #include "samples/classify_footprints.h"
 #include "samples/clearance.clh"
 
@@ -305,6 +310,22 @@ static LaneInt footprints_below_map(__constant const Projection* projection, con
     return lanes;
 }
 
+// Removes the lanes whose footprints a prepared light's lists do not cover as a whole (they are mixed), and the lanes
+// of a frame without triangles (they are lit). A domain is made of intervals of what samples are moved along, and their
+// roundings are monotone: it contains a footprint that has both its extreme corners in it.
+static LaneInt lanes_in_domain(ClassifyParams params, __global const uint2* ranges, uint frame, PointBlock centres,
+                               const FootprintBlock* around, LaneInt lanes, FootprintClasses* classes) {
+    __global const PreparedDomain* domain =
+        (__global const PreparedDomain*)prepared_table(ranges, params.domains) + frame;
+    LightFrame face = face_of(params.light_frame, frame);
+    PointBlock reach = scaled(footprint_reach(around), (LaneFloat)(FOOTPRINT_SLACK));
+    PointBlock low = difference(centres, reach), high = {centres.x + reach.x, centres.y + reach.y, centres.z + reach.z};
+    PreparedAnswer at_low = prepared_answer(face, domain, low), at_high = prepared_answer(face, domain, high);
+    LaneInt inside = at_low.inside & at_high.inside;
+    classes->not_lit |= lanes & ~inside;
+    return domain->has_triangles ? lanes & inside : (LaneInt)(0);
+}
+
 static void count_fallback_points(LaneInt fallback_points, __global FrameCounters* counters) {
     if (LANES_ANY(fallback_points)) atomic_add(&counters->fallback_points, count_lanes(fallback_points));
 }
@@ -342,6 +363,8 @@ __kernel void classify_footprints(ClassifyParams params, __constant const Projec
             int frame = LANE_OF_INT(frames, first_lane(left));
             LaneInt same_frame = left & LANE_COMPARE(frames, ==, (LaneInt)(frame));
             left &= ~same_frame;
+            if (params.domains != 0u)
+                same_frame = lanes_in_domain(params, ranges, (uint)frame, centres, &world, same_frame, &classes);
             ProjectedFootprints projected = project_footprints(&projections[frame], centres, &world);
             classes.not_lit |= same_frame & ~projected.usable;
             count_fallback_points(same_frame & ~(projected.grid.usable & spans_below(&projected.span, LISTED_SPAN)),

@@ -46,18 +46,23 @@ long double depth_between(const Ray& ray, const Triangle& a, const Triangle& b) 
 /// Whether the ray meets the closed triangle after its origin.
 bool meets(const Ray& ray, const Triangle& triangle, Effort& effort) { return blocks(ray, triangle, effort); }
 
+bool is_met(const Bvh& bvh, std::span<const float> triangles, const Ray& ray, std::uint32_t id, Effort& effort) {
+    const Triangle triangle = triangle_at(triangles, id);
+    return meets(ray, triangle, effort) && bvh.is_opaque(id, triangle, ray);
+}
+
 /// Promise (a) for one ray.
-bool sees(const Bvh& bvh, std::span<const float> triangles, const Ray& ray, std::uint32_t receiver,
+bool sees(const Bvh& bvh, std::span<const float> triangles, const Ray& ray, std::uint32_t receiver, std::uint32_t own,
           long double depth_slack, Effort& effort) {
+    if (own < triangles.size() / 9 && is_met(bvh, triangles, ray, own, effort)) return receiver == own;
     const auto nearest = nearest_triangle(bvh, ray, effort);
     if (receiver == NO_RECEIVER) return !nearest;
     if (!nearest) return false;
     if (*nearest == receiver) return true;
-    const Triangle claimed = triangle_at(triangles, receiver);
-    if (!meets(ray, claimed, effort) || !bvh.is_opaque(receiver, claimed, ray)) return false;
+    if (!is_met(bvh, triangles, ray, receiver, effort)) return false;
     ++effort.signs;
     ++effort.exact_signs;
-    return depth_between(ray, claimed, triangle_at(triangles, *nearest)) <= depth_slack;
+    return depth_between(ray, triangle_at(triangles, receiver), triangle_at(triangles, *nearest)) <= depth_slack;
 }
 
 }  // namespace
@@ -66,6 +71,16 @@ PixelRays::PixelRays(const PinholeCamera& camera, double ray_tolerance) : camera
     if (camera.width == 0 || camera.height == 0) throw std::invalid_argument("the camera has no pixels");
     if (!(camera.fov_y_degrees > 0 && camera.fov_y_degrees < 180))
         throw std::invalid_argument("the vertical field of view must lie between 0 and 180 degrees");
+    tangent_ = std::tan(static_cast<long double>(camera.fov_y_degrees) * std::numbers::pi_v<long double> / 360);
+    if (camera.axes) {
+        for (int i = 0; i < 3; ++i) {
+            right_[i] = (*camera.axes)[0][i];
+            up_[i] = (*camera.axes)[1][i];
+            forward_[i] = (*camera.axes)[2][i];
+        }
+        tilt_ = static_cast<long double>(ray_tolerance);
+        return;
+    }
     Vector view, hint;
     for (int i = 0; i < 3; ++i) {
         view[i] = static_cast<long double>(camera.target[i]) - static_cast<long double>(camera.eye[i]);
@@ -75,15 +90,14 @@ PixelRays::PixelRays(const PinholeCamera& camera, double ray_tolerance) : camera
     const Vector sideways = cross(forward_, normalized(hint, "the camera's up must not be 0,0,0"));
     right_ = normalized(sideways, "the camera's up is parallel to its view");
     up_ = cross(right_, forward_);
-    tangent_ = std::tan(static_cast<long double>(camera.fov_y_degrees) * std::numbers::pi_v<long double> / 360);
     tilt_ = static_cast<long double>(ray_tolerance) / length(sideways);
 }
 
-PixelRays::Vector PixelRays::direction(std::uint32_t x, std::uint32_t y) const {
+PixelRays::Vector PixelRays::direction(const PicturePosition& at) const {
     const long double height = camera_.height;
-    // (2 (x + 0.5) / width - 1) width / height: the numerators are integers.
-    const long double across = (2.0L * x + 1 - static_cast<long double>(camera_.width)) / height * tangent_;
-    const long double upwards = (height - 2.0L * y - 1) / height * tangent_;
+    // (2 x / width - 1) width / height: the numerators are exact, being whole numbers of 64ths of a pixel.
+    const long double across = (2.0L * at.x - static_cast<long double>(camera_.width)) / height * tangent_;
+    const long double upwards = (height - 2.0L * at.y) / height * tangent_;
     Vector result;
     for (int i = 0; i < 3; ++i) result[i] = forward_[i] + across * right_[i] + upwards * up_[i];
     return result;
@@ -96,10 +110,10 @@ Ray PixelRays::fixed(const Vector& direction) const {
     return Ray::through_pixel(camera_.eye, integers);
 }
 
-Ray PixelRays::through_centre(std::uint32_t x, std::uint32_t y) const { return fixed(direction(x, y)); }
+Ray PixelRays::through(const PicturePosition& at) const { return fixed(direction(at)); }
 
-std::vector<Ray> PixelRays::around_centre(std::uint32_t x, std::uint32_t y) const {
-    const Vector centre = direction(x, y);
+std::vector<Ray> PixelRays::around(const PicturePosition& at) const {
+    const Vector centre = direction(at);
     std::vector<Ray> rays;
     for (const long double share : {1.0L, 0.5L})
         for (int k = 0; k < 16; ++k) {
@@ -157,19 +171,20 @@ long double ulp_at(const Float3& a, const Float3& b) {
     return std::ldexp(1.0L, exponent);
 }
 
-CameraVerdict judge_pixel(const Bvh& bvh, std::span<const float> triangles, const PixelRays& rays, std::uint32_t x,
-                          std::uint32_t y, std::uint32_t receiver, const Float3& point, Effort& effort) {
+CameraVerdict judge_position(const Bvh& bvh, std::span<const float> triangles, const PixelRays& rays,
+                             const PicturePosition& at, std::uint32_t receiver, const Float3& point, Effort& effort,
+                             std::uint32_t own) {
     CameraVerdict verdict;
     const bool is_sky = receiver == NO_RECEIVER;
     const bool has_plane = receiver < triangles.size() / 9 && is_finite(triangle_at(triangles, receiver));
     if (!is_sky && (!has_plane || !is_finite(point))) return {false, false, false, false, 0};
 
-    Ray ray = rays.through_centre(x, y);
+    Ray ray = rays.through(at);
     const long double ulp = is_sky ? 0 : ulp_at(point, ray.origin);
-    verdict.is_nearest = sees(bvh, triangles, ray, receiver, CAMERA_ULP * ulp, effort);
+    verdict.is_nearest = sees(bvh, triangles, ray, receiver, own, CAMERA_ULP * ulp, effort);
     if (!verdict.is_nearest) {
-        for (const Ray& tilted : rays.around_centre(x, y)) {
-            if (!sees(bvh, triangles, tilted, receiver, CAMERA_ULP * ulp, effort)) continue;
+        for (const Ray& tilted : rays.around(at)) {
+            if (!sees(bvh, triangles, tilted, receiver, own, CAMERA_ULP * ulp, effort)) continue;
             verdict.is_nearest = verdict.is_ambiguous = true;
             ray = tilted;
             break;
@@ -184,6 +199,27 @@ CameraVerdict judge_pixel(const Bvh& bvh, std::span<const float> triangles, cons
     if (hit) verdict.distance_ulp = length({point[0] - (*hit)[0], point[1] - (*hit)[1], point[2] - (*hit)[2]}) / ulp;
     verdict.is_close = hit && verdict.distance_ulp <= CAMERA_ULP;
     return verdict;
+}
+
+std::vector<PicturePosition> sample_positions(std::uint32_t samples) {
+    // Microsoft's D3D11_STANDARD_MULTISAMPLE_PATTERN, in sixteenths of a pixel from its centre.
+    using Sixteenths = std::vector<std::array<int, 2>>;
+    static const Sixteenths of_4{{-2, -6}, {6, -2}, {-6, 2}, {2, 6}};
+    static const Sixteenths of_8{{1, -3}, {-1, 3}, {5, 1}, {-3, -5}, {-5, 5}, {-7, -1}, {3, 7}, {7, -7}};
+    static const Sixteenths of_16{{1, 1},  {-1, -3}, {-3, 2},  {4, -1}, {-5, -2}, {2, 5},  {5, 3}, {3, -5},
+                                  {-2, 6}, {0, -7},  {-4, -6}, {-6, 4}, {-8, 0},  {7, -4}, {6, 7}, {-7, -8}};
+    std::vector<PicturePosition> positions;
+    if (samples == 1) return {{0.5L, 0.5L}};
+    if (samples == 32) {
+        for (unsigned i = 0; i < 32; ++i) {
+            const unsigned reversed = (i & 1) << 4 | (i & 2) << 2 | (i & 4) | (i & 8) >> 2 | (i & 16) >> 4;
+            positions.push_back({(i + 0.5L) / 32, (reversed + 0.5L) / 32});
+        }
+        return positions;
+    }
+    const Sixteenths none, &pattern = samples == 4 ? of_4 : samples == 8 ? of_8 : samples == 16 ? of_16 : none;
+    for (const auto& [x, y] : pattern) positions.push_back({(x + 8) / 16.0L, (y + 8) / 16.0L});
+    return positions;
 }
 
 }  // namespace reference

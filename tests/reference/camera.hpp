@@ -20,11 +20,13 @@
 //   (c) distance: P is at most 16 ulp from where the ray meets the receiver's plane.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "bvh.hpp"
+#include "visibility.hpp"
 
 namespace reference {
 
@@ -38,7 +40,16 @@ struct PinholeCamera {
     Float3 eye{}, target{0, 0, -1}, up{0, 1, 0};
     double fov_y_degrees = 50;
     std::uint32_t width = 0, height = 0;
+    /// Right, up and forward, unit and orthogonal up to the roundings of doubles: in place of target and up.
+    std::optional<std::array<std::array<double, 3>, 3>> axes{};
 };
+
+/// In pixels from the picture's upper left corner, rightwards and downwards.
+struct PicturePosition {
+    long double x = 0, y = 0;
+};
+
+inline PicturePosition centre_of(std::uint32_t x, std::uint32_t y) { return {x + 0.5L, y + 0.5L}; }
 
 class PixelRays {
 public:
@@ -46,14 +57,14 @@ public:
     /// outside 0..180, no pixels).
     explicit PixelRays(const PinholeCamera& camera, double ray_tolerance = DEFAULT_RAY_TOLERANCE);
 
-    Ray through_centre(std::uint32_t x, std::uint32_t y) const;
+    Ray through(const PicturePosition& at) const;
 
     /// The rays that decide about ambiguity: tilted by the tolerance and half of it.
-    std::vector<Ray> around_centre(std::uint32_t x, std::uint32_t y) const;
+    std::vector<Ray> around(const PicturePosition& at) const;
 
 private:
     using Vector = std::array<long double, 3>;
-    Vector direction(std::uint32_t x, std::uint32_t y) const;
+    Vector direction(const PicturePosition& at) const;
     Ray fixed(const Vector& direction) const;
 
     PinholeCamera camera_;
@@ -72,7 +83,7 @@ std::optional<std::array<long double, 3>> meeting_point(const Ray& ray, const Tr
 /// float32's spacing at the largest coordinate, in magnitude, of the two.
 long double ulp_at(const Float3& a, const Float3& b);
 
-/// What became of one pixel's claim.
+/// What became of one claim.
 struct CameraVerdict {
     bool is_nearest = true;        ///< (a)
     bool is_on_side = true;        ///< (b); vacuous for the sky
@@ -81,8 +92,14 @@ struct CameraVerdict {
     long double distance_ulp = 0;  ///< |P - true hit|; 0 for the sky and where there is no true hit
 };
 
-/// Judges the claim that pixel (x, y) sees `receiver` (NO_RECEIVER: the sky) at `point`.
-CameraVerdict judge_pixel(const Bvh& bvh, std::span<const float> triangles, const PixelRays& rays, std::uint32_t x,
-                          std::uint32_t y, std::uint32_t receiver, const Float3& point, Effort& effort);
+/// Judges the claim that the ray through `at` sees `receiver` (NO_RECEIVER: the sky) at `point`. `own` is the receiver
+/// of the pixel that a sample belongs to: a sample whose ray meets that triangle lies on it, whatever else is nearer.
+CameraVerdict judge_position(const Bvh& bvh, std::span<const float> triangles, const PixelRays& rays,
+                             const PicturePosition& at, std::uint32_t receiver, const Float3& point, Effort& effort,
+                             std::uint32_t own = NO_RECEIVER);
+
+/// Where samples lie within a pixel: 1 (the centre), 4, 8 or 16 (Direct3D's standard patterns) or 32 (Hammersley's
+/// points in base 2, in the middle of their strata), each from the pixel's upper left corner. Empty for another number.
+std::vector<PicturePosition> sample_positions(std::uint32_t samples);
 
 }  // namespace reference

@@ -65,6 +65,35 @@ protected:
         ASSERT_TRUE(output->close());
     }
 
+    void write_samples() const {
+        std::ofstream file(path("points.bin"), std::ios::binary);
+        for (std::size_t i = 0; i < view.sample_receiver.size(); ++i) {
+            file.write(reinterpret_cast<const char*>(&view.sample_position[3 * i]), 12);
+            file.write(reinterpret_cast<const char*>(&view.sample_receiver[i]), 4);
+        }
+    }
+
+    Outcome judge_samples(std::uint32_t samples = 8) const {
+        write_samples();
+        return judge(std::string(CAMERA_AND_LIGHT) + " --samples " + std::to_string(samples) + " --points " +
+                     path("points.bin"));
+    }
+
+    /// A pixel with samples on its own receiver, which is the floor, and on another.
+    std::size_t pixel_on_several() const {
+        for (std::size_t i = 0; i < view.receiver.size(); ++i)
+            for (std::size_t k = i; k < view.sample_receiver.size(); k += view.receiver.size())
+                if (view.receiver[i] < 2 && view.sample_receiver[k] == 2) return i;
+        throw std::logic_error("no pixel does");
+    }
+
+    /// The number of a pixel's sample on this receiver.
+    std::size_t sample_on(std::uint32_t receiver, std::size_t pixel) const {
+        for (std::size_t k = pixel; k < view.sample_receiver.size(); k += view.receiver.size())
+            if (view.sample_receiver[k] == receiver) return k;
+        throw std::logic_error("no sample is");
+    }
+
     Outcome run(const std::string& arguments) const {
         const std::string command = std::string(CHECK_VIEW) + " " + arguments + " 2>&1";
         Outcome outcome;
@@ -78,8 +107,9 @@ protected:
 
     std::string files() const { return "--triangles " + path("triangles.bin") + " --aov " + path("view.exr"); }
 
-    Outcome judge(const std::string& camera_and_light =
-                      " --eye -3,4,8 --target -.5,1,0 --fovy 60 --light-direction -.25,-1,-.125") const {
+    static constexpr const char* CAMERA_AND_LIGHT =
+        " --eye -3,4,8 --target -.5,1,0 --fovy 60 --light-direction -.25,-1,-.125";
+    Outcome judge(const std::string& camera_and_light = CAMERA_AND_LIGHT) const {
         write_files();
         return run(files() + camera_and_light);
     }
@@ -110,6 +140,7 @@ protected:
         std::filesystem::remove(path("triangles.bin"));
         std::filesystem::remove(path("view.exr"));
         std::filesystem::remove(path("masks.bin"));
+        std::filesystem::remove(path("points.bin"));
     }
 
     // A floor of two, and a roof.
@@ -226,6 +257,60 @@ TEST_F(CheckView, MasksAreTaken) {
     outcome = run(files() + with_masks);
     EXPECT_EQ(outcome.status, 2);
     EXPECT_NE(outcome.output.find("is too short"), std::string::npos) << outcome.output;
+}
+
+TEST_F(CheckView, RightSamplesPass) {
+    for (const std::uint32_t samples : {4u, 8u, 16u, 32u}) {
+        view = make_view(triangles, camera, light, samples);
+        const Outcome outcome = judge_samples(samples);
+        EXPECT_EQ(outcome.status, 0) << outcome.output;
+        EXPECT_EQ(outcome.count("samples judged"), long(samples * camera.width * camera.height));
+        EXPECT_GT(outcome.count("samples on others"), 20) << outcome.output;
+        EXPECT_GT(outcome.count("samples of sky"), 20);
+        EXPECT_GT(outcome.count("pixels partly lit"), 10);
+    }
+}
+
+TEST_F(CheckView, EveryWrongSampleIsFound) {
+    const View right = make_view(triangles, camera, light, 8);
+    const auto expect_wrong = [&](const char* row, long count) {
+        const Outcome outcome = judge_samples();
+        EXPECT_EQ(outcome.status, 1) << row;
+        EXPECT_EQ(outcome.count(row), count) << outcome.output;
+        view = right;
+    };
+    view = right;
+    const std::size_t pixel = pixel_on_several(), roof = sample_on(2, pixel);
+    view.visibility[pixel_on(0)] -= 0.125f;  // one sample's shadow
+    expect_wrong("WRONG visibility", 1);
+    view.sample_receiver[roof] = NO_RECEIVER;
+    expect_wrong("WRONG nearest, samples (a)", 1);
+    view.sample_receiver[roof] = 1 - view.receiver[pixel];
+    expect_wrong("WRONG nearest, samples (a)", 1);
+    // What the sample's ray does not meet, and what it meets behind the pixel's receiver.
+    view.sample_receiver[sample_on(view.receiver[pixel], pixel)] = 2;
+    expect_wrong("WRONG nearest, samples (a)", 1);
+    view.sample_receiver[sample_on(2, pixel_on(2))] = 0;
+    expect_wrong("WRONG nearest, samples (a)", 1);
+    view.sample_receiver[sample_on(NO_RECEIVER, pixel_on(NO_RECEIVER))] = 0;
+    expect_wrong("WRONG nearest, samples (a)", 1);
+    view.sample_position[3 * sample_on(0, pixel_on(0)) + 1] = -0x1p-30f;
+    expect_wrong("WRONG side, samples (b)", 1);
+    view.sample_position[3 * sample_on(0, pixel_on(0))] += 40 * 0x1p-20f;
+    expect_wrong("WRONG distance, samples (c)", 1);
+    // Two samples of a pixel in each other's place, as if the pattern's order were another.
+    const std::size_t on_floor = view.receiver.size() - 20;  // in the middle of the last row
+    for (std::size_t k = 0; k < 3; ++k)
+        std::swap(view.sample_position[3 * on_floor + k], view.sample_position[3 * (on_floor + 1200) + k]);
+    expect_wrong("WRONG distance, samples (c)", 2);
+    view.sample_position[3 * sample_on(NO_RECEIVER, pixel_on(NO_RECEIVER))] = 1;
+    for (std::size_t k = 1; k < 3; ++k) view.sample_position[3 * sample_on(NO_RECEIVER, pixel_on(NO_RECEIVER)) + k] = 1;
+    expect_wrong("WRONG sky", 1);
+    write_samples();
+    for (const std::string& rest :
+         {std::string(" --samples 8"), " --points " + path("points.bin"), " --samples 7 --points " + path("points.bin"),
+          " --samples 4 --points " + path("points.bin")})
+        EXPECT_EQ(judge(CAMERA_AND_LIGHT + rest).status, 2) << rest;
 }
 
 TEST_F(CheckView, WhatCannotBeJudgedIsSaidInOneSentence) {

@@ -384,7 +384,7 @@ TEST(Exact, QuotientsBecomeLongDouble) {
 TEST(Camera, RowsStartOnTopAndColumnsLeft) {
     // Looking along -Z with up +Y, right is +X.
     const PixelRays rays({{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90, 4, 2});
-    const Ray top_left = rays.through_centre(0, 0), bottom_right = rays.through_centre(3, 1);
+    const Ray top_left = rays.through(centre_of(0, 0)), bottom_right = rays.through(centre_of(3, 1));
     // t = 1, aspect 2: x = (1/4 - 1) * 2 = -1.5, y = 0.5, z = -1.
     EXPECT_NEAR(top_left.direction[0] / -top_left.direction[2], -1.5, 1e-15);
     EXPECT_NEAR(top_left.direction[1] / -top_left.direction[2], 0.5, 1e-15);
@@ -406,7 +406,7 @@ protected:
     CameraVerdict judge(std::uint32_t receiver, const Float3& point, double tolerance = DEFAULT_RAY_TOLERANCE) const {
         const Bvh bvh(triangles);
         Effort effort;
-        return judge_pixel(bvh, triangles, PixelRays(camera, tolerance), 0, 0, receiver, point, effort);
+        return judge_position(bvh, triangles, PixelRays(camera, tolerance), centre_of(0, 0), receiver, point, effort);
     }
 
     PinholeCamera camera{{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 60, 1, 1};

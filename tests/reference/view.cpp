@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 
@@ -71,23 +72,46 @@ void check_sizes(const PinholeCamera& camera, const ViewClaim& claim) {
         (!claim.normal.empty() && !fits(claim.normal.size(), 3)) ||
         (!claim.visibility.empty() && !fits(claim.visibility.size(), 1)))
         throw std::invalid_argument("the view's arrays do not match its width and height");
+    if (sample_positions(claim.samples).empty())
+        throw std::invalid_argument("a pixel has 1, 4, 8, 16 or 32 samples, not " + std::to_string(claim.samples));
+    if (claim.samples != 1 &&
+        (!fits(claim.sample_position.size(), 3 * claim.samples) || !fits(claim.sample_receiver.size(), claim.samples)))
+        throw std::invalid_argument("the samples do not match the view's width and height");
 }
 
-/// Visibility of all pixels that are not sky; the sky's own rules.
-void judge_visibility(std::span<const float> triangles, const PinholeCamera& camera, const std::array<float, 4>& light,
-                      const ViewClaim& claim, const Masks* masks, ViewReport& report) {
+/// Visibility of all points of `claim` that are not sky: how many of each pixel's are in shadow.
+std::vector<std::uint32_t> count_shadowed(std::span<const float> triangles, const PinholeCamera& camera,
+                                          const std::array<float, 4>& light, std::span<const float> position,
+                                          std::span<const std::uint32_t> receiver, std::size_t pixel_count,
+                                          const Masks* masks, ViewReport& report) {
     std::vector<float> points;
     std::vector<std::uint32_t> receivers;
     std::vector<std::size_t> pixels;
-    for (std::size_t i = 0; i < claim.receiver.size(); ++i) {
-        if (claim.receiver[i] == NO_RECEIVER) continue;
-        points.insert(points.end(), claim.position.begin() + 3 * i, claim.position.begin() + 3 * i + 3);
-        receivers.push_back(claim.receiver[i]);
-        pixels.push_back(i);
+    for (std::size_t i = 0; i < receiver.size(); ++i) {
+        if (receiver[i] == NO_RECEIVER) continue;
+        points.insert(points.end(), position.begin() + 3 * i, position.begin() + 3 * i + 3);
+        receivers.push_back(receiver[i]);
+        pixels.push_back(i % pixel_count);
     }
     const auto truth = shadowed(triangles, points, receivers, light, camera.eye, &report.visibility, masks);
-    for (std::size_t i = 0; i < pixels.size(); ++i)
-        if (claim.visibility[pixels[i]] != (truth[i] ? 0.0f : 1.0f)) report.wrong_visibility.add(pixels[i]);
+    std::vector<std::uint32_t> counts(pixel_count);
+    for (std::size_t i = 0; i < pixels.size(); ++i) counts[pixels[i]] += truth[i];
+    return counts;
+}
+
+void judge_visibility(std::span<const float> triangles, const PinholeCamera& camera, const std::array<float, 4>& light,
+                      const ViewClaim& claim, const Masks* masks, ViewReport& report) {
+    const bool has_samples = claim.samples != 1;
+    const auto in_shadow =
+        count_shadowed(triangles, camera, light, has_samples ? claim.sample_position : claim.position,
+                       has_samples ? claim.sample_receiver : claim.receiver, claim.receiver.size(), masks, report);
+    for (std::size_t i = 0; i < in_shadow.size(); ++i) {
+        if (!has_samples && claim.receiver[i] == NO_RECEIVER) continue;  // the sky has rules of its own
+        // The number of samples is a power of two: their mean is exact.
+        if (claim.visibility[i] != float(claim.samples - in_shadow[i]) / float(claim.samples))
+            report.wrong_visibility.add(i);
+        report.partly_lit += in_shadow[i] != 0 && in_shadow[i] != claim.samples;
+    }
 }
 
 bool is_right_sky(const ViewClaim& claim, std::size_t pixel) {
@@ -95,7 +119,7 @@ bool is_right_sky(const ViewClaim& claim, std::size_t pixel) {
         return vectors.empty() || point_at(vectors, pixel) == Float3{0, 0, 0};
     };
     return is_zero(claim.position) && is_zero(claim.normal) &&
-           (claim.visibility.empty() || claim.visibility[pixel] == 1.0f);
+           (claim.visibility.empty() || claim.samples != 1 || claim.visibility[pixel] == 1.0f);
 }
 
 void judge_normals_and_sky(std::span<const float> triangles, const PinholeCamera& camera, const ViewClaim& claim,
@@ -114,40 +138,108 @@ void judge_normals_and_sky(std::span<const float> triangles, const PinholeCamera
     }
 }
 
-void judge_camera(std::span<const float> triangles, const PinholeCamera& camera, const ViewClaim& claim,
-                  const JudgeOptions& options, ViewReport& report) {
-    const Bvh bvh(triangles, options.masks);
-    const PixelRays rays(camera, options.ray_tolerance);
-    const double share = options.camera_sample == 0
-                             ? 1
-                             : static_cast<double>(options.camera_sample) / static_cast<double>(report.pixels);
+/// What the judges of one view share.
+struct Judge {
+    Judge(std::span<const float> of, const PinholeCamera& camera_, const ViewClaim& claim_,
+          const JudgeOptions& options_)
+        : triangles(of),
+          camera(camera_),
+          claim(claim_),
+          options(options_),
+          bvh(of, options_.masks),
+          rays(camera_, options_.ray_tolerance),
+          pattern(sample_positions(claim_.samples)) {}
+
+    bool is_chosen(std::size_t pixel) const {
+        const auto all = static_cast<double>(claim.receiver.size());
+        return options.camera_sample == 0 ||
+               sample_value(options.seed, pixel) < static_cast<double>(options.camera_sample) / all;
+    }
+    CameraVerdict verdict_of(std::size_t pixel, const PicturePosition& in_pixel, std::uint32_t receiver,
+                             const Float3& point, std::uint32_t own, Effort& effort) const {
+        const PicturePosition at{static_cast<long double>(pixel % camera.width) + in_pixel.x,
+                                 static_cast<long double>(pixel / camera.width) + in_pixel.y};
+        return judge_position(bvh, triangles, rays, at, receiver, point, effort, own);
+    }
+
+    std::span<const float> triangles;
+    const PinholeCamera& camera;
+    const ViewClaim& claim;
+    const JudgeOptions& options;
+    Bvh bvh;
+    PixelRays rays;
+    std::vector<PicturePosition> pattern;
+};
+
+void judge_centre(const Judge& judge, std::size_t pixel, ViewReport& report) {
+    Effort effort;
+    const CameraVerdict verdict = judge.verdict_of(pixel, centre_of(0, 0), judge.claim.receiver[pixel],
+                                                   point_at(judge.claim.position, pixel), NO_RECEIVER, effort);
+    ++report.camera_pixels;
+    report.camera_ambiguous += verdict.is_ambiguous;
+    report.camera_decided_exactly += effort.exact_signs > 0;
+    report.largest_distance_ulp = std::max(report.largest_distance_ulp, verdict.distance_ulp);
+    if (!verdict.is_nearest) report.wrong_nearest.add(pixel);
+    if (!verdict.is_on_side) report.wrong_side.add(pixel);
+    if (!verdict.is_close) report.wrong_distance.add(pixel);
+}
+
+/// The samples of one pixel. What is ambiguous about the pixel's own receiver is so for its samples.
+void judge_samples(const Judge& judge, std::size_t pixel, ViewReport& report) {
+    const ViewClaim& claim = judge.claim;
+    for (std::size_t k = 0; k < judge.pattern.size(); ++k) {
+        const std::size_t i = k * claim.receiver.size() + pixel;
+        Effort effort;
+        const CameraVerdict verdict =
+            judge.verdict_of(pixel, judge.pattern[k], claim.sample_receiver[i], point_at(claim.sample_position, i),
+                             claim.receiver[pixel], effort);
+        ++report.samples_judged;
+        report.samples_ambiguous += verdict.is_ambiguous;
+        report.largest_distance_ulp = std::max(report.largest_distance_ulp, verdict.distance_ulp);
+        if (!verdict.is_nearest) report.wrong_sample_nearest.add(pixel);
+        if (!verdict.is_on_side) report.wrong_sample_side.add(pixel);
+        if (!verdict.is_close) report.wrong_sample_distance.add(pixel);
+    }
+}
+
+void merge(const ViewReport& part, ViewReport& report) {
+    report.camera_pixels += part.camera_pixels;
+    report.camera_ambiguous += part.camera_ambiguous;
+    report.camera_decided_exactly += part.camera_decided_exactly;
+    report.samples_judged += part.samples_judged;
+    report.samples_ambiguous += part.samples_ambiguous;
+    report.largest_distance_ulp = std::max(report.largest_distance_ulp, part.largest_distance_ulp);
+    for (Faults ViewReport::*faults :
+         {&ViewReport::wrong_nearest, &ViewReport::wrong_side, &ViewReport::wrong_distance,
+          &ViewReport::wrong_sample_nearest, &ViewReport::wrong_sample_side, &ViewReport::wrong_sample_distance})
+        (report.*faults).merge(part.*faults);
+}
+
+void judge_camera(const Judge& judge, ViewReport& report) {
     std::mutex mutex;
-    for_chunks(claim.receiver.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for_chunks(judge.claim.receiver.size(), 1024, [&](std::size_t first, std::size_t last) {
         ViewReport local;
         for (std::size_t i = first; i < last; ++i) {
-            if (sample_value(options.seed, i) >= share) continue;
-            Effort effort;
-            const auto x = static_cast<std::uint32_t>(i % camera.width),
-                       y = static_cast<std::uint32_t>(i / camera.width);
-            const CameraVerdict verdict =
-                judge_pixel(bvh, triangles, rays, x, y, claim.receiver[i], point_at(claim.position, i), effort);
-            ++local.camera_pixels;
-            local.camera_ambiguous += verdict.is_ambiguous;
-            local.camera_decided_exactly += effort.exact_signs > 0;
-            local.largest_distance_ulp = std::max(local.largest_distance_ulp, verdict.distance_ulp);
-            if (!verdict.is_nearest) local.wrong_nearest.add(i);
-            if (!verdict.is_on_side) local.wrong_side.add(i);
-            if (!verdict.is_close) local.wrong_distance.add(i);
+            if (!judge.is_chosen(i)) continue;
+            judge_centre(judge, i, local);
+            if (judge.claim.samples != 1) judge_samples(judge, i, local);
         }
         const std::lock_guard lock(mutex);
-        report.camera_pixels += local.camera_pixels;
-        report.camera_ambiguous += local.camera_ambiguous;
-        report.camera_decided_exactly += local.camera_decided_exactly;
-        report.largest_distance_ulp = std::max(report.largest_distance_ulp, local.largest_distance_ulp);
-        report.wrong_nearest.merge(local.wrong_nearest);
-        report.wrong_side.merge(local.wrong_side);
-        report.wrong_distance.merge(local.wrong_distance);
+        merge(local, report);
     });
+}
+
+/// A sample of the sky has no point: its coordinates are NaN.
+void count_samples(const ViewClaim& claim, ViewReport& report) {
+    for (std::size_t i = 0; i < claim.sample_receiver.size(); ++i) {
+        const std::uint32_t receiver = claim.sample_receiver[i];
+        if (receiver == NO_RECEIVER) {
+            ++report.samples_of_sky;
+            if (is_finite(point_at(claim.sample_position, i))) report.wrong_sky.add(i % claim.receiver.size());
+            continue;
+        }
+        ++(receiver == claim.receiver[i % claim.receiver.size()] ? report.samples_on_own : report.samples_on_others);
+    }
 }
 
 /// The hit rounded to float32, lifted so that it is not under the plane as seen from the eye.
@@ -181,7 +273,7 @@ void Faults::merge(const Faults& other) {
 
 std::uint64_t ViewReport::wrong() const {
     return wrong_visibility.count + wrong_sky.count + wrong_normal.count + wrong_nearest.count + wrong_side.count +
-           wrong_distance.count;
+           wrong_distance.count + wrong_sample_nearest.count + wrong_sample_side.count + wrong_sample_distance.count;
 }
 
 ViewReport judge_view(std::span<const float> triangles, const PinholeCamera& camera,
@@ -195,22 +287,61 @@ ViewReport judge_view(std::span<const float> triangles, const PinholeCamera& cam
     report.visibility_seconds = seconds_since(start);
     start = std::chrono::steady_clock::now();
     judge_normals_and_sky(triangles, camera, claim, report);
-    judge_camera(triangles, camera, claim, options, report);
+    judge_camera(Judge(triangles, camera, claim, options), report);
+    count_samples(claim, report);
     report.camera_seconds = seconds_since(start);
     return report;
 }
 
-View make_view(std::span<const float> triangles, const PinholeCamera& camera, const std::array<float, 4>& light) {
+namespace {
+
+/// What the ray through a position sees: its own receiver if it meets that, else the nearest triangle.
+std::optional<std::uint32_t> seen_through(const Bvh& bvh, std::span<const float> triangles, const Ray& ray,
+                                          std::uint32_t own) {
+    Effort effort;
+    if (own != NO_RECEIVER && blocks(ray, triangle_at(triangles, own), effort)) return own;
+    return nearest_triangle(bvh, ray, effort);
+}
+
+void make_samples(const Bvh& bvh, std::span<const float> triangles, const PinholeCamera& camera, View& view) {
+    const auto pattern = sample_positions(view.samples);
+    const std::size_t pixels = view.receiver.size();
+    const PixelRays rays(camera);
+    view.sample_position.assign(3 * pixels * pattern.size(), std::numeric_limits<float>::quiet_NaN());
+    view.sample_receiver.assign(pixels * pattern.size(), NO_RECEIVER);
+    for (std::size_t i = 0; i < view.sample_receiver.size(); ++i) {
+        const std::size_t pixel = i % pixels;
+        const PicturePosition& in_pixel = pattern[i / pixels];
+        const Ray ray = rays.through({static_cast<long double>(pixel % camera.width) + in_pixel.x,
+                                      static_cast<long double>(pixel / camera.width) + in_pixel.y});
+        const auto receiver = seen_through(bvh, triangles, ray, view.receiver[pixel]);
+        if (!receiver) continue;
+        const Triangle triangle = triangle_at(triangles, *receiver);
+        const Float3 point = shading_point(*meeting_point(ray, triangle), triangle, camera.eye);
+        view.sample_receiver[i] = *receiver;
+        std::copy(point.begin(), point.end(), view.sample_position.begin() + std::ptrdiff_t(3 * i));
+    }
+}
+
+}  // namespace
+
+View make_view(std::span<const float> triangles, const PinholeCamera& camera, const std::array<float, 4>& light,
+               std::uint32_t samples) {
     const std::size_t pixels = std::size_t{camera.width} * camera.height;
-    View view{std::vector<float>(3 * pixels), std::vector<float>(3 * pixels), std::vector<float>(pixels, 1.0f),
-              std::vector<std::uint32_t>(pixels, NO_RECEIVER)};
+    View view{std::vector<float>(3 * pixels),
+              std::vector<float>(3 * pixels),
+              std::vector<float>(pixels, 1.0f),
+              std::vector<std::uint32_t>(pixels, NO_RECEIVER),
+              samples,
+              {},
+              {}};
     const Bvh bvh(triangles);
     const PixelRays rays(camera);
     for_chunks(pixels, 256, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             Effort effort;
-            const Ray ray = rays.through_centre(static_cast<std::uint32_t>(i % camera.width),
-                                                static_cast<std::uint32_t>(i / camera.width));
+            const Ray ray = rays.through(
+                centre_of(static_cast<std::uint32_t>(i % camera.width), static_cast<std::uint32_t>(i / camera.width)));
             const auto receiver = nearest_triangle(bvh, ray, effort);
             if (!receiver) continue;
             const Triangle triangle = triangle_at(triangles, *receiver);
@@ -223,9 +354,13 @@ View make_view(std::span<const float> triangles, const PinholeCamera& camera, co
             }
         }
     });
-    const auto truth = shadowed(triangles, view.position, view.receiver, light, camera.eye);
-    for (std::size_t i = 0; i < pixels; ++i)
-        view.visibility[i] = view.receiver[i] != NO_RECEIVER && truth[i] ? 0.0f : 1.0f;
+    if (samples != 1) make_samples(bvh, triangles, camera, view);
+    ViewReport ignored;
+    const auto in_shadow =
+        samples == 1 ? count_shadowed(triangles, camera, light, view.position, view.receiver, pixels, nullptr, ignored)
+                     : count_shadowed(triangles, camera, light, view.sample_position, view.sample_receiver, pixels,
+                                      nullptr, ignored);
+    for (std::size_t i = 0; i < pixels; ++i) view.visibility[i] = float(samples - in_shadow[i]) / float(samples);
     return view;
 }
 

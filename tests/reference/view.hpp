@@ -21,6 +21,11 @@ struct ViewClaim {
     std::span<const float> normal;            ///< 3 per pixel: unit, facing the eye; empty: not judged
     std::span<const std::uint32_t> receiver;  ///< 1 per pixel
     std::span<const float> visibility;        ///< 1 per pixel: exactly 1 or 0; empty: not judged
+    /// With several samples per pixel (sample_positions()), visibility is the share of the pixel's samples that are
+    /// lit, and these are sample by sample, each pixel by pixel. A sample of the sky: NO_RECEIVER, and it is lit.
+    std::uint32_t samples = 1;
+    std::span<const float> sample_position{};  ///< 3 per sample
+    std::span<const std::uint32_t> sample_receiver{};
 };
 
 struct JudgeOptions {
@@ -51,6 +56,13 @@ struct ViewReport {
     Faults wrong_visibility, wrong_sky, wrong_normal, wrong_nearest, wrong_side, wrong_distance;
     double visibility_seconds = 0, camera_seconds = 0;
 
+    // Of several samples per pixel. The counts above that begin with `camera` are of pixels' centres.
+    std::uint64_t samples_judged = 0;                                             ///< for the camera's promises
+    std::uint64_t samples_of_sky = 0, samples_on_own = 0, samples_on_others = 0;  ///< of all samples; own: the pixel's
+    std::uint64_t samples_ambiguous = 0;
+    std::uint64_t partly_lit = 0;                                           ///< pixels
+    Faults wrong_sample_nearest, wrong_sample_side, wrong_sample_distance;  ///< pixels, once for each wrong sample
+
     std::uint64_t wrong() const;
 };
 
@@ -62,12 +74,18 @@ ViewReport judge_view(std::span<const float> triangles, const PinholeCamera& cam
 struct View {
     std::vector<float> position, normal, visibility;
     std::vector<std::uint32_t> receiver;
+    std::uint32_t samples = 1;
+    std::vector<float> sample_position;
+    std::vector<std::uint32_t> sample_receiver;
 
-    ViewClaim claim() const { return {position, normal, receiver, visibility}; }
+    ViewClaim claim() const {
+        return {position, normal, receiver, visibility, samples, sample_position, sample_receiver};
+    }
 };
 
 /// The view that the reference itself sees. P is the true hit, rounded, then moved by single ulps of its largest
 /// coordinate along the normal's largest axis until it is not under its receiver's plane.
-View make_view(std::span<const float> triangles, const PinholeCamera& camera, const std::array<float, 4>& light);
+View make_view(std::span<const float> triangles, const PinholeCamera& camera, const std::array<float, 4>& light,
+               std::uint32_t samples = 1);
 
 }  // namespace reference

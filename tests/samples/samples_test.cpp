@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <iostream>
 #include <set>
 
+#include "kernels/receivers/footprint.h"
 #include "reference/predicates.hpp"
 #include "reference/visibility.hpp"
 #include "support/camera_scenes.hpp"
@@ -342,6 +344,117 @@ TEST(Samples, MeansByFragmentsEqualEverySample) {
     Settled soft;
     expect_same_means(without, scenes().front(), lights()[0], 16, soft);
     EXPECT_GT(soft.in_shadow + soft.lit, soft.traced);
+}
+
+// A prepared light's lists serve samples: the same means as by every sample of its own, and nothing of the lists is
+// made anew. Not vacuous: classes of both kinds and traced samples are counted, and partly lit pixels.
+TEST(Samples, PreparedLightsGiveTheSameMeans) {
+    const gnomon::Device device = device_with();
+    std::uint64_t in_shadow = 0, lit = 0, traced = 0, partly = 0;
+    for (const CameraScene& scene : scenes())
+        for (const gnomon::Light& light : lights())
+            for (const char* map : {"on", "off"}) {
+                SCOPED_TRACE(scene.name + ", map " + map);
+                auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+                triangles.keep_clusters(device);
+                const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+                const gnomon::Visibility prepared(device, view.points.count()), expected(device, view.points.count());
+                const auto technique = gnomon::make_technique("frustum-traced", device);
+                technique->set("conservative-map", map);
+                technique->prepare(triangles, light);
+                EverySample every(device);
+                gnomon::run_samples(every, device, triangles, view, light, 8, expected);
+                for (int run = 0; run < 2; ++run) {
+                    const auto found = gnomon::run_samples(*technique, device, triangles, view, light, 8, prepared);
+                    ASSERT_EQ(prepared.read(), expected.read()) << "run " << run;
+                    ASSERT_EQ(found.count("prepared"), 1u);
+                    const auto bins = std::ranges::find(found.stages, "bins", &gnomon::StageStatistics::name);
+                    ASSERT_NE(bins, found.stages.end());
+                    ASSERT_EQ(bins->skipped, "prepared");
+                    in_shadow += found.count("samples_decided_in_shadow");
+                    lit += found.count("samples_decided_lit");
+                    traced += found.count("samples_traced");
+                }
+                for (const float mean : prepared.read()) partly += mean != 0 && mean != 1;
+            }
+    std::cout << in_shadow << " samples decided in shadow, " << lit << " lit, " << traced << " traced, " << partly
+              << " pixels partly lit\n";
+    for (const std::uint64_t count : {in_shadow, lit, traced}) EXPECT_GT(count, 5000u);
+    EXPECT_GT(partly, 500u);
+}
+
+/// Calls every footprint mixed, so that every sample of every fragment becomes a point, and keeps these points.
+class EveryFragmentMixed final : public gnomon::Technique, public gnomon::ClassifiesFootprints {
+public:
+    explicit EveryFragmentMixed(const gnomon::Device& device) : device_(device) {}
+    const gnomon::Device& device() const override { return device_; }
+    gnomon::Statistics run(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
+                           const gnomon::Visibility&) override {
+        throw std::logic_error("footprints alone are classified");
+    }
+    gnomon::Statistics classify_footprints(const gnomon::Triangles&, const gnomon::Points&, const gnomon::cl::Buffer&,
+                                           const gnomon::Light&, const gnomon::Visibility& classes) override {
+        const std::vector<float> mixed(classes.count(), VISIBILITY_MIXED);
+        session_of(device_).write(classes.buffer(), mixed.data(), mixed.size() * sizeof(float));
+        return {};
+    }
+    gnomon::Statistics classify_parts(const gnomon::Triangles& triangles, const gnomon::Points& centres,
+                                      const gnomon::cl::Buffer& footprints, const gnomon::Light& light,
+                                      const gnomon::Visibility& classes) override {
+        return classify_footprints(triangles, centres, footprints, light, classes);
+    }
+    gnomon::Statistics trace_mixed(const gnomon::Triangles&, const gnomon::Points& samples, const gnomon::Light&,
+                                   const gnomon::Visibility&) override {
+        const std::size_t stride = samples.layout().coordinate_stride, count = samples.count();
+        const auto planes = downloaded<std::uint32_t>(session_of(device_), samples.positions(), 2 * stride + count);
+        const auto ids = downloaded<std::uint32_t>(session_of(device_), samples.receivers(), count);
+        for (std::size_t i = 0; i < count; ++i)
+            points.push_back({planes[i], planes[stride + i], planes[2 * stride + i], ids[i]});
+        return {};
+    }
+    void set(std::string_view, std::string_view) override {}
+
+    std::vector<std::array<std::uint32_t, 4>> points;  ///< the bits of x, y and z, and the receiver
+
+private:
+    gnomon::Device device_;
+};
+
+// The masks of fragments name the receivers that each sample finds by itself: the same points on the same receivers,
+// bit for bit, none twice and none missing.
+TEST(Samples, FragmentsHoldEverySampleOnce) {
+    const gnomon::Device device = device_with();
+    std::size_t points = 0, on_others = 0;
+    for (const CameraScene& scene : camera_scenes())
+        for (const std::uint32_t samples : {8u, 32u}) {
+            SCOPED_TRACE(scene.name);
+            const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+            const gnomon::View view = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
+            const gnomon::Visibility mean(device, view.points.count());
+            EveryFragmentMixed by_fragments(device);
+            std::vector<std::array<std::uint32_t, 4>> expected;
+            const auto own =
+                downloaded<std::uint32_t>(session_of(device), view.points.receivers(), view.points.count());
+            const auto keep = [&](const gnomon::Points& of_samples) {
+                const std::size_t count = of_samples.count(), stride = of_samples.layout().coordinate_stride;
+                const auto planes =
+                    downloaded<std::uint32_t>(session_of(device), of_samples.positions(), 2 * stride + count);
+                const auto ids = downloaded<std::uint32_t>(session_of(device), of_samples.receivers(), count);
+                for (std::size_t i = 0; i < count; ++i) {
+                    if (ids[i] == gnomon::no_receiver) continue;
+                    expected.push_back({planes[i], planes[stride + i], planes[2 * stride + i], ids[i]});
+                    on_others += ids[i] != own[i % own.size()];
+                }
+            };
+            gnomon::run_samples(by_fragments, device, triangles, view, lights()[0], samples, mean, keep);
+            std::ranges::sort(expected);
+            std::ranges::sort(by_fragments.points);
+            ASSERT_EQ(by_fragments.points, expected);
+            points += expected.size();
+        }
+    std::cout << points << " samples, " << on_others << " of them not on their pixel's receiver\n";
+    EXPECT_GT(points, 50000u);
+    EXPECT_GT(on_others, 5000u);
 }
 
 /// A floor of two triangles, seen from above so that a pixel is one unit wide on it, and in general from the side.

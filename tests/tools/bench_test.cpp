@@ -160,6 +160,8 @@ TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_EQ(e["wrong"], 0);
         EXPECT_GT(row["oracle"]["points"].get<int>(), 10000);
         EXPECT_EQ(row["oracle"]["wrong"], 0);
+        EXPECT_EQ(row["oracle"]["rays"], 320 * 180);
+        EXPECT_EQ(row["oracle"]["wrong_rays"], 0);
         EXPECT_GT(row["counts"]["points_in_shadow"].get<int>(), 0);
         const bool is_still = row["mode"] == "static";
         EXPECT_EQ(row["counts"]["prepared"], is_still ? 1 : 0);
@@ -189,8 +191,8 @@ TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_EQ(text.find(loads), std::string::npos) << loads << ": the page must not load anything";
 }
 
-// The oracle decides each sample's point by itself; Embree finds the samples of gnomon's pattern by itself, or the
-// means would not agree.
+// The oracle decides each sample's point by itself, and whether it is where its ray says; Embree finds the samples of
+// gnomon's pattern by itself, or the means would not agree.
 TEST_F(Bench, SamplesAgreeWithTheOracleAndWithEmbree) {
     ASSERT_EQ(run("sundial --samples 1 --samples 8 --samples 32 --oracle 2000 --runs 1 --size 80x45 --json " +
                   path("oracle.json")),
@@ -200,6 +202,8 @@ TEST_F(Bench, SamplesAgreeWithTheOracleAndWithEmbree) {
     for (const Json& row : with_oracle["rows"]) {
         EXPECT_GT(row["oracle"]["points"].get<int>(), 500) << row["settings"];
         EXPECT_EQ(row["oracle"]["wrong"], 0) << row["settings"];
+        EXPECT_GT(row["oracle"]["rays"].get<int>(), 500) << row["settings"];
+        EXPECT_EQ(row["oracle"]["wrong_rays"], 0) << row["settings"];
     }
     ASSERT_EQ(run("sundial --samples 1 --samples 8 --peers --runs 1 --size 160x91 --json " + path("samples.json")), 0)
         << errors();

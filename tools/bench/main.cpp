@@ -164,6 +164,8 @@ bool all_well(const std::vector<Row>& rows) {
             complain(row, std::to_string(row.errors->wrong()) + " points differ from the exact technique's defaults");
         if (row.exact && row.oracle && row.oracle->wrong != 0)
             complain(row, std::to_string(row.oracle->wrong) + " points differ from the oracle");
+        if (row.exact && row.oracle && row.oracle->wrong_rays != 0)
+            complain(row, std::to_string(row.oracle->wrong_rays) + " of the camera's rays differ from the oracle");
         if (!row.exact || !row.failed.empty()) continue;
         const std::string samples = !row.settings.empty() && row.settings.back().first == "samples"
                                         ? ", samples " + row.settings.back().second
@@ -224,7 +226,8 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_flag("--sweep", options.sweep, "every technique, with the settings worth comparing, and its errors");
     app.add_flag("--errors", options.errors, "compare with the exact technique's mask");
-    app.add_option("--oracle", options.oracle_points, "check so many of its points by the independent oracle");
+    app.add_option("--oracle", options.oracle_points,
+                   "check so many of its points, and of the camera's rays, by the independent oracle");
     app.add_flag("--peers", options.peers, "Embree too, if it was there when this was built");
     app.add_option("--light-position", options.light_position, "light every view from this point: X Y Z")->expected(3);
     app.add_option("--sun-angle", options.sun_angle_degrees,

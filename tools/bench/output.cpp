@@ -102,6 +102,8 @@ constexpr const char* columns[] = {"experiment",
                                    "errors/worst_tile",
                                    "oracle/points",
                                    "oracle/wrong",
+                                   "oracle/rays",
+                                   "oracle/wrong_rays",
                                    "pairs/points",
                                    "pairs/lights",
                                    "pairs/facing",
@@ -162,7 +164,11 @@ Json to_json(const Row& row) {
     if (row.build) json["build_ms"] = times_json(*row.build);
     json["device_memory_bytes"] = row.device_memory_bytes;
     if (row.errors) json["errors"] = errors_json(*row.errors);
-    if (row.oracle) json["oracle"] = {{"points", row.oracle->points}, {"wrong", row.oracle->wrong}};
+    if (row.oracle)
+        json["oracle"] = {{"points", row.oracle->points},
+                          {"wrong", row.oracle->wrong},
+                          {"rays", row.oracle->rays},
+                          {"wrong_rays", row.oracle->wrong_rays}};
     if (row.pairs) json["pairs"] = pairs_json(*row.pairs, row.total);
     for (const auto& [name, ms] : row.stages) json["stages_ms"][name] = ms;
     for (const auto& [name, count] : row.counts) json["counts"][name] = count;

@@ -32,6 +32,7 @@ Times times_of(std::vector<double> ms);
 /// Points asked of the oracle (tests/reference, exact and independent), and how many answers differed from it.
 struct OracleVerdict {
     std::uint64_t points = 0, wrong = 0;
+    std::uint64_t rays = 0, wrong_rays = 0;  ///< of the camera, through pixels' centres and samples
 };
 
 /// Of a run over many lights: its decisions are the pairs whose light is strictly in front of the point's face.

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <numbers>
 
 #include "peers.hpp"
 #include "pictures.hpp"
-#include "reference/visibility.hpp"
+#include "reference/view.hpp"
 #include "support/scene_masks.hpp"
 
 namespace gnomon::bench {
@@ -64,6 +65,26 @@ OracleVerdict judged_by_oracle(const NamedScene& scene, const Case& c, const Ask
         verdict.wrong += mask[pixel] != float(samples - shadowed) / float(samples);
     }
     return verdict;
+}
+
+// Receivers and points of about `most` pixels, and of their samples, against the camera's own promises.
+void judge_camera(const NamedScene& scene, const Seen& seen, const PointsOnHost& of_samples, std::uint32_t samples,
+                  std::uint64_t most, OracleVerdict& verdict) {
+    const bool has_cut_outs = !scene.scene.cut_outs.empty();
+    const reference::Masks masks = support::masks_of(scene.scene);
+    const Camera& ours = seen.c.camera;
+    reference::PinholeCamera camera;
+    camera.eye = ours.eye;
+    camera.axes = {ours.right, ours.up, ours.forward};
+    camera.fov_y_degrees = ours.fov_y_radians * 180 / std::numbers::pi;
+    camera.width = seen.row.width;
+    camera.height = seen.row.height;
+    const reference::ViewReport report = reference::judge_view(
+        scene.scene.triangles, camera, std::nullopt,
+        {seen.host.position, {}, seen.host.receiver, {}, samples, of_samples.position, of_samples.receiver},
+        {.camera_sample = most, .masks = has_cut_outs ? &masks : nullptr});
+    verdict.rays = report.camera_pixels + report.samples_judged;
+    verdict.wrong_rays = report.wrong();
 }
 
 }  // namespace
@@ -129,6 +150,7 @@ Runner::Truth Runner::truth_of(const Block& block, const Place& place, const See
         AskedPoints points;
         points.add(seen.host.position, seen.host.receiver, block.oracle_points);
         truth.oracle = judged_by_oracle(place.scene, seen.c, points, truth.mask, 1);
+        judge_camera(place.scene, seen, {}, 1, block.oracle_points, *truth.oracle);
     }
     return truth;
 }
@@ -137,16 +159,21 @@ Runner::Truth Runner::truth_of(const Block& block, const Place& place, const See
 OracleVerdict Runner::judge_samples(const Block& block, const Place& place, const Seen& seen, std::uint32_t samples,
                                     std::span<const float> mean) const {
     AskedPoints points;
+    PointsOnHost all;
     const auto technique = make(truth_configuration(), place.device);
     run_samples(*technique, place.device, place.triangles, seen.view, seen.c.light, samples, seen.visibility,
                 [&](const Points& of_samples) {
                     const PointsOnHost host = read(place.device, of_samples);
                     const std::size_t pixels = mean.size();
+                    all.position.insert(all.position.end(), host.position.begin(), host.position.end());
+                    all.receiver.insert(all.receiver.end(), host.receiver.begin(), host.receiver.end());
                     for (std::size_t first = 0; first < host.receiver.size(); first += pixels)
                         points.add(std::span(host.position).subspan(3 * first, 3 * pixels),
                                    std::span(host.receiver).subspan(first, pixels), block.oracle_points);
                 });
-    return judged_by_oracle(place.scene, seen.c, points, mean, samples);
+    OracleVerdict verdict = judged_by_oracle(place.scene, seen.c, points, mean, samples);
+    judge_camera(place.scene, seen, all, samples, block.oracle_points, verdict);
+    return verdict;
 }
 
 void Runner::judge(const Block& block, const Seen& seen, const Truth& truth, std::span<const float> mask, Row& row) {

@@ -141,8 +141,9 @@ void judge_star(const reference::Bvh& bvh, const Question& question, const std::
         if (blocked[i]) continue;
         ++tally.slipped;
         const auto x = static_cast<std::uint32_t>(i % camera.width), y = static_cast<std::uint32_t>(i / camera.width);
-        const auto verdict = reference::judge_pixel(bvh, *question.triangles, rays, x, y, question.receivers[i],
-                                                    reference::point_at(question.points, i), effort);
+        const auto verdict =
+            reference::judge_position(bvh, *question.triangles, rays, reference::centre_of(x, y), question.receivers[i],
+                                      reference::point_at(question.points, i), effort);
         tally.largest_slip_ulp = std::max(tally.largest_slip_ulp, static_cast<double>(verdict.distance_ulp));
         if (!verdict.is_close) ++tally.slipped_too_far;
     }
