@@ -79,12 +79,21 @@ Triangles with_clusters(const Device& device, const Triangles& triangles) {
     return clustered;
 }
 
+std::vector<std::uint32_t> sampled_lights(std::size_t count) {
+    const auto at = [&](std::size_t share) { return static_cast<std::uint32_t>(count * share / 4); };
+    if (count < 64) return {at(2)};
+    return {at(1), at(2), at(3)};
+}
+
 double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted) {
     const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
     const Visibility visibility(run.device, run.points.count());
-    const Light& light = run.lights.lights()[run.lights.count() / 2];
-    technique.run(run.triangles, ordered, light, visibility);
-    return technique.run(run.triangles, ordered, light, visibility).total_wall_ms;
+    const std::vector<std::uint32_t> sample = sampled_lights(run.lights.count());
+    technique.run(run.triangles, ordered, run.lights.lights()[sample[0]], visibility);
+    double ms = 0;
+    for (const std::uint32_t light : sample)
+        ms += technique.run(run.triangles, ordered, run.lights.lights()[light], visibility).total_wall_ms;
+    return ms / double(sample.size());
 }
 
 void report_progress(const LightsOptions& options, double done) {

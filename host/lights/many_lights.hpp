@@ -49,8 +49,11 @@ SortedPoints sorted_points(const LightsRun& run);
 /// `triangles` with clusters, if they are worth it for a run over many lights and the caller keeps none.
 Triangles with_clusters(const Device& device, const Triangles& triangles);
 
-/// The time of one light of the table, for all points, in ms: the second of two runs, since the first may wait for
-/// kernels' builds. `sorted`: as in run_one_by_one().
+/// Lights that stand for all of a table where a way is measured.
+std::vector<std::uint32_t> sampled_lights(std::size_t count);
+
+/// The time of one light of the table, for all points, in ms: the mean of some, after a run that may wait for kernels'
+/// builds. `sorted`: as in run_one_by_one().
 double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted);
 
 /// One light at a time, as every technique can. `sorted`: the points in the order in which the technique takes them,

@@ -14,14 +14,15 @@ RayPasses::RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics
 
 double RayPasses::estimated_ms() {
     const PointPart part{0, std::min(masks_.most_points(), run_.points.count())};
-    const auto light = static_cast<std::uint32_t>(run_.lights.count() / 2);
+    const std::vector<std::uint32_t> sample = sampled_lights(run_.lights.count());
     masks_.face(part);
-    decide({0, std::min<std::size_t>(part.count, 64)}, light);  // so that the time below holds no build
+    decide({0, std::min<std::size_t>(part.count, 64)}, sample[0]);  // so that the time below holds no build
     session_.finish();
     const auto start = cl::Clock::now();
-    decide(part, light);
+    for (const std::uint32_t light : sample) decide(part, light);
     session_.finish();
-    return cl::ms_since(start) * double(run_.points.count()) / double(part.count) * double(run_.lights.count());
+    const double ms_per_light = cl::ms_since(start) / double(sample.size());
+    return ms_per_light * double(run_.points.count()) / double(part.count) * double(run_.lights.count());
 }
 
 void RayPasses::run() {

@@ -13,7 +13,7 @@ public:
     /// `bundles`: make_plain_bundles() of the run's lights.
     RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
 
-    /// The time that run() may take, as measured on one light.
+    /// The time that run() may take, as measured on some lights.
     double estimated_ms();
     void run();
 

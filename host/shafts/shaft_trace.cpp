@@ -6,9 +6,10 @@ namespace {
 
 // Neighbouring parts are alike and distant ones are not: the shapes are compared for every few parts, on small pieces
 // of the part that is next.
-constexpr std::size_t parts_of_a_choice = 8, pieces = 4;
-// A sample is one of so many points.
-constexpr std::size_t sample_share = 32, rough_share = 512;
+constexpr std::size_t parts_of_a_choice = 8;
+// A sample is one of so many points, but on a GPU large enough to fill it: with 31,000 pairs in a piece, 64 lights on
+// the sun's disk seemed to take five times as long as they do (H100, Sponza).
+constexpr std::size_t sample_share = 32, rough_share = 512, pairs_of_gpu_piece = std::size_t(1) << 21;
 
 }  // namespace
 
@@ -29,13 +30,18 @@ ShaftPasses::ShaftPasses(const TreeRun& run, const LightBundles& bundles, std::o
         decide({0, std::min<std::size_t>(run_.points.count(), 64)}, each);
 }
 
-double ShaftPasses::estimated_ms(double limit_ms) {
+ShaftPasses::Estimate ShaftPasses::estimate(double limit_ms) {
     const PointPart all{0, run_.points.count()};
     const auto by_the_better = [&](std::size_t share) {
-        return std::min(sampled_ms(all, ShaftShape::block, share), sampled_ms(all, ShaftShape::point, share));
+        const double blocks = sampled_ms(all, ShaftShape::block, share);
+        const double points = sampled_ms(all, ShaftShape::point, share);
+        return blocks < points ? Estimate{blocks, ShaftShape::block} : Estimate{points, ShaftShape::point};
     };
-    const double rough = by_the_better(rough_share);
-    return rough > 2 * limit_ms ? rough : by_the_better(sample_share);
+    if (session_.is_cpu())
+        if (const Estimate rough = by_the_better(rough_share); rough.ms > 2 * limit_ms) return rough;
+    Estimate estimate = by_the_better(sample_share);
+    if (all.count > parts_of_a_choice * masks_.most_points()) estimate.shape.reset();
+    return estimate;
 }
 
 void ShaftPasses::run() {
@@ -65,8 +71,10 @@ ShaftShape ShaftPasses::faster_shape(const PointPart& part) {
 
 // The time that a part may take, from pieces that are strewn over it.
 double ShaftPasses::sampled_ms(const PointPart& part, ShaftShape shape, std::size_t share) {
-    const std::size_t piece =
-        std::clamp<std::size_t>(part.count / (pieces * share) / 64 * 64, 64, masks_.most_points());
+    const std::size_t least = session_.is_cpu() ? 64 : pairs_of_gpu_piece / run_.lights.count() / 64 * 64 + 64;
+    // The order of the points has parts that face alike: a few pieces would miss some of them.
+    const std::size_t pieces = session_.is_cpu() ? 32 : 4;
+    const std::size_t piece = std::min(std::max(part.count / (pieces * share) / 64 * 64, least), masks_.most_points());
     double ms = 0, sampled = 0;
     for (std::size_t i = 0; i < pieces; ++i) {
         const std::size_t first = part.first + part.count * (2 * i + 1) / (2 * pieces);

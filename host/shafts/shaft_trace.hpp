@@ -18,8 +18,13 @@ public:
     ShaftPasses(const TreeRun& run, const LightBundles& bundles, std::optional<ShaftShape> shape,
                 Statistics& statistics);
 
-    /// The time that run() may take. A rough estimate, of a small sample, where it is more than twice `limit_ms`.
-    double estimated_ms(double limit_ms);
+    struct Estimate {
+        double ms;
+        std::optional<ShaftShape> shape;  ///< where one choice is enough for all points
+    };
+    /// The time that run() may take. On a CPU a rough estimate, of a small sample, where it is more than twice
+    /// `limit_ms`.
+    Estimate estimate(double limit_ms);
     void run();
 
 private:

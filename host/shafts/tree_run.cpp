@@ -27,14 +27,19 @@ double rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& stat
     }
 }
 
-ManyLightsWay faster_way(const TreeRun& run, const Bundled& bundles, std::optional<double> one_light_ms,
-                         Statistics& statistics) {
-    if (run.points.count() * run.lights.count() < pairs_worth_measuring) return ManyLightsWay::shafts;
+struct Choice {
+    ManyLightsWay way;
+    std::optional<ShaftShape> shape;
+};
+
+Choice faster_way(const TreeRun& run, const Bundled& bundles, std::optional<double> one_light_ms,
+                  Statistics& statistics) {
+    if (run.points.count() * run.lights.count() < pairs_worth_measuring) return {ManyLightsWay::shafts, {}};
     const double one_by_one = one_light_ms ? *one_light_ms * double(run.lights.count()) : never;
     const double rays = rays_ms(run, bundles.plain, statistics), least = std::min(one_by_one, rays);
-    const double shafts = ShaftPasses(run, bundles.coned, {}, statistics).estimated_ms(least);
-    if (shafts <= least) return ManyLightsWay::shafts;
-    return rays <= one_by_one ? ManyLightsWay::rays : ManyLightsWay::one_by_one;
+    const auto shafts = ShaftPasses(run, bundles.coned, {}, statistics).estimate(least);
+    if (shafts.ms <= least) return {ManyLightsWay::shafts, shafts.shape};
+    return {rays <= one_by_one ? ManyLightsWay::rays : ManyLightsWay::one_by_one, {}};
 }
 
 }  // namespace
@@ -46,15 +51,15 @@ bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundl
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
     if (!plain || !coned) return false;
     const Bundled bundles{std::move(*plain), std::move(*coned)};
-    std::optional<ShaftShape> shape;
-    if (way == ManyLightsWay::shafts) shape = ShaftShape::block;
-    if (way == ManyLightsWay::point_shafts) shape = ShaftShape::point;
-    if (way == ManyLightsWay::automatic) way = faster_way(run, bundles, one_light_ms, statistics);
-    if (way == ManyLightsWay::one_by_one) return false;
-    if (way == ManyLightsWay::rays)
+    Choice choice{way, {}};
+    if (way == ManyLightsWay::shafts) choice.shape = ShaftShape::block;
+    if (way == ManyLightsWay::point_shafts) choice.shape = ShaftShape::point;
+    if (way == ManyLightsWay::automatic) choice = faster_way(run, bundles, one_light_ms, statistics);
+    if (choice.way == ManyLightsWay::one_by_one) return false;
+    if (choice.way == ManyLightsWay::rays)
         RayPasses(run, bundles.plain, statistics).run();
     else
-        ShaftPasses(run, bundles.coned, shape, statistics).run();
+        ShaftPasses(run, bundles.coned, choice.shape, statistics).run();
     merge_stages(statistics);
     return true;
 }
