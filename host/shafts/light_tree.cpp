@@ -28,20 +28,15 @@ LightTree::LightTree(cl::Session& session, const BuiltShaftTree& tree) : session
 
 void LightTree::turn_to(const LightAxes& axes) {
     if (tree_.leaf_count() == 0) return;
-    const std::uint32_t width = shaft_width(session_);
-    const auto range = [&](std::size_t count) {
-        return session_.is_cpu() ? cl::Range::items(count)
-                                 : cl::Range::groups_of(width, std::min<std::size_t>(count, 65536));
-    };
     LightTreeParams params{.axes = axes, .first = 0, .count = tree_.leaf_count()};
-    session_.launch("shafts/light_tree.cl", "light_leaves", range(params.count), params, tree_.leaves(), leaves_,
-                    cl::LocalBytes{width * sizeof(cl_uint)});
+    session_.launch("shafts/light_tree.cl", "light_leaves", shaft_range(session_, params.count), params, tree_.leaves(),
+                    leaves_, cl::LocalBytes{sizeof(cl_uint)});
     const std::vector<std::uint32_t>& levels = tree_.levels();
     for (std::size_t level = levels.size() - 1; level-- > 0;) {
         params.first = levels[level];
         params.count = levels[level + 1] - levels[level];
-        session_.launch("shafts/light_tree.cl", "light_nodes", range(params.count), params, tree_.nodes(), leaves_,
-                        nodes_);
+        session_.launch("shafts/light_tree.cl", "light_nodes", shaft_range(session_, params.count), params,
+                        tree_.nodes(), leaves_, nodes_);
     }
 }
 

@@ -58,14 +58,12 @@ void RayPasses::decide(const PointPart& part, std::uint32_t light) {
                                .queue_capacity = of_part.queue_capacity,
                                .rounding = of_part.rounding,
                                .padding = 0};
-        const std::size_t tasks = part.count / 64 + 1;
-        const cl::Range range =
-            session_.is_cpu() ? session_.uneven_items(tasks, 1) : cl::Range::groups_of(shaft_width(session_), tasks);
+        const std::size_t tasks = (part.count + RAYS_OF_TASK - 1) / RAYS_OF_TASK;
         const TriangleInputs triangles = triangle_inputs(run_.triangles);
-        session_.launch(triangles.kernel("shafts/ray_trace.cl", "ray_trace"), range, params, masks_.bundles(),
-                        tree_.nodes(), tree_.leaves(), run_.tree.leaves(), run_.tree.ids(), run_.sorted.positions(),
-                        run_.sorted.receivers(), masks_.masks(), masks_.queue(), masks_.counters(),
-                        cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+        session_.launch(triangles.kernel("shafts/ray_trace.cl", "ray_trace"), shaft_range(session_, tasks), params,
+                        masks_.bundles(), tree_.nodes(), tree_.leaves(), run_.tree.leaves(), run_.tree.ids(),
+                        run_.sorted.positions(), run_.sorted.receivers(), masks_.masks(), masks_.queue(),
+                        masks_.counters(), cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
     });
 }
 

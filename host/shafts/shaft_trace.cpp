@@ -102,16 +102,13 @@ void ShaftPasses::decide(const PointPart& part, ShaftShape shape) {
 void ShaftPasses::launch(const PointPart& part, ShaftShape shape) {
     const bool is_of_point = shape == ShaftShape::point;
     const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
-    const std::size_t tasks = blocks * masks_.bundle_count();
-    const cl::Range range = session_.is_cpu() ? session_.uneven_items(tasks, 1)
-                                              : cl::Range::groups_of(width, std::min<std::size_t>(tasks, 65536));
     const TriangleInputs triangles = triangle_inputs(run_.triangles);
     const SortedPoints& points = run_.sorted;
     session_.launch(is_of_point ? triangles.kernel("shafts/point_shaft_trace.cl", "point_shaft_trace")
                                 : triangles.kernel("shafts/shaft_trace.cl", "shaft_trace"),
-                    range, masks_.params_of(part), masks_.bundles(), run_.tree.nodes(), run_.tree.leaves(),
-                    run_.tree.ids(), points.positions(), points.receivers(), points.surface_normals(), masks_.masks(),
-                    masks_.queue(), masks_.counters(),
+                    shaft_range(session_, blocks * masks_.bundle_count()), masks_.params_of(part), masks_.bundles(),
+                    run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(), points.positions(), points.receivers(),
+                    points.surface_normals(), masks_.masks(), masks_.queue(), masks_.counters(),
                     cl::LocalBytes{(is_of_point ? POINT_SHAFT_LOCAL_WORDS : SHAFT_LOCAL_WORDS) * sizeof(cl_uint)});
 }
 

@@ -2,6 +2,8 @@
 // Stage shaft_tree: the tree over the triangles through which shafts find their occluders (kernels/shafts/shaft.h).
 #pragma once
 
+#include <algorithm>
+
 #include "kernels/shafts/shaft.h"
 #include "shafts/binary_tree.hpp"
 
@@ -44,6 +46,12 @@ private:
 /// The number of a block's points, and of a node's children, on this device.
 inline std::uint32_t shaft_width(const cl::Session& session) {
     return session.is_cpu() ? SHAFT_WIDTH_ON_CPU : SHAFT_WIDTH_ON_GPU;
+}
+/// For SHAFT_FOR_EACH over `tasks` of unlike length: work-items on a CPU, groups on a GPU.
+inline cl::Range shaft_range(const cl::Session& session, std::size_t tasks) {
+    constexpr std::size_t most_groups = 65536;
+    return session.is_cpu() ? session.uneven_items(tasks, 1)
+                            : cl::Range::groups_of(shaft_width(session), std::min(tasks, most_groups));
 }
 
 }  // namespace gnomon

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Turns a tree to a light (light_tree.h): the leaves, then the nodes level by level upwards. Lanes are triangles.
 #include "shafts/light_tree.h"
-#include "shafts/shaft_lanes.clh"
+#include "shafts/shaft_test.clh"
 
 #if GN_LANES > 1
-#define FOR_EACH_OF_GROUP(i, n) GN_FOR_EACH(i, n)
 #define STORE_ROW(v, row) vstore16(v, 0, row)
 #define IS_WRITER true
 // Of a node's children.
@@ -12,7 +11,6 @@
 #define LEAST_OF_ROW(row) LANES_LEAST(vload16(0, row))
 #define GREATEST_OF_ROW(row) (-LANES_LEAST(-vload16(0, row)))
 #else
-#define FOR_EACH_OF_GROUP(i, n) for (size_t i = get_group_id(0); i < (size_t)(n); i += get_num_groups(0))
 #define STORE_ROW(v, row) (row)[get_local_id(0)] = (v)
 #define IS_WRITER (get_local_id(0) == 0)
 #define FOR_EACH_CHILD(k) for (uint k = get_local_id(0); k < SHAFT_WIDTH; k += SHAFT_WIDTH)
@@ -35,55 +33,43 @@ typedef struct LeafExtent {
     float low, high;
 } LeafExtent;
 
-static LaneFloat without_absent(LaneFloat v, LaneInt is_present, float instead) {
-    return LANES_SELECT((LaneFloat)(instead), v, is_present);
-}
 GN_INLINE_ON_CPU LeafExtent extent_of(LaneFloat a, LaneFloat b, LaneFloat c, LaneInt is_present SHARED_PARAMETER) {
     LaneFloat least = LANES_MIN(a, b), greatest = LANES_MAX(a, b);
     least = LANES_MIN(least, c);
     greatest = LANES_MAX(greatest, c);
     LeafExtent extent;
-    extent.low = -SHAFT_LARGEST(without_absent(-least, is_present, -INFINITY));
-    extent.high = SHAFT_LARGEST(without_absent(greatest, is_present, -INFINITY));
+    extent.low = -SHAFT_LARGEST(LANES_SELECT((LaneFloat)(-INFINITY), -least, is_present));
+    extent.high = SHAFT_LARGEST(LANES_SELECT((LaneFloat)(-INFINITY), greatest, is_present));
     return extent;
-}
-
-static LaneFloat lanes_along_axis(const float* axis, LaneFloat x, LaneFloat y, LaneFloat z) {
-    return fma((LaneFloat)(axis[0]), x, fma((LaneFloat)(axis[1]), y, axis[2] * z));
-}
-static float along_axis(const float* axis, const float* p) {
-    return fma(axis[0], p[0], fma(axis[1], p[1], axis[2] * p[2]));
 }
 
 __kernel void light_leaves(const LightTreeParams params, __global const float* leaves, __global float* light_leaves,
                            __local uint* shared) {
-    FOR_EACH_OF_GROUP(leaf, params.count) {
+    SHAFT_FOR_EACH(leaf, params.count) {
         __global const float* corners = leaves + leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
         __global float* header = light_leaves + leaf * (LIGHT_LEAF_ROWS * SHAFT_WIDTH);
-        LaneFloat at[9];
-        for (uint row = 0; row < 9u; ++row) at[row] = SHAFT_LOAD_ROW(corners + row * SHAFT_WIDTH);
-        LaneInt is_present = LANE_COMPARE(at[0], ==, at[0]);
-        float origin[3], size = 0.0f;
-        for (uint c = 0; c < 3u; ++c) {
-            LeafExtent extent = extent_of(at[c], at[3u + c], at[6u + c], is_present SHARED);
-            origin[c] = extent.low;
-            size += extent.high - extent.low;
-            if (IS_WRITER) header[c] = extent.low;
-        }
+        PointBlock a = load_corner(corners, 0u), b = load_corner(corners, 1u), c = load_corner(corners, 2u);
+        LaneInt is_present = LANE_COMPARE(a.x, ==, a.x);
+        LeafExtent x = extent_of(a.x, b.x, c.x, is_present SHARED), y = extent_of(a.y, b.y, c.y, is_present SHARED);
+        LeafExtent z = extent_of(a.z, b.z, c.z, is_present SHARED);
+        float3 origin = (float3)(x.low, y.low, z.low);
         uint present = SHAFT_BITS(is_present);
         if (IS_WRITER) {
-            header[LIGHT_LEAF_SIZE] = size;
+            vstore3(origin, 0, header);
+            header[LIGHT_LEAF_SIZE] = (x.high - x.low) + (y.high - y.low) + (z.high - z.low);
             ((__global uint*)header)[LIGHT_LEAF_PRESENT] = present;
         }
-        for (uint row = 0; row < 9u; ++row) at[row] -= origin[row % 3u];
+        PointBlock from = same_in_lanes(origin);
+        a = lanes_difference(a, from), b = lanes_difference(b, from), c = lanes_difference(c, from);
         const float* const axes[3] = {params.axes.u, params.axes.v, params.axes.w};
         for (uint k = 0; k < 3u; ++k) {
-            LaneFloat along[3];
-            for (uint corner = 0; corner < 3u; ++corner) {
-                along[corner] = lanes_along_axis(axes[k], at[3u * corner], at[3u * corner + 1u], at[3u * corner + 2u]);
-                STORE_ROW(along[corner], header + (1u + 3u * corner + k) * SHAFT_WIDTH);
-            }
-            LeafExtent extent = extent_of(along[0], along[1], along[2], is_present SHARED);
+            float3 axis = vload3(0, axes[k]);
+            LaneFloat at_a = lanes_along(axis, a), at_b = lanes_along(axis, b), at_c = lanes_along(axis, c);
+            __global float* row = header + (1u + k) * SHAFT_WIDTH;
+            STORE_ROW(at_a, row);
+            STORE_ROW(at_b, row + 3u * SHAFT_WIDTH);
+            STORE_ROW(at_c, row + 6u * SHAFT_WIDTH);
+            LeafExtent extent = extent_of(at_a, at_b, at_c, is_present SHARED);
             float from_zero = along_axis(axes[k], origin);
             if (IS_WRITER) {
                 header[LIGHT_LEAF_BOX + 2u * k] = from_zero + extent.low;
@@ -95,7 +81,7 @@ __kernel void light_leaves(const LightTreeParams params, __global const float* l
 
 __kernel void light_nodes(const LightTreeParams params, __global const float* nodes, __global const float* light_leaves,
                           __global float* light_nodes) {
-    FOR_EACH_OF_GROUP(i, params.count) {
+    SHAFT_FOR_EACH(i, params.count) {
         size_t index = params.first + i;
         __global const uint* codes =
             (__global const uint*)(nodes + index * (SHAFT_NODE_ROWS * SHAFT_WIDTH) + SHAFT_CODES);

@@ -35,6 +35,9 @@ GN_STRUCT_BEGIN(LightTreeParams)
     uint first, count;  // of the nodes of one level, or of all leaves
 GN_STRUCT_END(LightTreeParams, 48)
 
+// Points that one work-item of the trace, or one group, takes in a row.
+#define RAYS_OF_TASK 64u
+
 GN_STRUCT_BEGIN(RayParams)
     PointsLayout points;  // of a part of the sorted points
     LightAxes axes;
@@ -44,3 +47,7 @@ GN_STRUCT_BEGIN(RayParams)
     float rounding;  // a bound of the errors of coordinates along the axes
     uint padding;
 GN_STRUCT_END(RayParams, 112)
+
+#ifndef __cplusplus
+static float along_axis(const float* axis, float3 p) { return fma(axis[0], p.x, fma(axis[1], p.y, axis[2] * p.z)); }
+#endif

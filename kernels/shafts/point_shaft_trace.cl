@@ -132,11 +132,7 @@ __kernel void point_shaft_trace(const ShaftParams params, __global const LightBu
     ShaftScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint first = params.points.first / 3u, blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
-#if GN_LANES > 1
-    GN_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
-#else
-    for (size_t task = get_group_id(0); task < (size_t)blocks * params.bundle_count; task += get_num_groups(0)) {
-#endif
+    SHAFT_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
         uint bundle = (uint)(task / blocks), point = (uint)(task % blocks) * SHAFT_WIDTH, blocking = 0u;
         for (uint end = min(point + SHAFT_WIDTH, params.points.count); point < end; ++point) {
             __global uint* mask = &masks[bundle * (size_t)params.mask_stride + point];

@@ -6,12 +6,17 @@
 // Filter of a ray and a leaf's triangles. Let a, b, c be the corners minus the ray's point P along the axes u, v, w of
 // the light. e_c = a_u b_v - a_v b_u has the sign of det(A - P, B - P, D) but for errors, and where all three e have
 // one sign, h = e_a a_w + e_b b_w + e_c c_w has it too exactly if the ray meets the triangle's plane beyond P: for the
-// point X where the line meets it, w . (X - P) is the mean of a_w, b_w, c_w with the weights e, and w . D > 0. Bound.
-// Let O be the leaf's origin, R = |P - O|_1, and S the sum of the sides of the leaf's box. A corner's coordinate from O
-// rounds four times (a difference, three of the sum), by 4 x 2^-24 S at most; P's by 4 x 2^-24 R; their difference once
-// more. So a_u is wrong by less than 3.1e-7 (S + R), and e_c by that times |a|_1 + |b|_1, by 3 x 2^-24 (S + R) |b|_1
-// for its own roundings, and by 5.2e-8 (S + R) (|a|_1 + |b|_1), since u and v are not quite at right angles to D: by
-// less than r (|a|_1 + |b|_1 + r) with r = 6.5e-7 (S + R). h is wrong by less than that times |w|, and r |e|.
+// point X where the line meets it, w . (X - P) is the mean of a_w, b_w, c_w with the weights e, and w . D > 0.
+//
+// Bound. Let O be the leaf's origin, R = |P - O|_1, and S the sum of the sides of the leaf's box. A corner's coordinate
+// from O rounds four times (a difference, three of the sum), by 4 x 2^-24 S at most; P's by 4 x 2^-24 R; their
+// difference once more. So a_u is wrong by less than 3.1e-7 (S + R), and e_c by that times |a|_1 + |b|_1, by 3 x 2^-24
+// (S + R) |b|_1 for its own roundings, and by 5.2e-8 (S + R) (|a|_1 + |b|_1), since u and v are not quite at right
+// angles to D: by less than r (|a|_1 + |b|_1 + r) with r = 6.5e-7 (S + R), to which 2^-64 is added for underflow. h is
+// wrong by less than that times |w|, and r |e|.
+//
+// Boxes. With the largest coordinate L a box's side rounds by less than 1.3e-6 L (its origin's coordinate, a corner's
+// from it, their sum), a ray's by 4.2e-7 L, and u . D moves X by 1.8e-7 L: `rounding` is 4e-6 L.
 #include "shafts/light_tree.h"
 #include "shafts/shaft_walk.clh"
 
@@ -23,8 +28,8 @@ typedef struct RayScene {
     __global const float* light_nodes;
     __global const float* light_leaves;
     LightAxes axes;
-    float3 direction;
-    uint bundle, light;
+    __global const LightBundle* bundle;
+    uint bundle_index, light;
 } RayScene;
 
 // A shadow ray: its point in the scene and along the light's axes.
@@ -33,10 +38,6 @@ typedef struct Ray {
     float u, v, w;
     uint point, receiver;
 } Ray;
-
-static float along_axis(const float* axis, float x, float y, float z) {
-    return fma(axis[0], x, fma(axis[1], y, axis[2] * z));
-}
 
 // A CPU tests eight children or triangles at a time: sixteen do not fit into its registers. On a GPU each item tests
 // its own.
@@ -120,11 +121,11 @@ typedef struct LeafRay {
 } LeafRay;
 
 static void set_leaf_ray(LeafRay* ray, __global const float* leaf, const LightAxes* axes, float3 p) {
-    float x = p.x - leaf[0], y = p.y - leaf[1], z = p.z - leaf[2];
-    ray->u = along_axis(axes->u, x, y, z);
-    ray->v = along_axis(axes->v, x, y, z);
-    ray->w = along_axis(axes->w, x, y, z);
-    ray->rounding = RAY_BOUND * (fabs(x) + fabs(y) + fabs(z) + leaf[LIGHT_LEAF_SIZE]) + SHAFT_UNDERFLOW;
+    float3 from_origin = p - (float3)(leaf[0], leaf[1], leaf[2]);
+    ray->u = along_axis(axes->u, from_origin);
+    ray->v = along_axis(axes->v, from_origin);
+    ray->w = along_axis(axes->w, from_origin);
+    ray->rounding = RAY_BOUND * (sum_of_sizes(from_origin) + leaf[LIGHT_LEAF_SIZE]) + SHAFT_UNDERFLOW;
     ray->present = ((__global const uint*)leaf)[LIGHT_LEAF_PRESENT];
 }
 
@@ -141,7 +142,8 @@ GN_INLINE_ON_CPU void decide_eight(__global const float* rows, const LeafRay* ra
     EightFloat c_u = LOAD_EIGHT(rows + 6u * SHAFT_WIDTH) - ray->u, c_v = LOAD_EIGHT(rows + 7u * SHAFT_WIDTH) - ray->v;
     EightFloat e_a = fma(b_u, c_v, -(b_v * c_u)), e_b = fma(c_u, a_v, -(c_v * a_u)), e_c = fma(a_u, b_v, -(a_v * b_u));
     EightFloat sizes = ((fabs(a_u) + fabs(a_v)) + (fabs(b_u) + fabs(b_v))) + (fabs(c_u) + fabs(c_v));
-    EightFloat bound = fma(sizes, (EightFloat)(ray->rounding), (EightFloat)(ray->rounding * ray->rounding));
+    float least_bound = ray->rounding * ray->rounding + SHAFT_UNDERFLOW;
+    EightFloat bound = fma(sizes, (EightFloat)(ray->rounding), (EightFloat)(least_bound));
     EightFloat greatest = EIGHT_MAX(e_a, e_b), least = EIGHT_MIN(e_a, e_b);
     greatest = EIGHT_MAX(greatest, e_c);
     least = EIGHT_MIN(least, e_c);
@@ -165,29 +167,19 @@ GN_INLINE_ON_CPU void decide_eight(__global const float* rows, const LeafRay* ra
     decision->undecided &= ~(decision->blocked | bits_of_eight(missed));
 }
 
-// By the filter of shaft_test.clh, whose bound is tighter where triangles are large
-static LightDecision decide_ray(const PointEdges* e, float3 d) {
-    float ab = fma(d.x, e->ab.x, fma(d.y, e->ab.y, d.z * e->ab.z));
-    float bc = fma(d.x, e->bc.x, fma(d.y, e->bc.y, d.z * e->bc.z));
-    float ca = fma(d.x, e->ca.x, fma(d.y, e->ca.y, d.z * e->ca.z));
-    float least = fmin(fmin(ab, bc), ca), greatest = fmax(fmax(ab, bc), ca);
-    bool is_blocked = e->sided && least > e->bound;
-    bool is_missed = least < -e->bound && (e->sided || greatest > e->bound);
-    return (LightDecision){is_blocked ? 1u : 0u, is_blocked || is_missed ? 0u : 1u};
-}
-
-// Decides a pair that may block the ray, and is not certain by decide_eight(). Queues it if this filter is not certain
-// either. Returns whether the triangle blocks the ray for certain.
+// Decides a pair that may block the ray, and is not certain by decide_eight(): by the shafts' filter, whose bound is
+// tighter where triangles are large. Queues the pair if that is not certain either. Returns whether the triangle blocks
+// the ray for certain.
 GN_INLINE_ON_CPU bool is_blocked_by(const Ray* ray, uint leaf, uint i, uint id, const RayScene* scene,
                                     Reservation* mine) {
     ShaftTriangle t = shaft_triangle(scene->tree.leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH), i);
     PointEdges edges = edges_of_point(&t, ray->p);
-    LightDecision decision = decide_ray(&edges, scene->direction);
+    LightDecision decision = decide_lights(&edges, scene->bundle, 1u << scene->light);
 #ifdef GN_CUT_OUTS
     if ((id & SHAFT_MASKED) != 0u) decision = (LightDecision){0u, decision.dark | decision.undecided};
     id &= ~SHAFT_MASKED;
 #endif
-    ShaftPairs pairs = {ray->point, scene->bundle, id, 1u << scene->light};
+    ShaftPairs pairs = {ray->point, scene->bundle_index, id, decision.undecided};
     if (decision.undecided != 0u) queue_pairs(pairs, &t, ray->p, &scene->tree, mine);
     return decision.dark != 0u;
 }
@@ -254,9 +246,6 @@ GN_INLINE_ON_CPU bool is_blocked(const Ray* ray, const RayScene* scene, uint* bl
     return false;
 }
 
-// Points that one work-item, or group, takes in a row.
-#define POINTS_OF_TASK 64u
-
 __kernel void ray_trace(const RayParams params, __global const LightBundle* bundles, __global const float* light_nodes,
                         __global const float* light_leaves, __global const float* leaves, __global const uint* ids,
                         __global const float* positions, __global const uint* receivers, __global uint* masks,
@@ -265,26 +254,22 @@ __kernel void ray_trace(const RayParams params, __global const LightBundle* bund
                       light_nodes,
                       light_leaves,
                       params.axes,
-                      light_direction(&bundles[params.bundle], params.light),
+                      &bundles[params.bundle],
                       params.bundle,
                       params.light};
     Reservation mine = no_reservation();
-    uint tasks = (params.points.count + POINTS_OF_TASK - 1u) / POINTS_OF_TASK;
+    uint tasks = (params.points.count + RAYS_OF_TASK - 1u) / RAYS_OF_TASK;
     masks += params.bundle * (size_t)params.mask_stride;
-#if GN_LANES > 1
-    GN_FOR_EACH(task, tasks) {
-#else
-    for (size_t task = get_group_id(0); task < tasks; task += get_num_groups(0)) {
-#endif
-        uint blocking = 0u, point = (uint)task * POINTS_OF_TASK;
-        for (uint end = min(point + POINTS_OF_TASK, params.points.count); point < end; ++point) {
+    SHAFT_FOR_EACH(task, tasks) {
+        uint blocking = 0u, point = (uint)task * RAYS_OF_TASK;
+        for (uint end = min(point + RAYS_OF_TASK, params.points.count); point < end; ++point) {
             if ((masks[point] >> params.light & 1u) == 0u) continue;
             float3 p = load_point(positions, params.points, point);
             if (!is_present(p)) continue;
             Ray ray = {p,
-                       along_axis(params.axes.u, p.x, p.y, p.z),
-                       along_axis(params.axes.v, p.x, p.y, p.z),
-                       along_axis(params.axes.w, p.x, p.y, p.z),
+                       along_axis(params.axes.u, p),
+                       along_axis(params.axes.v, p),
+                       along_axis(params.axes.w, p),
                        point,
                        GN_NO_ID};
             if (params.points.has_receivers != 0u) ray.receiver = receivers[params.points.first / 3u + point];

@@ -176,11 +176,7 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
     ShaftScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
     uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
-#if GN_LANES > 1
-    GN_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
-#else
-    for (size_t task = get_group_id(0); task < (size_t)blocks * params.bundle_count; task += get_num_groups(0)) {
-#endif
+    SHAFT_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
         uint bundle = (uint)(task / blocks);
         ShaftWork work = load_work(params, task % blocks, bundle, positions, receivers, surface_normals, masks);
         LaneInt before = work.open;
