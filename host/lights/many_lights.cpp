@@ -85,15 +85,19 @@ std::vector<std::uint32_t> sampled_lights(std::size_t count) {
     return {at(1), at(2), at(3)};
 }
 
-double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted) {
+double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted, double limit_ms) {
+    const cl::Session& session = session_of(run.device);
     const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
     const Visibility visibility(run.device, run.points.count());
-    const std::vector<std::uint32_t> sample = sampled_lights(run.lights.count());
-    technique.run(run.triangles, ordered, run.lights.lights()[sample[0]], visibility);
-    double ms = 0;
-    for (const std::uint32_t light : sample)
+    double ms = 0, measured = 0;
+    for (const std::uint32_t light : sampled_lights(run.lights.count())) {
+        const double builds_ms = session.build_ms();
         ms += technique.run(run.triangles, ordered, run.lights.lights()[light], visibility).total_wall_ms;
-    return ms / double(sample.size());
+        ms -= session.build_ms() - builds_ms;
+        ++measured;
+        if (ms > 2 * limit_ms * measured) break;
+    }
+    return ms / measured;
 }
 
 void report_progress(const LightsOptions& options, double done) {

@@ -13,16 +13,35 @@ RayPasses::RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics
 }
 
 double RayPasses::estimated_ms() {
-    const PointPart part{0, std::min(masks_.most_points(), run_.points.count())};
-    const std::vector<std::uint32_t> sample = sampled_lights(run_.lights.count());
-    masks_.face(part);
-    decide({0, std::min<std::size_t>(part.count, 64)}, sample[0]);  // so that the time below holds no build
-    session_.finish();
-    const auto start = cl::Clock::now();
-    for (const std::uint32_t light : sample) decide(part, light);
-    session_.finish();
-    const double ms_per_light = cl::ms_since(start) / double(sample.size());
-    return ms_per_light * double(run_.points.count()) / double(part.count) * double(run_.lights.count());
+    const std::size_t count = run_.points.count();
+    const std::vector<std::uint32_t> lights = sampled_lights(run_.lights.count());
+    // Pieces that are strewn over the points. A GPU takes as long for a few points as for many.
+    constexpr std::size_t pieces_on_cpu = 16, share_on_cpu = 16;
+    const std::size_t pieces = session_.is_cpu() ? pieces_on_cpu : 1;
+    const std::size_t piece = std::min(
+        std::max<std::size_t>(session_.is_cpu() ? count / (pieces * share_on_cpu) : count, 64), masks_.most_points());
+    const auto timed = [&](auto&& work) {
+        const double builds_ms = session_.build_ms();
+        session_.finish();
+        const auto start = cl::Clock::now();
+        work();
+        session_.finish();
+        return cl::ms_since(start) - (session_.build_ms() - builds_ms);
+    };
+    double turns_ms = 0, traces_ms = 0, traced = 0;
+    for (const std::uint32_t light : lights) {
+        turns_ms += timed([&] { turn_tree(light); });
+        for (std::size_t i = 0; i < pieces; ++i) {
+            const std::size_t first = count * i / pieces;
+            const PointPart strewn{first, std::min(piece, count - first)};
+            masks_.face(strewn);
+            traces_ms += timed([&] { trace(strewn, light); });
+            traced += double(strewn.count);
+        }
+    }
+    const auto parts = double((count + masks_.most_points() - 1) / masks_.most_points());
+    const double ms_per_light = turns_ms * parts / double(lights.size()) + traces_ms / traced * double(count);
+    return ms_per_light * double(run_.lights.count());
 }
 
 void RayPasses::run() {
@@ -32,7 +51,8 @@ void RayPasses::run() {
         part.count = std::min(masks_.most_points(), count - part.first);
         masks_.face(part);
         for (std::uint32_t light = 0; light < lights; ++light) {
-            decide(part, light);
+            turn_tree(light);
+            trace(part, light);
             const double done = double(part.first) + double(part.count) * (light + 1) / double(lights);
             report_progress(run_.options, done / double(count));
         }
@@ -42,16 +62,17 @@ void RayPasses::run() {
     masks_.describe(statistics_.counts);
 }
 
-void RayPasses::decide(const PointPart& part, std::uint32_t light) {
-    const LightAxes axes = axes_of_light(run_.lights.lights()[light]);
-    {
-        const cl::StageTimer timer(session_, statistics_, "light_tree");
-        tree_.turn_to(axes);
-    }
+void RayPasses::turn_tree(std::uint32_t light) {
+    const cl::StageTimer timer(session_, statistics_, "light_tree");
+    tree_.turn_to(axes_of_light(run_.lights.lights()[light]));
+}
+
+// Of the light to which the tree is turned.
+void RayPasses::trace(const PointPart& part, std::uint32_t light) {
     masks_.trace(part, "ray_trace", [&] {
         const ShaftParams of_part = masks_.params_of(part);
         const RayParams params{.points = of_part.points,
-                               .axes = axes,
+                               .axes = axes_of_light(run_.lights.lights()[light]),
                                .bundle = light / MOST_BUNDLE_LIGHTS,
                                .light = light % MOST_BUNDLE_LIGHTS,
                                .mask_stride = of_part.mask_stride,

@@ -13,12 +13,13 @@ public:
     /// `bundles`: make_plain_bundles() of the run's lights.
     RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
 
-    /// The time that run() may take, as measured on some lights.
+    /// The time that run() may take, as measured on some lights and, on a CPU, some points.
     double estimated_ms();
     void run();
 
 private:
-    void decide(const PointPart& part, std::uint32_t light);
+    void turn_tree(std::uint32_t light);
+    void trace(const PointPart& part, std::uint32_t light);
 
     const TreeRun& run_;
     cl::Session& session_;

@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t parts_of_a_choice = 8;
 // A sample is one of so many points, but on a GPU large enough to fill it: with 31,000 pairs in a piece, 64 lights on
 // the sun's disk seemed to take five times as long as they do (H100, Sponza).
-constexpr std::size_t sample_share = 32, rough_share = 512, pairs_of_gpu_piece = std::size_t(1) << 21;
+constexpr std::size_t sample_share = 64, rough_share = 512, pairs_of_gpu_piece = std::size_t(1) << 21;
 
 }  // namespace
 
@@ -72,9 +72,10 @@ ShaftShape ShaftPasses::faster_shape(const PointPart& part) {
 // The time that a part may take, from pieces that are strewn over it.
 double ShaftPasses::sampled_ms(const PointPart& part, ShaftShape shape, std::size_t share) {
     const std::size_t least = session_.is_cpu() ? 64 : pairs_of_gpu_piece / run_.lights.count() / 64 * 64 + 64;
-    // The order of the points has parts that face alike: a few pieces would miss some of them.
-    const std::size_t pieces = session_.is_cpu() ? 32 : 4;
-    const std::size_t piece = std::min(std::max(part.count / (pieces * share) / 64 * 64, least), masks_.most_points());
+    // The order of the points has stretches that face alike, so as many pieces as there are points for, on a CPU.
+    const std::size_t wanted = part.count / share;
+    const std::size_t pieces = session_.is_cpu() ? std::clamp<std::size_t>(wanted / least, 4, 32) : 4;
+    const std::size_t piece = std::min(std::max(wanted / pieces / 64 * 64, least), masks_.most_points());
     double ms = 0, sampled = 0;
     for (std::size_t i = 0; i < pieces; ++i) {
         const std::size_t first = part.first + part.count * (2 * i + 1) / (2 * pieces);

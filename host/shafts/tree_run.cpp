@@ -32,20 +32,21 @@ struct Choice {
     std::optional<ShaftShape> shape;
 };
 
-Choice faster_way(const TreeRun& run, const Bundled& bundles, std::optional<double> one_light_ms,
-                  Statistics& statistics) {
-    if (run.points.count() * run.lights.count() < pairs_worth_measuring) return {ManyLightsWay::shafts, {}};
-    const double one_by_one = one_light_ms ? *one_light_ms * double(run.lights.count()) : never;
-    const double rays = rays_ms(run, bundles.plain, statistics), least = std::min(one_by_one, rays);
-    const auto shafts = ShaftPasses(run, bundles.coned, {}, statistics).estimate(least);
-    if (shafts.ms <= least) return {ManyLightsWay::shafts, shafts.shape};
-    return {rays <= one_by_one ? ManyLightsWay::rays : ManyLightsWay::one_by_one, {}};
+Choice faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms, Statistics& statistics) {
+    const std::size_t lights = run.lights.count();
+    if (run.points.count() * lights < pairs_worth_measuring) return {ManyLightsWay::shafts, {}};
+    const double rays = rays_ms(run, bundles.plain, statistics);
+    const auto shafts = ShaftPasses(run, bundles.coned, {}, statistics).estimate(rays);
+    const double least = std::min(rays, shafts.ms);
+    if (one_light_ms && one_light_ms(least / double(lights)) * double(lights) < least)
+        return {ManyLightsWay::one_by_one, {}};
+    return shafts.ms <= rays ? Choice{ManyLightsWay::shafts, shafts.shape} : Choice{ManyLightsWay::rays, {}};
 }
 
 }  // namespace
 
 bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
-                      std::optional<double> one_light_ms, Statistics& statistics) {
+                      const OneLightMs& one_light_ms, Statistics& statistics) {
     if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return false;
     auto plain = make_plain_bundles(run.lights.lights());
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);

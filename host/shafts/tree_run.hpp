@@ -2,6 +2,8 @@
 // Chooses how a run over many lights goes through the tree over the triangles.
 #pragma once
 
+#include <functional>
+
 #include "shafts/light_masks.hpp"
 
 namespace gnomon {
@@ -9,11 +11,14 @@ namespace gnomon {
 /// The ways to decide many lights, as the setting many-lights names them.
 enum class ManyLightsWay { automatic, one_by_one, shafts, point_shafts, rays };
 
+/// The time of one light by the technique's own run, roughly where it is far above a limit, both in ms.
+using OneLightMs = std::function<double(double limit_ms)>;
+
 /// Decides a run through the tree. `automatic` measures shafts and rays on a sample, and takes the faster. False, and
 /// no output is written, if the tree cannot serve these lights (a point light among them, a direction that cannot be
-/// scaled, coordinates out of the filter's range), or, by `automatic`, would take longer than `one_light_ms` for each
-/// light. Adds its stages and counts to `statistics`.
+/// scaled, coordinates out of the filter's range), or, by `automatic`, would take longer than `one_light_ms`, if there
+/// is such a function, for each light. Adds its stages and counts to `statistics`.
 bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
-                      std::optional<double> one_light_ms, Statistics& statistics);
+                      const OneLightMs& one_light_ms, Statistics& statistics);
 
 }  // namespace gnomon
