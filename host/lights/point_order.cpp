@@ -22,35 +22,67 @@ float fit_grid(cl::Session& session, PointOrderParams& params, const PointInputs
     return box->largest();
 }
 
+PointsLayout packed(PointsLayout layout) {
+    layout.picture_width = 0;
+    layout.point_stride = 3;
+    layout.coordinate_stride = 1;
+    return layout;
+}
+
+PointOrderParams params_of(const Device& device, const TriangleInputs& triangles, const Points& points, cl_mem normals,
+                           const PointLayout& normals_at) {
+    PointOrderParams params{};
+    params.triangles = triangles;
+    params.points = params.normals = point_inputs(points).layout;
+    params.has_normals = normals != nullptr;
+    if (normals != nullptr)
+        params.normals = point_inputs(Points::wrap(device, normals, normals_at, points.count())).layout;
+    return params;
+}
+
 }  // namespace
 
 SortedPoints::SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
                            const PointLayout& normals_at)
-    : layout_(point_inputs(points).layout) {
+    : layout_(packed(point_inputs(points).layout)) {
     cl::Session& session = session_of(device);
     const PointInputs in = point_inputs(points);
     const TriangleInputs scene = triangle_inputs(triangles);
-    const std::size_t count = points.count(), words = count * sizeof(cl_uint);
-    layout_.picture_width = 0;
-    layout_.point_stride = 3;
-    layout_.coordinate_stride = 1;
-    PointOrderParams params{};
-    params.triangles = scene;
-    params.points = params.normals = in.layout;
-    params.has_normals = normals != nullptr;
-    if (normals != nullptr)
-        params.normals = point_inputs(Points::wrap(device, normals, normals_at, count)).layout;
-    else
-        normals = in.positions;
+    PointOrderParams params = params_of(device, scene, points, normals, normals_at);
+    if (normals == nullptr) normals = in.positions;
     largest_coordinate_ = fit_grid(session, params, in);
     sort(session, params, in, scene.vertices, normals);
+    gather(session, params, in, scene.vertices, normals);
+}
+
+SortedPoints SortedPoints::sample(const PointSample& sample, const Device& device, const Triangles& triangles,
+                                  const Points& points, cl_mem normals, const PointLayout& normals_at) const {
+    cl::Session& session = session_of(device);
+    const PointInputs in = point_inputs(points);
+    const TriangleInputs scene = triangle_inputs(triangles);
+    SortedPoints some;
+    some.layout_ = layout_;
+    some.layout_.count = static_cast<cl_uint>(std::min(sample.sampled(), sample.count));
+    some.largest_coordinate_ = largest_coordinate_;
+    some.order_.reserve(session, some.layout_.count * sizeof(cl_uint));
+    session.launch("lights/point_order.cl", "point_sample", cl::Range::items(some.layout_.count), some.layout_.count,
+                   static_cast<cl_uint>(sample.first), static_cast<cl_uint>(sample.share), order_, some.order_);
+    some.gather(session, params_of(device, scene, points, normals, normals_at), in, scene.vertices,
+                normals != nullptr ? normals : in.positions);
+    return some;
+}
+
+void SortedPoints::gather(cl::Session& session, PointOrderParams params, const PointInputs& in, cl_mem vertices,
+                          cl_mem normals) {
+    const std::size_t words = layout_.count * sizeof(cl_uint);
     // A block of lanes is read whole, also where it has fewer points.
     constexpr std::size_t room = 32 * sizeof(cl_uint);
     positions_.reserve(session, 3 * words + room);
     receivers_.reserve(session, in.layout.has_receivers != 0 ? words + room : 0);
     normals_.reserve(session, params.has_normals != 0 ? 3 * words + room : 0);
     surface_normals_.reserve(session, 3 * words + room);
-    session.launch("lights/point_order.cl", "point_gather", cl::Range::items(count), params, scene.vertices,
+    params.points.count = layout_.count;
+    session.launch("lights/point_order.cl", "point_gather", cl::Range::items(layout_.count), params, vertices,
                    in.positions, in.receivers, normals, order_, positions_, receivers_, normals_, surface_normals_);
 }
 
@@ -72,7 +104,7 @@ void SortedPoints::sort(cl::Session& session, const PointOrderParams& params, co
 Points SortedPoints::as_points(const Device& device, const Points& given) const {
     const bool has_receivers = given.receivers() != nullptr;
     Points points =
-        Points::wrap(device, positions_.get(), {}, given.count(), has_receivers ? receivers_.get() : nullptr);
+        Points::wrap(device, positions_.get(), {}, layout_.count, has_receivers ? receivers_.get() : nullptr);
     if (given.eye()) points.set_eye(*given.eye());
     return points;
 }

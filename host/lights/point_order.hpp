@@ -2,16 +2,28 @@
 // Stage point_order: a copy of points, sorted along a space-filling curve (kernels/lights/point_order.h).
 #pragma once
 
+#include <algorithm>
+
 #include "api/inputs.hpp"
 #include "kernels/lights/point_order.h"
 
 namespace gnomon {
+
+/// Of sorted points [first, first + count), one in `share`, evenly strewn: whole runs of POINTS_OF_RUN neighbours.
+struct PointSample {
+    std::size_t first, count, share;
+
+    std::size_t sampled() const { return std::max<std::size_t>(count / POINTS_OF_RUN / share, 1) * POINTS_OF_RUN; }
+};
 
 class SortedPoints {
 public:
     /// `normals`: one per point as `normals_at` describes, or null.
     SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
                  const PointLayout& normals_at);
+    /// Some of these points, with their normals as given to the constructor. At least POINTS_OF_RUN are sampled.
+    SortedPoints sample(const PointSample& sample, const Device& device, const Triangles& triangles,
+                        const Points& points, cl_mem normals, const PointLayout& normals_at) const;
 
     /// These points, with the receivers and the eye of the given ones.
     Points as_points(const Device& device, const Points& given) const;
@@ -27,10 +39,12 @@ public:
     float largest_coordinate() const { return largest_coordinate_; }
 
 private:
+    SortedPoints() = default;
     void sort(cl::Session& session, const PointOrderParams& params, const PointInputs& in, cl_mem vertices,
               cl_mem normals);
+    void gather(cl::Session& session, PointOrderParams params, const PointInputs& in, cl_mem vertices, cl_mem normals);
 
-    PointsLayout layout_;
+    PointsLayout layout_{};
     cl::Buffer positions_, receivers_, normals_, surface_normals_, order_;
     float largest_coordinate_ = 0;
 };

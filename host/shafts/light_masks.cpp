@@ -14,6 +14,11 @@ std::size_t most_mask_bytes(const cl::Session& session) {
     return session.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
 }
 
+SampledRun::SampledRun(const TreeRun& whole, const PointPart& part, std::size_t share)
+    : sorted_(sampled_points(whole, whole.sorted, {part.first, part.count, share})),
+      points_(sorted_.as_points(whole.device, whole.points)),
+      run_{{whole.device, whole.triangles, points_, whole.lights, whole.outputs, whole.options}, sorted_, whole.tree} {}
+
 LightMasks::LightMasks(const TreeRun& run, const LightBundles& bundles, Statistics& statistics)
     : run_(run),
       session_(session_of(run.device)),

@@ -25,6 +25,20 @@ struct PointPart {
     std::size_t first, count;
 };
 
+/// A run over a sample of a run's points, to measure a way by. It writes no outputs.
+class SampledRun {
+public:
+    /// Of a part of the points, one in `share`.
+    SampledRun(const TreeRun& whole, const PointPart& part, std::size_t share);
+    const TreeRun& run() const { return run_; }
+    std::size_t count() const { return points_.count(); }
+
+private:
+    SortedPoints sorted_;
+    Points points_;
+    TreeRun run_;
+};
+
 /// The memory that a part's masks may take.
 std::size_t most_mask_bytes(const cl::Session& session);
 

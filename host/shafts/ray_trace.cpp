@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "shafts/ray_trace.hpp"
 
+#include <cmath>
+
 namespace gnomon {
 
 RayPasses::RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics)
@@ -12,14 +14,7 @@ RayPasses::RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics
     masks_.reserve(most_mask_bytes(session_) / masks_.bytes_per_point());
 }
 
-double RayPasses::estimated_ms() {
-    const std::size_t count = run_.points.count();
-    const std::vector<std::uint32_t> lights = sampled_lights(run_.lights.count());
-    // Pieces that are strewn over the points. A GPU takes as long for a few points as for many.
-    constexpr std::size_t pieces_on_cpu = 16, share_on_cpu = 16;
-    const std::size_t pieces = session_.is_cpu() ? pieces_on_cpu : 1;
-    const std::size_t piece = std::min(
-        std::max<std::size_t>(session_.is_cpu() ? count / (pieces * share_on_cpu) : count, 64), masks_.most_points());
+RayPasses::Times RayPasses::timed(std::uint32_t light) {
     const auto timed = [&](auto&& work) {
         const double builds_ms = session_.build_ms();
         session_.finish();
@@ -28,20 +23,30 @@ double RayPasses::estimated_ms() {
         session_.finish();
         return cl::ms_since(start) - (session_.build_ms() - builds_ms);
     };
-    double turns_ms = 0, traces_ms = 0, traced = 0;
-    for (const std::uint32_t light : lights) {
-        turns_ms += timed([&] { turn_tree(light); });
-        for (std::size_t i = 0; i < pieces; ++i) {
-            const std::size_t first = count * i / pieces;
-            const PointPart strewn{first, std::min(piece, count - first)};
-            masks_.face(strewn);
-            traces_ms += timed([&] { trace(strewn, light); });
-            traced += double(strewn.count);
-        }
+    Times times{timed([&] { turn_tree(light); }), 0};
+    for (PointPart part{0, 0}; part.first < run_.points.count(); part.first += part.count) {
+        part.count = std::min(masks_.most_points(), run_.points.count() - part.first);
+        masks_.face(part);
+        times.trace_ms += timed([&] { trace(part, light); });
     }
-    const auto parts = double((count + masks_.most_points() - 1) / masks_.most_points());
-    const double ms_per_light = turns_ms * parts / double(lights.size()) + traces_ms / traced * double(count);
-    return ms_per_light * double(run_.lights.count());
+    return times;
+}
+
+double estimated_rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+    const cl::Session& session = session_of(run.device);
+    // A GPU takes as long for a few points as for many.
+    const std::size_t count = run.points.count(), share = session.is_cpu() ? 16 : 1;
+    const SampledRun sample(run, {0, count}, share);
+    RayPasses passes(sample.run(), bundles, statistics);
+    const std::size_t most = most_mask_bytes(session) / (bundles.bundles.size() * sizeof(cl_uint));
+    const double parts = std::ceil(double(count) / double(most)), whole = double(count) / double(sample.count());
+    const std::vector<std::uint32_t> lights = sampled_lights(run.lights.count());
+    double ms = 0;
+    for (const std::uint32_t light : lights) {
+        const RayPasses::Times times = passes.timed(light);
+        ms += times.turn_ms * parts + times.trace_ms * whole;
+    }
+    return ms / double(lights.size()) * double(run.lights.count());
 }
 
 void RayPasses::run() {

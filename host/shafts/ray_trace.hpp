@@ -13,9 +13,13 @@ public:
     /// `bundles`: make_plain_bundles() of the run's lights.
     RayPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
 
-    /// The time that run() may take, as measured on some lights and, on a CPU, some points.
-    double estimated_ms();
     void run();
+
+    struct Times {
+        double turn_ms, trace_ms;
+    };
+    /// Of one light.
+    Times timed(std::uint32_t light);
 
 private:
     void turn_tree(std::uint32_t light);
@@ -27,5 +31,8 @@ private:
     LightMasks masks_;
     LightTree tree_;
 };
+
+/// The time that a run may take, as measured on some lights and, on a CPU, some points.
+double estimated_rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
 
 }  // namespace gnomon

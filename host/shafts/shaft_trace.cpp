@@ -1,21 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "shafts/shaft_trace.hpp"
 
+#include <limits>
+
 namespace gnomon {
 namespace {
 
-// Neighbouring parts are alike and distant ones are not: the shapes are compared for every few parts, on small pieces
-// of the part that is next.
+// The points that a way is measured on: so many, but no more than one in `share`, nor fewer than are worth a measure.
+struct SampleSize {
+    std::size_t points, share;
+
+    std::size_t share_of(std::size_t count) const {
+        constexpr std::size_t fewest_points = 256;
+        return std::clamp<std::size_t>(count / fewest_points, 1, std::max(count / points, share));
+    }
+};
+constexpr SampleSize rough_sample{1024, 512}, sample{4096, 64}, sample_of_parts{256, 128};
+// A GPU needs so many work-groups: with fewer, the longest one is what takes the time.
+constexpr std::size_t groups_of_sample = std::size_t(1) << 14, least_share_on_gpu = 4, most_share_on_gpu = 64;
+
+// Neighbouring parts are alike and distant ones are not: on a CPU, where no shape takes so many times the other's time,
+// the shapes are compared for every few parts.
 constexpr std::size_t parts_of_a_choice = 8;
-// A sample is one of so many points, but on a GPU large enough to fill it: with 31,000 pairs in a piece, 64 lights on
-// the sun's disk seemed to take five times as long as they do (H100, Sponza).
-constexpr std::size_t sample_share = 64, rough_share = 512, pairs_of_gpu_piece = std::size_t(1) << 21;
+constexpr double clearly_faster = 1.3;
 
 }  // namespace
 
 ShaftPasses::ShaftPasses(const TreeRun& run, const LightBundles& bundles, std::optional<ShaftShape> shape,
                          Statistics& statistics)
     : run_(run),
+      light_bundles_(bundles),
       session_(session_of(run.device)),
       statistics_(statistics),
       shape_(shape),
@@ -32,16 +46,16 @@ ShaftPasses::ShaftPasses(const TreeRun& run, const LightBundles& bundles, std::o
 
 ShaftPasses::Estimate ShaftPasses::estimate(double limit_ms) {
     const PointPart all{0, run_.points.count()};
-    const auto by_the_better = [&](std::size_t share) {
-        const double blocks = sampled_ms(all, ShaftShape::block, share);
-        const double points = sampled_ms(all, ShaftShape::point, share);
-        return blocks < points ? Estimate{blocks, ShaftShape::block} : Estimate{points, ShaftShape::point};
-    };
-    if (session_.is_cpu())
-        if (const Estimate rough = by_the_better(rough_share); rough.ms > 2 * limit_ms) return rough;
-    Estimate estimate = by_the_better(sample_share);
-    if (all.count > parts_of_a_choice * masks_.most_points()) estimate.shape.reset();
-    return estimate;
+    if (!session_.is_cpu()) {
+        const std::size_t groups = all.count / shaft_width(session_) * masks_.bundle_count();
+        const Faster faster =
+            faster_shape(all, std::clamp(groups / groups_of_sample, least_share_on_gpu, most_share_on_gpu));
+        return {faster.ms, faster.shape};
+    }
+    const Faster rough = faster_shape(all, rough_sample.share_of(all.count));
+    if (rough.ms > 2 * limit_ms) return {rough.ms, rough.shape};
+    const Faster faster = faster_shape(all, sample.share_of(all.count));
+    return {faster.ms, faster.is_clear ? std::optional(faster.shape) : std::nullopt};
 }
 
 void ShaftPasses::run() {
@@ -51,7 +65,10 @@ void ShaftPasses::run() {
     std::size_t index = 0;
     for (PointPart part{0, 0}; part.first < count; part.first += part.count) {
         part.count = std::min(masks_.most_points(), count - part.first);
-        if (!shape_ && index++ % parts_of_a_choice == 0) shape = faster_shape(part);
+        if (!shape_ && index++ % parts_of_a_choice == 0) {
+            const std::size_t next = std::min(parts_of_a_choice * masks_.most_points(), count - part.first);
+            shape = faster_shape({part.first, next}, sample_of_parts.share_of(next)).shape;
+        }
         decide(part, shape);
         if (shape == ShaftShape::point) points_in_point_shafts_ += part.count;
         masks_.add_to(sums, part);
@@ -62,36 +79,32 @@ void ShaftPasses::run() {
     statistics_.counts.emplace_back("points_in_point_shafts", points_in_point_shafts_);
 }
 
-ShaftShape ShaftPasses::faster_shape(const PointPart& part) {
-    if (part.count * run_.lights.count() < std::size_t(1) << 20) return ShaftShape::point;
-    return sampled_ms(part, ShaftShape::block, sample_share) < sampled_ms(part, ShaftShape::point, sample_share)
-               ? ShaftShape::block
-               : ShaftShape::point;
+// By a sample of a part of the points.
+ShaftPasses::Faster ShaftPasses::faster_shape(const PointPart& part, std::size_t share) {
+    const SampledRun sampled(run_, part, share);
+    ShaftPasses passes(sampled.run(), light_bundles_, ShaftShape::point, statistics_);
+    const double whole = double(part.count) / double(sampled.count());
+    const double points_ms = passes.timed(ShaftShape::point, std::numeric_limits<double>::infinity());
+    const double blocks_ms = passes.timed(ShaftShape::block, clearly_faster * points_ms);
+    const double faster = std::min(points_ms, blocks_ms), slower = std::max(points_ms, blocks_ms);
+    return {points_ms <= blocks_ms ? ShaftShape::point : ShaftShape::block, faster * whole,
+            slower > clearly_faster * faster};
 }
 
-// The time that a part may take, from pieces that are strewn over it.
-double ShaftPasses::sampled_ms(const PointPart& part, ShaftShape shape, std::size_t share) {
-    const std::size_t least = session_.is_cpu() ? 64 : pairs_of_gpu_piece / run_.lights.count() / 64 * 64 + 64;
-    // The order of the points has stretches that face alike, so as many pieces as there are points for, on a CPU.
-    const std::size_t wanted = part.count / share;
-    const std::size_t pieces = session_.is_cpu() ? std::clamp<std::size_t>(wanted / least, 4, 32) : 4;
-    const std::size_t piece = std::min(std::max(wanted / pieces / 64 * 64, least), masks_.most_points());
-    double ms = 0, sampled = 0;
-    for (std::size_t i = 0; i < pieces; ++i) {
-        const std::size_t first = part.first + part.count * (2 * i + 1) / (2 * pieces);
-        const PointPart strewn{first, std::min(piece, part.first + part.count - first)};
-        ms += timed(strewn, shape);
-        sampled += double(strewn.count);
-    }
-    return ms * double(part.count) / sampled;
-}
-
-double ShaftPasses::timed(const PointPart& part, ShaftShape shape) {
+// The time that all points take, or some time above `limit_ms` if they take longer.
+double ShaftPasses::timed(ShaftShape shape, double limit_ms) {
+    const std::size_t count = run_.points.count();
+    const std::size_t most = session_.is_cpu() ? (count / 8 / POINTS_OF_RUN + 1) * POINTS_OF_RUN : count;
     session_.finish();
     const auto start = cl::Clock::now();
-    decide(part, shape);
-    session_.finish();
-    return cl::ms_since(start);
+    double ms = 0;
+    for (PointPart part{0, 0}; part.first < count && ms <= limit_ms; part.first += part.count) {
+        part.count = std::min({most, masks_.most_points(), count - part.first});
+        decide(part, shape);
+        session_.finish();
+        ms = cl::ms_since(start);
+    }
+    return ms;
 }
 
 // The masks of a part of the points.

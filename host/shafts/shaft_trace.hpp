@@ -14,7 +14,7 @@ enum class ShaftShape { block, point };
 class ShaftPasses {
 public:
     /// `bundles`: make_light_bundles() of the run's lights. `shape`: if not given, whatever takes less time, measured
-    /// part by part.
+    /// on samples of every few parts.
     ShaftPasses(const TreeRun& run, const LightBundles& bundles, std::optional<ShaftShape> shape,
                 Statistics& statistics);
 
@@ -28,13 +28,18 @@ public:
     void run();
 
 private:
-    ShaftShape faster_shape(const PointPart& part);
-    double sampled_ms(const PointPart& part, ShaftShape shape, std::size_t share);
-    double timed(const PointPart& part, ShaftShape shape);
+    struct Faster {
+        ShaftShape shape;
+        double ms;
+        bool is_clear;
+    };
+    Faster faster_shape(const PointPart& part, std::size_t share);
+    double timed(ShaftShape shape, double limit_ms);
     void decide(const PointPart& part, ShaftShape shape);
     void launch(const PointPart& part, ShaftShape shape);
 
     const TreeRun& run_;
+    const LightBundles& light_bundles_;
     cl::Session& session_;
     Statistics& statistics_;
     std::optional<ShaftShape> shape_;

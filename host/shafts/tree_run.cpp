@@ -21,7 +21,7 @@ struct Bundled {
 // A way that has no room takes for ever.
 double rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
     try {
-        return RayPasses(run, bundles, statistics).estimated_ms();
+        return estimated_rays_ms(run, bundles, statistics);
     } catch (const OutOfDeviceMemory&) {
         return never;
     }

@@ -39,6 +39,17 @@ static __global const LightCone* cone_of(__global const LightBundle* bundle, uin
     return &bundle->cones[part];
 }
 
+// Of lights, those in the lower half of the smallest part that has all of them; 0 where that part has no cones of
+// halves.
+static uint lower_lights(uint lights) {
+    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= MOST_BUNDLE_LIGHTS / 8u; size /= 2u) {
+        uint low = ((1u << size) - 1u) << first;
+        if ((lights & low) != 0u && (lights & ~low) != 0u) return lights & low;
+        if ((lights & low) == 0u) first += size;
+    }
+    return 0u;
+}
+
 static float3 light_direction(__global const LightBundle* bundle, uint light) {
     return (float3)(bundle->directions[0][light], bundle->directions[1][light], bundle->directions[2][light]);
 }

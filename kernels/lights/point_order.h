@@ -22,3 +22,7 @@ GN_STRUCT_END(PointOrderParams, 144)
 // The grid has 2^(2 * POINT_CODE_BITS) cells per axis. The code's lower and upper halves are sorted one after the
 // other.
 #define POINT_CODE_BITS 8u
+
+// A sample of sorted points takes this many neighbours at a time, so that shafts of blocks of points are as thick as in
+// the whole.
+#define POINTS_OF_RUN 32u

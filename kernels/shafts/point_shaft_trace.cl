@@ -12,6 +12,12 @@ typedef struct PointWork {
     uint point, bundle;
 } PointWork;
 
+// Triangles that a shaft tests for single lights before it is divided.
+#ifndef TESTS_WORTH_PARTS
+#define TESTS_WORTH_PARTS 16u
+#endif
+#define LIGHT_PART_LEVELS 3u
+
 // PointEdges of a leaf's triangles, row by row.
 #define PUT_POINT_BLOCK(rows, k, v)                          \
     PUT_ROW(rows, k, (v).x), PUT_ROW(rows, (k) + 1u, (v).y); \
@@ -41,15 +47,14 @@ static void queue_pairs_of_point(const PointWork* work, uint undecided, __global
     queue_pairs((ShaftPairs){work->point, work->bundle, triangle & ~SHAFT_MASKED, undecided}, &t, work->p, scene, mine);
 }
 
-// Tests the triangles of a leaf.
-GN_INLINE_ON_CPU void test_leaf(PointWork* work, __global const LightBundle* bundle,
-                                __global const LightCone* cone_of_open, uint leaf, const ShaftScene* scene,
-                                Reservation* mine SHARED_PARAMETER) {
+// Tests the triangles of a leaf. Returns how many of them are tested for single lights.
+GN_INLINE_ON_CPU uint test_leaf(PointWork* work, __global const LightBundle* bundle, const Shaft* shaft, uint leaf,
+                                const ShaftScene* scene, Reservation* mine SHARED_PARAMETER) {
     __global const float* corners = scene->leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
     __global const uint* ids = scene->ids + (size_t)leaf * SHAFT_WIDTH;
     LaneTriangles t = triangles_of_leaf(corners);
     ShaftEdges e = edges_of(&t, same_in_lanes(work->p));
-    ShaftDecision cone = decide_cone(&e, cone_of_open);
+    ShaftDecision cone = decide_cone(&e, shaft->cone);
     LaneInt id = SHAFT_LOAD_IDS(ids), some = ~cone.missed & LANE_COMPARE(t.a.x, ==, t.a.x);
 #ifdef GN_CUT_OUTS
     LaneInt are_masked = LANE_COMPARE(id, <, (LaneInt)(0));
@@ -58,11 +63,12 @@ GN_INLINE_ON_CPU void test_leaf(PointWork* work, __global const LightBundle* bun
 #endif
     some &= LANE_COMPARE(id, !=, (LaneInt)((int)work->receiver));
     uint bits = SHAFT_BITS(some);
-    if (bits == 0u) return;
+    if (bits == 0u) return 0u;
     if (SHAFT_BITS(some & cone.blocked) != 0u) {
         work->open = 0u;
-        return;
+        return 0u;
     }
+    uint tests = popcount(bits);
     EDGE_ROWS_OF_LEAF(rows);
     PUT_POINT_BLOCK(rows, 0u, e.ab);
     PUT_POINT_BLOCK(rows, 3u, e.bc);
@@ -99,15 +105,17 @@ GN_INLINE_ON_CPU void test_leaf(PointWork* work, __global const LightBundle* bun
     }
     work->open = group_bits(is_open ? -1 : 0, shared);
 #endif
+    return tests;
 }
 
-// *blocking: a leaf whose triangles block rays of the shaft; first, that of the last shaft, since neighbouring points
-// are often in the same shadow.
-GN_INLINE_ON_CPU void trace_point_shaft(PointWork* work, float3 normal, __global const LightBundle* bundle,
-                                        const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
+// Walks the shaft to the open lights. False where it met many triangles that are not decided for all lights at once,
+// and has parts. *blocking: a leaf whose triangles block rays of the shaft; first, that of the last shaft, since
+// neighbouring points are often in the same shadow.
+GN_INLINE_ON_CPU bool walk_point_shaft(PointWork* work, float3 normal, __global const LightBundle* bundle,
+                                       const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
     Shaft shaft = shaft_of_point(work->p, normal, scene->rounding, cone_of(bundle, work->open));
     SHAFT_BEGIN_STACK(stack);
-    uint top = 1u;
+    uint top = 1u, tests = 0u;
     if (*blocking != 0u) SHAFT_PUSH(stack, top, *blocking);
     while (top != 0u && work->open != 0u) {
         uint code = stack[--top], before = work->open;
@@ -115,13 +123,34 @@ GN_INLINE_ON_CPU void trace_point_shaft(PointWork* work, float3 normal, __global
             top = push_children_in_shaft(stack, top, code, &shaft, scene SHARED);
             continue;
         }
-        test_leaf(work, bundle, shaft.cone, code & ~SHAFT_LEAF, scene, mine SHARED);
-        if (work->open == before) continue;
-        *blocking = code;
-        // A shaft to the lights in one part of the bundle is thinner.
-        __global const LightCone* cone = cone_of(bundle, work->open);
-        if (cone != shaft.cone) shaft = shaft_of_point(work->p, normal, scene->rounding, cone);
+        tests += test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);
+        if (work->open != before) {
+            *blocking = code;
+            // A shaft to the lights in one part of the bundle is thinner.
+            __global const LightCone* cone = cone_of(bundle, work->open);
+            if (cone != shaft.cone) shaft = shaft_of_point(work->p, normal, scene->rounding, cone);
+        }
+        if (tests > TESTS_WORTH_PARTS && lower_lights(work->open) != 0u) return false;
     }
+    return true;
+}
+
+// Shafts to parts of the bundle take the place of one that meets many triangles, of which each blocks few of its rays.
+GN_INLINE_ON_CPU void trace_point_shaft(PointWork* work, float3 normal, __global const LightBundle* bundle,
+                                        const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
+    uint waiting[LIGHT_PART_LEVELS], count = 0u, lit = 0u;
+    for (;;) {
+        if (!walk_point_shaft(work, normal, bundle, scene, blocking, mine SHARED)) {
+            uint lower = lower_lights(work->open);
+            waiting[count++] = work->open & ~lower;
+            work->open = lower;
+            continue;
+        }
+        lit |= work->open;
+        if (count == 0u) break;
+        work->open = waiting[--count];
+    }
+    work->open = lit;
 }
 
 __kernel void point_shaft_trace(const ShaftParams params, __global const LightBundle* bundles,
