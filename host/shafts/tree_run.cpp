@@ -29,18 +29,18 @@ double rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& stat
 
 struct Choice {
     ManyLightsWay way;
-    std::optional<ShaftShape> shape;
+    ShaftShape shape;
 };
 
 Choice faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms, Statistics& statistics) {
     const std::size_t lights = run.lights.count();
-    if (run.points.count() * lights < pairs_worth_measuring) return {ManyLightsWay::shafts, {}};
+    if (run.points.count() * lights < pairs_worth_measuring) return {ManyLightsWay::shafts, ShaftShape::block};
     const double rays = rays_ms(run, bundles.plain, statistics);
-    const auto shafts = ShaftPasses(run, bundles.coned, {}, statistics).estimate(rays);
+    const ShaftEstimate shafts = estimated_shafts(run, bundles.coned, rays, statistics);
     const double least = std::min(rays, shafts.ms);
     if (one_light_ms && one_light_ms(least / double(lights)) * double(lights) < least)
         return {ManyLightsWay::one_by_one, {}};
-    return shafts.ms <= rays ? Choice{ManyLightsWay::shafts, shafts.shape} : Choice{ManyLightsWay::rays, {}};
+    return {shafts.ms <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays, shafts.shape};
 }
 
 }  // namespace
@@ -52,15 +52,13 @@ bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundl
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
     if (!plain || !coned) return false;
     const Bundled bundles{std::move(*plain), std::move(*coned)};
-    Choice choice{way, {}};
-    if (way == ManyLightsWay::shafts) choice.shape = ShaftShape::block;
-    if (way == ManyLightsWay::point_shafts) choice.shape = ShaftShape::point;
+    Choice choice{way, way == ManyLightsWay::point_shafts ? ShaftShape::point : ShaftShape::block};
     if (way == ManyLightsWay::automatic) choice = faster_way(run, bundles, one_light_ms, statistics);
     if (choice.way == ManyLightsWay::one_by_one) return false;
     if (choice.way == ManyLightsWay::rays)
         RayPasses(run, bundles.plain, statistics).run();
     else
-        ShaftPasses(run, bundles.coned, choice.shape, statistics).run();
+        ShaftPasses(run, bundles.coned, statistics).run(choice.shape);
     merge_stages(statistics);
     return true;
 }

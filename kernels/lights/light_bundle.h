@@ -18,13 +18,13 @@ GN_STRUCT_END(LightCone, 96)
 
 // Neighbouring lights, and cones of all of them, of each half, quarter and eighth of the slots. Where all open lights
 // lie in one part, its cone is thinner.
-#define LIGHT_CONES 15u
+#define LIGHT_CONES 63u
 GN_STRUCT_BEGIN(LightBundle)
     LightCone cones[LIGHT_CONES];
     float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
     uint light_count;
     uint padding[3];
-GN_STRUCT_END(LightBundle, 1840)
+GN_STRUCT_END(LightBundle, 6448)
 
 #ifndef __cplusplus
 // The cone of the smallest part that has all lights of a mask.
@@ -42,7 +42,7 @@ static __global const LightCone* cone_of(__global const LightBundle* bundle, uin
 // Of lights, those in the lower half of the smallest part that has all of them; 0 where that part has no cones of
 // halves.
 static uint lower_lights(uint lights) {
-    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= MOST_BUNDLE_LIGHTS / 8u; size /= 2u) {
+    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= 2u * MOST_BUNDLE_LIGHTS / (LIGHT_CONES + 1u); size /= 2u) {
         uint low = ((1u << size) - 1u) << first;
         if ((lights & low) != 0u && (lights & ~low) != 0u) return lights & low;
         if ((lights & low) == 0u) first += size;

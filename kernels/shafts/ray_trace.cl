@@ -260,8 +260,9 @@ __kernel void ray_trace(const RayParams params, __global const LightBundle* bund
     Reservation mine = no_reservation();
     uint tasks = (params.points.count + RAYS_OF_TASK - 1u) / RAYS_OF_TASK;
     masks += params.bundle * (size_t)params.mask_stride;
+    uint blocking = 0u;
     SHAFT_FOR_EACH(task, tasks) {
-        uint blocking = 0u, point = (uint)task * RAYS_OF_TASK;
+        uint point = (uint)task * RAYS_OF_TASK;
         for (uint end = min(point + RAYS_OF_TASK, params.points.count); point < end; ++point) {
             if ((masks[point] >> params.light & 1u) == 0u) continue;
             float3 p = load_point(positions, params.points, point);

@@ -18,10 +18,9 @@
 // The children that wait on the way through the tree.
 #define MOST_SHAFT_ENTRIES 768u
 // Words of local memory on a GPU: shaft_lanes.clh.
-#define SHAFT_LOCAL_WORDS (1u + 7u * SHAFT_WIDTH_ON_GPU + MOST_SHAFT_ENTRIES)
+#define SHAFT_LOCAL_WORDS (1u + (7u + POINT_EDGE_ROWS) * SHAFT_WIDTH_ON_GPU + MOST_SHAFT_ENTRIES)
 // What a point shaft knows of a triangle, for its tests of single lights.
 #define POINT_EDGE_ROWS 11u
-#define POINT_SHAFT_LOCAL_WORDS (SHAFT_LOCAL_WORDS + POINT_EDGE_ROWS * SHAFT_WIDTH_ON_GPU)
 // In the id of a leaf's masked triangle (exact/cut_outs.h): it blocks nothing for certain. Scenes with cut-outs have
 // fewer triangles than this.
 #define SHAFT_MASKED 0x80000000u

@@ -2,7 +2,15 @@
 // The trace of shafts (shaft.h): for each block of points and each bundle of lights, the tree's triangles, near ones
 // first, until no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
 #include "exact/decide_pair.clh"
-#include "shafts/shaft_walk.clh"
+#include "shafts/point_shaft.clh"
+
+// Nodes and leaves that the shaft of a block may visit: some five for each of its points, as many as their own shafts
+// would. After that each open point has its own. (On a GPU a launch is of one kind.)
+#if GN_LANES > 1
+#define BLOCK_VISITS 80u
+#else
+#define BLOCK_VISITS GN_NO_ID
+#endif
 
 // What one work-item, or group, works on.
 typedef struct ShaftWork {
@@ -115,27 +123,56 @@ static BlockShaft shaft_of_open(const ShaftWork* work, uint lights, const ShaftS
                            cone_of(bundle, lights) SHARED);
 }
 
-GN_INLINE_ON_CPU void trace_shaft(ShaftWork* work, __global const LightBundle* bundle, const ShaftScene* scene,
-                                  Reservation* mine SHARED_PARAMETER) {
+// Walks the block's shaft. False if it gave up after BLOCK_VISITS nodes and leaves.
+GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, __global const LightBundle* bundle, const ShaftScene* scene,
+                                 uint* blocking, Reservation* mine SHARED_PARAMETER) {
     BlockShaft shaft = shaft_of_open(work, SHAFT_ANY_BIT(work->open), scene, bundle SHARED);
     SHAFT_BEGIN_STACK(stack);
-    uint top = 1u, open_points = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
+    uint top = 1u, visits = 0u, open_points = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
+    SHAFT_PUSH_BLOCKING(stack, top, blocking);
     while (top != 0u) {
         uint code = stack[--top];
+        if (visits++ == BLOCK_VISITS) return false;
         if ((code & SHAFT_LEAF) == 0u) {
             top = push_children_in_shaft(stack, top, code, &shaft.all, scene SHARED);
             continue;
         }
         test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);
         uint still_open = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
-        if (still_open == 0u) return;
+        if (still_open != open_points) note_blocking(blocking, code);
+        if (still_open == 0u) return true;
         // A shaft of fewer points, or of the lights in one part of the bundle, is thinner.
         uint lights = SHAFT_ANY_BIT(work->open);
         if (2u * popcount(still_open) > popcount(open_points) && cone_of(bundle, lights) == shaft.all.cone) continue;
         open_points = still_open;
         shaft = shaft_of_open(work, lights, scene, bundle SHARED);
     }
+    return true;
 }
+
+#if GN_LANES > 1
+// So many blocks that give up, one after the other, are enough to know that the next will; one in so many is tried.
+#define BLOCKS_TO_LEARN 4u
+
+// Decides a block: neighbouring blocks are alike, and where some gave up, most go by points at once.
+GN_INLINE_ON_CPU void trace_block(ShaftWork* work, __global const LightBundle* bundle,
+                                  __global const float* surface_normals, const ShaftScene* scene, uint* gave_up,
+                                  uint* blocking, Reservation* mine) {
+    if (*gave_up < BLOCKS_TO_LEARN || work->block % BLOCKS_TO_LEARN == 0u) {
+        bool ended = walk_shaft(work, bundle, scene, blocking, mine);
+        *gave_up = ended ? 0u : *gave_up + 1u;
+        if (ended) return;
+    }
+    for (uint bits = lane_bits(LANE_COMPARE(work->open, !=, (LaneInt)(0))); bits != 0u;) {
+        int lane = take_lane(&bits);
+        uint i = (uint)(work->block * SHAFT_WIDTH) + (uint)lane;
+        PointWork point = {lane_point(work->points, lane), (uint)LANE_OF_INT(work->open, lane),
+                           (uint)LANE_OF_INT(work->receivers, lane), i, work->bundle};
+        trace_point_shaft(&point, vload3(i, surface_normals), bundle, scene, blocking, mine);
+        LANE_OF_INT(work->open, lane) = (int)point.open;
+    }
+}
+#endif
 
 // The points of a block, in the order of the lanes, and their open lights.
 static ShaftWork load_work(const ShaftParams params, size_t block, uint bundle, __global const float* positions,
@@ -175,13 +212,21 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
                           __global ShaftPairs* queue, __global ShaftCounters* counters, __local uint* shared) {
     ShaftScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
-    uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
+    uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH, blocking[BLOCKING_LEAVES] = {0u};
+#if GN_LANES > 1
+    __global const float* normals = surface_normals + params.points.first;
+    uint gave_up = 0u;
+#endif
     SHAFT_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
         uint bundle = (uint)(task / blocks);
         ShaftWork work = load_work(params, task % blocks, bundle, positions, receivers, surface_normals, masks);
         LaneInt before = work.open;
         if (!ANY_OPEN(&work)) continue;
-        trace_shaft(&work, &bundles[bundle], &scene, &mine SHARED);
+#if GN_LANES > 1
+        trace_block(&work, &bundles[bundle], normals, &scene, &gave_up, blocking, &mine);
+#else
+        walk_shaft(&work, &bundles[bundle], &scene, blocking, &mine SHARED);
+#endif
         LaneInt dark = before & ~work.open;
         __global uint* mask = masks + bundle * (size_t)params.mask_stride + work.block * SHAFT_WIDTH;
 #if GN_LANES > 1
