@@ -57,7 +57,7 @@ gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filt
 gnomon_wing(trace light_order trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
             explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)
-gnomon_wing(samples samples fragments samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints)
+gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints)
 gnomon_wing(lights lights light_bundle light_bundles light_sides light_sums point_order many_lights)
 gnomon_wing(shafts binary_tree shaft shaft_lanes shaft_test shaft_tree light_masks shaft_walk shaft_trace point_shaft point_shaft_trace
             light_tree ray_trace tree_run)

@@ -50,6 +50,7 @@ constexpr Variant variants[] = {
     {Task::trace, any_device, any_light, {"trace/trace.cl", "trace"}},
     // A separate program: few frames need it, and a GPU's compiler takes a second or two for it.
     {Task::trace_queue_overflow, any_device, any_light, {"trace/trace.cl", "trace_queue_overflow", "TRACE_QUEUE_OVERFLOW"}},
+    {Task::classify_footprints, any_device, any_light, {"samples/classify_footprints.cl", "classify_footprints"}, specialised},
     {Task::trace_prepared, any_device, any_light, {"prepared/prepared_trace.cl", "prepared_trace"}},
     // Measured: the facing cache takes 11 to 17 % off a CPU's run.
     {Task::trace_prepared_cached_facing, cpu, directional, {"prepared/prepared_trace.cl", "prepared_trace_cached_facing", "PREPARED_CACHED_FACING"}},

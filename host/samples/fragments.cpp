@@ -144,7 +144,7 @@ private:
                   .bands = bands,
                   .slots = cl_uint(slots),
                   .edge_slots = cl_uint(count + unused_slots())};
-        kept_.edges.reserve(session_, (session_.is_cpu() ? 1 : 2) * std::size_t(batch_.edge_slots) * sizeof(cl_uint));
+        kept_.edges.reserve(session_, (session_.is_cpu() ? 1 : 3) * std::size_t(batch_.edge_slots) * sizeof(cl_uint));
         kept_.fragments.reserve(session_, 3 * slots * sizeof(cl_uint));
         kept_.centres.reserve(session_, 3 * slots * sizeof(float));
         kept_.footprints.reserve(session_, FOOTPRINT_FLOATS * slots * sizeof(float));
@@ -190,7 +190,8 @@ private:
         read_counters();
     }
 
-    /// Open pairs are decided by themselves; where too many are, by samples_fragments.
+    /// An item for each pixel; what that leaves, an item for each sample. Open pairs are decided by themselves; where
+    /// too many are, by samples_fragments.
     void filter_edges() {
         const auto of_file = [&](const char* kernel) { return inputs_.kernel("samples/samples_filter.cl", kernel); };
         SamplesParams params = params_of(0, counted_.edges);
@@ -199,6 +200,12 @@ private:
         room.pairs = (inputs_.has_cut_outs ? 8 : 2) * counted_.edges + LEAST_OPEN_ROOM;
         const std::size_t words = std::size_t(room.pixels) * (MOST_SAMPLES + 1) + 2 * std::size_t(room.pairs);
         kept_.open.reserve(session_, words * sizeof(cl_uint));
+        constexpr std::size_t warp = 32;
+        run_stage(inputs_.kernel("samples/samples_masks_gpu.cl", "samples_masks_gpu"),
+                  cl::Range::groups(counted_.edges / warp + 1, warp), params, kept_.pattern,
+                  kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
+                  kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots, kept_.edges, kept_.fragments,
+                  kept_.open, kept_.counters);
         run_stage(of_file("samples_filter"), fragment_groups(counted_.edges), params, kept_.pattern,
                   kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
                   kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots, kept_.edges, kept_.fragments,

@@ -17,9 +17,9 @@
 // triangle that covers the texel. The list has that triangle: its height there is above the bin's open height, which is
 // at most the texel's. So that triangle does not miss, and no footprint with such a sample is classified as lit.
 //
-// Most remaining mixed footprints can be decided: the occluding mesh has an edge above them, with a triangle on either
-// side, or the receiver's neighbours in the mesh touch them (clearance.clh). So the kernel keeps the first few
-// triangles that may shadow a part of a footprint, its undecided occluders, and tests them at the end.
+// On a CPU most remaining mixed footprints can be decided: the occluding mesh has an edge above them, with a triangle
+// on either side, or the receiver's neighbours in the mesh touch them (clearance.clh). So the kernel keeps the first
+// few triangles that may shadow a part of a footprint, its undecided occluders, and tests them at the end.
 //
 // The samples of mixed footprints are traced over the same lists: their grid positions lie in the footprints, and every
 // bin lists the triangles for these positions. The lists do not cover fallback points: footprints that are unbounded,
@@ -144,6 +144,74 @@ static QuantisedBlock quantised_footprints(__constant const Projection* projecti
     return block_of_lanes(x0, y0, x1, y1, lowest, lanes);
 }
 
+// The footprints in the grid of one frame; a footprint that is not `usable` may be anywhere.
+typedef struct ProjectedFootprints {
+    GridFootprint grid;
+    CellSpan span;  // of bins
+    LaneInt usable;
+} ProjectedFootprints;
+
+static ProjectedFootprints project_footprints(__constant const Projection* projection, PointBlock centres,
+                                              const FootprintBlock* world) {
+    ProjectedFootprints projected;
+    projected.grid = project_footprint(projection, centres, world);
+    projected.span = footprint_cells(projection, &projected.grid, projection->bin_log2);
+    projected.usable = projected.grid.usable & small_spans(&projected.span);
+    return projected;
+}
+
+#if GN_LANES == 1
+
+// A GPU stops at so many occluders that may shadow a part of a footprint: tracing its samples takes less time than
+// looking for a triangle that shadows all of it. (H100, classifying, points and trace, Sponza's balcony: 1, 2, 4, all
+// .87, .87, .84, 1.2 ms.)
+#define MOST_PARTIAL_OCCLUDERS 4u
+
+// Tests a record of a list; true if the triangle blocks the whole footprint. Counts it if it may shadow a part.
+static bool test_record(OccluderLists lists, __constant const Projection* projection, uint slot,
+                        const GridFootprint* grid, int receiver, uint* partial) {
+    TriangleBounds bounds = lists.bounds[slot];
+    FootprintFilter found = filter_footprints(&lists.records[slot], grid, -1);
+    // A receiver cannot shadow its own samples.
+    if (!found.possible || (int)bounds.id == receiver) return false;
+#ifdef GN_CUT_OUTS
+    if ((bounds.flags & BOUNDS_MASKED) != 0u) found.certain = 0;
+#endif
+    if (found.certain && in_rectangle(bounds, projection, grid, 0)) return true;
+    ++*partial;
+    return false;
+}
+
+// Tests the lists of all bins that the footprint touches. All items of a warp test a record together. No predicate
+// runs: tracing samples is less work than its registers, and the wait for the few items that run it.
+static void walk_lists(OccluderLists lists, __constant const Projection* projection, uint first_bin,
+                       const ProjectedFootprints* projected, int receiver, FootprintClasses* classes) {
+    const GridFootprint* grid = &projected->grid;
+    const CellSpan* span = &projected->span;
+    QuantisedBlock block = quantised_footprints(projection, grid, -1);
+    int x = span->x0, y = span->y0;
+    uint2 range = (uint2)(0u);
+    uint next = 0u, first = 0u, meeting = 0u, partial = 0u;
+    while (!classes->shadowed && partial < MOST_PARTIAL_OCCLUDERS) {
+        if (meeting == 0u && next >= range.y) {
+            if (y > span->y1) break;
+            range = lists.ranges[first_bin + (uint)y * projection->bins_x + (uint)x];
+            next = range.x;
+            if (++x > span->x1) x = span->x0, ++y;
+        }
+        if (meeting == 0u && next < range.y) {
+            first = next;
+            meeting = next_that_meet(lists.entries, range, &next, block, GN_NO_ID);
+        }
+        if (meeting != 0u) {
+            uint slot = ENTRY_SLOT(&lists.entries[first + take_lowest_bit(&meeting)], 0);
+            if (test_record(lists, projection, slot, grid, receiver, &partial)) classes->shadowed = -1;
+        }
+    }
+    if (partial != 0u) classes->not_lit = -1;
+}
+#else
+
 // Tests one bin's list against some of the footprints that touch the bin.
 static void walk_bin(OccluderLists lists, __constant const Projection* projection, uint bin, LaneInt lanes,
                      const GridFootprint* grid, LaneInt receivers, FootprintClasses* classes,
@@ -170,33 +238,11 @@ static void walk_bin(OccluderLists lists, __constant const Projection* projectio
                         LANE_OF_INT(blocked, lane) = -1;
             classes->shadowed |= blocked;
             possible &= ~blocked;
-#if GN_LANES == 1
-            // On a GPU tracing these samples is less work than the predicates' registers and the wait for the few items
-            // that run the predicates.
-            classes->not_lit |= possible;
-#else
             if (LANES_ANY(possible)) keep_undecided(undecided, slot, possible, lone_edges_of(&found));
-#endif
             lanes &= ~blocked;
             if (!LANES_ANY(lanes)) return;
         }
     }
-}
-
-// The footprints in the grid of one frame; a footprint that is not `usable` may be anywhere.
-typedef struct ProjectedFootprints {
-    GridFootprint grid;
-    CellSpan span;  // of bins
-    LaneInt usable;
-} ProjectedFootprints;
-
-static ProjectedFootprints project_footprints(__constant const Projection* projection, PointBlock centres,
-                                              const FootprintBlock* world) {
-    ProjectedFootprints projected;
-    projected.grid = project_footprint(projection, centres, world);
-    projected.span = footprint_cells(projection, &projected.grid, projection->bin_log2);
-    projected.usable = projected.grid.usable & small_spans(&projected.span);
-    return projected;
 }
 
 // Tests the lists of all bins that the footprints of one frame touch; first_bin: of the frame.
@@ -273,6 +319,7 @@ static void decide_undecided(OccluderLists lists, __global const float* vertices
                              __constant const Projection* projection, LaneInt ids, LaneInt lanes, float3 eye,
                              float4 light, PointBlock centres, const FootprintBlock* around, const CellSpan* span,
                              const UndecidedOccluders* undecided, FootprintClasses* classes) {
+    if (!LANES_ANY(lanes)) return;
     classes->not_lit |= lanes;
     for (int lane = 0; lane < GN_LANES; ++lane)
         if (LANE_OF_INT(lanes, lane) && below_a_pair(lists, vertices, projection, span, light, undecided, lane))
@@ -292,6 +339,8 @@ static void decide_undecided(OccluderLists lists, __global const float* vertices
     }
     classes->not_lit &= ~lanes;
 }
+
+#endif
 
 // Lanes with a footprint below all texels of the map that the footprint touches.
 static LaneInt footprints_below_map(__constant const Projection* projection, const GridFootprint* grid, LaneInt lanes,
@@ -373,15 +422,17 @@ __kernel void classify_footprints(ClassifyParams params, __constant const Projec
             if (params.has_map && LANES_ANY(same_frame))
                 classes.shadowed |= footprints_below_map(&projections[frame], &projected.grid, same_frame,
                                                          map + (size_t)frame * texel_count);
+#if GN_LANES == 1
+            if (same_frame & ~classes.shadowed)
+                walk_lists(lists, &projections[frame], (uint)frame * bin_count, &projected, ids, &classes);
+#else
             UndecidedOccluders undecided;
             clear_undecided(&undecided);
             walk_footprints(lists, &projections[frame], (uint)frame * bin_count, same_frame & ~classes.shadowed,
                             &projected, ids, &classes, &undecided);
-#if GN_LANES > 1
             LaneInt open = same_frame & ~classes.shadowed & LANE_COMPARE(undecided.counts, !=, (LaneInt)(0));
-            if (LANES_ANY(open))
-                decide_undecided(lists, vertices, &projections[frame], ids, open, eye, light, centres, &world,
-                                 &projected.span, &undecided, &classes);
+            decide_undecided(lists, vertices, &projections[frame], ids, open, eye, light, centres, &world,
+                             &projected.span, &undecided, &classes);
 #endif
         }
         LaneFloat result = LANES_SELECT((LaneFloat)(1.0f), (LaneFloat)(VISIBILITY_MIXED), classes.not_lit);

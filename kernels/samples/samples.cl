@@ -6,7 +6,7 @@
 // samples_slots           where the records of triangles are
 // samples_whole           the whole pixels and their footprints; lists the edge pixels
 // samples_masks           a CPU's: finds the receivers of the edge pixels' samples and writes their fragments
-// samples_fragments       a GPU's: the same for pixels that samples_filter.cl leaves out
+// samples_fragments       a GPU's: the same for pixels that samples_masks_gpu.cl, then samples_filter.cl leave out
 // samples_bound           the footprints of the edge pixels' fragments
 // samples_resolve         after the footprints are classified: adds up the decided samples, lists the mixed fragments
 // samples_split           a CPU's: the pixels of mixed squares, which are classified and resolved one by one
@@ -76,15 +76,15 @@ typedef struct WholeCounts {
 // warp then walk the same lists.
 GN_INLINE void find_all_whole(const WholeWork* work, uint block_count, __local uint* reserved, __global uint* edges,
                               __global SampleCounters* counters, WholeCounts* counts) {
-    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0);
+    uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), run = items % 16u == 0u ? 16u : 1u;
     if (item == 0u) reserved[0] = 0u;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint start = (uint)get_group_id(0) * items * WHOLE_EACH; start < block_count;
          start += (uint)get_global_size(0) * WHOLE_EACH) {
         uint found_edges[WHOLE_EACH], count = 0u;
         for (uint k = 0; k < WHOLE_EACH; ++k) {
-            uint block = start + k * items + item;
-            if (block >= block_count) break;
+            uint block = start + (item / run * WHOLE_EACH + k) * run + item % run;
+            if (block >= block_count) continue;
             WholePixels found;
             find_whole(work, block, &found);
             store_whole(work, block, &found, found.whole);
@@ -188,7 +188,7 @@ __kernel void samples_fragments(SamplesParams params, __constant const SamplePat
     Triangles triangles = triangles_of(vertices, params.triangles);
     TileLists lists = {ranges, entries, records, bounds, triangles, rays, params.picture};
     Fragments fragments = fragments_of(fragment_words, params.batch);
-    __global const uint* unproven = edges + params.batch.edge_slots;
+    __global const uint* unproven = edges + 2u * (size_t)params.batch.edge_slots;
     float3 eye = eye_of_samples(params);
     uint item = (uint)get_local_id(0), samples = pattern->count, sky_count = 0;
     begin_group(pattern, &group);

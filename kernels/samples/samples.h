@@ -37,7 +37,8 @@ GN_STRUCT_BEGIN(PixelBatch)
     uint tiles_x;        // camera tiles per band
     uint bands;
     uint slots;       // of fragments: one for each pixel, then the extra slots
-    uint edge_slots;  // of the list of edge pixels; the list of unproven pixels follows, of the same size
+    uint edge_slots;  // of the list of edge pixels; on a GPU those of left and of unproven pixels follow, of the same
+                      // size
 GN_STRUCT_END(PixelBatch, 32)
 
 // Of an extra slot's pixel: the fragment has the samples of all pixels of its square, which begins with this pixel.
@@ -74,6 +75,7 @@ GN_STRUCT_END(MeanParams, 16)
 // Zeroed before each batch of pixels. Unused slots of a list are GN_NO_ID.
 GN_STRUCT_BEGIN(SampleCounters)
     uint edges;          // slots in the list of edge pixels
+    uint left;           // edge pixels that samples_masks_gpu leaves to samples_filter
     uint unproven;       // slots in the list of unproven pixels
     uint whole;          // whole pixels
     uint extra;          // extra slots needed (may exceed the capacity)
@@ -87,4 +89,4 @@ GN_STRUCT_BEGIN(SampleCounters)
     uint open_pixels;  // samples_filter: pixels with open pairs (may exceed the capacity)
     uint open_pairs;   // samples_filter: open pairs of these pixels (likewise)
     uint points;       // written for a part of the mixed fragments; zeroed for each part
-GN_STRUCT_END(SampleCounters, 56)
+GN_STRUCT_END(SampleCounters, 60)
