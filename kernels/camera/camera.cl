@@ -117,8 +117,13 @@ __kernel void camera_points(CameraParams params, __global const float* vertices,
                             __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
 #if GN_LANES > 1 && defined(GN_FP64)
-    PointsWork work = {params,   eye_of_camera(params), vertices + params.triangles.first_float, rays, visible,
-                       positions};
+    PointsWork work = {params,
+                       eye_of_camera(params),
+                       vertices + params.triangles.first_float,
+                       rays,
+                       visible,
+                       positions,
+                       largest_sizes(params.picture, params.width, params.height)};
     const uint side = 1u << CAMERA_TILE_LOG2;
     uint tiles = ((params.width + side - 1u) >> CAMERA_TILE_LOG2) * ((params.height + side - 1u) >> CAMERA_TILE_LOG2);
     make_points_of_tiles(item_range(tiles), &work);
