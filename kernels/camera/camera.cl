@@ -29,21 +29,21 @@ static void find_visible(VisibilityWork* work, __local ListBatch* batch) {
     }
 }
 #else
-// The nearest triangles of some of the blocks.
+// The nearest triangles of some of the tiles.
 GN_NOINLINE_ON_CPU void find_visible(ItemRange items, VisibilityWork* work) {
-    const uint tile_pixels = 1u << CAMERA_TILE_LOG2;
-    const uint blocks_per_row = tile_pixels / BLOCK_SIDE;
     __constant const Projection* projection = work->projection;
+    TileBlocks tile;
     GN_FOR_EACH_OF(i, items) {
-        uint tile = (uint)i / BLOCKS_PER_TILE, within = (uint)i % BLOCKS_PER_TILE;
-        uint first_x = (tile % projection->bins_x) * tile_pixels + (within % blocks_per_row) * BLOCK_SIDE;
-        uint first_y = (tile / projection->bins_x) * tile_pixels + within / blocks_per_row * BLOCK_SIDE;
-        if (first_y >= projection->height || first_x >= projection->width) continue;
-        PixelRays block = rays_of_pixels(work, first_x, first_y);
-        LaneInt own, searching = lanes_to_search(work, &block, &own);
-        LaneInt nearest =
-            nearest_of_tile(work->lists, projection, tile, block.rays, block.box, searching, &work->likely);
-        store_visible(&block, LANES_SELECT(own, nearest, searching), work->visible + work->params.first_point);
+        start_tile(work, (uint)i, &tile);
+        for (uint within = 0; within < GN_LANES; ++within) {
+            uint first_x = tile.first_x + within % BLOCKS_PER_ROW * BLOCK_SIDE;
+            uint first_y = tile.first_y + within / BLOCKS_PER_ROW * BLOCK_SIDE;
+            if (first_y >= projection->height || first_x >= projection->width) continue;
+            PixelRays block = rays_of_pixels(work, first_x, first_y);
+            LaneInt own, searching = lanes_to_search(work, &block, &own);
+            LaneInt nearest = nearest_of_block(work, &tile, within, &block, searching);
+            store_visible(&block, LANES_SELECT(own, nearest, searching), work->visible + work->params.first_point);
+        }
     }
 }
 #endif
@@ -65,7 +65,7 @@ __kernel void camera_visibility(CameraParams params, __constant const Projection
     __local ListBatch batch;
     find_visible(&work, &batch);
 #else
-    find_visible(item_range(projection->bins_x * projection->bins_y * BLOCKS_PER_TILE), &work);
+    find_visible(item_range(projection->bins_x * projection->bins_y), &work);
 #endif
 }
 
@@ -117,8 +117,13 @@ __kernel void camera_points(CameraParams params, __global const float* vertices,
                             __global const FrameCounters* counters) {
     if (counters->references == GN_NO_LISTS) return;
 #if GN_LANES > 1 && defined(GN_FP64)
-    PointsWork work = {params,   eye_of_camera(params), vertices + params.triangles.first_float, rays, visible,
-                       positions};
+    PointsWork work = {params,
+                       eye_of_camera(params),
+                       vertices + params.triangles.first_float,
+                       rays,
+                       visible,
+                       positions,
+                       largest_sizes(params.picture, params.width, params.height)};
     const uint side = 1u << CAMERA_TILE_LOG2;
     uint tiles = ((params.width + side - 1u) >> CAMERA_TILE_LOG2) * ((params.height + side - 1u) >> CAMERA_TILE_LOG2);
     make_points_of_tiles(item_range(tiles), &work);

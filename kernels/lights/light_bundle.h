@@ -42,7 +42,8 @@ static __global const LightCone* cone_of(__global const LightBundle* bundle, uin
 // Of lights, those in the lower half of the smallest part that has all of them; 0 where that part has no cones of
 // halves.
 static uint lower_lights(uint lights) {
-    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= 2u * MOST_BUNDLE_LIGHTS / (LIGHT_CONES + 1u); size /= 2u) {
+    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= 2u * MOST_BUNDLE_LIGHTS / (LIGHT_CONES + 1u);
+         size /= 2u) {
         uint low = ((1u << size) - 1u) << first;
         if ((lights & low) != 0u && (lights & ~low) != 0u) return lights & low;
         if ((lights & low) == 0u) first += size;
