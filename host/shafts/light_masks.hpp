@@ -25,17 +25,19 @@ struct PointPart {
     std::size_t first, count;
 };
 
-/// A run over a sample of a run's points, to measure a way by. It writes no outputs.
+/// A run over a sample of a run's points and lights, to measure a way by. It writes no outputs.
 class SampledRun {
 public:
-    /// Of a part of the points, one in `share`.
-    SampledRun(const TreeRun& whole, const PointPart& part, std::size_t share);
+    /// Of a part of the points, one in `share`; if some are named, these lights alone.
+    SampledRun(const TreeRun& whole, const PointPart& part, std::size_t share,
+               std::span<const std::uint32_t> lights = {});
     const TreeRun& run() const { return run_; }
     std::size_t count() const { return points_.count(); }
 
 private:
     SortedPoints sorted_;
     Points points_;
+    Lights lights_;
     TreeRun run_;
 };
 

@@ -32,21 +32,22 @@ RayPasses::Times RayPasses::timed(std::uint32_t light) {
     return times;
 }
 
-double estimated_rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+double estimated_rays_ms(const TreeRun& run, double limit_ms, Statistics& statistics) {
     const cl::Session& session = session_of(run.device);
     // A GPU takes as long for a few points as for many.
-    const std::size_t count = run.points.count(), share = session.is_cpu() ? 16 : 1;
-    const SampledRun sample(run, {0, count}, share);
-    RayPasses passes(sample.run(), bundles, statistics);
-    const std::size_t most = most_mask_bytes(session) / (bundles.bundles.size() * sizeof(cl_uint));
-    const double parts = std::ceil(double(count) / double(most)), whole = double(count) / double(sample.count());
-    const std::vector<std::uint32_t> lights = sampled_lights(run.lights.count());
-    double ms = 0;
-    for (const std::uint32_t light : lights) {
+    const std::size_t count = run.points.count(), lights = run.lights.count(), share = session.is_cpu() ? 16 : 1;
+    const SampledRun sample(run, {0, count}, share, sampled_lights(lights));
+    const auto bundles = make_plain_bundles(sample.run().lights.lights());
+    RayPasses passes(sample.run(), *bundles, statistics);
+    const std::size_t most_points = most_mask_bytes(session) / ((lights + 31) / 32 * sizeof(cl_uint));
+    const double parts = std::ceil(double(count) / double(most_points)), whole = double(count) / double(sample.count());
+    double ms = 0, measured = 0;
+    for (std::uint32_t light = 0; light < sample.run().lights.count(); ++light) {
         const RayPasses::Times times = passes.timed(light);
-        ms += times.turn_ms * parts + times.trace_ms * whole;
+        ms += (times.turn_ms * parts + times.trace_ms * whole) * double(lights);
+        if (ms > 2 * limit_ms * ++measured) break;
     }
-    return ms / double(lights.size()) * double(run.lights.count());
+    return ms / measured;
 }
 
 void RayPasses::run() {

@@ -32,7 +32,8 @@ private:
     LightTree tree_;
 };
 
-/// The time that a run may take, as measured on some lights and, on a CPU, some points.
-double estimated_rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
+/// The time that a run may take, as measured on some lights and, on a CPU, some points: on one light where that is more
+/// than twice `limit_ms`.
+double estimated_rays_ms(const TreeRun& run, double limit_ms, Statistics& statistics);
 
 }  // namespace gnomon

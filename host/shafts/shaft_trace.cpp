@@ -6,11 +6,35 @@
 namespace gnomon {
 namespace {
 
-// A sample has so many points, but no more than one in its share, nor fewer than are worth measuring.
-constexpr std::size_t fewest_points = 256, rough_points = 1024, rough_share = 512, sample_points = 4096,
-                      sample_share = 64;
-// A GPU needs so many work-groups: with fewer, the longest one is what takes the time.
-constexpr std::size_t groups_of_sample = std::size_t(1) << 14, least_share_on_gpu = 4;
+// A sample on a CPU has so many points, but no more than one in so many, nor fewer than are worth measuring.
+constexpr std::size_t sample_points = 4096, sample_share = 64, fewest_points = 256;
+// The smaller one of two samples on a GPU has so many work-groups, and is one in so many; the other has four times as
+// many.
+constexpr std::size_t groups_of_sample = std::size_t(1) << 13, least_share = 16, most_share = 128;
+
+// The time that points of a GPU's run take, beside `more_ms` of a sample. Its longest work-group takes much of a
+// sample's time, so what more points take is the difference of two samples.
+double extrapolated_ms(double few_ms, std::size_t few, double more_ms, std::size_t more, std::size_t all) {
+    if (more == few) return more_ms * double(all) / double(more);
+    return more_ms + std::max(more_ms - few_ms, 0.0) / double(more - few) * double(all - more);
+}
+
+ShaftEstimate estimated_on_gpu(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+    const std::size_t count = run.points.count();
+    const std::size_t groups = count / SHAFT_WIDTH_ON_GPU * bundles.bundles.size();
+    const std::size_t share = std::clamp(groups / groups_of_sample, least_share, most_share);
+    const SampledRun few(run, {0, count}, share), more(run, {0, count}, share / 4);
+    ShaftPasses of_few(few.run(), bundles, statistics), of_more(more.run(), bundles, statistics);
+    const double few_ms[] = {of_few.timed_ms(ShaftShape::block), of_few.timed_ms(ShaftShape::point)};
+    ShaftEstimate least{std::numeric_limits<double>::infinity(), ShaftShape::block};
+    for (const ShaftShape shape : {ShaftShape::block, ShaftShape::point}) {
+        const auto i = static_cast<std::size_t>(shape);
+        if (few_ms[i] > 2 * few_ms[1 - i]) continue;
+        const double ms = extrapolated_ms(few_ms[i], few.count(), of_more.timed_ms(shape), more.count(), count);
+        if (ms < least.ms) least = {ms, shape};
+    }
+    return least;
+}
 
 }  // namespace
 
@@ -66,31 +90,13 @@ void ShaftPasses::launch(const PointPart& part, ShaftShape shape) {
                     cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
 }
 
-ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, double limit_ms,
-                               Statistics& statistics) {
-    const cl::Session& session = session_of(run.device);
+ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+    if (!session_of(run.device).is_cpu()) return estimated_on_gpu(run, bundles, statistics);
     const std::size_t count = run.points.count();
-    const auto sampled_ms = [&](std::size_t share, std::span<const ShaftShape> shapes) {
-        const SampledRun sample(run, {0, count}, std::max<std::size_t>(share, 1));
-        ShaftPasses passes(sample.run(), bundles, statistics);
-        ShaftEstimate least{std::numeric_limits<double>::infinity(), shapes.front()};
-        for (const ShaftShape shape : shapes) {
-            const double ms = passes.timed_ms(shape) * double(count) / double(sample.count());
-            if (ms < least.ms) least = {ms, shape};
-        }
-        return least;
-    };
-    constexpr ShaftShape blocks[] = {ShaftShape::block}, both[] = {ShaftShape::block, ShaftShape::point};
-    if (!session.is_cpu()) {
-        const std::size_t groups = count / shaft_width(session) * bundles.bundles.size();
-        return sampled_ms(std::clamp(groups / groups_of_sample, least_share_on_gpu, sample_share), both);
-    }
-    const auto share_of = [&](std::size_t points, std::size_t share) {
-        return std::min(std::max(count / points, share), count / fewest_points);
-    };
-    const ShaftEstimate rough = sampled_ms(share_of(rough_points, rough_share), blocks);
-    if (rough.ms > 2 * limit_ms) return rough;
-    return sampled_ms(share_of(sample_points, sample_share), blocks);
+    const std::size_t share = std::min(std::max(count / sample_points, sample_share), count / fewest_points);
+    const SampledRun sample(run, {0, count}, std::max<std::size_t>(share, 1));
+    const double ms = ShaftPasses(sample.run(), bundles, statistics).timed_ms(ShaftShape::block);
+    return {ms * double(count) / double(sample.count()), ShaftShape::block};
 }
 
 }  // namespace gnomon

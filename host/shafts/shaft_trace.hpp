@@ -34,9 +34,7 @@ struct ShaftEstimate {
     double ms;
     ShaftShape shape;  ///< the faster one
 };
-/// The time that a run may take, as measured on a sample of the points. On a CPU a rough estimate, of a small sample,
-/// where it is more than twice `limit_ms`.
-ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, double limit_ms,
-                               Statistics& statistics);
+/// The time that a run may take, as measured on a sample of the points.
+ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
 
 }  // namespace gnomon

@@ -19,9 +19,9 @@ struct Bundled {
 };
 
 // A way that has no room takes for ever.
-double rays_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+double rays_ms(const TreeRun& run, double limit_ms, Statistics& statistics) {
     try {
-        return estimated_rays_ms(run, bundles, statistics);
+        return estimated_rays_ms(run, limit_ms, statistics);
     } catch (const OutOfDeviceMemory&) {
         return never;
     }
@@ -35,8 +35,8 @@ struct Choice {
 Choice faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms, Statistics& statistics) {
     const std::size_t lights = run.lights.count();
     if (run.points.count() * lights < pairs_worth_measuring) return {ManyLightsWay::shafts, ShaftShape::block};
-    const double rays = rays_ms(run, bundles.plain, statistics);
-    const ShaftEstimate shafts = estimated_shafts(run, bundles.coned, rays, statistics);
+    const ShaftEstimate shafts = estimated_shafts(run, bundles.coned, statistics);
+    const double rays = rays_ms(run, shafts.ms, statistics);
     const double least = std::min(rays, shafts.ms);
     if (one_light_ms && one_light_ms(least / double(lights)) * double(lights) < least)
         return {ManyLightsWay::one_by_one, {}};
