@@ -32,13 +32,23 @@ struct Choice {
     ShaftShape shape;
 };
 
+// Whether one light after the other takes less than the `ms` that a way through the tree may take for each. On a GPU a
+// sample's longest work-group makes that way seem slower than it is, and a light's launches take some time whatever it
+// meets.
+bool is_one_by_one_faster(const OneLightMs& one_light_ms, double ms, bool is_cpu) {
+    constexpr double launches_ms = 0.15, seeming = 1.2;
+    if (!one_light_ms || (!is_cpu && ms < launches_ms)) return false;
+    return one_light_ms(ms) * (is_cpu ? 1.0 : seeming) < ms;
+}
+
 Choice faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms, Statistics& statistics) {
     const std::size_t lights = run.lights.count();
+    const bool is_cpu = session_of(run.device).is_cpu();
     if (run.points.count() * lights < pairs_worth_measuring) return {ManyLightsWay::shafts, ShaftShape::block};
     const ShaftEstimate shafts = estimated_shafts(run, bundles.coned, statistics);
-    const double rays = rays_ms(run, shafts.ms, statistics);
-    const double least = std::min(rays, shafts.ms);
-    if (one_light_ms && one_light_ms(least / double(lights)) * double(lights) < least)
+    // On a GPU rays never took the least time (docs/many_lights.md).
+    const double rays = is_cpu ? rays_ms(run, shafts.ms, statistics) : never;
+    if (is_one_by_one_faster(one_light_ms, std::min(rays, shafts.ms) / double(lights), is_cpu))
         return {ManyLightsWay::one_by_one, {}};
     return {shafts.ms <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays, shafts.shape};
 }
