@@ -193,7 +193,7 @@ void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index
     if (code != CL_SUCCESS) check(code, "setting argument " + std::to_string(index) + " of kernel " + name);
 }
 
-const Session::BuiltKernel& Session::kernel_of(const Kernel& which, std::size_t argument_count) {
+const Session::BuiltKernel& Session::built(const Kernel& which) {
     const auto& [file, name, defines] = which;
     const std::string key = std::string(file) + ' ' + name + ' ' + defines;
     auto found = kernels_.find(key);
@@ -213,10 +213,15 @@ const Session::BuiltKernel& Session::kernel_of(const Kernel& which, std::size_t 
         found = kernels_.emplace(key, BuiltKernel{kernel, count, largest != 0 ? largest : work_group_size_}).first;
         is_first_launch_ = true;
     }
-    if (found->second.argument_count != argument_count)
-        throw Error(std::string("kernel ") + name + " takes " + std::to_string(found->second.argument_count) +
-                    " arguments and was given " + std::to_string(argument_count));
     return found->second;
+}
+
+const Session::BuiltKernel& Session::kernel_of(const Kernel& which, std::size_t argument_count) {
+    const BuiltKernel& kernel = built(which);
+    if (kernel.argument_count != argument_count)
+        throw Error(std::string("kernel ") + which.name + " takes " + std::to_string(kernel.argument_count) +
+                    " arguments and was given " + std::to_string(argument_count));
+    return kernel;
 }
 
 void Session::enqueue(const BuiltKernel& kernel, const char* name, Range range) {

@@ -139,6 +139,8 @@ public:
         (set_argument(kernel.kernel, which.name, index++, arguments), ...);
         enqueue(kernel, which.name, range);
     }
+    /// The items that the device allows in a work-group of a kernel.
+    std::size_t largest_group(const Kernel& which) { return built(which).largest_group; }
     template <typename... Arguments>
     void launch(const char* file, const char* name, Range range, const Arguments&... arguments) {
         launch(Kernel{file, name}, range, arguments...);
@@ -221,6 +223,7 @@ private:
         cl_uint argument_count;
         std::size_t largest_group;  ///< on a GPU a kernel that needs many registers may allow less than the device
     };
+    const BuiltKernel& built(const Kernel& which);
     const BuiltKernel& kernel_of(const Kernel& which, std::size_t argument_count);
     cl_program program_of(const Kernel& kernel);
     cl_program load_or_build(const std::string& file, const std::string& defines);

@@ -201,8 +201,10 @@ private:
         const std::size_t words = std::size_t(room.pixels) * (MOST_SAMPLES + 1) + 2 * std::size_t(room.pairs);
         kept_.open.reserve(session_, words * sizeof(cl_uint));
         constexpr std::size_t warp = 32;
-        run_stage(inputs_.kernel("samples/samples_masks_gpu.cl", "samples_masks_gpu"),
-                  cl::Range::groups(counted_.edges / warp + 1, warp), params, kept_.pattern,
+        cl::Kernel masks = inputs_.kernel("samples/samples_masks_gpu.cl", "samples_masks_gpu");
+        if (session_.largest_group(masks) < warp)
+            masks.defines = inputs_.has_cut_outs ? "SAMPLES_SMALL_GROUPS GN_CUT_OUTS" : "SAMPLES_SMALL_GROUPS";
+        run_stage(masks, cl::Range::groups(counted_.edges / warp + 1, warp), params, kept_.pattern,
                   kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
                   kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots, kept_.edges, kept_.fragments,
                   kept_.open, kept_.counters);

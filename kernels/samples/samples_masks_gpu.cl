@@ -200,11 +200,19 @@ static void store_masks(const GpuMasksWork* work, Fragments fragments, uint i, u
     }
 }
 
-__attribute__((reqd_work_group_size(MASKS_GROUP, 1, 1))) __kernel void samples_masks_gpu(
-    SamplesParams params, __constant const SamplePattern* pattern, __global const TriangleRecord* records,
-    __global const TriangleBounds* bounds, __global const uint2* ranges, __global const BinEntries* entries,
-    __global const uint* pixel_receivers, __global const uint* slots, __global uint* edges,
-    __global uint* fragment_words, __global uint* open_words, __global SampleCounters* counters) {
+#ifdef SAMPLES_SMALL_GROUPS
+#define MASKS_GROUP_SIZE
+#else
+#define MASKS_GROUP_SIZE __attribute__((reqd_work_group_size(MASKS_GROUP, 1, 1)))
+#endif
+
+MASKS_GROUP_SIZE __kernel void samples_masks_gpu(SamplesParams params, __constant const SamplePattern* pattern,
+                                                 __global const TriangleRecord* records,
+                                                 __global const TriangleBounds* bounds, __global const uint2* ranges,
+                                                 __global const BinEntries* entries,
+                                                 __global const uint* pixel_receivers, __global const uint* slots,
+                                                 __global uint* edges, __global uint* fragment_words,
+                                                 __global uint* open_words, __global SampleCounters* counters) {
     __local MasksGroup group;
     PixelBatch batch = params.batch;
     GpuMasksWork work = {{ranges, entries, records, bounds, {0, 0u}, 0, params.picture},
