@@ -72,9 +72,8 @@ SortedPoints sorted_points(const LightsRun& run) {
     return {run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout};
 }
 
-SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, const PointSample& sample) {
-    return sorted.sample(sample, run.device, run.triangles, run.points, run.options.normals,
-                         run.options.normals_layout);
+SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, std::size_t share) {
+    return sorted.sample(share, run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout);
 }
 
 Triangles with_clusters(const Device& device, const Triangles& triangles) {

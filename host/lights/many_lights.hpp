@@ -45,8 +45,8 @@ private:
 
 /// The run's points, sorted.
 SortedPoints sorted_points(const LightsRun& run);
-/// A sample of these.
-SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, const PointSample& sample);
+/// One in `share` of these.
+SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, std::size_t share);
 
 /// `triangles` with clusters, if they are worth it for a run over many lights and the caller keeps none.
 Triangles with_clusters(const Device& device, const Triangles& triangles);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "lights/point_order.hpp"
 
+#include <algorithm>
+
 #include "kernels/lights/point_order.h"
 #include "lists/morton.hpp"
 #include "lists/sort.hpp"
@@ -55,18 +57,19 @@ SortedPoints::SortedPoints(const Device& device, const Triangles& triangles, con
     gather(session, params, in, scene.vertices, normals);
 }
 
-SortedPoints SortedPoints::sample(const PointSample& sample, const Device& device, const Triangles& triangles,
+SortedPoints SortedPoints::sample(std::size_t share, const Device& device, const Triangles& triangles,
                                   const Points& points, cl_mem normals, const PointLayout& normals_at) const {
     cl::Session& session = session_of(device);
     const PointInputs in = point_inputs(points);
     const TriangleInputs scene = triangle_inputs(triangles);
     SortedPoints some;
     some.layout_ = layout_;
-    some.layout_.count = static_cast<cl_uint>(std::min(sample.sampled(), sample.count));
+    const std::size_t runs = std::max<std::size_t>(layout_.count / POINTS_OF_RUN / share, 1);
+    some.layout_.count = static_cast<cl_uint>(std::min<std::size_t>(runs * POINTS_OF_RUN, layout_.count));
     some.largest_coordinate_ = largest_coordinate_;
     some.order_.reserve(session, some.layout_.count * sizeof(cl_uint));
     session.launch("lights/point_order.cl", "point_sample", cl::Range::items(some.layout_.count), some.layout_.count,
-                   static_cast<cl_uint>(sample.first), static_cast<cl_uint>(sample.share), order_, some.order_);
+                   static_cast<cl_uint>(share), order_, some.order_);
     some.gather(session, params_of(device, scene, points, normals, normals_at), in, scene.vertices,
                 normals != nullptr ? normals : in.positions);
     return some;

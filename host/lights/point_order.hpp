@@ -2,28 +2,20 @@
 // Stage point_order: a copy of points, sorted along a space-filling curve (kernels/lights/point_order.h).
 #pragma once
 
-#include <algorithm>
-
 #include "api/inputs.hpp"
 #include "kernels/lights/point_order.h"
 
 namespace gnomon {
-
-/// Of sorted points [first, first + count), one in `share`, evenly strewn: whole runs of POINTS_OF_RUN neighbours.
-struct PointSample {
-    std::size_t first, count, share;
-
-    std::size_t sampled() const { return std::max<std::size_t>(count / POINTS_OF_RUN / share, 1) * POINTS_OF_RUN; }
-};
 
 class SortedPoints {
 public:
     /// `normals`: one per point as `normals_at` describes, or null.
     SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
                  const PointLayout& normals_at);
-    /// Some of these points, with their normals as given to the constructor. At least POINTS_OF_RUN are sampled.
-    SortedPoints sample(const PointSample& sample, const Device& device, const Triangles& triangles,
-                        const Points& points, cl_mem normals, const PointLayout& normals_at) const;
+    /// One in `share` of these points, evenly strewn, in runs of POINTS_OF_RUN neighbours, one run at least. The other
+    /// arguments are the constructor's.
+    SortedPoints sample(std::size_t share, const Device& device, const Triangles& triangles, const Points& points,
+                        cl_mem normals, const PointLayout& normals_at) const;
 
     /// These points, with the receivers and the eye of the given ones.
     Points as_points(const Device& device, const Points& given) const;

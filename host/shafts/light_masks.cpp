@@ -20,9 +20,8 @@ std::size_t most_mask_bytes(const cl::Session& session) {
     return session.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
 }
 
-SampledRun::SampledRun(const TreeRun& whole, const PointPart& part, std::size_t share,
-                       std::span<const std::uint32_t> lights)
-    : sorted_(sampled_points(whole, whole.sorted, {part.first, part.count, share})),
+SampledRun::SampledRun(const TreeRun& whole, std::size_t share, std::span<const std::uint32_t> lights)
+    : sorted_(sampled_points(whole, whole.sorted, share)),
       points_(sorted_.as_points(whole.device, whole.points)),
       lights_(some_of(whole.lights, lights)),
       run_{{whole.device, whole.triangles, points_, lights.empty() ? whole.lights : lights_, whole.outputs,

@@ -28,9 +28,8 @@ struct PointPart {
 /// A run over a sample of a run's points and lights, to measure a way by. It writes no outputs.
 class SampledRun {
 public:
-    /// Of a part of the points, one in `share`; if some are named, these lights alone.
-    SampledRun(const TreeRun& whole, const PointPart& part, std::size_t share,
-               std::span<const std::uint32_t> lights = {});
+    /// Of one point in `share`; if some are named, of these lights alone.
+    SampledRun(const TreeRun& whole, std::size_t share, std::span<const std::uint32_t> lights = {});
     const TreeRun& run() const { return run_; }
     std::size_t count() const { return points_.count(); }
 

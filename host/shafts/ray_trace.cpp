@@ -36,7 +36,7 @@ double estimated_rays_ms(const TreeRun& run, double limit_ms, Statistics& statis
     const cl::Session& session = session_of(run.device);
     // A GPU takes as long for a few points as for many.
     const std::size_t count = run.points.count(), lights = run.lights.count(), share = session.is_cpu() ? 16 : 1;
-    const SampledRun sample(run, {0, count}, share, sampled_lights(lights));
+    const SampledRun sample(run, share, sampled_lights(lights));
     const auto bundles = make_plain_bundles(sample.run().lights.lights());
     RayPasses passes(sample.run(), *bundles, statistics);
     const std::size_t most_points = most_mask_bytes(session) / ((lights + 31) / 32 * sizeof(cl_uint));

@@ -23,7 +23,7 @@ ShaftEstimate estimated_on_gpu(const TreeRun& run, const LightBundles& bundles, 
     const std::size_t count = run.points.count();
     const std::size_t groups = count / SHAFT_WIDTH_ON_GPU * bundles.bundles.size();
     const std::size_t share = std::clamp(groups / groups_of_sample, least_share, most_share);
-    const SampledRun few(run, {0, count}, share), more(run, {0, count}, share / 4);
+    const SampledRun few(run, share), more(run, share / 4);
     ShaftPasses of_few(few.run(), bundles, statistics), of_more(more.run(), bundles, statistics);
     const double few_ms[] = {of_few.timed_ms(ShaftShape::block), of_few.timed_ms(ShaftShape::point)};
     ShaftEstimate least{std::numeric_limits<double>::infinity(), ShaftShape::block};
@@ -94,7 +94,7 @@ ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, 
     if (!session_of(run.device).is_cpu()) return estimated_on_gpu(run, bundles, statistics);
     const std::size_t count = run.points.count();
     const std::size_t share = std::min(std::max(count / sample_points, sample_share), count / fewest_points);
-    const SampledRun sample(run, {0, count}, std::max<std::size_t>(share, 1));
+    const SampledRun sample(run, std::max<std::size_t>(share, 1));
     const double ms = ShaftPasses(sample.run(), bundles, statistics).timed_ms(ShaftShape::block);
     return {ms * double(count) / double(sample.count()), ShaftShape::block};
 }

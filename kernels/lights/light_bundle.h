@@ -16,8 +16,8 @@ GN_STRUCT_BEGIN(LightCone)
     float middle[3], across[3], along[3];
 GN_STRUCT_END(LightCone, 96)
 
-// Neighbouring lights, and cones of all of them, of each half, quarter and eighth of the slots. Where all open lights
-// lie in one part, its cone is thinner.
+// Neighbouring lights, and cones of all of them, of each half of the slots, of each half of these, and so on down to
+// single lights. Where all open lights lie in one part, its cone is thinner.
 #define LIGHT_CONES 63u
 GN_STRUCT_BEGIN(LightBundle)
     LightCone cones[LIGHT_CONES];

@@ -68,9 +68,9 @@ __kernel void point_reorder(uint count, __global const uint* values, __global co
     GN_FOR_EACH(i, count) gathered[i] = values[numbers[i]];
 }
 
-// numbers[i]: of the sorted points from `first` on, one run of POINTS_OF_RUN out of `share`.
-__kernel void point_sample(uint count, uint first, uint share, __global const uint* order, __global uint* numbers) {
-    GN_FOR_EACH(i, count) numbers[i] = order[first + (i / POINTS_OF_RUN * share) * POINTS_OF_RUN + i % POINTS_OF_RUN];
+// numbers[i]: of the sorted points, one run of POINTS_OF_RUN out of `share`.
+__kernel void point_sample(uint count, uint share, __global const uint* order, __global uint* numbers) {
+    GN_FOR_EACH(i, count) numbers[i] = order[(i / POINTS_OF_RUN * share) * POINTS_OF_RUN + i % POINTS_OF_RUN];
 }
 
 __kernel void point_gather(const PointOrderParams params, __global const float* vertices,

@@ -139,6 +139,7 @@ GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, __global const LightBundle* bu
         }
         test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);
         uint still_open = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
+        // Also a leaf after the one that blocked: it is near, and to note the blocking ones alone takes as long.
         if (still_open != open_points) note_blocking(blocking, code);
         if (still_open == 0u) return true;
         // A shaft of fewer points, or of the lights in one part of the bundle, is thinner.
