@@ -49,10 +49,16 @@ scene::Scene without_masked_triangles() {
     return scene;
 }
 
-const std::vector<DeviceOptions> families{{}, {.gpu_kernels = true}, {.hide_fp64 = true}};
-
-std::string name_of(const DeviceOptions& options) {
-    return options.gpu_kernels ? "kernels for GPUs" : options.hide_fp64 ? "without double" : "kernels for CPUs";
+struct Family {
+    const char* name;
+    Device device;
+};
+/// The kernels for CPUs, those for GPUs, and those without double. A test opens its devices once, since each device
+/// loads its programs anew.
+std::vector<Family> open_families() {
+    return {{"kernels for CPUs", Device()},
+            {"kernels for GPUs", Device({}, {.gpu_kernels = true})},
+            {"without double", Device({}, {.hide_fp64 = true})}};
 }
 
 /// What every path answers for one view and light.
@@ -77,9 +83,8 @@ Camera camera_of(const reference::PinholeCamera& view) {
     return Camera::look_at(view.eye, view.target, view.up, view.fov_y_degrees);
 }
 
-Answers answers_of(const DeviceOptions& family, const scene::Scene& scene, const reference::PinholeCamera& view,
+Answers answers_of(const Device& device, const scene::Scene& scene, const reference::PinholeCamera& view,
                    const Light& light) {
-    const Device device({}, family);
     Answers answers;
     const Triangles triangles = scene::upload(device, scene);
     const View seen = look(device, triangles, camera_of(view), width, height);
@@ -132,9 +137,8 @@ void expect_view(const reference::PinholeCamera& view, const Light& light, const
 }
 
 /// Each sample, and each of many lights.
-void expect_samples_and_suns(const DeviceOptions& family, const reference::PinholeCamera& view, const Light& light,
+void expect_samples_and_suns(const Device& device, const reference::PinholeCamera& view, const Light& light,
                              const Answers& answers) {
-    const Device device({}, family);
     const Triangles triangles = scene::upload(device, leaves());
     const View seen = look(device, triangles, camera_of(view), width, height);
     Floats mean(seen.points.count());
@@ -160,16 +164,17 @@ void expect_samples_and_suns(const DeviceOptions& family, const reference::Pinho
 TEST(Leaves, EveryPathEqualsReference) {
     ASSERT_TRUE(leaves().warnings.empty());
     const scene::Scene opaque = without_cut_outs();
-    for (const DeviceOptions& family : families)
+    const std::vector<Family> families = open_families();
+    for (const Family& family : families)
         for (const auto& view : views)
             for (const Light& light : lights) {
                 if (&family != &families[0] && &view != &views[0]) continue;
-                SCOPED_TRACE(name_of(family) + ", light " + std::to_string(&light - lights));
-                const Answers answers = answers_of(family, leaves(), view, light);
+                SCOPED_TRACE(family.name + (", light " + std::to_string(&light - lights)));
+                const Answers answers = answers_of(family.device, leaves(), view, light);
                 expect_view(view, light, answers);
-                if (&light != &lights[1]) expect_samples_and_suns(family, view, light, answers);
+                if (&light != &lights[1]) expect_samples_and_suns(family.device, view, light, answers);
                 if (&family != &families[0]) continue;
-                const Answers plain = answers_of(family, opaque, view, light);
+                const Answers plain = answers_of(family.device, opaque, view, light);
                 EXPECT_NE(answers.receiver, plain.receiver) << "the masks must matter";
                 EXPECT_NE(answers.animated, plain.animated);
             }
@@ -178,12 +183,12 @@ TEST(Leaves, EveryPathEqualsReference) {
 TEST(Leaves, ControlsAreAsPlainAndAsAbsent) {
     const scene::Scene opaque = without_cut_outs(), absent = without_masked_triangles(), all_opaque = with_alpha(255),
                        all_clear = with_alpha(0);
-    for (const DeviceOptions& family : families) {
-        SCOPED_TRACE(name_of(family));
-        EXPECT_TRUE(answers_of(family, all_opaque, views[0], lights[0]) ==
-                    answers_of(family, opaque, views[0], lights[0]));
-        EXPECT_TRUE(answers_of(family, all_clear, views[0], lights[2]) ==
-                    answers_of(family, absent, views[0], lights[2]));
+    for (const auto& [name, device] : open_families()) {
+        SCOPED_TRACE(name);
+        EXPECT_TRUE(answers_of(device, all_opaque, views[0], lights[0]) ==
+                    answers_of(device, opaque, views[0], lights[0]));
+        EXPECT_TRUE(answers_of(device, all_clear, views[0], lights[2]) ==
+                    answers_of(device, absent, views[0], lights[2]));
     }
 }
 
@@ -335,13 +340,13 @@ Floats by_technique(const Device& device, const std::string& name, const scene::
 // where the truth is lit.
 TEST(Leaves, MapsTestMasks) {
     const scene::Scene opaque = without_cut_outs();
-    for (const DeviceOptions& family : {families[0], families[1]}) {
-        const Device device({}, family);
+    for (const bool gpu_kernels : {false, true}) {
+        const Device device({}, {.gpu_kernels = gpu_kernels});
         for (const char* const name : {"shadow-map", "virtual-shadow-map", "sub-pixel"})
             for (const Light& light : {lights[0], lights[2]}) {
                 const bool is_sub_pixel = std::string_view(name) == "sub-pixel";
-                if (family.gpu_kernels && light.is_directional()) continue;
-                SCOPED_TRACE(std::string(name) + ", " + name_of(family));
+                if (gpu_kernels && light.is_directional()) continue;
+                SCOPED_TRACE(name + std::string(gpu_kernels ? ", kernels for GPUs" : ", kernels for CPUs"));
                 const Floats truth = by_technique(device, "frustum-traced", leaves(), light);
                 const Floats masked = by_technique(device, name, leaves(), light);
                 const Floats plain = by_technique(device, name, opaque, light);
@@ -390,8 +395,8 @@ std::array<Ids, 2> met_by(const Explanation& e, const Light& light) {
 
 TEST(Leaves, ExplainNamesTheHolesThatTheRayPasses) {
     std::size_t clear = 0, blocking = 0, only_clear = 0;
-    for (const DeviceOptions& family : {families[0], families[1]}) {
-        const Device device({}, family);
+    for (const bool gpu_kernels : {false, true}) {
+        const Device device({}, {.gpu_kernels = gpu_kernels});
         const Triangles triangles = scene::upload(device, leaves()),
                         all_opaque = scene::upload(device, with_alpha(255)),
                         all_clear = scene::upload(device, with_alpha(0)),

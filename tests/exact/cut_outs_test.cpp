@@ -17,12 +17,15 @@ using gnomon::Triangles;
 
 struct Family {
     const char* name;
-    gnomon::DeviceOptions options;
+    Device device;
 };
-const std::vector<Family> families = {{"cpu", {}},
-                                      {"gpu", {.gpu_kernels = true}},
-                                      {"cpu without double", {.hide_fp64 = true}},
-                                      {"gpu without double", {.hide_fp64 = true, .gpu_kernels = true}}};
+/// A test opens its devices once, since each device loads its programs anew.
+std::vector<Family> open_families() {
+    return {{"cpu", Device()},
+            {"gpu", Device({}, {.gpu_kernels = true})},
+            {"cpu without double", Device({}, {.hide_fp64 = true})},
+            {"gpu without double", Device({}, {.hide_fp64 = true, .gpu_kernels = true})}};
+}
 const std::vector<gnomon::Light> lights = {
     gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::directional({0, 0, -1}),
     gnomon::Light::positional({0.2f, 3, 0.1f}), gnomon::Light::positional({0.2f, 0.1f, 0.1f})};
@@ -63,6 +66,7 @@ std::vector<float> run(const Device& device, const Triangles& triangles, const P
 
 TEST(CutOuts, EqualsReference) {
     const Floats scene = small_scene();
+    const std::vector<Family> families = open_families();
     for (const bool has_alphas : {false, true}) {
         const CutOutData data(mixed_masks(scene.size() / 9, 5, has_alphas));
         Floats points = random_points(700, -1.2f, 1.2f, 4);
@@ -76,7 +80,7 @@ TEST(CutOuts, EqualsReference) {
             EXPECT_GT(dark, 50u);
             EXPECT_GT(differs, 20u);
             for (const Family& family : families) {
-                const Device device({}, family.options);
+                const Device& device = family.device;
                 const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
                 Triangles clustered = triangles;
                 clustered.keep_clusters(device);
@@ -112,8 +116,7 @@ TEST(CutOuts, AllClearAndAllOpaqueAreAsAbsentAndPlain) {
         if (i % 3 == 0) std::fill_n(absent.begin() + std::ptrdiff_t(9 * i), 9, std::numeric_limits<float>::quiet_NaN());
     }
     const CutOutData data(masks);
-    for (const Family& family : families) {
-        const Device device({}, family.options);
+    for (const auto& [name, device] : open_families()) {
         const Triangles given = Triangles::upload(device, scene, data.cut_outs());
         EXPECT_EQ(given.cut_out_counts().clear, (count + 2) / 3);
         EXPECT_EQ(given.cut_out_counts().opaque, (count + 1) / 3);
@@ -121,7 +124,7 @@ TEST(CutOuts, AllClearAndAllOpaqueAreAsAbsentAndPlain) {
         const Triangles plain = Triangles::upload(device, absent);
         const Points at = Points::upload(device, points);
         for (const gnomon::Light& light : lights)
-            expect_same(run(device, given, at, light), run(device, plain, at, light), family.name);
+            expect_same(run(device, given, at, light), run(device, plain, at, light), name);
         const auto camera = gnomon::Camera::look_at({0.3f, 1.4f, 3.0f}, {0, 0, 0}, {0, 1, 0}, 45);
         EXPECT_EQ(gnomon::read(device, given, gnomon::look(device, given, camera, 96, 64)).receiver,
                   gnomon::read(device, plain, gnomon::look(device, plain, camera, 96, 64)).receiver);
@@ -130,12 +133,13 @@ TEST(CutOuts, AllClearAndAllOpaqueAreAsAbsentAndPlain) {
 
 TEST(CutOuts, ACameraSeesThroughHoles) {
     const Floats scene = small_scene();
+    const std::vector<Family> families = open_families();
     const reference::PinholeCamera pinhole{{0.3f, 1.4f, 3.0f}, {0, 0, 0}, {0, 1, 0}, 45, 96, 64};
     const auto camera = gnomon::Camera::look_at(pinhole.eye, pinhole.target, pinhole.up, pinhole.fov_y_degrees);
     for (const bool has_alphas : {false, true}) {
         const CutOutData data(mixed_masks(scene.size() / 9, 8, has_alphas));
         for (const Family& family : families) {
-            const Device device({}, family.options);
+            const Device& device = family.device;
             Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
             const Triangles plain = Triangles::upload(device, scene);
             const auto opaque = gnomon::read(device, plain, gnomon::look(device, plain, camera, 96, 64));
@@ -169,8 +173,8 @@ TEST(CutOuts, FootprintsAreAsSampleBySample) {
     const Floats scene = small_scene();
     const auto camera = gnomon::Camera::look_at({0.3f, 1.4f, 3.0f}, {0, 0, 0}, {0, 1, 0}, 45);
     const CutOutData data(mixed_masks(scene.size() / 9, 9));
-    for (const Family& family : families) {
-        const Device device({}, family.options);
+    for (const Family& family : open_families()) {
+        const Device& device = family.device;
         const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
         const gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
         const auto technique = technique_with(device, {});
@@ -194,8 +198,7 @@ TEST(CutOuts, ShaftsAndExplainHonourThem) {
     const Floats scene = small_scene(), points = random_points(600, -1.2f, 1.2f, 8);
     const auto suns = gnomon::sun_disk({0.3f, -1, 0.2f}, 5, 40);
     const CutOutData data(mixed_masks(scene.size() / 9, 10, true));
-    for (const Family& family : families) {
-        const Device device({}, family.options);
+    for (const auto& [name, device] : open_families()) {
         const Points given = Points::upload(device, points);
         const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
         std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
@@ -203,8 +206,8 @@ TEST(CutOuts, ShaftsAndExplainHonourThem) {
             bits.push_back(gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), triangles, given,
                                                       suns, {.bits = true})
                                .bits);
-        EXPECT_EQ(bits[0], bits[1]) << family.name;
-        EXPECT_EQ(bits[2], bits[1]) << family.name;
+        EXPECT_EQ(bits[0], bits[1]) << name;
+        EXPECT_EQ(bits[2], bits[1]) << name;
         const auto technique = technique_with(device, {{"many-lights", "shafts"}});
         EXPECT_NE(
             bits[0],
