@@ -168,13 +168,15 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Occ
                    .record_count = 0,
                    .first_entry = entries_kept_,
                    .first_record = records_kept_,
-                   .first_bin = frame * bin_count};
+                   .first_bin = frame * bin_count,
+                   .by_id = session.is_cpu() && light_frame_.perspective == 0};
     const cl::Buffer kept_slots(session, slots * sizeof(cl_uint)), named_count(session, sizeof(cl_uint));
     session.fill(kept_slots, GN_NO_ID, slots * sizeof(cl_uint));
     session.fill(named_count, 0, sizeof(cl_uint));
     session.launch(file, "prepared_kept_slots", cl::Range::items(counted.entries), kept, lists.bins().entries(),
-                   kept_slots, named_count);
-    kept.record_count = session.read_value<cl_uint>(named_count);
+                   lists.setup().bounds(), kept_slots, named_count);
+    kept.record_count =
+        kept.by_id != 0 ? static_cast<cl_uint>(triangles_.count()) : session.read_value<cl_uint>(named_count);
 
     const std::uint64_t records = std::uint64_t(records_kept_) + kept.record_count,
                         entries = std::uint64_t(entries_kept_) + counted.entries;
@@ -187,8 +189,8 @@ void PreparedLight::keep(cl::Session& session, Statistics& statistics, const Occ
     lengthen(session, bounds_, records_kept_ * sizeof(TriangleBounds), records * sizeof(TriangleBounds));
     session.launch(file, "prepared_records", cl::Range::items(slots), kept, kept_slots, lists.setup().records(),
                    lists.setup().bounds(), records_, bounds_);
-    session.launch(file, "prepared_entries", cl::Range::items(counted.entries), kept, lists.bins().entries(),
-                   kept_slots, entries_);
+    session.launch(file, "prepared_entries", cl::Range::items(session.is_cpu() ? bin_count : counted.entries), kept,
+                   lists.bins().ranges(), lists.bins().entries(), kept_slots, entries_);
     if (!session.is_cpu())
         session.launch(file, "prepared_slots", cl::Range::items(kept.record_count), kept, bounds_, tables_);
     session.launch(file, "prepared_ranges", cl::Range::items(bin_count), kept, lists.bins().ranges(), tables_);

@@ -6,7 +6,8 @@
 // comparison. ranges[bin] = (first, past the last), in units of BinEntries. Unused lanes have x0 > x1.
 //
 // On a GPU a list is in runs of LIST_RUN entries, each run with its highest triangle first: a point above an entry is
-// above the rest of the run. The rest of a list's order has no meaning. A point (X, Y, Z) of the bin, or a block of
+// above the rest of the run. On a CPU the lists of a prepared light are in runs of KEPT_RUN BinEntries, each run wholly
+// in the order of heights. The rest of a list's order has no meaning. A point (X, Y, Z) of the bin, or a block of
 // points by its own bounds, can only meet an entry with
 //     x0 <= qx <= x1,   y0 <= qy <= y1,   qz <= z          qx = quantised_texel(X, width) and so on.
 // Proof: x0..y1 are made from the rectangle that holds every computed (X, Y) of points that the triangle can block (all
@@ -19,6 +20,7 @@
 
 #define BIN_ENTRY_BYTES 16
 #define LIST_RUN 64u
+#define KEPT_RUN 64u
 
 // The bounds of a triangle that survived the cull. `id` is the triangle's number in the scene; where clusters have an
 // order of their own, it is the position in that order until triangle_tiles makes tiles for the lists.
@@ -182,6 +184,7 @@ static uint entries_that_meet(__global const BinEntries* entries, QuantisedBlock
 }
 
 // The same for entries[i], 0 from `end` on. Prefetches the records: in large scenes a walk mostly waited for them.
+// `bounds`: null if they are not read.
 static uint prefetch_entries_that_meet(__global const BinEntries* entries, __global const TriangleRecord* records,
                                        __global const TriangleBounds* bounds, uint i, uint end, QuantisedBlock block) {
     if (i >= end) return 0u;
@@ -189,7 +192,7 @@ static uint prefetch_entries_that_meet(__global const BinEntries* entries, __glo
     for (uint ahead = meeting; ahead != 0u;) {
         uint slot = ENTRY_SLOT(&entries[i], take_lowest_bit(&ahead));
         GN_PREFETCH(&records[slot]);
-        GN_PREFETCH(&bounds[slot]);
+        if (bounds) GN_PREFETCH(&bounds[slot]);
     }
     return meeting;
 }

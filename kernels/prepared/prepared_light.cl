@@ -166,15 +166,19 @@ static bool is_used(__global const BinEntries* entries, uint lane) {
     return ENTRY_LANE(at, x0, lane) <= ENTRY_LANE(at, x1, lane);
 }
 
-// Gives each record that a list names its kept slot, from first_record on, in about the order of the lists, so that
-// records that are read together are neighbours. kept_slots[slot] is GN_NO_ID before.
-__kernel void prepared_kept_slots(const KeptFrame frame, __global const BinEntries* entries, __global uint* kept_slots,
+// Gives each record that a list names its kept slot: its triangle's id, so that a walk needs no bounds to know it; or
+// from first_record on, in about the order of the lists, so that records that are read together are neighbours.
+// kept_slots[slot] is GN_NO_ID before.
+__kernel void prepared_kept_slots(const KeptFrame frame, __global const BinEntries* entries,
+                                  __global const TriangleBounds* bounds, __global uint* kept_slots,
                                   __global uint* kept_count) {
     GN_FOR_EACH(i, frame.entry_count) {
         for (uint lane = 0; lane < GN_LANES; ++lane) {
             if (!is_used(&entries[i], lane)) continue;
             uint slot = ENTRY_SLOT(&entries[i], lane);
-            if (atomic_cmpxchg(&kept_slots[slot], GN_NO_ID, 0u) == GN_NO_ID)
+            if (frame.by_id)
+                atomic_xchg(&kept_slots[slot], bounds[slot].id);
+            else if (atomic_cmpxchg(&kept_slots[slot], GN_NO_ID, 0u) == GN_NO_ID)
                 atomic_xchg(&kept_slots[slot], frame.first_record + atomic_inc(kept_count));
         }
     }
@@ -201,16 +205,55 @@ __kernel void prepared_slots(const KeptFrame frame, __global const TriangleBound
     }
 }
 
-// Copies a frame's entries, with the kept slots of their records.
-__kernel void prepared_entries(const KeptFrame frame, __global const BinEntries* entries,
+#if GN_LANES > 1
+// The place of entry `lane` of heights[own] in its run, highest first; equal heights keep their order.
+static uint place_in_run(const LaneUshort* heights, uint count, uint own, uint lane) {
+    LaneUshort z = (LaneUshort)(((const ushort*)&heights[own])[lane]);
+    short16 before = (heights[own] == z) & (convert_short16(LANE_INDEX) < (short16)((short)lane));
+    for (uint i = 0; i < count; ++i) before += i < own ? heights[i] >= z : heights[i] > z;  // each true one is -1
+    short8 eight = before.lo + before.hi;
+    short4 four = eight.lo + eight.hi;
+    return (uint)(-(four.x + four.y + four.z + four.w));
+}
+
+// Copies one run of a list, highest first, with the kept slots. Unused lanes are last, and so is the height 0.
+GN_NOINLINE_ON_CPU void keep_run(__global const BinEntries* entries, uint count, __global const uint* kept_slots,
+                                 __global BinEntries* kept) {
+    LaneUshort heights[KEPT_RUN];
+    __global BinEntries* run = (__global BinEntries*)entries;
+    for (uint i = 0; i < count; ++i) heights[i] = run[i].z & as_ushort16(run[i].x0 <= run[i].x1);
+    kept[count - 1u].x0 = (LaneUshort)(65535);
+    kept[count - 1u].x1 = (LaneUshort)(0);
+    for (uint i = 0; i < count * GN_LANES && is_used(&run[i / GN_LANES], i % GN_LANES); ++i) {
+        __global BinEntries* from = &run[i / GN_LANES];
+        uint lane = i % GN_LANES, place = place_in_run(heights, count, i / GN_LANES, lane), to = place % GN_LANES;
+        __global BinEntries* at = &kept[place / GN_LANES];
+        ENTRY_LANE(at, x0, to) = ENTRY_LANE(from, x0, lane);
+        ENTRY_LANE(at, y0, to) = ENTRY_LANE(from, y0, lane);
+        ENTRY_LANE(at, x1, to) = ENTRY_LANE(from, x1, lane);
+        ENTRY_LANE(at, y1, to) = ENTRY_LANE(from, y1, lane);
+        ENTRY_LANE(at, z, to) = ENTRY_LANE(from, z, lane);
+        ((__global uint*)&at->slot)[to] = kept_slots[ENTRY_SLOT(from, lane)];
+    }
+}
+#endif
+
+// Copies a frame's entries, with the kept slots of their records. On a CPU each run of KEPT_RUN is put in order.
+__kernel void prepared_entries(const KeptFrame frame, __global const uint2* ranges, __global const BinEntries* entries,
                                __global const uint* kept_slots, __global BinEntries* kept_entries) {
+#if GN_LANES > 1
+    GN_FOR_EACH(bin, frame.bin_count) {
+        uint2 range = ranges[bin];
+        for (uint i = range.x; i < range.y; i += KEPT_RUN)
+            keep_run(&entries[i], min(range.y - i, KEPT_RUN), kept_slots, &kept_entries[frame.first_entry + i]);
+    }
+#else
     GN_FOR_EACH(i, frame.entry_count) {
         __global BinEntries* kept = &kept_entries[frame.first_entry + i];
         *kept = entries[i];
-        for (uint lane = 0; lane < GN_LANES; ++lane)
-            if (is_used(&entries[i], lane))
-                ((__global uint*)&kept->slot)[lane] = kept_slots[ENTRY_SLOT(&entries[i], lane)];
+        if (is_used(&entries[i], 0)) kept->slot = kept_slots[ENTRY_SLOT(&entries[i], 0)];
     }
+#endif
 }
 
 __kernel void prepared_ranges(const KeptFrame frame, __global const uint2* ranges, __global uint2* kept_ranges) {

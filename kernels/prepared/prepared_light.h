@@ -36,9 +36,10 @@ GN_STRUCT_END(PreparedParams, 112)
 GN_STRUCT_BEGIN(KeptFrame)
     PreparedTables tables;
     uint entry_count, slot_count, bin_count;  // of the frame's own lists
-    uint record_count;                        // records that an entry names
+    uint record_count;                        // records that an entry names; by_id: triangles
     uint first_entry, first_record, first_bin;
-GN_STRUCT_END(KeptFrame, 48)
+    uint by_id;  // 1, on a CPU under a direction: a record's kept slot is its triangle's id
+GN_STRUCT_END(KeptFrame, 52)
 
 #ifndef __cplusplus
 

@@ -7,7 +7,9 @@
 //                             its own: the map may decide whole blocks, and the facing of the other points' receivers
 //                             is read from a cache (receivers/facing_cache.clh)
 #define TRACE_IN_PLACE 0
+#define TRACE_KEPT_LISTS
 #ifdef PREPARED_CACHED_FACING
+#define TRACE_RECORDS_BY_ID
 #define TRACE_KERNEL prepared_trace_cached_facing
 #define TRACE_TABLE FacingCache
 #define TRACE_MORE_OF_POINTS               \

@@ -177,6 +177,69 @@ TEST(PreparedPlanes, WhatTheyCallCertainIsRight) {
     EXPECT_GT(counts[1], 4000u);
 }
 
+// ---- Lists ----------------------------------------------------------------------------------------------------------
+
+constexpr const char* disorder_source = R"(
+#include "occluders/bin_lists.h"
+// Counts the entries, and those that are above the entry before, differ from their triangle's bounds, lie behind an
+// unused one, or, by_id, are not at their triangle's own slot.
+__kernel void count_disorder(uint bins, uint by_id, __global const uint2* ranges, __global BinEntries* entries,
+                             __global const TriangleBounds* bounds, volatile __global uint* counts) {
+#if GN_LANES > 1
+    GN_FOR_EACH(bin, bins) {
+        uint2 range = ranges[bin];
+        ushort last = 65535;
+        bool ended = false;
+        for (uint i = 0; i < (range.y - range.x) * GN_LANES; ++i) {
+            __global BinEntries* at = &entries[range.x + i / GN_LANES];
+            uint lane = i % GN_LANES, slot = ENTRY_SLOT(at, lane);
+            if (ENTRY_LANE(at, x0, lane) > ENTRY_LANE(at, x1, lane)) { ended = true; continue; }
+            if (i % (KEPT_RUN * GN_LANES) == 0) last = 65535;
+            TriangleBounds of = bounds[slot];
+            bool same = ENTRY_LANE(at, x0, lane) == of.x0 && ENTRY_LANE(at, y0, lane) == of.y0 &&
+                        ENTRY_LANE(at, x1, lane) == of.x1 && ENTRY_LANE(at, y1, lane) == of.y1 &&
+                        ENTRY_LANE(at, z, lane) == of.z;
+            atomic_inc(&counts[0]);
+            if (ENTRY_LANE(at, z, lane) > last || ended) atomic_inc(&counts[1]);
+            if (!same) atomic_inc(&counts[2]);
+            if (by_id && of.id != slot) atomic_inc(&counts[3]);
+            if (i >= KEPT_RUN * GN_LANES) atomic_inc(&counts[4]);
+            last = ENTRY_LANE(at, z, lane);
+        }
+    }
+#endif
+}
+)";
+
+// On a CPU: a walk stops in a run at an entry that is too low, and takes a record's slot for its triangle's id.
+TEST(PreparedLists, AreInOrderAndByTriangle) {
+    const Device device;
+    gnomon::cl::Session& session = session_of(device);
+    if (!session.is_cpu()) GTEST_SKIP() << "a GPU's lists have another order (bins_test)";
+    session.add_source("count_disorder.cl", disorder_source);
+    const auto triangles = gnomon::Triangles::upload(device, soup(40'000, 0.3f, 21));
+    for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::positional({0.1f, 5, 0.2f})}) {
+        gnomon::Statistics statistics;
+        const gnomon::PreparedLight prepared(session, statistics, triangles, light, {16, 2}, {}, 0);
+        ASSERT_TRUE(prepared.is_usable());
+        const cl_uint bins = frame_count_of(prepared.light_frame()) * 16;
+        const gnomon::cl::Buffer counts(session, 5 * sizeof(cl_uint));
+        session.fill(counts, 0, 5 * sizeof(cl_uint));
+        session.launch("count_disorder.cl", "count_disorder", gnomon::cl::Range::items(bins), bins,
+                       cl_uint(light.is_directional()), prepared.lists().ranges, prepared.lists().entries,
+                       prepared.lists().bounds, counts);
+        const auto found = downloaded<cl_uint>(session, counts.get(), 5);
+        if (light.is_directional()) {
+            EXPECT_EQ(found[0], prepared.counted().references);
+            EXPECT_GT(found[4], 1000u) << "entries in a list's second run or later";
+        }
+        EXPECT_GT(found[0], 1000u);
+        EXPECT_EQ(found[1], 0u) << "out of order";
+        EXPECT_EQ(found[2], 0u) << "unlike their bounds";
+        EXPECT_EQ(found[3], 0u) << "at another slot";
+    }
+}
+
 // ---- The same bits --------------------------------------------------------------------------------------------------
 
 /// The scene with other points; points beyond the number of its own have no receiver.
