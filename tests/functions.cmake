@@ -19,7 +19,7 @@ set(GNOMON_TESTS_DIR "${CMAKE_CURRENT_LIST_DIR}")
 # some thousand programs (google/sanitizers issue 1353; seen here with PoCL's threads). If the test passed before the
 # crash, ctest lists it as skipped, because its leaks are unknown.
 set(GNOMON_TEST_TIMEOUT_S 300)
-# The tests' own code is short of time to compile, not to run: the oracle, which is a library, is optimised in every build.
+# A test program takes longer to compile than to run its own code; the oracle is a library, optimised in every build.
 set(GNOMON_TEST_OPTIMISATION $<$<CONFIG:Release>:-O1>)
 # The expression must not end with a bracket: gtest_discover_tests of CMake 4.4 puts it between brackets.
 set(GNOMON_TEST_SKIPPED "\\[  SKIPPED \\] ")
