@@ -106,7 +106,7 @@ static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key 
 #endif
 #endif
 #ifndef GN_PREFETCH
-#define GN_PREFETCH(address)
+#define GN_PREFETCH(address) (void)(address)
 #endif
 
 #define GN_FINITE(x) (fabs(x) <= FLT_MAX)  // false for NaN too

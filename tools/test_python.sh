@@ -24,7 +24,14 @@ ls -l "$wheel"
 
 tests() { "$build/venv/bin/python" -m pytest -q -p no:cacheprovider "$@" tests/python; }
 drivers=("$build"/venv/lib/python3*/site-packages/pyopencl/.libs/libpocl*.so)
-echo "-- PyPI's PoCL, the system's drivers hidden"
-OCL_ICD_VENDORS=${drivers[0]} tests
-echo "-- the system's OpenCL library (studies were tested above, and use it no otherwise)"
-GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests --ignore=tests/python/study
+try='import gnomon; gnomon.Scene([[[0, 0, 0], [1, 0, 0], [0, 1, 0]]]).lit([[0, 0, 1]], direction=(0, 0, -1))'
+if said=$(OCL_ICD_VENDORS=${drivers[0]} "$build/venv/bin/python" -c "$try" 2>&1) ||
+    [[ $said != *"compiler is older than the CPU"* ]]; then
+    echo "-- PyPI's PoCL, the system's drivers hidden"
+    OCL_ICD_VENDORS=${drivers[0]} tests
+    echo "-- the system's OpenCL library (studies were tested above, and use it no otherwise)"
+    GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests --ignore=tests/python/study
+else
+    echo "SKIPPED: the compiler of PyPI's PoCL is older than this CPU, so the package is tested with the system's driver alone" >&2
+    GNOMON_OPENCL_LIBRARY=libOpenCL.so.1 tests
+fi

@@ -265,6 +265,14 @@ void Session::store_cached(const std::string& key, cl_program program) {
     std::filesystem::rename(temporary, directory / key, ignored);
 }
 
+// What may help where kernels do not compile.
+static std::string remedy_for(const std::string& log) {
+    const std::string extra = environment("GNOMON_BUILD_OPTIONS");
+    if (!extra.empty()) return "does it without GNOMON_BUILD_OPTIONS (" + extra + ")?";
+    if (log.find("unknown target CPU") == std::string::npos) return "";
+    return "this driver's compiler is older than the CPU: use a newer driver or another one (docs/drivers.md)";
+}
+
 cl_program Session::build(const std::string& file, const std::string& source) {
     const char* text = source.c_str();
     const std::size_t size = source.size();
@@ -282,9 +290,7 @@ cl_program Session::build(const std::string& file, const std::string& source) {
         const std::string log = with_source_locations(build_log(program, description_.device_id), source);
         clReleaseProgram(program);
         if (error.code() != CL_BUILD_PROGRAM_FAILURE && error.code() != CL_INVALID_BUILD_OPTIONS) throw;
-        const std::string extra = environment("GNOMON_BUILD_OPTIONS");
-        throw OpenClError("compiling kernels/" + file, error.code(), log,
-                          extra.empty() ? "" : "does it without GNOMON_BUILD_OPTIONS (" + extra + ")?");
+        throw OpenClError("compiling kernels/" + file, error.code(), log, remedy_for(log));
     }
     return program;
 }

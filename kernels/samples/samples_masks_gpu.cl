@@ -103,19 +103,21 @@ static bool was_tried(const PixelMasks* pixel, uint slot) {
     return was;
 }
 
-// Tries some copied records, a bit each, for the item's pixel. Every item must call this.
+// Tries some copied records, a bit each, for the item's pixel. Every item must call this. (The loop ends at its end
+// alone: PoCL 3.0 loses `wanted` where a loop with barriers is left in the middle.)
 static void try_marked(const GpuMasksWork* work, uint marks, PixelMasks* pixel) {
     __local MasksGroup* group = work->group;
-    for (;;) {
+    uint pairs;
+    do {
         barrier(CLK_LOCAL_MEM_FENCE);
         if (get_local_id(0) == 0) group->pairs = 0u;
         barrier(CLK_LOCAL_MEM_FENCE);
         uint wanted = min(popcount(marks), PAIRS_OF_ITEM), pair = wanted != 0u ? atomic_add(&group->pairs, wanted) : 0u;
         for (uint k = 0; k < wanted; ++k) add_pair(group, pair + k, group->slots[take_lowest_bit(&marks)]);
         make_masks(work);
-        if (group->pairs == 0u) return;
+        pairs = group->pairs;
         for (uint k = 0; k < wanted; ++k) keep_pair(work, pair + k, false, pixel);
-    }
+    } while (pairs != 0u);
 }
 
 // Tries the triangles of a tile's list for the pixels of the items that search. Every item must call this.

@@ -832,6 +832,13 @@ TEST_F(OnDiskKernels, AChangedKernelIsTheOneThatRuns) {
     EXPECT_TRUE(throws<gnomon::OpenClError>(run_something, {"changed on purpose"}));
 }
 
+// PoCL 3.0 on Zen 5: docs/drivers.md.
+TEST_F(OnDiskKernels, ACompilerThatDoesNotKnowTheCpuIsSaidToBeOld) {
+    const Environment kernels("GNOMON_KERNELS_DIR", folder_.string());
+    std::ofstream(folder_ / "receivers/facing.h", std::ios::app) << "#error unknown target CPU 'generic'\n";
+    EXPECT_TRUE(throws<gnomon::OpenClError>(run_something, {"older than the CPU", "newer driver"}));
+}
+
 // Without triangles only one kernel has to be compiled.
 void compile_something() {
     const Device device;
