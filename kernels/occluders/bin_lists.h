@@ -164,7 +164,9 @@ static QuantisedBlock block_of_lanes(LaneInt x0, LaneInt y0, LaneInt x1, LaneInt
 }
 
 static uint bits_of_shorts(short16 mask) {
-#ifdef GN_X86_SIGNS
+#if defined(GN_X86_MASKS)
+    return (uint)__builtin_ia32_cvtw2mask256(mask);
+#elif defined(GN_X86_SIGNS)
     return (uint)__builtin_ia32_pmovmskb128(convert_char16(mask));
 #else
     long2 some = as_long2(mask.lo | mask.hi);
