@@ -7,7 +7,7 @@
 // Nodes and leaves that the shaft of a block may visit: some five for each of its points, as many as their own shafts
 // would. After that each open point has its own. (On a GPU a launch is of one kind.)
 #if GN_LANES > 1
-#define BLOCK_VISITS 80u
+#define BLOCK_VISITS 200u
 #else
 #define BLOCK_VISITS GN_NO_ID
 #endif
@@ -22,10 +22,20 @@ typedef struct ShaftWork {
     uint bundle;
 } ShaftWork;
 
-static void queue_pairs_of_lane(const ShaftWork* work, int lane, uint undecided, const ShaftTriangle* t, uint triangle,
+// A triangle of a leaf that may block rays of the block.
+typedef struct LeafTriangle {
+    __global const float* leaf;
+    uint i, id;
+    bool is_masked;
+    LaneTriangles in_lanes;  // the same in all lanes
+} LeafTriangle;
+
+static void queue_pairs_of_lane(const ShaftWork* work, int lane, uint undecided, const LeafTriangle* triangle,
                                 const ShaftScene* scene, Reservation* mine) {
     uint point = (uint)(work->block * SHAFT_WIDTH) + SHAFT_LANE(lane);
-    queue_pairs((ShaftPairs){point, work->bundle, triangle, undecided}, t, lane_point(work->points, lane), scene, mine);
+    ShaftTriangle t = shaft_triangle(triangle->leaf, triangle->i);
+    queue_pairs((ShaftPairs){point, work->bundle, triangle->id, undecided}, &t, lane_point(work->points, lane), scene,
+                mine);
 }
 
 // From so many points on, the triangle is first tested against the cones of 16 points at once.
@@ -35,79 +45,98 @@ static void queue_pairs_of_lane(const ShaftWork* work, int lane, uint undecided,
 // A bundle of so many lights or fewer: each light is tested for all points of the block at once.
 #define FEW_LIGHTS 8u
 
-GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundle* bundle, const ShaftTriangle* t,
-                                      uint triangle, bool is_masked, LaneInt lanes, const ShaftScene* scene,
-                                      Reservation* mine) {
-    LaneTriangles in_lanes = triangle_in_lanes(t);
-    ShaftEdges edges = edges_of(&in_lanes, work->points);
+GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundle* bundle, const LeafTriangle* triangle,
+                                      LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
+    ShaftEdges edges = edges_of(&triangle->in_lanes, work->points);
     for (uint l = 0; l < bundle->light_count; ++l) {
         LaneInt open = lanes & -((work->open >> (int)l) & 1);
         if (!LANES_ANY(open)) continue;
         ShaftDecision decision = decide_light(&edges, light_direction(bundle, l));
-        if (!is_masked) work->open &= ~(decision.blocked & open & (int)(1u << l));
+        if (!triangle->is_masked) work->open &= ~(decision.blocked & open & (int)(1u << l));
         LaneInt undecided = open & ~decision.missed;
-        if (!is_masked) undecided &= ~decision.blocked;
+        if (!triangle->is_masked) undecided &= ~decision.blocked;
         for (uint bits = lane_bits(undecided); bits != 0u;)
-            queue_pairs_of_lane(work, take_lane(&bits), 1u << l, t, triangle, scene, mine);
+            queue_pairs_of_lane(work, take_lane(&bits), 1u << l, triangle, scene, mine);
     }
 }
 #endif
 
-// Tests triangle i of a leaf against all open pairs of the block and the bundle. `lanes`: the points whose rays it may
-// meet.
+// The open lights of one point of the block that a triangle blocks, by its edges as that point sees them.
+GN_INLINE_ON_CPU uint lights_blocked(const ShaftWork* work, __global const LightBundle* bundle, int lane, uint open,
+                                     const PointEdges* edges, const LeafTriangle* triangle, const ShaftScene* scene,
+                                     Reservation* mine) {
+    LightDecision decision = decide_lights(edges, bundle, open);
+    if (triangle->is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
+    if (decision.undecided != 0u) queue_pairs_of_lane(work, lane, decision.undecided, triangle, scene, mine);
+    return decision.dark;
+}
+
+// Tests a triangle against all open pairs of the block and the bundle. `lanes`: the points whose rays it may meet.
 GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle* bundle,
-                                    __global const LightCone* cone_of_open, __global const float* leaf, uint triangle,
-                                    uint i, LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
-    ShaftTriangle t = shaft_triangle(leaf, i);
-    uint bits = lane_bits(lanes);
-#ifdef GN_CUT_OUTS
-    bool is_masked = (triangle & SHAFT_MASKED) != 0u;
-    triangle &= ~SHAFT_MASKED;
-#else
-    const bool is_masked = false;
-#endif
+                                    __global const LightCone* cone_of_open, const LeafTriangle* triangle, LaneInt lanes,
+                                    const ShaftScene* scene, Reservation* mine) {
 #if GN_LANES > 1
     if (bundle->light_count <= FEW_LIGHTS) {
-        test_few_lights(work, bundle, &t, triangle, is_masked, lanes, scene, mine);
+        test_few_lights(work, bundle, triangle, lanes, scene, mine);
         return;
     }
 #endif
+    ShaftEdges e = edges_of(&triangle->in_lanes, work->points);
+    uint bits = lane_bits(lanes);
     if (GN_LANES == 1 || popcount(bits) >= POINTS_WORTH_CONES) {
-        LaneTriangles in_lanes = triangle_in_lanes(&t);
-        ShaftEdges edges = edges_of(&in_lanes, work->points);
-        ShaftDecision cone = decide_cone(&edges, cone_of_open);
-        if (is_masked) cone.blocked = (LaneInt)(0);
+        ShaftDecision cone = decide_cone(&e, cone_of_open);
+        if (triangle->is_masked) cone.blocked = (LaneInt)(0);
         work->open &= ~(cone.blocked & lanes);
         bits = lane_bits(lanes & ~(cone.blocked | cone.missed));
+        if (bits == 0u) return;
     }
+#if GN_LANES > 1
+    EDGE_ROWS_OF_LEAF(rows);
+    PUT_EDGES(rows, e);
+    uint open[GN_LANES];
+    vstore16(as_uint16(work->open), 0, open);
+    LaneInt dark = (LaneInt)(0);  // lane by lane a CPU would wait for its stores
     while (bits != 0u) {
         int lane = take_lane(&bits);
-        PointEdges edges = edges_of_point(&t, lane_point(work->points, lane));
-        uint open = (uint)LANE_OF_INT(work->open, lane);
-        LightDecision decision = decide_lights(&edges, bundle, open);
-        if (is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
-        LANE_OF_INT(work->open, lane) = (int)(open & ~decision.dark);
-        if (decision.undecided != 0u) queue_pairs_of_lane(work, lane, decision.undecided, &t, triangle, scene, mine);
+        PointEdges edges = EDGES_AT(rows, lane);
+        uint blocked = lights_blocked(work, bundle, lane, open[lane], &edges, triangle, scene, mine);
+        dark |= LANE_COMPARE(LANE_INDEX, ==, (LaneInt)(lane)) & (int)blocked;
     }
+    work->open &= ~dark;
+#else
+    PointEdges edges = {(float3)(e.ab.x, e.ab.y, e.ab.z), (float3)(e.bc.x, e.bc.y, e.bc.z),
+                        (float3)(e.ca.x, e.ca.y, e.ca.z), e.bound, e.sided != 0};
+    work->open &= ~(int)lights_blocked(work, bundle, 0, (uint)work->open, &edges, triangle, scene, mine);
+#endif
 }
 
 // Tests the triangles of a leaf that the shaft may meet.
 GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bundle, const BlockShaft* shaft, uint leaf,
                                 const ShaftScene* scene, Reservation* mine SHARED_PARAMETER) {
-    __global const float* rows = scene->leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
+    LeafTriangle triangle;
+    triangle.leaf = scene->leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
+    triangle.is_masked = false;
     __global const uint* ids = scene->ids + (size_t)leaf * SHAFT_WIDTH;
-    ShaftHits hits = triangles_in_shaft(rows, &shaft->all);
+    ShaftHits hits = triangles_in_shaft(triangle.leaf, &shaft->all);
     SHARE_LEAST(hits);
-    for (uint bits = SHAFT_BITS(hits.some); bits != 0u;) {
-        uint i = take_lowest_bit(&bits), id = ids[i];
+    uint bits = SHAFT_BITS(hits.some);
+    if (bits == 0u) return;
+    PUT_TRIANGLES(triangle_rows, triangle.leaf);
+    while (bits != 0u) {
+        triangle.i = take_lowest_bit(&bits);
+        triangle.id = ids[triangle.i];
 #ifdef GN_CUT_OUTS
-        id &= ~SHAFT_MASKED;
+        triangle.is_masked = (triangle.id & SHAFT_MASKED) != 0u;
+        triangle.id &= ~SHAFT_MASKED;
 #endif
         LaneInt lanes =
-            LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)id));
+            LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)triangle.id));
+#pragma unroll
         for (uint k = 0; k < 6u; ++k)
-            lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, i)), <=, shaft->point_limits[k]);
-        if (LANES_ANY(lanes)) test_triangle(work, bundle, shaft->all.cone, rows, ids[i], i, lanes, scene, mine);
+            lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, triangle.i)), <=, shaft->point_limits[k]);
+        if (lane_bits(lanes) == 0u) continue;
+        triangle.in_lanes = TRIANGLE_AT(triangle_rows, triangle.leaf, triangle.i);
+        test_triangle(work, bundle, shaft->all.cone, &triangle, lanes, scene, mine);
     }
 }
 
