@@ -170,11 +170,24 @@ bool fit_cone(LightCone& cone, std::span<const std::uint32_t> part, const std::v
     return false;
 }
 
+LightAxes axes_along(const Double3& unit) {
+    const Double3 u = perpendicular(unit);
+    LightAxes axes{};
+    store(axes.u, u);
+    store(axes.v, cross(unit, u));
+    store(axes.w, unit);
+    return axes;
+}
+
 void add_lights(LightBundles& made, LightBundle& bundle, std::span<const std::uint32_t> part,
                 const std::vector<Direction>& directions) {
     bundle.light_count = static_cast<std::uint32_t>(part.size());
-    for (std::size_t l = 0; l < part.size(); ++l)
+    for (std::size_t l = 0; l < part.size(); ++l) {
         for (int c = 0; c < 3; ++c) bundle.directions[c][l] = directions[part[l]].scaled[c];
+        Double3 unit = directions[part[l]].unit;
+        normalize(unit);
+        bundle.axes[l] = axes_along(unit);
+    }
     made.bundles.push_back(bundle);
     for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) made.lights.push_back(l < part.size() ? part[l] : no_light);
 }
@@ -208,13 +221,26 @@ std::optional<std::vector<Direction>> directions_of(std::span<const Light> light
     return directions;
 }
 
+// Each light beside the nearest one that is left.
+std::vector<std::uint32_t> chained(const std::vector<Direction>& directions) {
+    std::vector<std::uint32_t> order = coarse_order(directions);
+    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
+        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
+    return order;
+}
+
 }  // namespace
+
+LightAxes axes_of_light(const Light& directional) {
+    Double3 w{directional.xyzw[0], directional.xyzw[1], directional.xyzw[2]};
+    normalize(w);
+    return axes_along(w);
+}
 
 std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights) {
     const auto directions = directions_of(lights);
     if (!directions) return {};
-    std::vector<std::uint32_t> order(lights.size());
-    std::iota(order.begin(), order.end(), 0u);
+    const std::vector<std::uint32_t> order = chained(*directions);
     LightBundles made;
     for (std::size_t first = 0; first < order.size(); first += MOST_BUNDLE_LIGHTS) {
         LightBundle bundle{};
@@ -229,9 +255,7 @@ std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, st
     const auto scaled_directions = directions_of(lights);
     if (!scaled_directions) return {};
     const std::vector<Direction>& directions = *scaled_directions;
-    std::vector<std::uint32_t> order = coarse_order(directions);
-    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
-        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
+    const std::vector<std::uint32_t> order = chained(directions);
     LightBundles made;
     if (order.empty()) return made;
     std::vector<std::size_t> starts = cut(order, directions, most);

@@ -20,7 +20,9 @@ struct LightBundles {
 /// be scaled exactly.
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most);
 
-/// The same, in the lights' order, full and without cones.
+/// The same, full and without cones.
 std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights);
+
+LightAxes axes_of_light(const Light& directional);
 
 }  // namespace gnomon

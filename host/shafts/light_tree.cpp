@@ -3,20 +3,7 @@
 
 #include <algorithm>
 
-#include "api/vectors.hpp"
-
 namespace gnomon {
-
-LightAxes axes_of_light(const Light& directional) {
-    Double3 w{directional.xyzw[0], directional.xyzw[1], directional.xyzw[2]};
-    normalize(w);
-    const Double3 u = perpendicular(w);
-    LightAxes axes{};
-    store(axes.u, u);
-    store(axes.v, cross(w, u));
-    store(axes.w, w);
-    return axes;
-}
 
 LightTree::LightTree(cl::Session& session, const BuiltShaftTree& tree) : session_(session), tree_(tree) {
     const std::size_t width = shaft_width(session);

@@ -8,9 +8,6 @@
 
 namespace gnomon {
 
-/// Axes with w towards the light.
-LightAxes axes_of_light(const Light& directional);
-
 class LightTree {
 public:
     /// Keeps references to both. Takes 28 bytes for each child of a node and 40 for each slot of a leaf.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stage ray_trace: a run over many lights by single shadow rays, one light after the other
+// Stage ray_trace: a GPU's run over many lights by single shadow rays, one light after the other
 // (kernels/shafts/light_tree.h).
 #pragma once
 
@@ -15,15 +15,8 @@ public:
 
     void run();
 
-    struct Times {
-        double turn_ms, trace_ms;
-    };
-    /// Of one light.
-    Times timed(std::uint32_t light);
-
 private:
-    void turn_tree(std::uint32_t light);
-    void trace(const PointPart& part, std::uint32_t light);
+    void trace(const PointPart& part, std::uint32_t slot);
 
     const TreeRun& run_;
     cl::Session& session_;
@@ -31,9 +24,5 @@ private:
     LightMasks masks_;
     LightTree tree_;
 };
-
-/// The time that a run may take, as measured on some lights and, on a CPU, some points: on one light where that is more
-/// than twice `limit_ms`.
-double estimated_rays_ms(const TreeRun& run, double limit_ms, Statistics& statistics);
 
 }  // namespace gnomon

@@ -7,7 +7,9 @@ namespace gnomon {
 namespace {
 
 // A sample on a CPU has so many points, but no more than one in so many, nor fewer than are worth measuring.
-constexpr std::size_t sample_points = 4096, sample_share = 64, fewest_points = 256;
+constexpr std::size_t sample_points = 4096, sample_share = 32, fewest_points = 512;
+// Packets are measured on one bundle in eight, and on so many at most.
+constexpr std::size_t bundles_of_sample = 8;
 // The smaller one of two samples on a GPU has so many work-groups, and is one in so many; the other has four times as
 // many.
 constexpr std::size_t groups_of_sample = std::size_t(1) << 13, least_share = 16, most_share = 128;
@@ -37,6 +39,11 @@ ShaftEstimate estimated_on_gpu(const TreeRun& run, const LightBundles& bundles, 
 }
 
 }  // namespace
+
+static const char* stage_of(ShaftShape shape) {
+    if (shape == ShaftShape::packet) return "ray_packets";
+    return shape == ShaftShape::point ? "point_shaft_trace" : "shaft_trace";
+}
 
 ShaftPasses::ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics)
     : run_(run), session_(session_of(run.device)), statistics_(statistics), masks_(run, bundles, statistics) {
@@ -75,28 +82,48 @@ double ShaftPasses::timed_ms(ShaftShape shape) {
 // The masks of a part of the points.
 void ShaftPasses::decide(const PointPart& part, ShaftShape shape) {
     masks_.face(part);
-    masks_.trace(part, shape == ShaftShape::point ? "point_shaft_trace" : "shaft_trace", [&] { launch(part, shape); });
+    masks_.trace(part, stage_of(shape), [&] { launch(part, shape); });
 }
 
 void ShaftPasses::launch(const PointPart& part, ShaftShape shape) {
     const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
     const TriangleInputs triangles = triangle_inputs(run_.triangles);
     const SortedPoints& points = run_.sorted;
-    session_.launch(shape == ShaftShape::point ? triangles.kernel("shafts/point_shaft_trace.cl", "point_shaft_trace")
-                                               : triangles.kernel("shafts/shaft_trace.cl", "shaft_trace"),
+    const char* stage = stage_of(shape);
+    session_.launch(triangles.kernel(("shafts/" + std::string(stage) + ".cl").c_str(), stage),
                     shaft_range(session_, blocks * masks_.bundle_count()), masks_.params_of(part), masks_.bundles(),
                     run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(), points.positions(), points.receivers(),
                     points.surface_normals(), masks_.masks(), masks_.queue(), masks_.counters(),
                     cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
 }
 
+// One point in so many on a CPU, and no fewer than are worth measuring.
+static std::size_t share_of_sample(std::size_t count) {
+    return std::max<std::size_t>(std::min(std::max(count / sample_points, sample_share), count / fewest_points), 1);
+}
+
 ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
     if (!session_of(run.device).is_cpu()) return estimated_on_gpu(run, bundles, statistics);
     const std::size_t count = run.points.count();
-    const std::size_t share = std::min(std::max(count / sample_points, sample_share), count / fewest_points);
-    const SampledRun sample(run, std::max<std::size_t>(share, 1));
+    const SampledRun sample(run, share_of_sample(count));
     const double ms = ShaftPasses(sample.run(), bundles, statistics).timed_ms(ShaftShape::block);
     return {ms * double(count) / double(sample.count()), ShaftShape::block};
+}
+
+double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics) {
+    // A bundle's lights share what they read, so the sample has whole bundles.
+    std::vector<std::uint32_t> lights;
+    const std::size_t bundles = plain.bundles.size(), some = std::min((bundles + 7) / 8, bundles_of_sample);
+    for (std::size_t k = 0; k < some; ++k) {
+        const std::size_t bundle = k * bundles / some;
+        const auto first = plain.lights.begin() + std::ptrdiff_t(bundle * MOST_BUNDLE_LIGHTS);
+        lights.insert(lights.end(), first, first + plain.bundles[bundle].light_count);
+    }
+    const SampledRun sample(run, share_of_sample(run.points.count()), lights);
+    const auto of_sample = make_plain_bundles(sample.run().lights.lights());
+    const double ms = ShaftPasses(sample.run(), *of_sample, statistics).timed_ms(ShaftShape::packet);
+    return ms * double(run.points.count()) / double(sample.count()) * double(run.lights.count()) /
+           double(lights.size());
 }
 
 }  // namespace gnomon

@@ -8,12 +8,12 @@
 namespace gnomon {
 
 /// Which shadow rays are decided together: of a block of points to a bundle of lights, as long as its shaft does not
-/// meet too much, or of each point by itself.
-enum class ShaftShape { block, point };
+/// meet too much, of each point by itself, or, on a CPU, of a block to each light by itself.
+enum class ShaftShape { block, point, packet };
 
 class ShaftPasses {
 public:
-    /// `bundles`: make_light_bundles() of the run's lights.
+    /// `bundles`: make_light_bundles() of the run's lights; for packets make_plain_bundles().
     ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
 
     void run(ShaftShape shape);
@@ -36,5 +36,7 @@ struct ShaftEstimate {
 };
 /// The time that a run may take, as measured on a sample of the points.
 ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
+/// The same by packets, as measured on a sample of points and bundles. For a CPU.
+double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics);
 
 }  // namespace gnomon

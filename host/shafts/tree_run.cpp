@@ -19,9 +19,9 @@ struct Bundled {
 };
 
 // A way that has no room takes for ever.
-double rays_ms(const TreeRun& run, double limit_ms, Statistics& statistics) {
+double rays_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics) {
     try {
-        return estimated_rays_ms(run, limit_ms, statistics);
+        return estimated_packets_ms(run, plain, statistics);
     } catch (const OutOfDeviceMemory&) {
         return never;
     }
@@ -47,7 +47,7 @@ Choice faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& 
     if (run.points.count() * lights < pairs_worth_measuring) return {ManyLightsWay::shafts, ShaftShape::block};
     const ShaftEstimate shafts = estimated_shafts(run, bundles.coned, statistics);
     // On a GPU rays never took the least time (docs/many_lights.md).
-    const double rays = is_cpu ? rays_ms(run, shafts.ms, statistics) : never;
+    const double rays = is_cpu ? rays_ms(run, bundles.plain, statistics) : never;
     if (is_one_by_one_faster(one_light_ms, std::min(rays, shafts.ms) / double(lights), is_cpu))
         return {ManyLightsWay::one_by_one, {}};
     return {shafts.ms <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays, shafts.shape};
@@ -65,7 +65,9 @@ bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundl
     Choice choice{way, way == ManyLightsWay::point_shafts ? ShaftShape::point : ShaftShape::block};
     if (way == ManyLightsWay::automatic) choice = faster_way(run, bundles, one_light_ms, statistics);
     if (choice.way == ManyLightsWay::one_by_one) return false;
-    if (choice.way == ManyLightsWay::rays)
+    if (choice.way == ManyLightsWay::rays && session_of(run.device).is_cpu())
+        ShaftPasses(run, bundles.plain, statistics).run(ShaftShape::packet);
+    else if (choice.way == ManyLightsWay::rays)
         RayPasses(run, bundles.plain, statistics).run();
     else
         ShaftPasses(run, bundles.coned, statistics).run(choice.shape);

@@ -16,15 +16,23 @@ GN_STRUCT_BEGIN(LightCone)
     float middle[3], across[3], along[3];
 GN_STRUCT_END(LightCone, 96)
 
+// The axes of a light. w points towards it, u and v are at right angles to it but for rounding: |u . D| and |v . D| are
+// at most 5.2e-8 |D|. No coordinate of u, v and w exceeds 1.
+GN_STRUCT_BEGIN(LightAxes)
+    float u[3], v[3], w[3];
+    float padding;
+GN_STRUCT_END(LightAxes, 40)
+
 // Neighbouring lights, and cones of all of them, of each half of the slots, of each half of these, and so on down to
 // single lights. Where all open lights lie in one part, its cone is thinner.
 #define LIGHT_CONES 63u
 GN_STRUCT_BEGIN(LightBundle)
     LightCone cones[LIGHT_CONES];
     float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
+    LightAxes axes[MOST_BUNDLE_LIGHTS];
     uint light_count;
     uint padding[3];
-GN_STRUCT_END(LightBundle, 6448)
+GN_STRUCT_END(LightBundle, 7728)
 
 #ifndef __cplusplus
 // The cone of the smallest part that has all lights of a mask.
@@ -50,6 +58,8 @@ static uint lower_lights(uint lights) {
     }
     return 0u;
 }
+
+static float along_axis(const float* axis, float3 p) { return fma(axis[0], p.x, fma(axis[1], p.y, axis[2] * p.z)); }
 
 static float3 light_direction(__global const LightBundle* bundle, uint light) {
     return (float3)(bundle->directions[0][light], bundle->directions[1][light], bundle->directions[2][light]);

@@ -1,21 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Turns a tree to a light (light_tree.h): the leaves, then the nodes level by level upwards. Lanes are triangles.
+// Turns a tree to a light (light_tree.h) on a GPU: the leaves, then the nodes level by level upwards. A group's items
+// are a leaf's triangles, or a node's children.
 #include "shafts/light_tree.h"
 #include "shafts/shaft_test.clh"
 
-#if GN_LANES > 1
-#define STORE_ROW(v, row) vstore16(v, 0, row)
-#define IS_WRITER true
-// Of a node's children.
-#define FOR_EACH_CHILD(k) for (uint k = 0; k < SHAFT_WIDTH; ++k)
-#define LEAST_OF_ROW(row) LANES_LEAST(vload16(0, row))
-#define GREATEST_OF_ROW(row) (-LANES_LEAST(-vload16(0, row)))
-#else
-#define STORE_ROW(v, row) (row)[get_local_id(0)] = (v)
-#define IS_WRITER (get_local_id(0) == 0)
-#define FOR_EACH_CHILD(k) for (uint k = get_local_id(0); k < SHAFT_WIDTH; k += SHAFT_WIDTH)
-#define LEAST_OF_ROW(row) least_of_row(row)
-#define GREATEST_OF_ROW(row) greatest_of_row(row)
+#if GN_LANES == 1
+
 static float least_of_row(__global const float* row) {
     float least = row[0];
     for (uint k = 1; k < SHAFT_WIDTH; ++k) least = fmin(least, row[k]);
@@ -26,14 +16,13 @@ static float greatest_of_row(__global const float* row) {
     for (uint k = 1; k < SHAFT_WIDTH; ++k) greatest = fmax(greatest, row[k]);
     return greatest;
 }
-#endif
 
 // Of all corners of a leaf; absent triangles do not count.
 typedef struct LeafExtent {
     float low, high;
 } LeafExtent;
 
-GN_INLINE_ON_CPU LeafExtent extent_of(LaneFloat a, LaneFloat b, LaneFloat c, LaneInt is_present SHARED_PARAMETER) {
+static LeafExtent extent_of(LaneFloat a, LaneFloat b, LaneFloat c, LaneInt is_present, __local uint* shared) {
     LaneFloat least = LANES_MIN(a, b), greatest = LANES_MAX(a, b);
     least = LANES_MIN(least, c);
     greatest = LANES_MAX(greatest, c);
@@ -50,11 +39,11 @@ __kernel void light_leaves(const LightTreeParams params, __global const float* l
         __global float* header = light_leaves + leaf * (LIGHT_LEAF_ROWS * SHAFT_WIDTH);
         PointBlock a = load_corner(corners, 0u), b = load_corner(corners, 1u), c = load_corner(corners, 2u);
         LaneInt is_present = LANE_COMPARE(a.x, ==, a.x);
-        LeafExtent x = extent_of(a.x, b.x, c.x, is_present SHARED), y = extent_of(a.y, b.y, c.y, is_present SHARED);
-        LeafExtent z = extent_of(a.z, b.z, c.z, is_present SHARED);
+        LeafExtent x = extent_of(a.x, b.x, c.x, is_present, shared), y = extent_of(a.y, b.y, c.y, is_present, shared);
+        LeafExtent z = extent_of(a.z, b.z, c.z, is_present, shared);
         float3 origin = (float3)(x.low, y.low, z.low);
         uint present = SHAFT_BITS(is_present);
-        if (IS_WRITER) {
+        if (get_local_id(0) == 0) {
             vstore3(origin, 0, header);
             header[LIGHT_LEAF_SIZE] = (x.high - x.low) + (y.high - y.low) + (z.high - z.low);
             ((__global uint*)header)[LIGHT_LEAF_PRESENT] = present;
@@ -66,12 +55,12 @@ __kernel void light_leaves(const LightTreeParams params, __global const float* l
             float3 axis = vload3(0, axes[k]);
             LaneFloat at_a = lanes_along(axis, a), at_b = lanes_along(axis, b), at_c = lanes_along(axis, c);
             __global float* row = header + (1u + k) * SHAFT_WIDTH;
-            STORE_ROW(at_a, row);
-            STORE_ROW(at_b, row + 3u * SHAFT_WIDTH);
-            STORE_ROW(at_c, row + 6u * SHAFT_WIDTH);
-            LeafExtent extent = extent_of(at_a, at_b, at_c, is_present SHARED);
+            row[get_local_id(0)] = at_a;
+            row[3u * SHAFT_WIDTH + get_local_id(0)] = at_b;
+            row[6u * SHAFT_WIDTH + get_local_id(0)] = at_c;
+            LeafExtent extent = extent_of(at_a, at_b, at_c, is_present, shared);
             float from_zero = along_axis(axes[k], origin);
-            if (IS_WRITER) {
+            if (get_local_id(0) == 0) {
                 header[LIGHT_LEAF_BOX + 2u * k] = from_zero + extent.low;
                 header[LIGHT_LEAF_BOX + 2u * k + 1u] = from_zero + extent.high;
             }
@@ -86,7 +75,7 @@ __kernel void light_nodes(const LightTreeParams params, __global const float* no
         __global const uint* codes =
             (__global const uint*)(nodes + index * (SHAFT_NODE_ROWS * SHAFT_WIDTH) + SHAFT_CODES);
         __global float* node = light_nodes + index * (LIGHT_NODE_ROWS * SHAFT_WIDTH);
-        FOR_EACH_CHILD(k) {
+        for (uint k = get_local_id(0); k < SHAFT_WIDTH; k += SHAFT_WIDTH) {
             uint code = codes[k];
             ((__global uint*)node)[LIGHT_CODES * SHAFT_WIDTH + k] = code;
             for (uint row = 0; row < LIGHT_CODES; row += 2u) {
@@ -99,8 +88,8 @@ __kernel void light_nodes(const LightTreeParams params, __global const float* no
                 } else if (code != 0u) {  // 0 is the root, and no child
                     __global const float* child =
                         light_nodes + (size_t)code * (LIGHT_NODE_ROWS * SHAFT_WIDTH) + row * SHAFT_WIDTH;
-                    low = LEAST_OF_ROW(child);
-                    high = GREATEST_OF_ROW(child + SHAFT_WIDTH);
+                    low = least_of_row(child);
+                    high = greatest_of_row(child + SHAFT_WIDTH);
                 }
                 node[row * SHAFT_WIDTH + k] = low;
                 node[(row + 1u) * SHAFT_WIDTH + k] = high;
@@ -108,3 +97,5 @@ __kernel void light_nodes(const LightTreeParams params, __global const float* no
         }
     }
 }
+
+#endif

@@ -23,13 +23,6 @@
 #define LIGHT_LEAF_BOX 4u
 #define LIGHT_LEAF_PRESENT 10u
 
-// w points towards the light, u and v are at right angles to it but for rounding: |u . D| and |v . D| are at most
-// 5.2e-8 |D|. No coordinate of u, v and w exceeds 1.
-GN_STRUCT_BEGIN(LightAxes)
-    float u[3], v[3], w[3];
-    float padding;
-GN_STRUCT_END(LightAxes, 40)
-
 GN_STRUCT_BEGIN(LightTreeParams)
     LightAxes axes;
     uint first, count;  // of the nodes of one level, or of all leaves
@@ -47,7 +40,3 @@ GN_STRUCT_BEGIN(RayParams)
     float rounding;  // a bound of the errors of coordinates along the axes
     uint padding;
 GN_STRUCT_END(RayParams, 112)
-
-#ifndef __cplusplus
-static float along_axis(const float* axis, float3 p) { return fma(axis[0], p.x, fma(axis[1], p.y, axis[2] * p.z)); }
-#endif

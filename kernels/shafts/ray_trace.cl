@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The trace of single shadow rays through a light tree (light_tree.h). Where points or lights are few, a ray's own walk
-// meets fewer triangles than a shaft's. Lanes are a node's children, then a leaf's triangles. A pair that the filters
-// leave undecided is queued; shaft_exact decides it.
+// A GPU's trace of single shadow rays through a light tree (light_tree.h). Where points or lights are few, a ray's own
+// walk meets fewer triangles than a shaft's. A group's items are a node's children, then a leaf's triangles. A pair
+// that the filters leave undecided is queued; shaft_exact decides it.
 //
 // Filter of a ray and a leaf's triangles. Let a, b, c be the corners minus the ray's point P along the axes u, v, w of
 // the light. e_c = a_u b_v - a_v b_u has the sign of det(A - P, B - P, D) but for errors, and where all three e have
@@ -19,6 +19,8 @@
 // from it, their sum), a ray's by 4.2e-7 L, and u . D moves X by 1.8e-7 L: `rounding` is 4e-6 L.
 #include "shafts/light_tree.h"
 #include "shafts/shaft_walk.clh"
+
+#if GN_LANES == 1
 
 #define RAY_BOUND 6.5e-7f
 
@@ -39,77 +41,32 @@ typedef struct Ray {
     uint point, receiver;
 } Ray;
 
-// A CPU tests eight children or triangles at a time: sixteen do not fit into its registers. On a GPU each item tests
-// its own.
-#if GN_LANES > 1
-typedef float8 EightFloat;
-typedef int8 EightInt;
-#define LOAD_EIGHT(row) vload8(0, row)
-#define EIGHT_COMPARE(a, op, b) ((a)op(b))
-#define EIGHT_SELECT(no, yes, mask) select(no, yes, mask)
-#define EIGHT_AS_INT(x) as_int8(x)
-#define EIGHT_AS_FLOAT(x) as_float8(x)
-static uint bits_of_eight(int8 mask) {
-#ifdef GN_X86_SIGNS
-    return (uint)__builtin_ia32_movmskps256(as_float8(mask));
-#else
-    int8 bits = mask & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
-    int4 four = bits.lo | bits.hi;
-    return (uint)(four.x | four.y | four.z | four.w);
-#endif
-}
-#else
-typedef float EightFloat;
-typedef int EightInt;
-#define LOAD_EIGHT(row) ((row)[get_local_id(0)])
-#define EIGHT_COMPARE(a, op, b) LANE_COMPARE(a, op, b)
-#define EIGHT_SELECT(no, yes, mask) LANES_SELECT(no, yes, mask)
-#define EIGHT_AS_INT(x) as_int(x)
-#define EIGHT_AS_FLOAT(x) as_float(x)
-static uint bits_of_eight(int mask) { return (uint)mask & 1u; }
-#endif
-#define EIGHT_MIN(a, b) EIGHT_SELECT(b, a, EIGHT_COMPARE(a, <, b))
-#define EIGHT_MAX(a, b) EIGHT_SELECT(b, a, EIGHT_COMPARE(a, >, b))
-
 // ---- Boxes ----------------------------------------------------------------------------------------------------------
 
-// How far x lies outside of an extent, within the bound of rounding errors; inside: 0 or less.
-static EightFloat outside_of(__global const float* rows, float x, float rounding) {
-    EightFloat below = LOAD_EIGHT(rows) - (x + rounding), above = (x - rounding) - LOAD_EIGHT(rows + SHAFT_WIDTH);
-    return EIGHT_MAX(below, above);
+// How far x lies outside of the extent of the item's child, within the bound of rounding errors; inside: 0 or less.
+static float outside_of(__global const float* rows, float x, float rounding) {
+    rows += get_local_id(0);
+    return fmax(rows[0] - (x + rounding), (x - rounding) - rows[SHAFT_WIDTH]);
 }
 
-// The children of a node that a ray may meet: eight from `rows` on, or an item's own.
-static EightInt boxes_on_ray(__global const float* rows, const Ray* ray, float rounding) {
-    EightFloat outside = outside_of(rows + LIGHT_LOW_U * SHAFT_WIDTH, ray->u, rounding);
-    EightFloat outside_v = outside_of(rows + LIGHT_LOW_V * SHAFT_WIDTH, ray->v, rounding);
-    EightFloat before = (ray->w - rounding) - LOAD_EIGHT(rows + LIGHT_HIGH_W * SHAFT_WIDTH);
-    outside = EIGHT_MAX(outside, outside_v);
-    outside = EIGHT_MAX(outside, before);
-    return EIGHT_COMPARE(outside, <=, (EightFloat)(0.0f));
+// True if the ray may meet the item's child of a node.
+static bool is_box_on_ray(__global const float* node, const Ray* ray, float rounding) {
+    float outside_u = outside_of(node + LIGHT_LOW_U * SHAFT_WIDTH, ray->u, rounding);
+    float outside_v = outside_of(node + LIGHT_LOW_V * SHAFT_WIDTH, ray->v, rounding);
+    float before = (ray->w - rounding) - node[LIGHT_HIGH_W * SHAFT_WIDTH + get_local_id(0)];
+    return outside_u <= 0.0f && outside_v <= 0.0f && before <= 0.0f;
 }
 
 // Pushes the children that a ray may meet, in any order: a ray ends at the first triangle that blocks it, and to sort
-// them costs more than it spares (Sponza, sky: 164 against 152 ns a ray).
-#if GN_LANES > 1
-GN_INLINE_ON_CPU uint push_children_on_ray(uint* stack, uint top, __global const float* node, const Ray* ray,
-                                           float rounding) {
-    __global const uint* codes = (__global const uint*)node + LIGHT_CODES * SHAFT_WIDTH;
-    uint low = bits_of_eight(boxes_on_ray(node, ray, rounding));
-    uint high = bits_of_eight(boxes_on_ray(node + 8u, ray, rounding));
-    for (uint bits = low | high << 8; bits != 0u;) stack[top++] = codes[take_lowest_bit(&bits)];
-    return top;
-}
-#else
+// them costs more than it spares.
 static uint push_children_on_ray(__local uint* stack, uint top, __global const float* node, const Ray* ray,
                                  float rounding, __local uint* shared) {
     __global const uint* codes = (__global const uint*)node + LIGHT_CODES * SHAFT_WIDTH;
-    uint bits = group_bits(boxes_on_ray(node, ray, rounding), shared), item = get_local_id(0);
+    uint bits = group_bits(is_box_on_ray(node, ray, rounding) ? -1 : 0, shared), item = get_local_id(0);
     if ((bits >> item & 1u) != 0u) stack[top + popcount(bits & ((1u << item) - 1u))] = codes[item];
     barrier(CLK_LOCAL_MEM_FENCE);
     return top + popcount(bits);
 }
-#endif
 
 // ---- Triangles ------------------------------------------------------------------------------------------------------
 
@@ -129,49 +86,36 @@ static void set_leaf_ray(LeafRay* ray, __global const float* leaf, const LightAx
     ray->present = ((__global const uint*)leaf)[LIGHT_LEAF_PRESENT];
 }
 
-// Bit i: triangle i blocks the ray for certain, or it may.
-typedef struct RayDecision {
-    uint blocked, undecided;
-} RayDecision;
+typedef enum RayDecision { RAY_MISSED, RAY_UNDECIDED, RAY_BLOCKED } RayDecision;
 
-// Eight triangles from `rows` on, or an item's own.
-GN_INLINE_ON_CPU void decide_eight(__global const float* rows, const LeafRay* ray, uint present,
-                                   RayDecision* decision) {
-    EightFloat a_u = LOAD_EIGHT(rows) - ray->u, a_v = LOAD_EIGHT(rows + SHAFT_WIDTH) - ray->v;
-    EightFloat b_u = LOAD_EIGHT(rows + 3u * SHAFT_WIDTH) - ray->u, b_v = LOAD_EIGHT(rows + 4u * SHAFT_WIDTH) - ray->v;
-    EightFloat c_u = LOAD_EIGHT(rows + 6u * SHAFT_WIDTH) - ray->u, c_v = LOAD_EIGHT(rows + 7u * SHAFT_WIDTH) - ray->v;
-    EightFloat e_a = fma(b_u, c_v, -(b_v * c_u)), e_b = fma(c_u, a_v, -(c_v * a_u)), e_c = fma(a_u, b_v, -(a_v * b_u));
-    EightFloat sizes = ((fabs(a_u) + fabs(a_v)) + (fabs(b_u) + fabs(b_v))) + (fabs(c_u) + fabs(c_v));
-    float least_bound = ray->rounding * ray->rounding + SHAFT_UNDERFLOW;
-    EightFloat bound = fma(sizes, (EightFloat)(ray->rounding), (EightFloat)(least_bound));
-    EightFloat greatest = EIGHT_MAX(e_a, e_b), least = EIGHT_MIN(e_a, e_b);
-    greatest = EIGHT_MAX(greatest, e_c);
-    least = EIGHT_MIN(least, e_c);
-    EightFloat negative = -least, smaller = EIGHT_MIN(greatest, negative);
-    decision->blocked = 0u;
-    // Two edges with certain signs that differ: missed.
-    decision->undecided = bits_of_eight(EIGHT_COMPARE(smaller, <=, bound)) & present;
-    if (decision->undecided == 0u) return;
-    EightFloat a_w = LOAD_EIGHT(rows + 2u * SHAFT_WIDTH) - ray->w, b_w = LOAD_EIGHT(rows + 5u * SHAFT_WIDTH) - ray->w;
-    EightFloat c_w = LOAD_EIGHT(rows + 8u * SHAFT_WIDTH) - ray->w;
-    EightFloat height = fma(e_a, a_w, fma(e_b, b_w, e_c * c_w));
-    EightFloat height_bound = fma(bound, fabs(a_w) + fabs(b_w) + fabs(c_w), (EightFloat)(SHAFT_UNDERFLOW));
-    height_bound = fma((EightFloat)(ray->rounding), fabs(e_a) + fabs(e_b) + fabs(e_c), height_bound);
-    EightInt is_negative = EIGHT_COMPARE(greatest, <, -bound);
-    EightInt has_sign = is_negative | EIGHT_COMPARE(least, >, bound);
-    height = EIGHT_AS_FLOAT(EIGHT_AS_INT(height) ^ (is_negative & (int)0x80000000));
-    EightFloat highest = EIGHT_MAX(a_w, b_w);
-    EightInt missed = (has_sign & EIGHT_COMPARE(height, <, -height_bound)) |
-                      EIGHT_COMPARE(EIGHT_MAX(highest, c_w), <, (EightFloat)(-ray->rounding));
-    decision->blocked = decision->undecided & bits_of_eight(has_sign & EIGHT_COMPARE(height, >, height_bound));
-    decision->undecided &= ~(decision->blocked | bits_of_eight(missed));
+// For the item's triangle; `rows` are those of the leaf's corners.
+static RayDecision decide_ray(__global const float* rows, const LeafRay* ray) {
+    rows += get_local_id(0);
+    float a_u = rows[0] - ray->u, a_v = rows[SHAFT_WIDTH] - ray->v;
+    float b_u = rows[3u * SHAFT_WIDTH] - ray->u, b_v = rows[4u * SHAFT_WIDTH] - ray->v;
+    float c_u = rows[6u * SHAFT_WIDTH] - ray->u, c_v = rows[7u * SHAFT_WIDTH] - ray->v;
+    float e_a = fma(b_u, c_v, -(b_v * c_u)), e_b = fma(c_u, a_v, -(c_v * a_u)), e_c = fma(a_u, b_v, -(a_v * b_u));
+    float sizes = ((fabs(a_u) + fabs(a_v)) + (fabs(b_u) + fabs(b_v))) + (fabs(c_u) + fabs(c_v));
+    float bound = fma(sizes, ray->rounding, ray->rounding * ray->rounding + SHAFT_UNDERFLOW);
+    float greatest = fmax(fmax(e_a, e_b), e_c), least = fmin(fmin(e_a, e_b), e_c);
+    if (greatest > bound && least < -bound) return RAY_MISSED;  // two edges with certain signs that differ
+    float a_w = rows[2u * SHAFT_WIDTH] - ray->w, b_w = rows[5u * SHAFT_WIDTH] - ray->w;
+    float c_w = rows[8u * SHAFT_WIDTH] - ray->w;
+    if (fmax(fmax(a_w, b_w), c_w) < -ray->rounding) return RAY_MISSED;
+    bool is_negative = greatest < -bound;
+    if (!is_negative && !(least > bound)) return RAY_UNDECIDED;
+    float height = fma(e_a, a_w, fma(e_b, b_w, e_c * c_w));
+    float height_bound = fma(bound, fabs(a_w) + fabs(b_w) + fabs(c_w), SHAFT_UNDERFLOW);
+    height_bound = fma(ray->rounding, fabs(e_a) + fabs(e_b) + fabs(e_c), height_bound);
+    if (is_negative) height = -height;
+    if (height < -height_bound) return RAY_MISSED;
+    return height > height_bound ? RAY_BLOCKED : RAY_UNDECIDED;
 }
 
-// Decides a pair that may block the ray, and is not certain by decide_eight(): by the shafts' filter, whose bound is
+// Decides a pair that may block the ray, and is not certain by decide_ray(): by the shafts' filter, whose bound is
 // tighter where triangles are large. Queues the pair if that is not certain either. Returns whether the triangle blocks
 // the ray for certain.
-GN_INLINE_ON_CPU bool is_blocked_by(const Ray* ray, uint leaf, uint i, uint id, const RayScene* scene,
-                                    Reservation* mine) {
+static bool is_blocked_by(const Ray* ray, uint leaf, uint i, uint id, const RayScene* scene, Reservation* mine) {
     ShaftTriangle t = shaft_triangle(scene->tree.leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH), i);
     PointEdges edges = edges_of_point(&t, ray->p);
     LightDecision decision = decide_lights(&edges, scene->bundle, 1u << scene->light);
@@ -184,9 +128,9 @@ GN_INLINE_ON_CPU bool is_blocked_by(const Ray* ray, uint leaf, uint i, uint id, 
     return decision.dark != 0u;
 }
 
-// For triangle i of a leaf, which decide_eight() does not say is missed.
-GN_INLINE_ON_CPU bool is_blocked_by_triangle(const Ray* ray, uint leaf, uint i, bool is_certain, const RayScene* scene,
-                                             Reservation* mine) {
+// For triangle i of a leaf, which decide_ray() does not say is missed.
+static bool is_blocked_by_triangle(const Ray* ray, uint leaf, uint i, bool is_certain, const RayScene* scene,
+                                   Reservation* mine) {
     uint id = scene->tree.ids[leaf * SHAFT_WIDTH + i];
 #ifdef GN_CUT_OUTS
     if ((id & ~SHAFT_MASKED) == ray->receiver) return false;
@@ -198,38 +142,22 @@ GN_INLINE_ON_CPU bool is_blocked_by_triangle(const Ray* ray, uint leaf, uint i, 
 }
 
 // Tests the triangles of a leaf. Returns whether one of them blocks the ray for certain.
-GN_INLINE_ON_CPU bool is_blocked_in_leaf(const Ray* ray, uint leaf, const RayScene* scene,
-                                         Reservation* mine SHARED_PARAMETER) {
+static bool is_blocked_in_leaf(const Ray* ray, uint leaf, const RayScene* scene, Reservation* mine,
+                               __local uint* shared) {
     __global const float* rows = scene->light_leaves + (size_t)leaf * (LIGHT_LEAF_ROWS * SHAFT_WIDTH);
     LeafRay from_leaf;
     set_leaf_ray(&from_leaf, rows, &scene->axes, ray->p);
-    RayDecision decision;
-#if GN_LANES > 1
-    for (uint first = 0; first < SHAFT_WIDTH; first += 8u) {
-        uint present = from_leaf.present >> first;
-        if (present == 0u) return false;
-        decide_eight(rows + SHAFT_WIDTH + first, &from_leaf, present, &decision);
-        for (uint bits = decision.blocked | decision.undecided; bits != 0u;) {
-            uint bit = take_lowest_bit(&bits);
-            bool is_certain = (decision.blocked >> bit & 1u) != 0u;
-            if (is_blocked_by_triangle(ray, leaf, first + bit, is_certain, scene, mine)) return true;
-        }
-    }
-    return false;
-#else
     uint i = get_local_id(0);
-    decide_eight(rows + SHAFT_WIDTH, &from_leaf, from_leaf.present >> i & 1u, &decision);
-    bool blocks = (decision.blocked | decision.undecided) != 0u &&
-                  is_blocked_by_triangle(ray, leaf, i, decision.blocked != 0u, scene, mine);
+    RayDecision decision = RAY_MISSED;
+    if ((from_leaf.present >> i & 1u) != 0u) decision = decide_ray(rows + SHAFT_WIDTH, &from_leaf);
+    bool blocks = decision != RAY_MISSED && is_blocked_by_triangle(ray, leaf, i, decision == RAY_BLOCKED, scene, mine);
     return group_bits(blocks ? -1 : 0, shared) != 0u;
-#endif
 }
 
 // ---- Walk -----------------------------------------------------------------------------------------------------------
 
 // *blocking: the leaf that blocked the last ray; neighbouring points are often in one shadow.
-GN_INLINE_ON_CPU bool is_blocked(const Ray* ray, const RayScene* scene, uint* blocking,
-                                 Reservation* mine SHARED_PARAMETER) {
+static bool is_blocked(const Ray* ray, const RayScene* scene, uint* blocking, Reservation* mine, __local uint* shared) {
     SHAFT_BEGIN_STACK(stack);
     uint top = 1u;
     if (*blocking != 0u) SHAFT_PUSH(stack, top, *blocking);
@@ -237,8 +165,8 @@ GN_INLINE_ON_CPU bool is_blocked(const Ray* ray, const RayScene* scene, uint* bl
         uint code = stack[--top];
         if ((code & SHAFT_LEAF) == 0u) {
             __global const float* node = scene->light_nodes + (size_t)code * (LIGHT_NODE_ROWS * SHAFT_WIDTH);
-            top = push_children_on_ray(stack, top, node, ray, scene->tree.rounding SHARED);
-        } else if (is_blocked_in_leaf(ray, code & ~SHAFT_LEAF, scene, mine SHARED)) {
+            top = push_children_on_ray(stack, top, node, ray, scene->tree.rounding, shared);
+        } else if (is_blocked_in_leaf(ray, code & ~SHAFT_LEAF, scene, mine, shared)) {
             *blocking = code;
             return true;
         }
@@ -274,13 +202,13 @@ __kernel void ray_trace(const RayParams params, __global const LightBundle* bund
                        point,
                        GN_NO_ID};
             if (params.points.has_receivers != 0u) ray.receiver = receivers[params.points.first / 3u + point];
-            if (!is_blocked(&ray, &scene, &blocking, &mine SHARED)) continue;
-#if GN_LANES == 1
+            if (!is_blocked(&ray, &scene, &blocking, &mine, shared)) continue;
             barrier(CLK_GLOBAL_MEM_FENCE);  // all items have read the mask
             if (get_local_id(0) != 0) continue;
-#endif
             masks[point] &= ~(1u << params.light);
         }
     }
     close_queue(&mine, &scene.tree);
 }
+
+#endif

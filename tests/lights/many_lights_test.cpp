@@ -107,12 +107,15 @@ TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShaftsOfBlocksAndOfPoints) 
         const bool are_shafts = either.statistics.count("bundles") != 0;
         by_shafts += are_shafts;
         constexpr std::pair<const char*, const char*> stage_of_way[] = {
-            {"shafts", "shaft_trace"}, {"point-shafts", "point_shaft_trace"}, {"rays", "ray_trace"}};
+            {"shafts", "shaft_trace"},
+            {"point-shafts", "point_shaft_trace"},
+            {"rays", "ray_"}};  // ray_packets on a CPU, ray_trace on a GPU
         for (const auto& [way, stage] : stage_of_way) {
             if (!are_shafts) continue;
             const auto shafts = run(device, scene, lights, way, {}, seed % 2 == 0 ? "32" : "5");
             expect_outputs(shafts, truth, lights, scene.name + ", by " + way);
-            EXPECT_TRUE(std::ranges::any_of(shafts.statistics.stages, [&](const auto& s) { return s.name == stage; }));
+            EXPECT_TRUE(std::ranges::any_of(shafts.statistics.stages,
+                                            [&](const auto& s) { return s.name.starts_with(stage); }));
             undecided += shafts.statistics.count("queued_pairs");
         }
         if (HasFailure()) return;
