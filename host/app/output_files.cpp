@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include <gnomon.hpp>
 
@@ -66,13 +67,20 @@ fs::path folder_of(const fs::path& target, const fs::path& resolved) {
     return folder;
 }
 
-/// Makes a new file in `folder`; returns its descriptor and sets its name. Its permissions are those that open() gives
-/// under the user's umask; mkstemp would give others.
-int make_temporary(const fs::path& folder, fs::path& temporary) {
+/// Makes a new file in `folder`; returns its descriptor and sets its name and slot. Its permissions are those that
+/// open() gives under the user's umask; mkstemp would give others. The slot is taken before the file is there, so that
+/// no interrupt leaves the file. A file that is already there has this process's number: it is its own, or of a dead
+/// one.
+int make_temporary(const fs::path& folder, fs::path& temporary, int& slot) {
     for (int attempt = 0;; ++attempt) {
         temporary = folder / (".gnomon-" + std::to_string(::getpid()) + "-" + std::to_string(attempt) + ".partial");
+        slot = take_interrupt_slot(temporary);
         const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor >= 0 || errno != EEXIST) return descriptor;
+        if (descriptor >= 0) return descriptor;
+        const int error = errno;
+        release_interrupt_slot(std::exchange(slot, -1));
+        errno = error;
+        if (error != EEXIST) return descriptor;
     }
 }
 
@@ -103,12 +111,11 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), resolved_(
     std::error_code unresolved;  // on failure the path is unchanged, and opening it gives the error
     resolved_ = fs::absolute(target_);
     if (fs::path canonical = fs::weakly_canonical(resolved_, unresolved); !unresolved) resolved_ = std::move(canonical);
-    descriptor_ = make_temporary(folder_of(target_, resolved_), temporary_);
+    descriptor_ = make_temporary(folder_of(target_, resolved_), temporary_, interrupt_slot_);
     if (descriptor_ < 0) {
         temporary_.clear();
         fail(target_, reason_of(errno));
     }
-    interrupt_slot_ = take_interrupt_slot(temporary_);
     if (exists) ::fchmod(descriptor_, existing.st_mode & 07777);
 }
 
