@@ -60,10 +60,10 @@ if $ci; then
     step "Fuzzers"
     tools/fuzz.sh 30
     step "Python package and other drivers, side by side: both mostly wait for one compiler"
-    tools/test_python.sh >build/python.log 2>&1 &
+    tools/test_drivers.sh build >build/drivers.log 2>&1 &
     status=0
-    tools/test_drivers.sh build || status=1
+    tools/test_python.sh || status=1
     wait $! || status=1
-    cat build/python.log
+    cat build/drivers.log
     exit $status
 fi

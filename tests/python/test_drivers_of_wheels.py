@@ -24,4 +24,6 @@ print(scene.lit(numpy.float32([[0, 0, 0], [5, 0, 0]]), direction=(0, -1, 0)).tol
 """
     variables = {k: v for k, v in os.environ.items() if k not in ("GNOMON_OPENCL_LIBRARY", "OCL_ICD_VENDORS")}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=variables, timeout=300)
+    if "compiler is older than the CPU" in done.stderr:
+        pytest.skip("the compiler of PyPI's PoCL does not know this CPU (docs/drivers.md)")
     assert done.stdout == "[False, True]\n", done.stderr
