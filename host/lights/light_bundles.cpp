@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "api/vectors.hpp"
@@ -221,14 +222,6 @@ std::optional<std::vector<Direction>> directions_of(std::span<const Light> light
     return directions;
 }
 
-// Each light beside the nearest one that is left.
-std::vector<std::uint32_t> chained(const std::vector<Direction>& directions) {
-    std::vector<std::uint32_t> order = coarse_order(directions);
-    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
-        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
-    return order;
-}
-
 }  // namespace
 
 LightAxes axes_of_light(const Light& directional) {
@@ -237,10 +230,16 @@ LightAxes axes_of_light(const Light& directional) {
     return axes_along(w);
 }
 
-std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights) {
+std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order) {
     const auto directions = directions_of(lights);
     if (!directions) return {};
-    const std::vector<std::uint32_t> order = chained(*directions);
+    std::vector<std::uint32_t> order;
+    if (in_order != nullptr) {
+        std::ranges::copy_if(in_order->lights, std::back_inserter(order), [](auto light) { return light != no_light; });
+    } else {
+        order.resize(lights.size());
+        std::iota(order.begin(), order.end(), 0u);
+    }
     LightBundles made;
     for (std::size_t first = 0; first < order.size(); first += MOST_BUNDLE_LIGHTS) {
         LightBundle bundle{};
@@ -255,7 +254,9 @@ std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, st
     const auto scaled_directions = directions_of(lights);
     if (!scaled_directions) return {};
     const std::vector<Direction>& directions = *scaled_directions;
-    const std::vector<std::uint32_t> order = chained(directions);
+    std::vector<std::uint32_t> order = coarse_order(directions);
+    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
+        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
     LightBundles made;
     if (order.empty()) return made;
     std::vector<std::size_t> starts = cut(order, directions, most);

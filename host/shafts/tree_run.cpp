@@ -58,9 +58,9 @@ Choice faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& 
 bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
                       const OneLightMs& one_light_ms, Statistics& statistics) {
     if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return false;
-    auto plain = make_plain_bundles(run.lights.lights());
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
-    if (!plain || !coned) return false;
+    if (!coned) return false;
+    auto plain = make_plain_bundles(run.lights.lights(), &*coned);
     const Bundled bundles{std::move(*plain), std::move(*coned)};
     Choice choice{way, way == ManyLightsWay::point_shafts ? ShaftShape::point : ShaftShape::block};
     if (way == ManyLightsWay::automatic) choice = faster_way(run, bundles, one_light_ms, statistics);

@@ -269,20 +269,6 @@ GN_INLINE_ON_CPU PacketDecision decide_rays(const PacketLeaf* leaf, uint i, uint
     return decision;
 }
 
-// Decides one ray of the packet by the shafts' filter, and queues the pair if that is not certain either. Returns
-// whether the triangle blocks it for certain.
-static bool is_ray_blocked(const Packet* packet, int lane, __global const float* corners, uint i, uint id,
-                           bool is_masked, const ShaftScene* scene, Reservation* mine) {
-    ShaftTriangle t = shaft_triangle(corners, i);
-    float3 p = lane_point(packet->points, lane);
-    PointEdges edges = edges_of_point(&t, p);
-    LightDecision decision = decide_lights(&edges, packet->bundle, 1u << packet->light);
-    if (is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
-    ShaftPairs pairs = {(uint)(packet->block * SHAFT_WIDTH) + (uint)lane, packet->bundle_index, id, decision.undecided};
-    if (decision.undecided != 0u) queue_pairs(pairs, &t, p, scene, mine);
-    return decision.dark != 0u;
-}
-
 // The rays that begin at a corner of a triangle: it does not block them (has_corner_at()).
 static uint rays_from_corners(const Packet* packet, __global const float* corners) {
     LaneInt at = (LaneInt)(0);
@@ -322,7 +308,11 @@ GN_INLINE_ON_CPU void test_leaf_of_packet(Packet* packet, uint leaf, uint rays, 
         if (decision.undecided != 0u) decision.undecided &= ~rays_from_corners(packet, corners + i);
         for (uint open = decision.undecided; open != 0u;) {
             int lane = take_lane(&open);
-            if (is_ray_blocked(packet, lane, corners, i, id, is_masked, scene, mine)) decision.blocked |= 1u << lane;
+            ShaftPairs pair = {(uint)(packet->block * SHAFT_WIDTH) + (uint)lane, packet->bundle_index, id,
+                               1u << packet->light};
+            if (is_pair_blocked(pair, lane_point(packet->points, lane), corners, i, is_masked, packet->bundle, scene,
+                                mine))
+                decision.blocked |= 1u << lane;
         }
         packet->open &= ~decision.blocked;
     }

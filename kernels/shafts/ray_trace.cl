@@ -112,33 +112,21 @@ static RayDecision decide_ray(__global const float* rows, const LeafRay* ray) {
     return height > height_bound ? RAY_BLOCKED : RAY_UNDECIDED;
 }
 
-// Decides a pair that may block the ray, and is not certain by decide_ray(): by the shafts' filter, whose bound is
-// tighter where triangles are large. Queues the pair if that is not certain either. Returns whether the triangle blocks
-// the ray for certain.
-static bool is_blocked_by(const Ray* ray, uint leaf, uint i, uint id, const RayScene* scene, Reservation* mine) {
-    ShaftTriangle t = shaft_triangle(scene->tree.leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH), i);
-    PointEdges edges = edges_of_point(&t, ray->p);
-    LightDecision decision = decide_lights(&edges, scene->bundle, 1u << scene->light);
-#ifdef GN_CUT_OUTS
-    if ((id & SHAFT_MASKED) != 0u) decision = (LightDecision){0u, decision.dark | decision.undecided};
-    id &= ~SHAFT_MASKED;
-#endif
-    ShaftPairs pairs = {ray->point, scene->bundle_index, id, decision.undecided};
-    if (decision.undecided != 0u) queue_pairs(pairs, &t, ray->p, &scene->tree, mine);
-    return decision.dark != 0u;
-}
-
-// For triangle i of a leaf, which decide_ray() does not say is missed.
+// For triangle i of a leaf, which decide_ray() does not say is missed. Where it is not certain the filter of a pair,
+// whose bound is tighter where triangles are large, decides.
 static bool is_blocked_by_triangle(const Ray* ray, uint leaf, uint i, bool is_certain, const RayScene* scene,
                                    Reservation* mine) {
     uint id = scene->tree.ids[leaf * SHAFT_WIDTH + i];
+    bool is_masked = false;
 #ifdef GN_CUT_OUTS
-    if ((id & ~SHAFT_MASKED) == ray->receiver) return false;
-    is_certain = is_certain && (id & SHAFT_MASKED) == 0u;
-#else
-    if (id == ray->receiver) return false;
+    is_masked = (id & SHAFT_MASKED) != 0u;
+    id &= ~SHAFT_MASKED;
 #endif
-    return is_certain || is_blocked_by(ray, leaf, i, id, scene, mine);
+    if (id == ray->receiver) return false;
+    if (is_certain && !is_masked) return true;
+    ShaftPairs pair = {ray->point, scene->bundle_index, id, 1u << scene->light};
+    __global const float* corners = scene->tree.leaves + (size_t)leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
+    return is_pair_blocked(pair, ray->p, corners, i, is_masked, scene->bundle, &scene->tree, mine);
 }
 
 // Tests the triangles of a leaf. Returns whether one of them blocks the ray for certain.
