@@ -99,7 +99,9 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
           "on, off or auto: sort points that come in no order before they are traced (auto: on a CPU)"},
          setting::choice(&S::sort_points, sort_points_names)},
         {{"many-lights", "auto",
-          "auto, one-by-one, shafts, point-shafts or rays: how a run over many lights decides them"},
+          "auto, one-by-one, shafts, point-shafts or rays (on a GPU as point-shafts): how a run over many lights "
+          "decides "
+          "them"},
          setting::choice(&S::many_lights, many_lights_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},

@@ -224,12 +224,6 @@ std::optional<std::vector<Direction>> directions_of(std::span<const Light> light
 
 }  // namespace
 
-LightAxes axes_of_light(const Light& directional) {
-    Double3 w{directional.xyzw[0], directional.xyzw[1], directional.xyzw[2]};
-    normalize(w);
-    return axes_along(w);
-}
-
 std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order) {
     const auto directions = directions_of(lights);
     if (!directions) return {};

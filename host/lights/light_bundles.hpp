@@ -23,6 +23,4 @@ std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, st
 /// The same, full and without cones, in the order of such bundles; without these, in the lights' order.
 std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order = nullptr);
 
-LightAxes axes_of_light(const Light& directional);
-
 }  // namespace gnomon

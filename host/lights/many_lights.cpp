@@ -84,9 +84,10 @@ Triangles with_clusters(const Device& device, const Triangles& triangles) {
 }
 
 std::vector<std::uint32_t> sampled_lights(std::size_t count) {
-    const auto at = [&](std::size_t share) { return static_cast<std::uint32_t>(count * share / 4); };
-    if (count < 64) return {at(2)};
-    return {at(1), at(2), at(3)};
+    const std::size_t some = count < 64 ? 1 : count < 512 ? 2 : 3;
+    std::vector<std::uint32_t> lights;
+    for (std::size_t i = 1; i <= some; ++i) lights.push_back(static_cast<std::uint32_t>(count * i / (some + 1)));
+    return lights;
 }
 
 double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted, double limit_ms) {

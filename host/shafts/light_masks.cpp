@@ -35,8 +35,7 @@ LightMasks::LightMasks(const TreeRun& run, const LightBundles& bundles, Statisti
       statistics_(statistics),
       slots_(bundles.lights),
       bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
-      bundles_(session_, bundle_count_ * sizeof(LightBundle)),
-      counters_(session_, sizeof(ShaftCounters)) {
+      bundles_(session_, bundle_count_ * sizeof(LightBundle)) {
     session_.write(bundles_.get(), bundles.bundles.data(), bundle_count_ * sizeof(LightBundle));
     queue_.reserve(session_, first_queue * sizeof(ShaftPairs));
 }
@@ -48,6 +47,8 @@ void LightMasks::reserve(std::size_t points) {
     for (;; points = whole(points / 2)) {
         try {
             masks_.reserve(session_, points * bytes_per_point());
+            const std::size_t listed = session_.is_cpu() ? 0 : tasks_of(points);
+            counters_.reserve(session_, sizeof(ShaftCounters) + listed * sizeof(cl_uint));
             most_points_ = points;
             return;
         } catch (const OutOfDeviceMemory&) {
@@ -89,8 +90,10 @@ ShaftParams LightMasks::params_of(const PointPart& part) const {
             .bundle_count = bundle_count_,
             .mask_stride = static_cast<cl_uint>(most_points_),
             .queue_capacity = capacity(),
+            .listed_tasks = 0,
             // n . X rounds five times, for a triangle and for a point; the sum of sizes is at most 3 times the largest.
-            .rounding = 4e-6f * run_.largest_coordinate() + 1e-30f};
+            .rounding = 4e-6f * run_.largest_coordinate() + 1e-30f,
+            .padding = {}};
 }
 
 void LightMasks::decide_queue(const PointPart& part) {

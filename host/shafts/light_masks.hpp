@@ -51,6 +51,11 @@ public:
     void reserve(std::size_t points);
     std::size_t most_points() const { return most_points_; }
     std::size_t bytes_per_point() const { return bundle_count_ * sizeof(cl_uint); }
+    /// Blocks of so many points times bundles.
+    std::size_t tasks_of(std::size_t points) const {
+        const std::size_t width = shaft_width(session_);
+        return (points + width - 1) / width * bundle_count_;
+    }
 
     /// Writes the masks of the lights that the points face.
     void face(const PointPart& part);

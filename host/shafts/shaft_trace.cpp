@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "shafts/shaft_trace.hpp"
 
-#include <limits>
-
 namespace gnomon {
 namespace {
 
@@ -10,32 +8,17 @@ namespace {
 constexpr std::size_t sample_points = 4096, sample_share = 32, fewest_points = 512;
 // Packets are measured on one bundle in eight, and on so many at most.
 constexpr std::size_t bundles_of_sample = 8;
-// The smaller one of two samples on a GPU has so many work-groups, and is one in so many; the other has four times as
-// many.
-constexpr std::size_t groups_of_sample = std::size_t(1) << 13, least_share = 16, most_share = 128;
+// On a GPU one point in so many is measured, and, for what a launch takes beside its work, one in so many more.
+constexpr std::size_t gpu_share = 128, launch_share = 1024;
 
-// The time that points of a GPU's run take, beside `more_ms` of a sample. Its longest work-group takes much of a
-// sample's time, so what more points take is the difference of two samples.
-double extrapolated_ms(double few_ms, std::size_t few, double more_ms, std::size_t more, std::size_t all) {
-    if (more == few) return more_ms * double(all) / double(more);
-    return more_ms + std::max(more_ms - few_ms, 0.0) / double(more - few) * double(all - more);
-}
-
-ShaftEstimate estimated_on_gpu(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
-    const std::size_t count = run.points.count();
-    const std::size_t groups = count / SHAFT_WIDTH_ON_GPU * bundles.bundles.size();
-    const std::size_t share = std::clamp(groups / groups_of_sample, least_share, most_share);
-    const SampledRun few(run, share), more(run, share / 4);
-    ShaftPasses of_few(few.run(), bundles, statistics), of_more(more.run(), bundles, statistics);
-    const double few_ms[] = {of_few.timed_ms(ShaftShape::block), of_few.timed_ms(ShaftShape::point)};
-    ShaftEstimate least{std::numeric_limits<double>::infinity(), ShaftShape::block};
-    for (const ShaftShape shape : {ShaftShape::block, ShaftShape::point}) {
-        const auto i = static_cast<std::size_t>(shape);
-        if (few_ms[i] > 2 * few_ms[1 - i]) continue;
-        const double ms = extrapolated_ms(few_ms[i], few.count(), of_more.timed_ms(shape), more.count(), count);
-        if (ms < least.ms) least = {ms, shape};
-    }
-    return least;
+// A sample's longest work-groups take much of its time on a GPU, so what more points take is the difference of two
+// samples.
+double estimated_on_gpu_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+    const SampledRun few(run, launch_share), more(run, gpu_share);
+    const double few_ms = ShaftPasses(few.run(), bundles, statistics).timed_ms(ShaftShape::block);
+    const double more_ms = ShaftPasses(more.run(), bundles, statistics).timed_ms(ShaftShape::block);
+    return more_ms + std::max(more_ms - few_ms, 0.0) / double(more.count() - few.count()) *
+                         double(run.points.count() - more.count());
 }
 
 }  // namespace
@@ -85,16 +68,24 @@ void ShaftPasses::decide(const PointPart& part, ShaftShape shape) {
     masks_.trace(part, stage_of(shape), [&] { launch(part, shape); });
 }
 
-void ShaftPasses::launch(const PointPart& part, ShaftShape shape) {
-    const std::size_t width = shaft_width(session_), blocks = (part.count + width - 1) / width;
+void ShaftPasses::launch(const ShaftParams& params, std::size_t tasks, const char* stage) {
     const TriangleInputs triangles = triangle_inputs(run_.triangles);
     const SortedPoints& points = run_.sorted;
-    const char* stage = stage_of(shape);
     session_.launch(triangles.kernel(("shafts/" + std::string(stage) + ".cl").c_str(), stage),
-                    shaft_range(session_, blocks * masks_.bundle_count()), masks_.params_of(part), masks_.bundles(),
-                    run_.tree.nodes(), run_.tree.leaves(), run_.tree.ids(), points.positions(), points.receivers(),
-                    points.surface_normals(), masks_.masks(), masks_.queue(), masks_.counters(),
-                    cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+                    shaft_range(session_, tasks), params, masks_.bundles(), run_.tree.nodes(), run_.tree.leaves(),
+                    run_.tree.ids(), points.positions(), points.receivers(), points.surface_normals(), masks_.masks(),
+                    masks_.queue(), masks_.counters(), cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+}
+
+// On a GPU the tasks that blocks gave up follow.
+void ShaftPasses::launch(const PointPart& part, ShaftShape shape) {
+    const bool is_cpu = session_.is_cpu();
+    const std::size_t tasks = masks_.tasks_of(part.count), groups_of_points = is_cpu ? 1 : POINT_GROUPS_ON_GPU;
+    ShaftParams params = masks_.params_of(part);
+    launch(params, shape == ShaftShape::point ? tasks * groups_of_points : tasks, stage_of(shape));
+    if (is_cpu || shape != ShaftShape::block) return;
+    params.listed_tasks = session_.read_value<ShaftCounters>(masks_.counters()).left_to_points;
+    if (params.listed_tasks != 0) launch(params, params.listed_tasks * groups_of_points, stage_of(ShaftShape::point));
 }
 
 // One point in so many on a CPU, and no fewer than are worth measuring.
@@ -102,12 +93,12 @@ static std::size_t share_of_sample(std::size_t count) {
     return std::max<std::size_t>(std::min(std::max(count / sample_points, sample_share), count / fewest_points), 1);
 }
 
-ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
-    if (!session_of(run.device).is_cpu()) return estimated_on_gpu(run, bundles, statistics);
+double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+    if (!session_of(run.device).is_cpu()) return estimated_on_gpu_ms(run, bundles, statistics);
     const std::size_t count = run.points.count();
     const SampledRun sample(run, share_of_sample(count));
-    const double ms = ShaftPasses(sample.run(), bundles, statistics).timed_ms(ShaftShape::block);
-    return {ms * double(count) / double(sample.count()), ShaftShape::block};
+    return ShaftPasses(sample.run(), bundles, statistics).timed_ms(ShaftShape::block) * double(count) /
+           double(sample.count());
 }
 
 double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics) {

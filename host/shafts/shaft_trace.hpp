@@ -8,7 +8,8 @@
 namespace gnomon {
 
 /// Which shadow rays are decided together: of a block of points to a bundle of lights, as long as its shaft does not
-/// meet too much, of each point by itself, or, on a CPU, of a block to each light by itself.
+/// meet too much (else of each of its points), of each point by itself, or, on a CPU, of a block to each light by
+/// itself.
 enum class ShaftShape { block, point, packet };
 
 class ShaftPasses {
@@ -23,6 +24,7 @@ public:
 private:
     void decide(const PointPart& part, ShaftShape shape);
     void launch(const PointPart& part, ShaftShape shape);
+    void launch(const ShaftParams& params, std::size_t tasks, const char* stage);
 
     const TreeRun& run_;
     cl::Session& session_;
@@ -30,12 +32,8 @@ private:
     LightMasks masks_;
 };
 
-struct ShaftEstimate {
-    double ms;
-    ShaftShape shape;  ///< the faster one
-};
-/// The time that a run may take, as measured on a sample of the points.
-ShaftEstimate estimated_shafts(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
+/// The time that a run by blocks may take, as measured on a sample of the points.
+double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
 /// The same by packets, as measured on a sample of points and bundles. For a CPU.
 double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics);
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "shafts/tree_run.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "api/statistics.hpp"
-#include "shafts/ray_trace.hpp"
 #include "shafts/shaft_trace.hpp"
 
 namespace gnomon {
@@ -27,30 +27,42 @@ double rays_ms(const TreeRun& run, const LightBundles& plain, Statistics& statis
     }
 }
 
-struct Choice {
-    ManyLightsWay way;
-    ShaftShape shape;
-};
-
-// Whether one light after the other takes less than the `ms` that a way through the tree may take for each. On a GPU a
-// sample's longest work-group makes that way seem slower than it is, and a light's launches take some time whatever it
-// meets.
-bool is_one_by_one_faster(const OneLightMs& one_light_ms, double ms, bool is_cpu) {
-    constexpr double launches_ms = 0.15, seeming = 1.2;
-    if (!one_light_ms || (!is_cpu && ms < launches_ms)) return false;
-    return one_light_ms(ms) * (is_cpu ? 1.0 : seeming) < ms;
+ManyLightsWay faster_way_on_cpu(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
+                                Statistics& statistics) {
+    const double shafts = estimated_shafts_ms(run, bundles.coned, statistics);
+    const double rays = rays_ms(run, bundles.plain, statistics),
+                 each = std::min(rays, shafts) / double(run.lights.count());
+    if (one_light_ms && one_light_ms(each) < each) return ManyLightsWay::one_by_one;
+    return shafts <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays;
 }
 
-Choice faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms, Statistics& statistics) {
+// Whether all bundles' cones are thin: the half of the widest is below 1 degree or so.
+bool are_thin(const LightBundles& coned) {
+    return std::ranges::all_of(coned.bundles, [](const LightBundle& bundle) {
+        const auto& [planes, middle, across, along] = bundle.cones[0];
+        double square = 0;
+        for (int c = 0; c < 3; ++c) square += double(across[c]) * across[c] + double(along[c]) * along[c];
+        return square < 0.02 * 0.02;
+    });
+}
+
+// On a GPU single lights took the least time only for the points of pictures and where bundles are wide
+// (docs/many_lights.md). Thousands of lights are dense.
+ManyLightsWay faster_way_on_gpu(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
+                                Statistics& statistics) {
+    constexpr std::size_t dense_lights = 2048;
     const std::size_t lights = run.lights.count();
+    if (!one_light_ms || !run.points.camera() || lights >= dense_lights || are_thin(bundles.coned))
+        return ManyLightsWay::shafts;
+    const double each = estimated_shafts_ms(run, bundles.coned, statistics) / double(lights);
+    return one_light_ms(each) < each ? ManyLightsWay::one_by_one : ManyLightsWay::shafts;
+}
+
+ManyLightsWay faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
+                         Statistics& statistics) {
+    if (run.points.count() * run.lights.count() < pairs_worth_measuring) return ManyLightsWay::shafts;
     const bool is_cpu = session_of(run.device).is_cpu();
-    if (run.points.count() * lights < pairs_worth_measuring) return {ManyLightsWay::shafts, ShaftShape::block};
-    const ShaftEstimate shafts = estimated_shafts(run, bundles.coned, statistics);
-    // On a GPU rays never took the least time (docs/many_lights.md).
-    const double rays = is_cpu ? rays_ms(run, bundles.plain, statistics) : never;
-    if (is_one_by_one_faster(one_light_ms, std::min(rays, shafts.ms) / double(lights), is_cpu))
-        return {ManyLightsWay::one_by_one, {}};
-    return {shafts.ms <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays, shafts.shape};
+    return (is_cpu ? faster_way_on_cpu : faster_way_on_gpu)(run, bundles, one_light_ms, statistics);
 }
 
 }  // namespace
@@ -62,15 +74,14 @@ bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundl
     if (!coned) return false;
     auto plain = make_plain_bundles(run.lights.lights(), &*coned);
     const Bundled bundles{std::move(*plain), std::move(*coned)};
-    Choice choice{way, way == ManyLightsWay::point_shafts ? ShaftShape::point : ShaftShape::block};
-    if (way == ManyLightsWay::automatic) choice = faster_way(run, bundles, one_light_ms, statistics);
-    if (choice.way == ManyLightsWay::one_by_one) return false;
-    if (choice.way == ManyLightsWay::rays && session_of(run.device).is_cpu())
+    if (way == ManyLightsWay::automatic) way = faster_way(run, bundles, one_light_ms, statistics);
+    if (way == ManyLightsWay::one_by_one) return false;
+    if (way == ManyLightsWay::rays && !session_of(run.device).is_cpu()) way = ManyLightsWay::point_shafts;
+    if (way == ManyLightsWay::rays)
         ShaftPasses(run, bundles.plain, statistics).run(ShaftShape::packet);
-    else if (choice.way == ManyLightsWay::rays)
-        RayPasses(run, bundles.plain, statistics).run();
     else
-        ShaftPasses(run, bundles.coned, statistics).run(choice.shape);
+        ShaftPasses(run, bundles.coned, statistics)
+            .run(way == ManyLightsWay::point_shafts ? ShaftShape::point : ShaftShape::block);
     merge_stages(statistics);
     return true;
 }

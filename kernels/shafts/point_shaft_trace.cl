@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The trace of point shafts (point_shaft.clh) alone.
+// The trace of point shafts (point_shaft.clh) alone: of all points, or of the tasks that shaft_trace left.
 #include "shafts/point_shaft.clh"
+
+#if GN_LANES > 1
+#define POINT_GROUPS 1u
+#else
+#define POINT_GROUPS POINT_GROUPS_ON_GPU
+#endif
 
 __kernel void point_shaft_trace(const ShaftParams params, __global const LightBundle* bundles,
                                 __global const float* nodes, __global const float* leaves, __global const uint* ids,
@@ -11,9 +17,13 @@ __kernel void point_shaft_trace(const ShaftParams params, __global const LightBu
     Reservation mine = no_reservation();
     uint first = params.points.first / 3u, blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
     uint blocking[BLOCKING_LEAVES] = {0u};
-    SHAFT_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
-        uint bundle = (uint)(task / blocks), point = (uint)(task % blocks) * SHAFT_WIDTH;
-        for (uint end = min(point + SHAFT_WIDTH, params.points.count); point < end; ++point) {
+    bool is_listed = params.listed_tasks != 0u;
+    size_t tasks = is_listed ? params.listed_tasks : (size_t)blocks * params.bundle_count;
+    SHAFT_FOR_EACH(i, tasks * POINT_GROUPS) {
+        size_t task = is_listed ? TASKS_LEFT(counters)[i / POINT_GROUPS] : i / POINT_GROUPS;
+        uint bundle = (uint)(task / blocks), most = SHAFT_WIDTH / POINT_GROUPS;
+        uint point = (uint)(task % blocks) * SHAFT_WIDTH + (uint)(i % POINT_GROUPS) * most;
+        for (uint end = min(point + most, params.points.count); point < end; ++point) {
             __global uint* mask = &masks[bundle * (size_t)params.mask_stride + point];
             PointWork work = {load_point(positions, params.points, point), *mask, GN_NO_ID, point, bundle};
             if (work.open == 0u || !is_present(work.p)) continue;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The trace of packets on a CPU: the shadow rays of a block of 16 points to one light. Where triangles are small beside
 // the points' distance, or lights are few, a packet meets fewer of them than a shaft. Along the light's own axes
-// (light_tree.h) all rays are parallel: a ray is a point in two axes, a packet a rectangle. Lanes are a node's
+// (light_bundle.h) all rays are parallel: a ray is a point in two axes, a packet a rectangle. Lanes are a node's
 // children, then the rays, for each child that meets the rectangle; then a leaf's triangles, then the rays again. A
 // block's packets to the lights of a bundle follow one another, since they meet the same nodes and leaves.
 //

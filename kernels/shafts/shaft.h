@@ -13,6 +13,8 @@
 
 #define SHAFT_WIDTH_ON_CPU 16u
 #define SHAFT_WIDTH_ON_GPU 32u
+// On a GPU so many groups share the points of a task (point_shaft_trace): some points take much longer than others.
+#define POINT_GROUPS_ON_GPU 4u
 // Of triangles and points: differences stay within the filter's range (shaft_test.clh).
 #define SHAFT_LARGEST_COORDINATE 0x1p19f
 // The children that wait on the way through the tree.
@@ -50,8 +52,12 @@ GN_STRUCT_BEGIN(ShaftParams)
     uint bundle_count;
     uint mask_stride;  // masks[bundle mask_stride + point]: bit l is light l of the bundle
     uint queue_capacity;
-    float rounding;  // a bound of the rounding errors of n . X, for coordinates of n up to 1
-GN_STRUCT_END(ShaftParams, 80)
+    uint listed_tasks;  // so many tasks alone, those that shaft_trace left to point shafts; 0: all
+    float rounding;     // a bound of the rounding errors of n . X, for coordinates of n up to 1
+    uint padding[3];
+GN_STRUCT_END(ShaftParams, 96)
+
+// A task is a block and a bundle: number bundle x blocks + block.
 
 // Pairs that the filter left undecided: a point, a triangle, and the lights of a bundle.
 GN_STRUCT_BEGIN(ShaftPairs)
@@ -61,7 +67,11 @@ GN_STRUCT_BEGIN(ShaftPairs)
     uint lights;  // 0: an unused slot
 GN_STRUCT_END(ShaftPairs, 16)
 
+// The tasks that were left to point shafts follow the counters.
 GN_STRUCT_BEGIN(ShaftCounters)
     uint queued;
+    uint left_to_points;  // on a GPU
+    uint tried, gave_up;  // among one task in so many
     uint by_level[3];
-GN_STRUCT_END(ShaftCounters, 16)
+GN_STRUCT_END(ShaftCounters, 28)
+#define TASKS_LEFT(counters) ((__global uint*)((counters) + 1))

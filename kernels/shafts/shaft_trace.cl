@@ -4,12 +4,13 @@
 #include "exact/decide_pair.clh"
 #include "shafts/point_shaft.clh"
 
-// Nodes and leaves that the shaft of a block may visit: some five for each of its points, as many as their own shafts
-// would. After that each open point has its own. (On a GPU a launch is of one kind.)
+// Nodes and leaves that the shaft of a block may visit: some five for each of its points on a CPU, as many as their own
+// shafts would. After that each open point has its own; on a GPU in a launch of its own, point_shaft_trace, so that no
+// group takes much longer than the others.
 #if GN_LANES > 1
 #define BLOCK_VISITS 200u
 #else
-#define BLOCK_VISITS GN_NO_ID
+#define BLOCK_VISITS 96u
 #endif
 
 // What one work-item, or group, works on.
@@ -152,16 +153,16 @@ static BlockShaft shaft_of_open(const ShaftWork* work, uint lights, const ShaftS
                            cone_of(bundle, lights) SHARED);
 }
 
-// Walks the block's shaft. False if it gave up after BLOCK_VISITS nodes and leaves.
-GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, __global const LightBundle* bundle, const ShaftScene* scene,
-                                 uint* blocking, Reservation* mine SHARED_PARAMETER) {
+// Walks the block's shaft. False if it gave up after so many nodes and leaves.
+GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, __global const LightBundle* bundle,
+                                 const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
     BlockShaft shaft = shaft_of_open(work, SHAFT_ANY_BIT(work->open), scene, bundle SHARED);
     SHAFT_BEGIN_STACK(stack);
     uint top = 1u, visits = 0u, open_points = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
     SHAFT_PUSH_BLOCKING(stack, top, blocking);
     while (top != 0u) {
         uint code = stack[--top];
-        if (visits++ == BLOCK_VISITS) return false;
+        if (visits++ == most_visits) return false;
         if ((code & SHAFT_LEAF) == 0u) {
             top = push_children_in_shaft(stack, top, code, &shaft.all, scene SHARED);
             continue;
@@ -189,7 +190,7 @@ GN_INLINE_ON_CPU void trace_block(ShaftWork* work, __global const LightBundle* b
                                   __global const float* surface_normals, const ShaftScene* scene, uint* gave_up,
                                   uint* blocking, Reservation* mine) {
     if (*gave_up < BLOCKS_TO_LEARN || work->block % BLOCKS_TO_LEARN == 0u) {
-        bool ended = walk_shaft(work, bundle, scene, blocking, mine);
+        bool ended = walk_shaft(work, BLOCK_VISITS, bundle, scene, blocking, mine);
         *gave_up = ended ? 0u : *gave_up + 1u;
         if (ended) return;
     }
@@ -201,6 +202,31 @@ GN_INLINE_ON_CPU void trace_block(ShaftWork* work, __global const LightBundle* b
         trace_point_shaft(&point, vload3(i, surface_normals), bundle, scene, blocking, mine);
         LANE_OF_INT(work->open, lane) = (int)point.open;
     }
+}
+#else
+// One task in so many is always tried. Where too many of these gave up, the others go by points at once.
+#define TASKS_A_TRY 16u
+#define TRIES_TO_LEARN 256u
+
+// Whether so many blocks of this launch give up that all walks take more than the others save. (A terrain's vertices:
+// half of them, 803 M pairs/s by points, 613 by blocks; all other scenes: 3 to 20 %, and blocks are faster.)
+static bool are_blocks_too_large(__global ShaftCounters* counters) {
+    uint tried = GN_RELAXED_LOAD((volatile __global uint*)&counters->tried);
+    return tried >= TRIES_TO_LEARN && GN_RELAXED_LOAD((volatile __global uint*)&counters->gave_up) > tried / 5u * 2u;
+}
+
+// Decides a block, or leaves its task to point_shaft_trace.
+static void trace_block(ShaftWork* work, uint task, __global const LightBundle* bundle, const ShaftScene* scene,
+                        uint* blocking, Reservation* mine SHARED_PARAMETER) {
+    bool is_first = get_local_id(0) == 0, is_try = task % TASKS_A_TRY == 0u;
+    uint most_visits = BLOCK_VISITS;
+    if (group_bits(is_first && !is_try && are_blocks_too_large(scene->counters), shared) != 0u) most_visits = 0u;
+    bool ended = walk_shaft(work, most_visits, bundle, scene, blocking, mine SHARED);
+    if (is_first && is_try) {
+        atomic_inc(&scene->counters->tried);
+        if (!ended) atomic_inc(&scene->counters->gave_up);
+    }
+    if (is_first && !ended) TASKS_LEFT(scene->counters)[atomic_inc(&scene->counters->left_to_points)] = task;
 }
 #endif
 
@@ -255,7 +281,7 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
 #if GN_LANES > 1
         trace_block(&work, &bundles[bundle], normals, &scene, &gave_up, blocking, &mine);
 #else
-        walk_shaft(&work, &bundles[bundle], &scene, blocking, &mine SHARED);
+        trace_block(&work, (uint)task, &bundles[bundle], &scene, blocking, &mine SHARED);
 #endif
         LaneInt dark = before & ~work.open;
         __global uint* mask = masks + bundle * (size_t)params.mask_stride + work.block * SHAFT_WIDTH;

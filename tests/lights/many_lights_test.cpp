@@ -92,6 +92,7 @@ std::size_t expect_outputs(const gnomon::LightsOnHost& answers, const std::vecto
 
 TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShaftsOfBlocksAndOfPoints) {
     const gnomon::Device device = device_with();
+    const bool is_cpu = gnomon::session_of(device).is_cpu();
     std::size_t pairs = 0, lit = 0, by_shafts = 0, undecided = 0, seed = 0;
     for (LightScene scene : light_scenes()) {
         if (++seed % 3 != 0) continue;
@@ -106,10 +107,10 @@ TEST(ManyLights, EveryBitEqualsTheOracleOneByOneAndByShaftsOfBlocksAndOfPoints) 
         expect_outputs(either, truth, lights, scene.name + ", by what takes less time");
         const bool are_shafts = either.statistics.count("bundles") != 0;
         by_shafts += are_shafts;
-        constexpr std::pair<const char*, const char*> stage_of_way[] = {
+        const std::pair<const char*, const char*> stage_of_way[] = {
             {"shafts", "shaft_trace"},
             {"point-shafts", "point_shaft_trace"},
-            {"rays", "ray_"}};  // ray_packets on a CPU, ray_trace on a GPU
+            {"rays", is_cpu ? "ray_packets" : "point_shaft_trace"}};
         for (const auto& [way, stage] : stage_of_way) {
             if (!are_shafts) continue;
             const auto shafts = run(device, scene, lights, way, {}, seed % 2 == 0 ? "32" : "5");

@@ -45,6 +45,7 @@ std::vector<std::uint32_t> sorted_points(const LightsQuestion& question) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
     for (std::size_t i = 0; i < question.count(); ++i) {
         const float *p = &question.positions[3 * i], *n = &question.normals[3 * i];
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;  // of the sky
         std::uint64_t key = 0;
         std::size_t axis = 0;
         for (std::size_t c = 0; c < 3; ++c) {
@@ -169,13 +170,13 @@ public:
     EmbreeLights(const LightsQuestion& question, unsigned threads) : shared_(question, threads) { choose(); }
 
     std::vector<std::uint32_t> bits() override {
-        std::vector<std::uint32_t> bits(shared_.order.size() * shared_.question.words());
+        std::vector<std::uint32_t> bits(shared_.question.count() * shared_.question.words());
         trace(tree_->get(), way_, 1, nullptr, bits.data());
         return bits;
     }
     RunTimes run() override {
         return time_run([&] {
-            counts_.assign(shared_.order.size(), 0);
+            counts_.assign(shared_.question.count(), 0);
             trace(tree_->get(), way_, 1, counts_.data(), nullptr);
         });
     }
@@ -195,7 +196,7 @@ private:
     // On every sixteenth tile, by processor time, which other programs change least.
     void choose() {
         double least = std::numeric_limits<double>::infinity();
-        counts_.assign(shared_.order.size(), 0);
+        counts_.assign(shared_.question.count(), 0);
         for (const Build& build : {medium, high}) {
             std::shared_ptr<Scene> tree = shared_.mesh.build(build);
             for (const Way way : ways)

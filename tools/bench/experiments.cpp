@@ -329,7 +329,9 @@ std::vector<Block> many_lights(const SceneShelf& shelf, const Limits& limits) {
         blocks.push_back(block_of("many_lights", {scene, ""}, {}, {truth_configuration()}));
         blocks.back().peers = true;
         const std::uint64_t points = limits.all_views ? 1'000'000 : 16'384;
-        blocks.back().many_lights = {lights, std::min(points, limits.largest_points)};
+        ManyLights& asked = blocks.back().many_lights.emplace();
+        asked.lights = lights;
+        asked.points = std::min(points, limits.largest_points);
     };
     const std::string sponza = shelf.in_folder("crytek_sponza.glb"), empire = shelf.in_folder("lost_empire.glb"),
                       town = made("town", 60'000, limits), city = made("city", 1'000'000, limits);

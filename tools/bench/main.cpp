@@ -32,7 +32,7 @@ struct Options {
     std::vector<std::string> modes{"animated"};
     std::vector<std::uint32_t> samples{1};
     std::string views_file, scenes_folder, only;
-    std::string many_lights;
+    std::string many_lights, pixels;
     std::optional<double> sun_angle_degrees;
     std::uint64_t points = ManyLights{}.points;
     std::uint32_t columns = 1;
@@ -100,7 +100,8 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
         }
         if (!options.many_lights.empty()) {
             block.experiment = "many_lights";
-            block.many_lights = {options.many_lights, options.points, options.columns};
+            block.many_lights = {options.many_lights, options.points, options.columns,
+                                 options.sweep,       options.pixels, block.sizes.front()};
         }
         if (const auto& p = options.light_position; !p.empty())
             block.light = {"position", gnomon::Light::positional({p[0], p[1], p[2]})};
@@ -224,7 +225,8 @@ int main(int argc, char** argv) {
     app.add_option("--samples", options.samples,
                    "points per pixel: 1, 4, 8, 16 or 32, repeatable; times of more than one hold finding them")
         ->capture_default_str();
-    app.add_flag("--sweep", options.sweep, "every technique, with the settings worth comparing, and its errors");
+    app.add_flag("--sweep", options.sweep,
+                 "every technique, with the settings worth comparing, and its errors; of --many-lights, every way");
     app.add_flag("--errors", options.errors, "compare with the exact technique's mask");
     app.add_option("--oracle", options.oracle_points,
                    "check so many of its points, and of the camera's rays, by the independent oracle");
@@ -242,6 +244,8 @@ int main(int argc, char** argv) {
     app.add_option("--columns", options.columns,
                    "of --many-lights: only the points in one of so many columns of 24 x 24, all of them there")
         ->check(CLI::Range(1, 576));
+    app.add_option("--pixels", options.pixels,
+                   "of --many-lights: the points of this view's pixels, at the first --size, on the eye's side");
     app.add_option("--runs", options.runs, "timed runs; default 15, of small experiments 5")
         ->check(CLI::Range(1, 100000));
     app.add_option("--seconds", options.seconds,

@@ -93,6 +93,18 @@ void points_on_vertices(LightsQuestion& question, std::uint64_t count) {
     }
 }
 
+void points_of_pixels(LightsQuestion& question, const Place& place, const ManyLights& asked) {
+    const auto& cases = question.scene.cases;
+    const auto found = std::ranges::find(cases, asked.view, &Case::view);
+    if (found == cases.end())
+        throw InvalidArgument(question.scene.name + " has no view \"" + asked.view + "\" for --pixels");
+    question.picture = look(place.device, place.triangles, found->camera, asked.size.width, asked.size.height);
+    ViewOnHost host = read(place.device, place.triangles, *question.picture);
+    question.positions = std::move(host.position);
+    question.normals = std::move(host.normal);
+    question.receivers = std::move(host.receiver);
+}
+
 // Keeps the points in one of so many columns.
 void keep_columns(LightsQuestion& question, std::uint32_t one_in) {
     constexpr double columns_a_side = 24;
@@ -206,7 +218,8 @@ public:
           configuration_(configuration),
           technique_(make(configuration, place.device)),
           triangles_(place.triangles),
-          points_(Points::upload(place.device, question.positions, question.receivers)),
+          points_(question.picture ? question.picture->points
+                                   : Points::upload(place.device, question.positions, question.receivers)),
           normals_(Points::upload(place.device, question.normals)),
           counts_(place.device, question.count()),
           sums_(place.device, 2 * question.count()) {
@@ -240,7 +253,8 @@ public:
     }
 
 private:
-    LightsOptions options() const { return {.normals = normals_.positions()}; }
+    // A picture's points have the eye.
+    LightsOptions options() const { return {.normals = question_.picture ? nullptr : normals_.positions()}; }
 
     const LightsQuestion& question_;
     const Place& place_;
@@ -296,20 +310,22 @@ void finish(Entered& entered) {
 
 }  // namespace
 
-LightsQuestion::LightsQuestion(const NamedScene& named, const ManyLights& asked) : scene(named) {
-    const bool is_terrain = named.name.starts_with("terrain");
-    if (is_terrain)
+LightsQuestion::LightsQuestion(const Place& place, const ManyLights& asked) : scene(place.scene) {
+    const bool is_terrain = scene.name.starts_with("terrain"), are_pixels = !asked.view.empty();
+    if (are_pixels)
+        points_of_pixels(*this, place, asked);
+    else if (is_terrain)
         points_on_vertices(*this, asked.points);
     else
         points_on_faces(*this, asked.points);
-    if (asked.columns > 1 && count() != 0) keep_columns(*this, asked.columns);
+    if (asked.columns > 1 && count() != 0 && !are_pixels) keep_columns(*this, asked.columns);
     make_lights(*this, asked.lights);
-    row.scene = named.name;
-    row.view = is_terrain ? "vertices" : "faces";
+    row.scene = scene.name;
+    row.view = are_pixels ? asked.view : is_terrain ? "vertices" : "faces";
     row.light = asked.lights;
-    row.width = static_cast<std::uint32_t>(count());
-    row.height = 1;
-    row.triangles = named.scene.triangle_count();
+    row.width = are_pixels ? asked.size.width : static_cast<std::uint32_t>(count());
+    row.height = are_pixels ? asked.size.height : 1;
+    row.triangles = scene.scene.triangle_count();
     row.mode = "moving";
     row.points_hash = hash_of(std::span<const float>(positions));
     std::vector<float> directions;
@@ -322,7 +338,9 @@ LightsQuestion::LightsQuestion(const NamedScene& named, const ManyLights& asked)
                            facing_pairs(*this),
                            0,
                            0,
-                           (is_terrain ? "vertices, seed 1" : "uniform by area on faces, outward, seed 1") + columns,
+                           are_pixels   ? "of pixels, on the eye's side"
+                           : is_terrain ? "vertices, seed 1" + columns
+                                        : "uniform by area on faces, outward, seed 1" + columns,
                            hash_of(std::span<const float>(directions))};
 }
 

@@ -2,14 +2,15 @@
 // Many lights: points of a scene times a table of directional lights, by gnomon and by its rival, by turns.
 //
 // Points: N area-uniform on the faces (seed 1), on the outward side by the winding, 2e-6 of the largest coordinate off
-// their face; of a terrain N of its vertices, with the mean normal of the triangles around them. Decisions are the
-// pairs whose light is in front of the point's normal. Timed runs write the number of lights that reach each point; one
-// run before them, which is not timed, writes all bits, and these are compared. Outside of all times: gnomon's
-// clusters, the rival's tree, and the rival's order of points and lights. gnomon's times contain its own tree and
-// order.
+// their face; of a terrain N of its vertices, with the mean normal of the triangles around them; or those of a
+// picture's pixels. Decisions are the pairs whose light is in front of the point's normal. Timed runs write the number
+// of lights that reach each point; one run before them, which is not timed, writes all bits, and these are compared.
+// Outside of all times: gnomon's clusters, the rival's tree, and the rival's order of points and lights. gnomon's times
+// contain its own tree and order.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,13 +26,18 @@ struct ManyLights {
     /// If not 1, only the points in one of so many cells of a grid of 24 x 24 cells over x and z, chosen by a hash: as
     /// dense as all of them, in a fraction of the time.
     std::uint32_t columns = 1;
+    bool every_way = false;  ///< many_lights_configurations() in place of the block's
+    /// If named, the points are those of this view's pixels, on the eye's side.
+    std::string view;
+    Size size;
 };
 
 struct LightsQuestion {
-    LightsQuestion(const NamedScene& scene, const ManyLights& asked);
+    LightsQuestion(const Place& place, const ManyLights& asked);
 
     const NamedScene& scene;
-    std::vector<float> positions, normals;  ///< 3 per point
+    std::optional<View> picture;            ///< whose pixels the points are
+    std::vector<float> positions, normals;  ///< 3 per point; a pixel that shows the sky has no normal, 0
     std::vector<std::uint32_t> receivers;   ///< none where the points are vertices
     Lights lights;
     /// The lights in an order in which neighbours are close: suns of one hour, day after day.

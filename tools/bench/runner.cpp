@@ -276,9 +276,11 @@ void Runner::add_stages(const Block& block, const std::string& selector, const N
 void Runner::run_many_lights(const Block& block, const NamedScene& scene) {
     for (const std::string& selector : options_.devices) {
         const Place place(selector, scene, false);
-        const LightsQuestion question(scene, *block.many_lights);
+        const LightsQuestion question(place, *block.many_lights);
         std::vector<std::unique_ptr<LightsContestant>> contestants;
-        for (const Configuration& configuration : block.configurations)
+        const std::vector<Configuration> configurations =
+            block.many_lights->every_way ? many_lights_configurations(question.lights.count()) : block.configurations;
+        for (const Configuration& configuration : configurations)
             contestants.push_back(make_own_contestant(question, place, configuration));
         if (block.peers && selector == options_.devices.front())
             std::ranges::move(make_light_peers(question, options_.threads), std::back_inserter(contestants));

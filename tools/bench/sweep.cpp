@@ -92,6 +92,15 @@ std::vector<Configuration> swept_configurations(std::uint32_t largest_map) {
     return configurations;
 }
 
+std::vector<Configuration> many_lights_configurations(std::size_t lights) {
+    std::vector<Configuration> configurations;
+    for (const char* way : {"auto", "shafts", "point-shafts", "rays", "one-by-one"}) {
+        if (std::string(way) == "one-by-one" && lights > 1024) continue;
+        configurations.push_back({truth_configuration().technique, {{"many-lights", way}}});
+    }
+    return configurations;
+}
+
 std::vector<Configuration> bias_configurations() {
     std::vector<Configuration> configurations;
     for (const Sweep& sweep : bias_sweeps())

@@ -2,6 +2,7 @@
 // Which settings of which technique the scatter of run time against error shows.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ std::vector<Configuration> default_configurations();
 /// The same, and after each technique the settings that the table in sweep.cpp has for it; of maps, those of at most so
 /// many texels per side.
 std::vector<Configuration> swept_configurations(std::uint32_t largest_map = 8192);
+
+/// Every way to so many lights (`many-lights` of the exact technique), the automatic choice first. Thousands of lights
+/// one by one would take minutes, so that way is among them for 1,024 lights at most.
+std::vector<Configuration> many_lights_configurations(std::size_t lights);
 
 /// Shadow maps with constant, slope-scaled, adaptive and dual-layer bias of several strengths.
 std::vector<Configuration> bias_configurations();
