@@ -93,8 +93,12 @@ void SortedPoints::sort(cl::Session& session, const PointOrderParams& params, co
                         cl_mem normals) {
     const cl_uint count = in.layout.count;
     const std::size_t words = count * sizeof(cl_uint);
-    cl::Buffer low(session, words), high(session, words), sorted_high(session, words);
     order_.reserve(session, words);
+    if (in.layout.picture_width != 0) {
+        session.launch("lights/point_order.cl", "picture_order", cl::Range::items(count), params, order_);
+        return;
+    }
+    cl::Buffer low(session, words), high(session, words), sorted_high(session, words);
     session.launch("lights/point_order.cl", "point_codes", cl::Range::items(count), params, vertices, in.positions,
                    in.receivers, normals, low, high, order_);
     // The sort keeps the order of equal keys, so the lower half goes first.

@@ -62,6 +62,15 @@ __kernel void point_codes(const PointOrderParams params, __global const float* v
     }
 }
 
+// The points of a picture, 4 x 4 pixels after 4 x 4 pixels: neighbours are there already.
+__kernel void picture_order(const PointOrderParams params, __global uint* numbers) {
+    uint width = params.points.picture_width, squares = width / 4u;
+    GN_FOR_EACH(i, params.points.count) {
+        uint square = (uint)i / 16u, lane = (uint)i % 16u;
+        numbers[i] = 4u * (square / squares * width + square % squares) + lane / 4u * width + lane % 4u;
+    }
+}
+
 // gathered[i] = values[numbers[i]].
 __kernel void point_reorder(uint count, __global const uint* values, __global const uint* numbers,
                             __global uint* gathered) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Contract of the point order: points sorted so that neighbours in memory are neighbours in space on surfaces that face
-// the same way: by the axis that their surface's normal follows most, then along a space-filling curve. Absent points
-// come last. The order, and the surface normals, affect speed alone.
+// the same way: by the axis that their surface's normal follows most, then along a space-filling curve, absent points
+// last; those of a picture by squares of its pixels. The order, and the surface normals, affect speed alone.
 #pragma once
 
 #include "lists/morton.h"

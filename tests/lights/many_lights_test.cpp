@@ -193,6 +193,37 @@ TEST(ManyLights, SidesAreThoseOfOneLight) {
     }
 }
 
+// A sliver's normal is wrong by far more than the lights are apart, so a cone's lights must not be decided by it.
+TEST(ManyLights, SidesOfSliversAreThoseOfOneLight) {
+    const gnomon::Device device = device_with();
+    Random random(11);
+    const auto coordinate = [&] { return float(random.below(1 << 20)) / (1 << 19) - 1; };
+    LightScene scene{.name = "slivers"};
+    const Float3 middle{0.3f, 1, -0.2f};
+    for (std::uint32_t t = 0; t < 600; ++t) {
+        const Float3 a{coordinate(), coordinate(), coordinate()}, u{coordinate(), coordinate(), coordinate()};
+        for (int c = 0; c < 3; ++c) scene.triangles.push_back(a[c]);
+        for (int c = 0; c < 3; ++c) scene.triangles.push_back(a[c] + u[c]);
+        for (int c = 0; c < 3; ++c) scene.triangles.push_back(a[c] + 0.6f * u[c] + 1e-4f * middle[c]);
+        for (int c = 0; c < 3; ++c) scene.points.push_back(a[c] + 0.5f * u[c]);
+        scene.receivers.push_back(t);
+    }
+    std::vector<gnomon::Light> directions;
+    for (int l = 0; l < 32; ++l)
+        directions.push_back(gnomon::Light::directional(
+            {middle[0] + 1e-4f * coordinate(), middle[1], middle[2] + 1e-4f * coordinate()}));
+    const Lights lights(directions);
+    for (const bool has_eye : {false, true}) {
+        scene.eye.reset();
+        if (has_eye) scene.eye = Float3{5, 4, 3};
+        const auto one = run(device, scene, lights, "one-by-one", {.front = !has_eye});
+        EXPECT_EQ(one.bits, run(device, scene, lights, "shafts", {.front = !has_eye}).bits);
+        std::size_t partly = 0;
+        for (const std::uint32_t count : one.counts) partly += count != 0 && count != 32;
+        EXPECT_GT(partly, 20u);
+    }
+}
+
 TEST(ManyLights, NoDeviceSettingChangesABit) {
     FacedScene scene = boxes_on_floor(500, 4);
     const Lights lights = table_around({"", {}, {}, along(-0.3f, -1, 0.2f)}, 100, 9);
