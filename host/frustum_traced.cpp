@@ -364,7 +364,9 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const LightsRun run{device_, clustered, points, lights, outputs, options};
     require_lights_run(run);
     cl::StageTimer timer(session_, measured.stages, "point_order");
-    const SortedPoints sorted = sorted_points(run);
+    const std::uint64_t bytes_before = session_.memory_bytes();
+    const SortedPoints& sorted = sorted_points_ = sorted_points(run, std::move(sorted_points_));
+    kept_bytes_ += session_.memory_bytes() - bytes_before;
     timer.next("shaft_tree");
     const TreeRun through_tree{run, sorted, shaft_tree(triangles)};
     timer.next(nullptr);
@@ -548,6 +550,7 @@ void FrustumTraced::forget() {
     const MeasuredRun freed(session_, kept_bytes_);
     prepared_.reset();
     tree_.reset();
+    sorted_points_ = {};
 }
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {

@@ -114,6 +114,7 @@ private:
     std::optional<Provenance> provenance_;  ///< while a run records provenance
     std::unique_ptr<PreparedLight> prepared_;
     std::unique_ptr<BuiltShaftTree> tree_;
+    SortedPoints sorted_points_;  ///< of the last run over many lights, for their memory
 };
 
 }  // namespace gnomon

@@ -68,8 +68,8 @@ void require_lights_run(const LightsRun& run) {
         throw InvalidArgument("cosines need directional lights");
 }
 
-SortedPoints sorted_points(const LightsRun& run) {
-    return {run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout};
+SortedPoints sorted_points(const LightsRun& run, SortedPoints earlier) {
+    return {run.device, run.triangles, run.points, run.options.normals, run.options.normals_layout, std::move(earlier)};
 }
 
 SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, std::size_t share) {

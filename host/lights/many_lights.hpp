@@ -43,8 +43,8 @@ private:
     cl::Buffer slots_, tables_, none_;
 };
 
-/// The run's points, sorted.
-SortedPoints sorted_points(const LightsRun& run);
+/// The run's points, sorted, in the memory of earlier ones.
+SortedPoints sorted_points(const LightsRun& run, SortedPoints earlier = {});
 /// One in `share` of these.
 SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, std::size_t share);
 

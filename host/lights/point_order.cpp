@@ -2,6 +2,7 @@
 #include "lights/point_order.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernels/lights/point_order.h"
 #include "lists/morton.hpp"
@@ -45,10 +46,11 @@ PointOrderParams params_of(const Device& device, const TriangleInputs& triangles
 }  // namespace
 
 SortedPoints::SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
-                           const PointLayout& normals_at)
-    : layout_(packed(point_inputs(points).layout)) {
+                           const PointLayout& normals_at, SortedPoints earlier)
+    : SortedPoints(std::move(earlier)) {
     cl::Session& session = session_of(device);
     const PointInputs in = point_inputs(points);
+    layout_ = packed(in.layout);
     const TriangleInputs scene = triangle_inputs(triangles);
     PointOrderParams params = params_of(device, scene, points, normals, normals_at);
     if (normals == nullptr) normals = in.positions;

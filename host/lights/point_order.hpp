@@ -9,9 +9,10 @@ namespace gnomon {
 
 class SortedPoints {
 public:
-    /// `normals`: one per point as `normals_at` describes, or null.
+    SortedPoints() = default;
+    /// `normals`: one per point as `normals_at` describes, or null. `earlier`: points of which only the memory is used.
     SortedPoints(const Device& device, const Triangles& triangles, const Points& points, cl_mem normals,
-                 const PointLayout& normals_at);
+                 const PointLayout& normals_at, SortedPoints earlier);
     /// One in `share` of these points, evenly strewn, in runs of POINTS_OF_RUN neighbours, one run at least. The other
     /// arguments are the constructor's.
     SortedPoints sample(std::size_t share, const Device& device, const Triangles& triangles, const Points& points,
@@ -31,7 +32,6 @@ public:
     float largest_coordinate() const { return largest_coordinate_; }
 
 private:
-    SortedPoints() = default;
     void sort(cl::Session& session, const PointOrderParams& params, const PointInputs& in, cl_mem vertices,
               cl_mem normals);
     void gather(cl::Session& session, PointOrderParams params, const PointInputs& in, cl_mem vertices, cl_mem normals);

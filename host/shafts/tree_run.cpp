@@ -27,15 +27,6 @@ double rays_ms(const TreeRun& run, const LightBundles& plain, Statistics& statis
     }
 }
 
-ManyLightsWay faster_way_on_cpu(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
-                                Statistics& statistics) {
-    const double shafts = estimated_shafts_ms(run, bundles.coned, statistics);
-    const double rays = rays_ms(run, bundles.plain, statistics),
-                 each = std::min(rays, shafts) / double(run.lights.count());
-    if (one_light_ms && one_light_ms(each) < each) return ManyLightsWay::one_by_one;
-    return shafts <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays;
-}
-
 // Whether all bundles' cones are thin: the half of the widest is below 1 degree or so.
 bool are_thin(const LightBundles& coned) {
     return std::ranges::all_of(coned.bundles, [](const LightBundle& bundle) {
@@ -44,6 +35,18 @@ bool are_thin(const LightBundles& coned) {
         for (int c = 0; c < 3; ++c) square += double(across[c]) * across[c] + double(along[c]) * along[c];
         return square < 0.02 * 0.02;
     });
+}
+
+// On a CPU single lights were never faster from some 32 lights on.
+ManyLightsWay faster_way_on_cpu(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
+                                Statistics& statistics) {
+    constexpr std::size_t many_lights = 32;
+    const std::size_t lights = run.lights.count();
+    if (are_thin(bundles.coned)) return ManyLightsWay::shafts;
+    const double shafts = estimated_shafts_ms(run, bundles.coned, statistics);
+    const double rays = rays_ms(run, bundles.plain, statistics), each = std::min(rays, shafts) / double(lights);
+    if (one_light_ms && lights < many_lights && one_light_ms(each) < each) return ManyLightsWay::one_by_one;
+    return shafts <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays;
 }
 
 // On a GPU single lights took the least time only for the points of pictures and where bundles are wide
