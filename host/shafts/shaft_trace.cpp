@@ -12,7 +12,7 @@ constexpr std::size_t bundles_of_sample = 8;
 constexpr std::size_t gpu_share = 128, launch_share = 1024;
 
 // A sample's longest work-groups take much of its time on a GPU, so what more points take is the difference of two
-// samples.
+// samples. (They differ: a run that is measured has 2^14 points or more.)
 double estimated_on_gpu_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
     const SampledRun few(run, launch_share), more(run, gpu_share);
     const double few_ms = ShaftPasses(few.run(), bundles, statistics).timed_ms(ShaftShape::block);

@@ -3,10 +3,10 @@
 // that of n . D, which lanes_side() decides; against a normal, lanes_normal_faces().
 //
 // Before, a filter decides all lights of a cone. With s D = m + u a + v b, s > 0 and |u|, |v| <= 1 (light_bundle.h),
-// n . D is positive for all of them if n . m > |n . a| + |n . b|. In units of 2^-24: a coordinate of a receiver's
-// normal is wrong by less than 4 of its size, the sum of both products' sizes (two differences, a product, a
-// difference), a given normal by nothing; the three products with m, a and b, whose coordinates are at most 1, and the
-// sums round by less than 3 times 4 and 2 of that. So 32 times the sum of the sizes is more than all errors.
+// n . D is positive for all of them if n . m > |n . a| + |n . b|. S is the sum of the sizes of n's coordinates, for a
+// receiver's normal of both products of each. In units of 2^-24 S: the errors of such a normal (two differences, a
+// product, a difference: 4 of a coordinate's size) make each of the three products wrong by 4, as no coordinate of m, a
+// and b exceeds 1; each rounds by 3, and their sums by 5. Together 26, less than 32.
 #include "exact/normal_side.clh"
 #include "lights/light_sides.h"
 #include "receivers/facing.clh"
