@@ -330,6 +330,29 @@ TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
     }
 }
 
+// The points of a picture go by squares of its pixels, or in rows where its sides are no multiples of 4.
+TEST(ManyLights, PicturesAreThoseOfOneLight) {
+    const FacedScene scene = boxes_on_floor(1, 13);
+    const gnomon::Camera camera = gnomon::Camera::look_at({20.5f, 31, -7}, {0, 0, 0}, {0, 1, 0}, 60);
+    const Lights lights = lights_all_around(70, 6);
+    for (const bool gpu_kernels : {false, true}) {
+        const gnomon::Device device({}, {.gpu_kernels = gpu_kernels});
+        const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+        for (const auto& [width, height] : {std::pair{20u, 12u}, {18u, 12u}}) {
+            const gnomon::View view = gnomon::look(device, triangles, camera, width, height);
+            std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
+            for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"}) {
+                const auto technique = gnomon::make_technique("frustum-traced", device);
+                technique->set("many-lights", way);
+                bits.push_back(
+                    gnomon::run_lights_to_host(*technique, triangles, view.points, lights, {.bits = true}).bits);
+                EXPECT_EQ(bits.front(), bits.back()) << way << ", " << width << " pixels wide";
+            }
+            EXPECT_NE(std::ranges::count(bits.front(), 0u), std::ptrdiff_t(bits.front().size()));
+        }
+    }
+}
+
 TEST(ManyLights, MeansAreSharesOfTheLights) {
     const gnomon::Device device = device_with();
     const FacedScene scene = boxes_on_floor(300, 11);
