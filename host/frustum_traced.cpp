@@ -371,11 +371,10 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const TreeRun through_tree{run, sorted, shaft_tree(triangles)};
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
-    // On a CPU points in no order took 2 to 19 times as long light by light (docs/many_lights.md).
-    const bool is_slow = session_.is_cpu() && in_order != nullptr;
+    // Light by light was faster for the points of some pictures alone (docs/many_lights.md).
     OneLightMs one_light_ms;
-    if (is_auto && !is_slow && points.count() * lights.count() >= pairs_worth_measuring)
-        one_light_ms = [&](double limit_ms) { return time_of_one_light(*this, run, in_order, limit_ms); };
+    if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_measuring)
+        one_light_ms = [&] { return time_of_one_light(*this, run); };
     if (run_through_tree(through_tree, settings_.many_lights, settings_.bundle_lights, one_light_ms, measured.stages))
         return measured.finish(measured.stages.counts);
     if (!is_auto)

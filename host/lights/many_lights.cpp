@@ -83,26 +83,13 @@ Triangles with_clusters(const Device& device, const Triangles& triangles) {
     return clustered;
 }
 
-std::vector<std::uint32_t> sampled_lights(std::size_t count) {
-    const std::size_t some = count < 64 ? 1 : count < 512 ? 2 : 3;
-    std::vector<std::uint32_t> lights;
-    for (std::size_t i = 1; i <= some; ++i) lights.push_back(static_cast<std::uint32_t>(count * i / (some + 1)));
-    return lights;
-}
-
-double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted, double limit_ms) {
+double time_of_one_light(Technique& technique, const LightsRun& run) {
     const cl::Session& session = session_of(run.device);
-    const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
     const Visibility visibility(run.device, run.points.count());
-    double ms = 0, measured = 0;
-    for (const std::uint32_t light : sampled_lights(run.lights.count())) {
-        const double builds_ms = session.build_ms();
-        ms += technique.run(run.triangles, ordered, run.lights.lights()[light], visibility).total_wall_ms;
-        ms -= session.build_ms() - builds_ms;
-        ++measured;
-        if (ms > 2 * limit_ms * measured) break;
-    }
-    return ms / measured;
+    const double builds_ms = session.build_ms();
+    const Light& middle = run.lights.lights()[run.lights.count() / 2];
+    return technique.run(run.triangles, run.points, middle, visibility).total_wall_ms -
+           (session.build_ms() - builds_ms);
 }
 
 void report_progress(const LightsOptions& options, double done) {

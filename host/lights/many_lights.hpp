@@ -51,12 +51,9 @@ SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, st
 /// `triangles` with clusters, if they are worth it for a run over many lights and the caller keeps none.
 Triangles with_clusters(const Device& device, const Triangles& triangles);
 
-/// Lights that stand for all of a table where a way is measured.
-std::vector<std::uint32_t> sampled_lights(std::size_t count);
-
-/// The time of one light of the table, for all points, in ms, without builds of kernels: of one light where that is
-/// more than twice `limit_ms`, else the mean of some. `sorted`: as in run_one_by_one().
-double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted, double limit_ms);
+/// The time of one light of the table, the middle one, for all points in their own order, in ms, without builds of
+/// kernels.
+double time_of_one_light(Technique& technique, const LightsRun& run);
 
 /// One light at a time, as every technique can. `sorted`: the points in the order in which the technique takes them,
 /// null for the order of the run's points. Adds its stages to `statistics`.

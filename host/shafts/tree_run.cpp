@@ -45,7 +45,7 @@ ManyLightsWay faster_way_on_cpu(const TreeRun& run, const Bundled& bundles, cons
     if (are_thin(bundles.coned)) return ManyLightsWay::shafts;
     const double shafts = estimated_shafts_ms(run, bundles.coned, statistics);
     const double rays = rays_ms(run, bundles.plain, statistics), each = std::min(rays, shafts) / double(lights);
-    if (one_light_ms && lights < many_lights && one_light_ms(each) < each) return ManyLightsWay::one_by_one;
+    if (one_light_ms && lights < many_lights && one_light_ms() < each) return ManyLightsWay::one_by_one;
     return shafts <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays;
 }
 
@@ -55,10 +55,9 @@ ManyLightsWay faster_way_on_gpu(const TreeRun& run, const Bundled& bundles, cons
                                 Statistics& statistics) {
     constexpr std::size_t dense_lights = 2048;
     const std::size_t lights = run.lights.count();
-    if (!one_light_ms || !run.points.camera() || lights >= dense_lights || are_thin(bundles.coned))
-        return ManyLightsWay::shafts;
+    if (!one_light_ms || lights >= dense_lights || are_thin(bundles.coned)) return ManyLightsWay::shafts;
     const double each = estimated_shafts_ms(run, bundles.coned, statistics) / double(lights);
-    return one_light_ms(each) < each ? ManyLightsWay::one_by_one : ManyLightsWay::shafts;
+    return one_light_ms() < each ? ManyLightsWay::one_by_one : ManyLightsWay::shafts;
 }
 
 ManyLightsWay faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,

@@ -11,8 +11,8 @@ namespace gnomon {
 /// The ways to decide many lights, as the setting many-lights names them.
 enum class ManyLightsWay { automatic, one_by_one, shafts, point_shafts, rays };
 
-/// The time of one light by the technique's own run, roughly where it is far above a limit, both in ms.
-using OneLightMs = std::function<double(double limit_ms)>;
+/// The time of one light by the technique's own run, in ms.
+using OneLightMs = std::function<double()>;
 
 /// Decides a run through the tree. `automatic` measures shafts and rays on a sample, and takes the faster. False, and
 /// no output is written, if the tree cannot serve these lights (a point light among them, a direction that cannot be
