@@ -99,9 +99,7 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
           "on, off or auto: sort points that come in no order before they are traced (auto: on a CPU)"},
          setting::choice(&S::sort_points, sort_points_names)},
         {{"many-lights", "auto",
-          "auto, one-by-one, shafts, point-shafts or rays (on a GPU as point-shafts): how a run over many lights "
-          "decides "
-          "them"},
+          "auto, one-by-one, shafts, point-shafts or rays (on a GPU point-shafts): the way to decide many lights"},
          setting::choice(&S::many_lights, many_lights_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
@@ -353,7 +351,7 @@ Statistics FrustumTraced::run_on_footprint_lists(const Triangles& triangles, con
 // lights, so `auto` measures them where that pays.
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Lights& lights,
                               const LightsOutputs& outputs, const LightsOptions& options) {
-    constexpr std::size_t few_lights = 4, pairs_worth_measuring = std::size_t(1) << 25;
+    constexpr std::size_t few_lights = 4, pairs_worth_one_light = std::size_t(1) << 25;
     const bool is_auto = settings_.many_lights == ManyLightsWay::automatic;
     const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
     if (settings_.many_lights == ManyLightsWay::one_by_one || is_empty || (is_auto && lights.count() < few_lights))
@@ -364,16 +362,14 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const LightsRun run{device_, clustered, points, lights, outputs, options};
     require_lights_run(run);
     cl::StageTimer timer(session_, measured.stages, "point_order");
-    const std::uint64_t bytes_before = session_.memory_bytes();
-    const SortedPoints& sorted = sorted_points_ = sorted_points(run, std::move(sorted_points_));
-    kept_bytes_ += session_.memory_bytes() - bytes_before;
+    const SortedPoints& sorted = sort_points(run);
     timer.next("shaft_tree");
     const TreeRun through_tree{run, sorted, shaft_tree(triangles)};
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
     // Light by light was faster for the points of some pictures alone (docs/many_lights.md).
     OneLightMs one_light_ms;
-    if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_measuring)
+    if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_one_light)
         one_light_ms = [&] { return time_of_one_light(*this, run); };
     if (run_through_tree(through_tree, settings_.many_lights, settings_.bundle_lights, one_light_ms, measured.stages))
         return measured.finish(measured.stages.counts);
@@ -393,6 +389,12 @@ const BuiltShaftTree& FrustumTraced::shaft_tree(const Triangles& triangles) {
     tree_.reset();
     tree_ = std::make_unique<BuiltShaftTree>(device_, triangles);
     return *tree_;
+}
+
+const SortedPoints& FrustumTraced::sort_points(const LightsRun& run) {
+    const MeasuredRun made(session_, kept_bytes_);
+    sorted_points_ = sorted_points(run, std::move(sorted_points_));
+    return sorted_points_;
 }
 
 // The points of a picture are in order. Footprints and a record of provenance keep the order of their points.

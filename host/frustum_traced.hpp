@@ -66,6 +66,7 @@ private:
     /// Over the lists of the last footprints.
     Statistics run_on_footprint_lists(const Triangles& triangles, const PointInputs& points, cl_mem visibility);
     const BuiltShaftTree& shaft_tree(const Triangles& triangles);
+    const SortedPoints& sort_points(const LightsRun& run);
     TraceInputs prepared_inputs(const FramedInputs& in) const;
     void classify_prepared(const FramedInputs& in, RunResult& result);
     bool run_prepared(const FramedInputs& in, RunResult& result);

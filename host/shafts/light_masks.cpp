@@ -46,9 +46,9 @@ void LightMasks::reserve(std::size_t points) {
     points = std::min(whole(points), whole(run_.points.count()));
     for (;; points = whole(points / 2)) {
         try {
-            masks_.reserve(session_, points * bytes_per_point());
             const std::size_t listed = session_.is_cpu() ? 0 : tasks_of(points);
             counters_.reserve(session_, sizeof(ShaftCounters) + listed * sizeof(cl_uint));
+            masks_.reserve(session_, points * bytes_per_point());  // last: it is the larger one, and never shrinks
             most_points_ = points;
             return;
         } catch (const OutOfDeviceMemory&) {

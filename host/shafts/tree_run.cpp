@@ -15,7 +15,8 @@ constexpr std::size_t pairs_worth_measuring = std::size_t(1) << 20;
 constexpr double never = std::numeric_limits<double>::infinity();
 
 struct Bundled {
-    LightBundles plain, coned;
+    LightBundles coned;
+    LightBundles plain;  // for packets; empty on a GPU
 };
 
 // A way that has no room takes for ever.
@@ -27,12 +28,13 @@ double rays_ms(const TreeRun& run, const LightBundles& plain, Statistics& statis
     }
 }
 
-// Whether all bundles' cones are thin: the half of the widest is below 1 degree or so.
+// Whether no bundle's cone is wider than some 2 degrees.
 bool are_thin(const LightBundles& coned) {
     return std::ranges::all_of(coned.bundles, [](const LightBundle& bundle) {
-        const auto& [planes, middle, across, along] = bundle.cones[0];
+        const LightCone& cone = bundle.cones[0];
         double square = 0;
-        for (int c = 0; c < 3; ++c) square += double(across[c]) * across[c] + double(along[c]) * along[c];
+        for (int c = 0; c < 3; ++c)
+            square += double(cone.across[c]) * cone.across[c] + double(cone.along[c]) * cone.along[c];
         return square < 0.02 * 0.02;
     });
 }
@@ -74,11 +76,12 @@ bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundl
     if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return false;
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
     if (!coned) return false;
-    auto plain = make_plain_bundles(run.lights.lights(), &*coned);
-    const Bundled bundles{std::move(*plain), std::move(*coned)};
+    const bool is_cpu = session_of(run.device).is_cpu();
+    if (way == ManyLightsWay::rays && !is_cpu) way = ManyLightsWay::point_shafts;
+    Bundled bundles{std::move(*coned), {}};
+    if (is_cpu) bundles.plain = *make_plain_bundles(run.lights.lights(), &bundles.coned);
     if (way == ManyLightsWay::automatic) way = faster_way(run, bundles, one_light_ms, statistics);
     if (way == ManyLightsWay::one_by_one) return false;
-    if (way == ManyLightsWay::rays && !session_of(run.device).is_cpu()) way = ManyLightsWay::point_shafts;
     if (way == ManyLightsWay::rays)
         ShaftPasses(run, bundles.plain, statistics).run(ShaftShape::packet);
     else

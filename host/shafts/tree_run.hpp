@@ -14,7 +14,7 @@ enum class ManyLightsWay { automatic, one_by_one, shafts, point_shafts, rays };
 /// The time of one light by the technique's own run, in ms.
 using OneLightMs = std::function<double()>;
 
-/// Decides a run through the tree. `automatic` measures shafts and rays on a sample, and takes the faster. False, and
+/// Decides a run through the tree. `automatic` takes the fastest way, by rule or as measured on a sample. False, and
 /// no output is written, if the tree cannot serve these lights (a point light among them, a direction that cannot be
 /// scaled, coordinates out of the filter's range), or, by `automatic`, would take longer than `one_light_ms`, if there
 /// is such a function, for each light. Adds its stages and counts to `statistics`.

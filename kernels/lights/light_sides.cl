@@ -93,6 +93,7 @@ static bool cone_is_certain(const SidedPoints* s, __global const LightCone* cone
 static LaneInt lights_faced(const SidedPoints* s, uint side, __global const LightBundle* bundle, uint* exact) {
     uint count = bundle->light_count;
     LaneInt face, mask = (LaneInt)((int)(count < 32u ? (1u << count) - 1u : GN_NO_ID));
+    if (side == SIDE_NONE) return mask;
     if (cone_is_certain(s, &bundle->cones[0], &face)) return mask & (face | ~s->sided);
     for (uint first = 0; first < count; first += LIGHTS_OF_CONE) {
         LaneInt all = (LaneInt)((int)(((1u << LIGHTS_OF_CONE) - 1u) << first));
@@ -113,10 +114,7 @@ GN_NOINLINE_ON_CPU void decide_light_sides(ItemRange items, const LightSidesPara
     uint exact = 0;
     GN_FOR_EACH_OF(block, items) {
         SidedPoints s;
-        if (params.side != SIDE_NONE)
-            s = load_sided(params, block, vertices, positions, receivers, normals, &exact);
-        else
-            s.sided = (LaneInt)(0);
+        if (params.side != SIDE_NONE) s = load_sided(params, block, vertices, positions, receivers, normals, &exact);
         for (uint b = 0; b < params.bundle_count; ++b) {
             LaneInt mask = lights_faced(&s, params.side, &bundles[b], &exact);
             store_lanes(LANES_AS_FLOAT(mask), (__global float*)(masks + b * (size_t)params.mask_stride), params.points,

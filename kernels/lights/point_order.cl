@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bounds, codes and gathered copies of points (point_order.h).
 #include "lights/point_order.h"
+#include "simd/point_blocks.clh"
 
 __kernel void point_bounds(const PointOrderParams params, __global const float* positions, __global uint* bounds) {
     uint low[3] = {GN_NO_ID, GN_NO_ID, GN_NO_ID}, high[3] = {0u, 0u, 0u};
@@ -64,10 +65,9 @@ __kernel void point_codes(const PointOrderParams params, __global const float* v
 
 // The points of a picture, 4 x 4 pixels after 4 x 4 pixels: neighbours are there already.
 __kernel void picture_order(const PointOrderParams params, __global uint* numbers) {
-    uint width = params.points.picture_width, squares = width / 4u;
     GN_FOR_EACH(i, params.points.count) {
-        uint square = (uint)i / 16u, lane = (uint)i % 16u;
-        numbers[i] = 4u * (square / squares * width + square % squares) + lane / 4u * width + lane % 4u;
+        BlockPlace square = place_in_picture(params.points.picture_width, i / 16u);
+        numbers[i] = (uint)point_in_place(square, (uint)i % 16u);
     }
 }
 

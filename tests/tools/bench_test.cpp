@@ -371,6 +371,24 @@ TEST_F(Bench, ManyLightsCountTheSameDecisions) {
     EXPECT_LT(rival["pairs"]["differing"].get<double>(), 1e-3 * facing);
 }
 
+// All ways by turns, for the points of a picture; the tool fails where two exact masks differ.
+TEST_F(Bench, ManyLightsTakeThePixelsOfAViewByEveryWay) {
+    ASSERT_EQ(run("town:10000 --many-lights sky --pixels v0 --size 64x48 --sweep --runs 1 --peers --json " +
+                  path("pixels.json")),
+              0)
+        << errors();
+    const Json report = json("pixels.json");
+    std::set<std::string> ways;
+    for (const Json& row : report["rows"]) {
+        EXPECT_EQ(row["view"], "v0");
+        EXPECT_EQ(row["pairs"]["points"], 64 * 48);
+        EXPECT_GT(row["pairs"]["lit"].get<double>(), 0.2 * row["pairs"]["facing"].get<double>());
+        if (row["technique"] == "frustum-traced") ways.insert(row["settings"]);
+    }
+    EXPECT_EQ(ways, (std::set<std::string>{"many-lights=auto", "many-lights=one-by-one", "many-lights=point-shafts",
+                                           "many-lights=rays", "many-lights=shafts"}));
+}
+
 TEST_F(Bench, ManyLightsTakeATerrainsVertices) {
     ASSERT_EQ(run("terrain:10000 --many-lights sky --points 700 --runs 1 --peers --json " + path("a.json") +
                   " --markdown " + path("a.md")),
@@ -396,6 +414,10 @@ TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(errors().find("--experiment techniques"), std::string::npos) << errors();
     EXPECT_NE(run("nothing:1000"), 0);
     EXPECT_NE(errors().find("no recipe"), std::string::npos) << errors();
+    EXPECT_NE(run("sundial --pixels v0"), 0);
+    EXPECT_NE(errors().find("--many-lights"), std::string::npos) << errors();
+    EXPECT_NE(run("sundial --many-lights sky --pixels nowhere"), 0);
+    EXPECT_NE(errors().find("no view \"nowhere\""), std::string::npos) << errors();
     EXPECT_NE(run("sundial --many-lights moons --points 9"), 0);
     EXPECT_NE(errors().find("takes suns, suns:N, sky, sky:D or disk:N, not \"moons\""), std::string::npos) << errors();
     std::ofstream(path("views.json")) << "glTF";

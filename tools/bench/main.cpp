@@ -235,17 +235,21 @@ int main(int argc, char** argv) {
     app.add_option("--sun-angle", options.sun_angle_degrees,
                    "the truth is soft, by 1,024 lights on a disk of so many degrees; beside it pcss and the filters")
         ->check(CLI::Range(1e-3, 45.0));
-    app.add_option("--many-lights", options.many_lights,
-                   "in place of views: points of the scenes times suns (latitude 52, hourly), suns:N of them, sky (145 "
-                   "patches), sky:D (Reinhart's division) or disk:N (lights on the sun's disk)");
+    CLI::Option* many_lights = app.add_option(
+        "--many-lights", options.many_lights,
+        "in place of views: points of the scenes times suns (latitude 52, hourly), suns:N of them, sky (145 "
+        "patches), sky:D (Reinhart's division) or disk:N (lights on the sun's disk)");
     app.add_option("--points", options.points, "of --many-lights: on faces, or of a terrain's vertices")
         ->capture_default_str()
         ->check(CLI::Range(1, 1 << 28));
-    app.add_option("--columns", options.columns,
-                   "of --many-lights: only the points in one of so many columns of 24 x 24, all of them there")
-        ->check(CLI::Range(1, 576));
+    CLI::Option* columns =
+        app.add_option("--columns", options.columns,
+                       "of --many-lights: only the points in one of so many columns of 24 x 24, all of them there")
+            ->check(CLI::Range(1, 576));
     app.add_option("--pixels", options.pixels,
-                   "of --many-lights: the points of this view's pixels, at the first --size, on the eye's side");
+                   "of --many-lights: the points of this view's pixels, at the first --size, on the eye's side")
+        ->needs(many_lights)
+        ->excludes(columns);
     app.add_option("--runs", options.runs, "timed runs; default 15, of small experiments 5")
         ->check(CLI::Range(1, 100000));
     app.add_option("--seconds", options.seconds,

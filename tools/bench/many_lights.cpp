@@ -318,7 +318,7 @@ LightsQuestion::LightsQuestion(const Place& place, const ManyLights& asked) : sc
         points_on_vertices(*this, asked.points);
     else
         points_on_faces(*this, asked.points);
-    if (asked.columns > 1 && count() != 0 && !are_pixels) keep_columns(*this, asked.columns);
+    if (asked.columns > 1 && count() != 0) keep_columns(*this, asked.columns);
     make_lights(*this, asked.lights);
     row.scene = scene.name;
     row.view = are_pixels ? asked.view : is_terrain ? "vertices" : "faces";
