@@ -70,7 +70,7 @@ constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
 constexpr std::string_view sort_points_names[] = {"on", "off", "auto"};
 
 // In the order of ManyLightsWay.
-constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts", "point-shafts", "rays"};
+constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts", "point-shafts", "rays", "horizons"};
 
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
@@ -99,7 +99,9 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
           "on, off or auto: sort points that come in no order before they are traced (auto: on a CPU)"},
          setting::choice(&S::sort_points, sort_points_names)},
         {{"many-lights", "auto",
-          "auto, one-by-one, shafts, point-shafts or rays (on a GPU point-shafts): the way to decide many lights"},
+          "auto, one-by-one, shafts, point-shafts, rays (on a GPU point-shafts) or horizons (of height fields): the "
+          "way "
+          "to decide many lights"},
          setting::choice(&S::many_lights, many_lights_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
@@ -371,11 +373,17 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     OneLightMs one_light_ms;
     if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_one_light)
         one_light_ms = [&] { return time_of_one_light(*this, run); };
-    if (run_through_tree(through_tree, settings_.many_lights, settings_.bundle_lights, one_light_ms, measured.stages))
+    const auto field = [&] {
+        const cl::StageTimer field_timer(session_, measured.stages, "height_field");
+        return height_field(triangles);
+    };
+    if (run_through_tree(through_tree, settings_.many_lights, settings_.bundle_lights, field, one_light_ms,
+                         measured.stages))
         return measured.finish(measured.stages.counts);
     if (!is_auto)
         throw InvalidArgument(
-            "shafts and rays decide directional lights, and coordinates up to 2^19: use many-lights=auto");
+            "shafts, rays and horizons decide directional lights, and coordinates up to 2^19, and horizons triangles "
+            "that lie side by side over a plane: use many-lights=auto");
     run_one_by_one(*this, run, in_order, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }
@@ -389,6 +397,17 @@ const BuiltShaftTree& FrustumTraced::shaft_tree(const Triangles& triangles) {
     tree_.reset();
     tree_ = std::make_unique<BuiltShaftTree>(device_, triangles);
     return *tree_;
+}
+
+// Kept as the tree is.
+const BuiltHeightField* FrustumTraced::height_field(const Triangles& triangles) {
+    const Clusters* clusters = Internals::clusters(triangles);
+    if (!field_ || clusters == nullptr || clusters != Internals::clusters(field_->triangles())) {
+        const MeasuredRun built(session_, kept_bytes_);
+        field_.reset();
+        field_ = std::make_unique<BuiltHeightField>(device_, triangles);
+    }
+    return field_->is_field() ? field_.get() : nullptr;
 }
 
 const SortedPoints& FrustumTraced::sort_points(const LightsRun& run) {
@@ -551,6 +570,7 @@ void FrustumTraced::forget() {
     const MeasuredRun freed(session_, kept_bytes_);
     prepared_.reset();
     tree_.reset();
+    field_.reset();
     sorted_points_ = {};
 }
 

@@ -66,6 +66,7 @@ private:
     /// Over the lists of the last footprints.
     Statistics run_on_footprint_lists(const Triangles& triangles, const PointInputs& points, cl_mem visibility);
     const BuiltShaftTree& shaft_tree(const Triangles& triangles);
+    const BuiltHeightField* height_field(const Triangles& triangles);
     const SortedPoints& sort_points(const LightsRun& run);
     TraceInputs prepared_inputs(const FramedInputs& in) const;
     void classify_prepared(const FramedInputs& in, RunResult& result);
@@ -115,6 +116,7 @@ private:
     std::optional<Provenance> provenance_;  ///< while a run records provenance
     std::unique_ptr<PreparedLight> prepared_;
     std::unique_ptr<BuiltShaftTree> tree_;
+    std::unique_ptr<BuiltHeightField> field_;
     SortedPoints sorted_points_;  ///< of the last run over many lights, for their memory
 };
 

@@ -41,15 +41,13 @@ std::optional<Direction> direction_of(const Light& light) {
 // large table is first cut into parts along a coarse curve.
 constexpr std::size_t most_in_chain = 4096;
 
-std::vector<std::uint32_t> coarse_order(const std::vector<Direction>& directions) {
-    std::vector<std::uint32_t> order(directions.size()), codes(directions.size());
-    std::iota(order.begin(), order.end(), 0u);
-    if (directions.size() <= most_in_chain) return order;
+void sort_coarsely(std::vector<std::uint32_t>& order, const std::vector<Direction>& directions) {
+    if (order.size() <= most_in_chain) return;
+    std::vector<std::uint32_t> codes(directions.size());
     for (std::size_t i = 0; i < directions.size(); ++i)
         for (int c = 0; c < 3; ++c)
             codes[i] |= spread_bits(static_cast<std::uint32_t>((directions[i].unit[c] + 1) * 511.5)) << c;
     std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return codes[i]; });
-    return order;
 }
 
 void chain(std::span<std::uint32_t> part, const std::vector<Direction>& directions) {
@@ -211,6 +209,58 @@ void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const s
     add_lights(made, bundle, part, directions);
 }
 
+// Bundles of these lights along chains.
+void add_chained(LightBundles& made, std::vector<std::uint32_t> order, const std::vector<Direction>& directions,
+                 std::uint32_t most) {
+    if (order.empty()) return;
+    sort_coarsely(order, directions);
+    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
+        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
+    std::vector<std::size_t> starts = cut(order, directions, most);
+    starts.push_back(order.size());
+    for (std::size_t b = 0; b + 1 < starts.size(); ++b)
+        add_bundle(made, std::span(order).subspan(starts[b], starts[b + 1] - starts[b]), directions);
+}
+
+// ---- Sectors --------------------------------------------------------------------------------------------------------
+
+struct SectorLight {
+    std::uint32_t light;
+    double azimuth, slope;
+};
+
+// The azimuth that a sector may cover, about 8 degrees.
+constexpr double widest_sector = 0.14;
+
+void set_ground(LightBundle& bundle, std::uint32_t axis) {
+    Double3 sum{};
+    for (std::uint32_t l = 0; l < bundle.light_count; ++l) {
+        const std::uint32_t x = (axis + 1) % 3, y = (axis + 2) % 3;
+        const double length = std::hypot(bundle.directions[x][l], bundle.directions[y][l]);
+        sum[x] += bundle.directions[x][l] / length;
+        sum[y] += bundle.directions[y][l] / length;
+    }
+    normalize(sum);
+    store(bundle.ground, sum);
+}
+
+void add_sectors(LightBundles& made, std::vector<SectorLight> lights, const std::vector<Direction>& directions,
+                 std::uint32_t most, std::uint32_t axis) {
+    std::ranges::stable_sort(lights, {}, &SectorLight::azimuth);
+    for (std::size_t first = 0, end = 0; first < lights.size(); first = end) {
+        while (end < lights.size() && end - first < most &&
+               lights[end].azimuth - lights[first].azimuth <= widest_sector)
+            ++end;
+        const auto sector = std::span(lights).subspan(first, end - first);
+        std::ranges::stable_sort(sector, {}, &SectorLight::slope);
+        std::vector<std::uint32_t> order;
+        for (const SectorLight& light : sector) order.push_back(light.light);
+        const std::size_t before = made.bundles.size();
+        add_bundle(made, order, directions);
+        for (std::size_t b = before; b < made.bundles.size(); ++b) set_ground(made.bundles[b], axis);
+    }
+}
+
 std::optional<std::vector<Direction>> directions_of(std::span<const Light> lights) {
     std::vector<Direction> directions;
     for (const Light& light : lights) {
@@ -245,18 +295,31 @@ std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, co
 }
 
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most) {
-    const auto scaled_directions = directions_of(lights);
-    if (!scaled_directions) return {};
-    const std::vector<Direction>& directions = *scaled_directions;
-    std::vector<std::uint32_t> order = coarse_order(directions);
-    for (std::size_t first = 0; first < order.size(); first += most_in_chain)
-        chain(std::span(order).subspan(first, std::min(most_in_chain, order.size() - first)), directions);
+    const auto directions = directions_of(lights);
+    if (!directions) return {};
+    std::vector<std::uint32_t> order(lights.size());
+    std::iota(order.begin(), order.end(), 0u);
     LightBundles made;
-    if (order.empty()) return made;
-    std::vector<std::size_t> starts = cut(order, directions, most);
-    starts.push_back(order.size());
-    for (std::size_t b = 0; b + 1 < starts.size(); ++b)
-        add_bundle(made, std::span(order).subspan(starts[b], starts[b + 1] - starts[b]), directions);
+    add_chained(made, std::move(order), *directions, most);
+    return made;
+}
+
+std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, std::uint32_t most, std::uint32_t axis) {
+    const auto directions = directions_of(lights);
+    if (!directions) return {};
+    std::vector<std::uint32_t> others;
+    std::vector<SectorLight> sectors;
+    for (std::uint32_t i = 0; i < lights.size(); ++i) {
+        const Double3& d = (*directions)[i].unit;
+        const double x = d[(axis + 1) % 3], y = d[(axis + 2) % 3], across = std::hypot(x, y);
+        if (d[axis] > 1e-6 && across > 0.05)
+            sectors.push_back({i, std::atan2(y, x), d[axis] / across});
+        else
+            others.push_back(i);
+    }
+    LightBundles made;
+    add_sectors(made, std::move(sectors), *directions, most, axis);
+    add_chained(made, std::move(others), *directions, most);
     return made;
 }
 

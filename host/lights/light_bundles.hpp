@@ -20,6 +20,11 @@ struct LightBundles {
 /// be scaled exactly.
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most);
 
+/// The same, of lights of nearly one azimuth around an axis, the lowest first: as many as a sector has
+/// (kernels/horizons/horizons.h). Lights near the axis, or behind the plane at right angles to it, follow in bundles of
+/// their own.
+std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, std::uint32_t most, std::uint32_t axis);
+
 /// The same, full and without cones, in the order of such bundles; without these, in the lights' order.
 std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order = nullptr);
 

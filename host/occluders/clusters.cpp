@@ -130,4 +130,17 @@ void Triangles::keep_clusters(const Device& device) {
     clusters_ = std::make_shared<const Clusters>(device, triangle_inputs(*this));
 }
 
+std::optional<TriangleBox> box_of_triangles(cl::Session& session, const TriangleInputs& triangles) {
+    const TrianglesLayout& layout = triangles;
+    const cl::Buffer bounds(session, TRIANGLE_BOX_WORDS * sizeof(cl_uint));
+    const cl_uint none[TRIANGLE_BOX_WORDS] = {GN_NO_ID, GN_NO_ID, GN_NO_ID, 0, 0, 0, 0};
+    session.write(bounds.get(), none, sizeof(none));
+    session.launch("occluders/clusters.cl", "triangle_box", cl::Range::items(layout.count), layout, triangles.vertices,
+                   bounds);
+    const auto found = session.read_values<cl_uint>(bounds.get(), TRIANGLE_BOX_WORDS);
+    const auto box = bounds_of_keys(found);
+    if (!box) return {};
+    return TriangleBox{*box, found[6]};
+}
+
 }  // namespace gnomon

@@ -4,6 +4,7 @@
 
 #include "api/inputs.hpp"
 #include "kernels/occluders/clusters.h"
+#include "lists/morton.hpp"
 
 namespace gnomon {
 
@@ -27,6 +28,12 @@ private:
     cl_uint count_;
     cl::Buffer boxes_, vertices_, numbers_;
 };
+
+/// The box around all finite triangles, and their number; no value if there is none.
+struct TriangleBox : CoordinateBounds {
+    std::uint32_t finite;
+};
+std::optional<TriangleBox> box_of_triangles(cl::Session& session, const TriangleInputs& triangles);
 
 /// The triangles in the order of the clusters; `numbers` is null if a triangle's position is its number.
 struct OrderedTriangles : TriangleInputs {

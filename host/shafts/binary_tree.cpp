@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "shafts/binary_tree.hpp"
 
-#include "kernels/occluders/clusters.h"
 #include "lists/scan.hpp"
 #include "lists/sort.hpp"
+#include "occluders/clusters.hpp"
 
 namespace gnomon {
 namespace {
@@ -18,14 +18,9 @@ constexpr const char* file = "shafts/binary_tree.cl";
 
 TriangleCurve::TriangleCurve(cl::Session& session, const TriangleInputs& triangles) {
     const TrianglesLayout& layout = triangles;
-    cl::Buffer bounds(session, TREE_BOUNDS_WORDS * sizeof(cl_uint));
-    const cl_uint none[TREE_BOUNDS_WORDS] = {GN_NO_ID, GN_NO_ID, GN_NO_ID, 0, 0, 0, 0};
-    session.write(bounds.get(), none, sizeof(none));
-    session.launch(file, "tree_bounds", cl::Range::items(layout.count), layout, triangles.vertices, bounds);
-    const auto found = session.read_values<cl_uint>(bounds.get(), TREE_BOUNDS_WORDS);
-    const auto box = bounds_of_keys(found);
+    const auto box = box_of_triangles(session, triangles);
     if (!box) return;
-    count_ = found[6];
+    count_ = box->finite;
     largest_coordinate_ = box->largest();
     cl::Buffer codes(session, layout.count * sizeof(cl_uint));
     numbers_.reserve(session, layout.count * sizeof(cl_uint));

@@ -29,12 +29,13 @@ SampledRun::SampledRun(const TreeRun& whole, std::size_t share, std::span<const 
            sorted_,
            whole.tree} {}
 
-LightMasks::LightMasks(const TreeRun& run, const LightBundles& bundles, Statistics& statistics)
+LightMasks::LightMasks(const TreeRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors)
     : run_(run),
       session_(session_of(run.device)),
       statistics_(statistics),
       slots_(bundles.lights),
       bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
+      are_sectors_(are_sectors),
       bundles_(session_, bundle_count_ * sizeof(LightBundle)) {
     session_.write(bundles_.get(), bundles.bundles.data(), bundle_count_ * sizeof(LightBundle));
     queue_.reserve(session_, first_queue * sizeof(ShaftPairs));
@@ -48,7 +49,12 @@ void LightMasks::reserve(std::size_t points) {
         try {
             const std::size_t listed = session_.is_cpu() ? 0 : tasks_of(points);
             counters_.reserve(session_, sizeof(ShaftCounters) + listed * sizeof(cl_uint));
-            masks_.reserve(session_, points * bytes_per_point());  // last: it is the larger one, and never shrinks
+            // The masks last: what is larger never shrinks.
+            if (are_sectors_) {
+                lit_.reserve(session_, points * bytes_per_point());
+                begins_.reserve(session_, points * bytes_per_point());
+            }
+            masks_.reserve(session_, points * bytes_per_point());
             most_points_ = points;
             return;
         } catch (const OutOfDeviceMemory&) {
@@ -93,6 +99,7 @@ ShaftParams LightMasks::params_of(const PointPart& part) const {
             .listed_tasks = 0,
             // n . X rounds five times, for a triangle and for a point; the sum of sizes is at most 3 times the largest.
             .rounding = 4e-6f * run_.largest_coordinate() + 1e-30f,
+            .are_sectors = are_sectors_ ? 1u : 0u,
             .padding = {}};
 }
 

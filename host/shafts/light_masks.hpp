@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "api/statistics.hpp"
+#include "horizons/horizons.hpp"
 #include "kernels/shafts/shaft.h"
 #include "lights/many_lights.hpp"
 #include "shafts/shaft_tree.hpp"
@@ -45,7 +46,8 @@ std::size_t most_mask_bytes(const cl::Session& session);
 
 class LightMasks {
 public:
-    LightMasks(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
+    /// `are_sectors`: there is room for what horizons find (HorizonMasks).
+    LightMasks(const TreeRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors);
 
     /// Room for a part of at most so many points, or of less if there is no memory for them.
     void reserve(std::size_t points);
@@ -81,6 +83,10 @@ public:
     ShaftParams params_of(const PointPart& part) const;
     const cl::Buffer& bundles() const { return bundles_; }
     const cl::Buffer& masks() const { return masks_; }
+    /// Of sectors alone.
+    HorizonMasks for_horizons() const {
+        return {masks_, lit_, begins_, bundle_count_, static_cast<cl_uint>(most_points_)};
+    }
     const cl::Buffer& queue() const { return queue_; }
     const cl::Buffer& counters() const { return counters_; }
     std::span<const std::uint32_t> slots() const { return slots_; }
@@ -98,7 +104,8 @@ private:
     Statistics& statistics_;
     std::vector<std::uint32_t> slots_;
     cl_uint bundle_count_;
-    cl::Buffer bundles_, counters_, queue_, masks_;
+    bool are_sectors_;
+    cl::Buffer bundles_, counters_, queue_, masks_, lit_, begins_;
     std::size_t most_points_ = 0;
     std::uint64_t queued_ = 0, by_level_[3] = {};
 };

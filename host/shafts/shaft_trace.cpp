@@ -28,8 +28,13 @@ static const char* stage_of(ShaftShape shape) {
     return shape == ShaftShape::point ? "point_shaft_trace" : "shaft_trace";
 }
 
-ShaftPasses::ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics)
-    : run_(run), session_(session_of(run.device)), statistics_(statistics), masks_(run, bundles, statistics) {
+ShaftPasses::ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics,
+                         const BuiltHeightField* field)
+    : run_(run),
+      session_(session_of(run.device)),
+      statistics_(statistics),
+      masks_(run, bundles, statistics, field != nullptr) {
+    if (field != nullptr) horizons_.emplace(run, run.sorted, *field, bundles, statistics);
     // As many pairs as take some tenths of a second. At the end of each part a GPU waits for the work-groups that have
     // most to do (Sponza, 2^26 pairs a part: 1.7 G pairs/s in place of 4.2).
     const std::size_t pairs = session_.is_cpu() ? std::size_t(1) << 24 : std::size_t(1) << 30;
@@ -65,7 +70,10 @@ double ShaftPasses::timed_ms(ShaftShape shape) {
 // The masks of a part of the points.
 void ShaftPasses::decide(const PointPart& part, ShaftShape shape) {
     masks_.face(part);
+    const PointsLayout points = run_.sorted.part(part.first, part.count);
+    if (horizons_) horizons_->decide(points, masks_.for_horizons());
     masks_.trace(part, stage_of(shape), [&] { launch(part, shape); });
+    if (horizons_) horizons_->join(points, masks_.for_horizons());
 }
 
 void ShaftPasses::launch(const ShaftParams& params, std::size_t tasks, const char* stage) {
@@ -73,8 +81,9 @@ void ShaftPasses::launch(const ShaftParams& params, std::size_t tasks, const cha
     const SortedPoints& points = run_.sorted;
     session_.launch(triangles.kernel(("shafts/" + std::string(stage) + ".cl").c_str(), stage),
                     shaft_range(session_, tasks), params, masks_.bundles(), run_.tree.nodes(), run_.tree.leaves(),
-                    run_.tree.ids(), points.positions(), points.receivers(), points.surface_normals(), masks_.masks(),
-                    masks_.queue(), masks_.counters(), cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+                    run_.tree.ids(), points.positions(), points.receivers(),
+                    horizons_ ? masks_.for_horizons().begins : points.surface_normals(), masks_.masks(), masks_.queue(),
+                    masks_.counters(), cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
 }
 
 // On a GPU the tasks that blocks gave up follow.
@@ -98,6 +107,14 @@ double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Stat
     const std::size_t count = run.points.count();
     const SampledRun sample(run, share_of_sample(count));
     return ShaftPasses(sample.run(), bundles, statistics).timed_ms(ShaftShape::block) * double(count) /
+           double(sample.count());
+}
+
+double estimated_horizons_ms(const TreeRun& run, const LightBundles& sectors, const BuiltHeightField& field,
+                             Statistics& statistics) {
+    const std::size_t count = run.points.count();
+    const SampledRun sample(run, share_of_sample(count));
+    return ShaftPasses(sample.run(), sectors, statistics, &field).timed_ms(ShaftShape::point) * double(count) /
            double(sample.count());
 }
 

@@ -15,7 +15,9 @@ enum class ShaftShape { block, point, packet };
 class ShaftPasses {
 public:
     /// `bundles`: make_light_bundles() of the run's lights; for packets make_plain_bundles().
-    ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
+    /// `field`: the horizon of this height field decides first, for make_sector_bundles(); null: there is none.
+    ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics,
+                const BuiltHeightField* field = nullptr);
 
     void run(ShaftShape shape);
     /// How long the masks of all points take.
@@ -30,10 +32,14 @@ private:
     cl::Session& session_;
     Statistics& statistics_;
     LightMasks masks_;
+    std::optional<Horizons> horizons_;
 };
 
 /// The time that a run by blocks may take, as measured on a sample of the points.
 double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
+/// The same by the horizon of a height field.
+double estimated_horizons_ms(const TreeRun& run, const LightBundles& sectors, const BuiltHeightField& field,
+                             Statistics& statistics);
 /// The same by packets, as measured on a sample of points and bundles. For a CPU.
 double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics);
 

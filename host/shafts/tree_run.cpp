@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "api/statistics.hpp"
 #include "shafts/shaft_trace.hpp"
@@ -12,19 +13,40 @@ namespace {
 
 // Where a run takes less than some milliseconds, a sample of it takes as long.
 constexpr std::size_t pairs_worth_measuring = std::size_t(1) << 20;
+// For each triangle. A height field takes as long to make as some of them to decide.
+constexpr std::size_t pairs_worth_field = 8;
 constexpr double never = std::numeric_limits<double>::infinity();
 
 struct Bundled {
     LightBundles coned;
-    LightBundles plain;  // for packets; empty on a GPU
+    LightBundles plain;    // for packets; empty on a GPU
+    LightBundles sectors;  // for horizons; empty where the triangles are no height field
+    const BuiltHeightField* field = nullptr;
 };
 
 // A way that has no room takes for ever.
-double rays_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics) {
+template <typename Estimate>
+double ms_or_never(Estimate&& estimate) {
     try {
-        return estimated_packets_ms(run, plain, statistics);
+        return estimate();
     } catch (const OutOfDeviceMemory&) {
         return never;
+    }
+}
+
+void find_field(Bundled& bundles, const TreeRun& run, std::uint32_t bundle_lights,
+                const HeightFieldOfRun& height_field) {
+    bundles.field = height_field();
+    if (bundles.field != nullptr)
+        bundles.sectors = *make_sector_bundles(run.lights.lights(), bundle_lights, bundles.field->field().axis);
+}
+
+void find_field_if_there_is_room(Bundled& bundles, const TreeRun& run, std::uint32_t bundle_lights,
+                                 const HeightFieldOfRun& height_field) {
+    try {
+        find_field(bundles, run, bundle_lights, height_field);
+    } catch (const OutOfDeviceMemory&) {
+        bundles.field = nullptr;
     }
 }
 
@@ -44,46 +66,62 @@ ManyLightsWay faster_way_on_cpu(const TreeRun& run, const Bundled& bundles, cons
                                 Statistics& statistics) {
     constexpr std::size_t many_lights = 32;
     const std::size_t lights = run.lights.count();
-    if (are_thin(bundles.coned)) return ManyLightsWay::shafts;
-    const double shafts = estimated_shafts_ms(run, bundles.coned, statistics);
-    const double rays = rays_ms(run, bundles.plain, statistics), each = std::min(rays, shafts) / double(lights);
-    if (one_light_ms && lights < many_lights && one_light_ms() < each) return ManyLightsWay::one_by_one;
-    return shafts <= rays ? ManyLightsWay::shafts : ManyLightsWay::rays;
+    std::pair<double, ManyLightsWay> best = {estimated_shafts_ms(run, bundles.coned, statistics),
+                                             ManyLightsWay::shafts};
+    const double rays = ms_or_never([&] { return estimated_packets_ms(run, bundles.plain, statistics); });
+    best = std::min(best, {rays, ManyLightsWay::rays});
+    if (bundles.field != nullptr) {
+        const double horizons =
+            ms_or_never([&] { return estimated_horizons_ms(run, bundles.sectors, *bundles.field, statistics); });
+        best = std::min(best, {horizons, ManyLightsWay::horizons});
+    }
+    if (one_light_ms && lights < many_lights && one_light_ms() < best.first / double(lights))
+        return ManyLightsWay::one_by_one;
+    return best.second;
 }
 
-// On a GPU single lights took the least time only for the points of pictures and where bundles are wide
-// (docs/many_lights.md). Thousands of lights are dense.
+// On a GPU horizons took the least time but for the points of pictures, and single lights only for these and where
+// bundles are wide (docs/many_lights.md). Thousands of lights are dense.
 ManyLightsWay faster_way_on_gpu(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
                                 Statistics& statistics) {
     constexpr std::size_t dense_lights = 2048;
     const std::size_t lights = run.lights.count();
-    if (!one_light_ms || lights >= dense_lights || are_thin(bundles.coned)) return ManyLightsWay::shafts;
+    if (bundles.field != nullptr) return ManyLightsWay::horizons;
+    if (!one_light_ms || lights >= dense_lights) return ManyLightsWay::shafts;
     const double each = estimated_shafts_ms(run, bundles.coned, statistics) / double(lights);
     return one_light_ms() < each ? ManyLightsWay::one_by_one : ManyLightsWay::shafts;
 }
 
-ManyLightsWay faster_way(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
-                         Statistics& statistics) {
-    if (run.points.count() * run.lights.count() < pairs_worth_measuring) return ManyLightsWay::shafts;
+ManyLightsWay faster_way(const TreeRun& run, Bundled& bundles, std::uint32_t bundle_lights,
+                         const HeightFieldOfRun& height_field, const OneLightMs& one_light_ms, Statistics& statistics) {
+    const std::size_t pairs = run.points.count() * run.lights.count();
     const bool is_cpu = session_of(run.device).is_cpu();
+    if (pairs < pairs_worth_measuring) return ManyLightsWay::shafts;
+    if (pairs >= pairs_worth_field * run.triangles.count() && (is_cpu || !run.points.camera()))
+        find_field_if_there_is_room(bundles, run, bundle_lights, height_field);
+    if (bundles.field == nullptr && are_thin(bundles.coned)) return ManyLightsWay::shafts;
     return (is_cpu ? faster_way_on_cpu : faster_way_on_gpu)(run, bundles, one_light_ms, statistics);
 }
 
 }  // namespace
 
 bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
-                      const OneLightMs& one_light_ms, Statistics& statistics) {
+                      const HeightFieldOfRun& height_field, const OneLightMs& one_light_ms, Statistics& statistics) {
     if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return false;
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
     if (!coned) return false;
     const bool is_cpu = session_of(run.device).is_cpu();
     if (way == ManyLightsWay::rays && !is_cpu) way = ManyLightsWay::point_shafts;
-    Bundled bundles{std::move(*coned), {}};
+    Bundled bundles{std::move(*coned), {}, {}};
     if (is_cpu) bundles.plain = *make_plain_bundles(run.lights.lights(), &bundles.coned);
-    if (way == ManyLightsWay::automatic) way = faster_way(run, bundles, one_light_ms, statistics);
-    if (way == ManyLightsWay::one_by_one) return false;
+    if (way == ManyLightsWay::horizons) find_field(bundles, run, bundle_lights, height_field);
+    if (way == ManyLightsWay::automatic)
+        way = faster_way(run, bundles, bundle_lights, height_field, one_light_ms, statistics);
+    if (way == ManyLightsWay::one_by_one || (way == ManyLightsWay::horizons && bundles.field == nullptr)) return false;
     if (way == ManyLightsWay::rays)
         ShaftPasses(run, bundles.plain, statistics).run(ShaftShape::packet);
+    else if (way == ManyLightsWay::horizons)
+        ShaftPasses(run, bundles.sectors, statistics, bundles.field).run(ShaftShape::point);
     else
         ShaftPasses(run, bundles.coned, statistics)
             .run(way == ManyLightsWay::point_shafts ? ShaftShape::point : ShaftShape::block);

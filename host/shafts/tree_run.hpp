@@ -4,21 +4,24 @@
 
 #include <functional>
 
+#include "horizons/height_field.hpp"
 #include "shafts/light_masks.hpp"
 
 namespace gnomon {
 
 /// The ways to decide many lights, as the setting many-lights names them.
-enum class ManyLightsWay { automatic, one_by_one, shafts, point_shafts, rays };
+enum class ManyLightsWay { automatic, one_by_one, shafts, point_shafts, rays, horizons };
 
 /// The time of one light by the technique's own run, in ms.
 using OneLightMs = std::function<double()>;
+/// The height field that the triangles are, or null.
+using HeightFieldOfRun = std::function<const BuiltHeightField*()>;
 
 /// Decides a run through the tree. `automatic` takes the fastest way, by rule or as measured on a sample. False, and
 /// no output is written, if the tree cannot serve these lights (a point light among them, a direction that cannot be
-/// scaled, coordinates out of the filter's range), or, by `automatic`, would take longer than `one_light_ms`, if there
-/// is such a function, for each light. Adds its stages and counts to `statistics`.
+/// scaled, coordinates out of the filter's range, for `horizons` no height field), or, by `automatic`, would take
+/// longer than `one_light_ms`, if there is such a function, for each light. Adds its stages and counts to `statistics`.
 bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
-                      const OneLightMs& one_light_ms, Statistics& statistics);
+                      const HeightFieldOfRun& height_field, const OneLightMs& one_light_ms, Statistics& statistics);
 
 }  // namespace gnomon

@@ -31,7 +31,7 @@ GN_STRUCT_BEGIN(LightBundle)
     float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
     LightAxes axes[MOST_BUNDLE_LIGHTS];
     uint light_count;
-    uint padding[3];
+    float ground[3];  // of a sector (horizons/horizons.h): its middle along the ground, of length 1; else 0
 GN_STRUCT_END(LightBundle, 7728)
 
 #ifndef __cplusplus

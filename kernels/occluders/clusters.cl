@@ -15,6 +15,28 @@ __kernel void make_clusters(ClusterParams params, __global const float* vertices
     }
 }
 
+// ---- Box of all triangles ---------------------------------------------------------------------------------------
+
+__kernel void triangle_box(const TrianglesLayout layout, __global const float* vertices, __global uint* bounds) {
+    float3 low = (float3)(INFINITY), high = (float3)(-INFINITY);
+    uint count = 0;
+    GN_FOR_EACH(i, layout.count) {
+        Triangle t = load_triangle(vertices + layout.first_float, i);
+        if (!is_finite_triangle(t)) continue;
+        low = fmin(low, fmin(fmin(t.a, t.b), t.c));
+        high = fmax(high, fmax(fmax(t.a, t.b), t.c));
+        ++count;
+    }
+    if (count == 0u) return;
+    atomic_min(&bounds[0], float_to_key(low.x));
+    atomic_min(&bounds[1], float_to_key(low.y));
+    atomic_min(&bounds[2], float_to_key(low.z));
+    atomic_max(&bounds[3], float_to_key(high.x));
+    atomic_max(&bounds[4], float_to_key(high.y));
+    atomic_max(&bounds[5], float_to_key(high.z));
+    atomic_add(&bounds[6], count);
+}
+
 // ---- Order ----------------------------------------------------------------------------------------------------------
 
 // The code of the middle of the triangle's box. No sum here can overflow.

@@ -11,6 +11,9 @@
 #define CLUSTER_TRIANGLES 64u
 #define CLUSTER_BOX_BYTES 28
 
+// Of a scene: minima and maxima of its finite triangles' coordinates as keys (float_to_key), and their number.
+#define TRIANGLE_BOX_WORDS 7u
+
 // The order of the triangles is that of the Morton codes of the middles of their boxes, MORTON_BITS of each coordinate.
 // It affects speed alone. Triangles that are not finite come last.
 GN_STRUCT_BEGIN(ClusterParams)

@@ -6,26 +6,6 @@
 static float3 low_of(Triangle t) { return fmin(fmin(t.a, t.b), t.c); }
 static float3 high_of(Triangle t) { return fmax(fmax(t.a, t.b), t.c); }
 
-__kernel void tree_bounds(const TrianglesLayout layout, __global const float* vertices, __global uint* bounds) {
-    float3 low = (float3)(INFINITY), high = (float3)(-INFINITY);
-    uint count = 0;
-    GN_FOR_EACH(i, layout.count) {
-        Triangle t = load_triangle(vertices + layout.first_float, i);
-        if (!is_finite_triangle(t)) continue;
-        low = fmin(low, low_of(t));
-        high = fmax(high, high_of(t));
-        ++count;
-    }
-    if (count == 0u) return;
-    atomic_min(&bounds[0], float_to_key(low.x));
-    atomic_min(&bounds[1], float_to_key(low.y));
-    atomic_min(&bounds[2], float_to_key(low.z));
-    atomic_max(&bounds[3], float_to_key(high.x));
-    atomic_max(&bounds[4], float_to_key(high.y));
-    atomic_max(&bounds[5], float_to_key(high.z));
-    atomic_add(&bounds[6], count);
-}
-
 // The row's value of the first cluster.
 static __global float* box_row(__global float* clusters, const BinaryTreeParams params, uint row) {
     return clusters + (size_t)row * params.stride + TREE_REACH;

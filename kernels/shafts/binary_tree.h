@@ -44,9 +44,6 @@ GN_STRUCT_END(BinaryTreeParams, 32)
 #define TREE_BOX_ROWS 6u
 #define TREE_ROWS 8u
 
-// Of a scene: minima and maxima of its finite triangles' coordinates as keys (float_to_key), and their number.
-#define TREE_BOUNDS_WORDS 7u
-
 #ifndef __cplusplus
 static uint rank_of_child(__global const uint* ranks, uint child) {
     return (child & TREE_TRIANGLE) != 0u ? TREE_RANK(0u, 1u) : ranks[child];

@@ -8,10 +8,20 @@
 #define POINT_GROUPS POINT_GROUPS_ON_GPU
 #endif
 
+// planes: the points' surface normals or, where bundles are sectors, how far along the ground each mask's lights meet
+// nothing.
+static PointPlane plane_of(const ShaftParams params, __global const LightBundle* bundle, __global const float* planes,
+                           size_t point, size_t mask) {
+    if (params.are_sectors == 0u) return (PointPlane){vload3(point, planes), false, 0.0f};
+    float3 ground = vload3(0, bundle->ground);
+    bool is_sector = ground.x != 0.0f || ground.y != 0.0f || ground.z != 0.0f;
+    return (PointPlane){ground, is_sector, is_sector ? planes[mask] : 0.0f};
+}
+
 __kernel void point_shaft_trace(const ShaftParams params, __global const LightBundle* bundles,
                                 __global const float* nodes, __global const float* leaves, __global const uint* ids,
                                 __global const float* positions, __global const uint* receivers,
-                                __global const float* surface_normals, __global uint* masks, __global ShaftPairs* queue,
+                                __global const float* planes, __global uint* masks, __global ShaftPairs* queue,
                                 __global ShaftCounters* counters, __local uint* shared) {
     ShaftScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
@@ -28,8 +38,8 @@ __kernel void point_shaft_trace(const ShaftParams params, __global const LightBu
             PointWork work = {load_point(positions, params.points, point), *mask, GN_NO_ID, point, bundle};
             if (work.open == 0u || !is_present(work.p)) continue;
             if (params.points.has_receivers != 0u) work.receiver = receivers[first + point];
-            trace_point_shaft(&work, vload3(first + point, surface_normals), &bundles[bundle], &scene, blocking,
-                              &mine SHARED);
+            PointPlane plane = plane_of(params, &bundles[bundle], planes, first + point, mask - masks);
+            trace_point_shaft(&work, plane, &bundles[bundle], &scene, blocking, &mine SHARED);
 #if GN_LANES == 1
             barrier(CLK_GLOBAL_MEM_FENCE);  // all items have read the mask
             if (get_local_id(0) != 0) continue;

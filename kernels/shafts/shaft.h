@@ -54,7 +54,8 @@ GN_STRUCT_BEGIN(ShaftParams)
     uint queue_capacity;
     uint listed_tasks;  // so many tasks alone, those that shaft_trace left to point shafts; 0: all
     float rounding;     // a bound of the rounding errors of n . X, for coordinates of n up to 1
-    uint padding[3];
+    uint are_sectors;   // 1: of the bundles, those with a direction along the ground (light_bundle.h)
+    uint padding[2];
 GN_STRUCT_END(ShaftParams, 96)
 
 // A task is a block and a bundle: number bundle x blocks + block.

@@ -199,7 +199,8 @@ GN_INLINE_ON_CPU void trace_block(ShaftWork* work, __global const LightBundle* b
         uint i = (uint)(work->block * SHAFT_WIDTH) + (uint)lane;
         PointWork point = {lane_point(work->points, lane), (uint)LANE_OF_INT(work->open, lane),
                            (uint)LANE_OF_INT(work->receivers, lane), i, work->bundle};
-        trace_point_shaft(&point, vload3(i, surface_normals), bundle, scene, blocking, mine);
+        PointPlane plane = {vload3(i, surface_normals), false, 0.0f};
+        trace_point_shaft(&point, plane, bundle, scene, blocking, mine);
         LANE_OF_INT(work->open, lane) = (int)point.open;
     }
 }

@@ -11,6 +11,7 @@
 #include <gnomon.hpp>
 #include "support/cut_out_scenes.hpp"
 #include "support/light_scene.hpp"
+#include "support/terrains.hpp"
 
 namespace {
 
@@ -212,6 +213,30 @@ void cut_out(const gnomon::Device& device, bool is_second) {
     }
 }
 
+/// Suns over a terrain with steps and holes at its border, by its horizons.
+void meet_horizons(const gnomon::Device& device) {
+    Terrain terrain = lattice_terrain(3);
+    terrain.columns = 12, terrain.rows = 9;
+    const Floats scene = without_triangle(terrain.triangles(), 25);
+    const auto triangles = gnomon::Triangles::upload(device, scene);
+    Floats positions;
+    for (std::size_t i = 0; i < 60; ++i) add(positions, vertex(scene, 10 * i));
+    std::vector<gnomon::Light> lights;
+    for (int i = 0; i < 40; ++i)
+        lights.push_back(gnomon::Light::directional({1, -float(i % 20) / 8 - 0.1f, i < 20 ? 0.0f : 0.75f}));
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    technique->set("many-lights", "horizons");
+    const auto answers = gnomon::run_lights_to_host(*technique, triangles, gnomon::Points::upload(device, positions),
+                                                    gnomon::Lights(lights), {.counts = true});
+    std::vector<std::uint32_t> counts(positions.size() / 3);
+    for (const gnomon::Light& light : lights) {
+        const auto shadowed = reference::shadowed(scene, positions, {}, light.xyzw);
+        for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += !shadowed[i];
+    }
+    require(answers.counts == counts, "horizons: counts of lit lights");
+    std::printf("horizons: %zu points, %zu lights\n", counts.size(), lights.size());
+}
+
 }  // namespace
 
 int main(int count, char** arguments) try {
@@ -240,6 +265,7 @@ int main(int count, char** arguments) try {
         trace(device, {"soup, no map", soup(20, 1.2f, 4), places, along(0.1f, -1, 0.2f)},
               {{"conservative-map", "off"}});
         look(device, blocks, 24);
+        meet_horizons(device);
         const Light sun = along(-0.3f, -1, 0.2f), point_light = at(1.5f, 6, 1.5f);
         Floats on_floor = blocks;
         add(on_floor, {-9, -0.5f, -9}, {-9, -0.5f, 27}, {27, -0.5f, -9});

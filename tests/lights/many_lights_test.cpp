@@ -10,6 +10,7 @@
 
 #include "support/device.hpp"
 #include "support/light_scenes.hpp"
+#include "support/terrains.hpp"
 
 namespace {
 
@@ -330,6 +331,65 @@ TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
     }
 }
 
+/// Points on a rough terrain with their receivers, and sectors of suns, some below the horizon.
+LightScene points_on_terrain(std::size_t count) {
+    LightScene scene{.name = "terrain"};
+    scene.triangles = rough_terrain(21, 0.1f).triangles();
+    Random random(5);
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto t = std::uint32_t(random.below(scene.triangles.size() / 9));
+        add(scene.points, vertex(scene.triangles, 3 * t + random.below(3)));
+        scene.receivers.push_back(t);
+    }
+    return scene;
+}
+Lights suns_of_sectors(std::size_t count) {
+    Random random(6);
+    std::vector<gnomon::Light> lights;
+    for (std::size_t i = 0; i < count; ++i) {
+        const float azimuth = float(i % 5) * 1.1f + random.between(-0.05f, 0.05f);
+        lights.push_back(
+            gnomon::Light::directional({-std::cos(azimuth), -random.between(-0.1f, 0.8f), -std::sin(azimuth)}));
+    }
+    return Lights(lights);
+}
+
+TEST(ManyLights, HorizonsChangeNoBitWhateverTheSideAndTheDevice) {
+    LightScene scene = points_on_terrain(700);
+    const Lights lights = suns_of_sectors(150);
+    for (int kind = 0; kind < 5; ++kind) {
+        gnomon::DeviceOptions device_options;
+        if (kind == 1) device_options.gpu_kernels = true;
+        if (kind == 2) device_options.hide_fp64 = true;
+        if (kind == 3) device_options.work_group_size = 3;
+        if (kind == 4) device_options.memory_limit_bytes = 5 << 20;
+        const gnomon::Device device({}, device_options);
+        for (int side = 0; side < 3; ++side) {
+            SCOPED_TRACE("device " + std::to_string(kind) + ", side " + std::to_string(side));
+            gnomon::LightsOptions options;
+            scene.eye.reset();
+            if (side == 1) scene.eye = Float3{3, 300, -7};
+            if (side == 2) options.front = true;
+            const auto one = run(device, scene, lights, "one-by-one", options);
+            const auto horizons = run(device, scene, lights, "horizons", options, side == 0 ? "32" : "7");
+            EXPECT_EQ(one.bits, horizons.bits);
+            EXPECT_EQ(one.sums, horizons.sums);
+            EXPECT_TRUE(std::ranges::any_of(horizons.statistics.stages,
+                                            [](const auto& stage) { return stage.name == "horizons"; }));
+        }
+    }
+}
+
+// `auto` measures horizons beside the other ways where the triangles are a height field, and takes them for this one.
+TEST(ManyLights, AutoTakesHorizonsForTheVerticesOfATerrain) {
+    const gnomon::Device device = device_with();
+    const LightScene scene = points_on_terrain(1500);
+    const auto either = run(device, scene, suns_of_sectors(900), "auto");
+    EXPECT_EQ(either.bits, run(device, scene, suns_of_sectors(900), "horizons").bits);
+    EXPECT_TRUE(
+        std::ranges::any_of(either.statistics.stages, [](const auto& stage) { return stage.name == "horizons"; }));
+}
+
 // The points of a picture go by squares of its pixels, or in rows where its sides are no multiples of 4.
 TEST(ManyLights, PicturesAreThoseOfOneLight) {
     const FacedScene scene = boxes_on_floor(1, 13);
@@ -420,6 +480,8 @@ TEST(ManyLights, RefusesWhatHasNoMeaning) {
               "cosines need a normal per point");
     const Lights lamp({gnomon::Light::positional({1, 2, 3})});
     EXPECT_NE(message_of([&] { run(device, scene, lamp, "shafts"); }).find("many-lights=auto"), std::string::npos);
+    EXPECT_NE(message_of([&] { run(device, scene, Lights({sun}), "horizons"); }).find("side by side over a plane"),
+              std::string::npos);
     options = {};
     options.progress = [](double) { return false; };
     EXPECT_THROW(run(device, scene, Lights({sun}), "shafts", options), gnomon::Cancelled);

@@ -28,8 +28,8 @@ std::vector<Configuration> default_configurations();
 std::vector<Configuration> swept_configurations(std::uint32_t largest_map = 8192);
 
 /// Every way to so many lights (`many-lights` of the exact technique), the automatic choice first. Thousands of lights
-/// one by one would take minutes, so that way is among them for 1,024 lights at most.
-std::vector<Configuration> many_lights_configurations(std::size_t lights);
+/// one by one would take minutes, so that way is among them for 1,024 lights at most; horizons for a height field.
+std::vector<Configuration> many_lights_configurations(std::size_t lights, bool is_height_field);
 
 /// Shadow maps with constant, slope-scaled, adaptive and dual-layer bias of several strengths.
 std::vector<Configuration> bias_configurations();

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include "horizons/horizons.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon {
+namespace {
+
+// A step's length beside the width of the strip, and at least, in half cells. Shorter ones leave fewer lights open.
+constexpr double step_length = 0.5;
+// Stretches nearer than this, in half cells, may be met triangle by triangle.
+constexpr double near_distance = 32;
+// By how much more regions are taken, in half cells, than a strip is wide: what coordinates round, and FIELD_SNAP.
+constexpr double region_slack = 0.03;
+
+using Place = std::array<double, 2>;
+
+// The strip of a sector: middle + x across for |x| <= half_width, at a distance of 1.
+struct Strip {
+    Place middle, across;
+    double half_width;
+
+    Place at(double q, double x) const { return {q * (middle[0] + x * across[0]), q * (middle[1] + x * across[1])}; }
+};
+
+struct SectorTables {
+    std::vector<HorizonSector> sectors;
+    std::vector<HorizonStep> steps;
+};
+
+struct Range {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    void add(double value) {
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+};
+
+// No value where some light has no place in a sector.
+std::optional<Strip> strip_of(const LightBundle& bundle, std::uint32_t axis, double slope_scale,
+                              HorizonSector& sector) {
+    Place sum{};
+    std::vector<Place> ground;
+    for (std::uint32_t l = 0; l < bundle.light_count; ++l) {
+        const auto coordinate = [&](std::uint32_t c) { return double(bundle.directions[(axis + c) % 3][l]); };
+        const double length = std::hypot(coordinate(1), coordinate(2));
+        if (!(coordinate(0) > 0 && length > 0.02 * coordinate(0))) return {};
+        ground.push_back({coordinate(1), coordinate(2)});
+        for (int c = 0; c < 2; ++c) sum[c] += ground.back()[c] / length;
+    }
+    const double length = std::hypot(sum[0], sum[1]);
+    if (!(length > 0.9 * bundle.light_count)) return {};
+    Strip strip{{sum[0] / length, sum[1] / length}, {}, 0};
+    strip.across = {-strip.middle[1], strip.middle[0]};
+    for (std::uint32_t l = 0; l < bundle.light_count; ++l) {
+        const Place& d = ground[l];
+        const double q = d[0] * strip.middle[0] + d[1] * strip.middle[1];
+        const double x = (d[0] * strip.across[0] + d[1] * strip.across[1]) / q;
+        strip.half_width = std::max(strip.half_width, std::abs(x) + STRIP_MARGIN);
+        sector.slopes[l] = float(double(bundle.directions[axis][l]) / q * slope_scale);
+    }
+    if (strip.half_width > 0.2) return {};
+    return strip;
+}
+
+// The part of a strip from q to `end`.
+HorizonStep step_over(const Strip& strip, double q, double end, const std::vector<FieldLevel>& levels) {
+    Range x, y;
+    for (const double distance : {q, end})
+        for (const double side : {-strip.half_width, strip.half_width}) {
+            const Place at = strip.at(distance, side);
+            x.add(at[0]);
+            y.add(at[1]);
+        }
+    const double width = std::max(x.high - x.low, y.high - y.low) + 2 * region_slack;
+    std::size_t level = 0;
+    while (std::ldexp(1.0, int(level)) < width && level + 1 < levels.size()) ++level;
+    return {.low = {float(x.low - region_slack), float(y.low - region_slack)},
+            .q = float(q),
+            .q_inverse = float(1 / q),
+            .end = float(end),
+            .size_inverse = std::ldexp(1.0f, -int(level)),
+            .first = levels[level].first,
+            .columns = levels[level].columns,
+            .rows = levels[level].rows,
+            .padding = {}};
+}
+
+void add_steps(SectorTables& made, HorizonSector& sector, const Strip& strip, const std::vector<FieldLevel>& levels) {
+    sector.first_step = static_cast<std::uint32_t>(made.steps.size());
+    const double farthest = std::hypot(levels[0].columns, levels[0].rows);
+    for (double q = sector.near_reach; q < farthest; ++sector.stretch_count) {
+        const std::size_t stretch = made.steps.size();
+        const double first = q;
+        made.steps.emplace_back();
+        for (std::uint32_t k = 0; k < STEPS_OF_STRETCH; ++k) {
+            const double end = q + std::max(step_length, 2 * strip.half_width * q * step_length);
+            made.steps.push_back(step_over(strip, q, end, levels));
+            q = end;
+        }
+        made.steps[stretch] = step_over(strip, first, q, levels);
+        if (q < near_distance) ++sector.near_stretches;
+    }
+}
+
+void set_major(HorizonSector& sector, const Strip& strip) {
+    sector.major = std::abs(strip.middle[0]) >= std::abs(strip.middle[1]) ? 0 : 1;
+    sector.forward = strip.middle[sector.major] > 0 ? 1 : -1;
+    Range minor, major;
+    for (const double side : {-strip.half_width, strip.half_width}) {
+        const Place at = strip.at(1, side);
+        minor.add(at[1 - sector.major] / std::abs(at[sector.major]));
+        major.add(std::abs(at[sector.major]) / 2);
+    }
+    sector.least_minor = float(minor.low);
+    sector.most_minor = float(minor.high);
+    sector.least_major = float(major.low);
+    sector.most_major = float(major.high);
+}
+
+void add_sector(SectorTables& made, const LightBundle& bundle, const BuiltHeightField& built) {
+    const HeightField& field = built.field();
+    HorizonSector sector{};
+    sector.light_count = bundle.light_count;
+    const auto strip = strip_of(bundle, field.axis, double(field.units) / field.halves, sector);
+    if (strip) {
+        sector.half_width = float(strip->half_width);
+        Range ranges[2];
+        double fastest = 0;
+        for (const double side : {-strip->half_width, strip->half_width})
+            for (int c = 0; c < 2; ++c) {
+                ranges[c].add(strip->at(1, side)[c]);
+                fastest = std::max(fastest, std::abs(strip->at(1, side)[c]));
+            }
+        for (int c = 0; c < 2; ++c) {
+            sector.along[c] = float(strip->middle[c] * field.halves);
+            sector.across[c] = float(strip->across[c] * field.halves);
+            sector.least[c] = float(ranges[c].low);
+            sector.most[c] = float(ranges[c].high);
+        }
+        set_major(sector, *strip);
+        sector.near_reach = float((2 * NEAR_CELLS - 0.1) / fastest);
+        add_steps(made, sector, *strip, built.levels());
+    }
+    made.sectors.push_back(sector);
+}
+
+template <typename Entry>
+void upload(cl::Session& session, cl::Buffer& buffer, const std::vector<Entry>& entries) {
+    buffer.reserve(session, entries.size() * sizeof(Entry));
+    if (!entries.empty()) session.write(buffer.get(), entries.data(), entries.size() * sizeof(Entry));
+}
+
+}  // namespace
+
+Horizons::Horizons(const LightsRun& run, const SortedPoints& sorted, const BuiltHeightField& field,
+                   const LightBundles& bundles, Statistics& statistics)
+    : run_(run), sorted_(sorted), field_(field), session_(session_of(run.device)), statistics_(statistics) {
+    SectorTables tables;
+    for (const LightBundle& bundle : bundles.bundles) add_sector(tables, bundle, field);
+    upload(session_, sectors_, tables.sectors);
+    upload(session_, steps_, tables.steps);
+}
+
+HorizonParams Horizons::params_of(const PointsLayout& points, const HorizonMasks& masks) const {
+    return {.field = field_.field(),
+            .points = points,
+            .bundle_count = masks.bundle_count,
+            .mask_stride = masks.stride,
+            .padding = {}};
+}
+
+void Horizons::decide(const PointsLayout& points, const HorizonMasks& masks) {
+    const cl::StageTimer timer(session_, statistics_, "horizons");
+    const std::size_t tasks = std::size_t(points.count) * masks.bundle_count / session_.lanes() + 1;
+    session_.launch("horizons/horizons.cl", "horizons", session_.uneven_items(tasks, 1), params_of(points, masks),
+                    sectors_, steps_, field_.starts(), field_.list(), field_.pyramid(),
+                    triangle_inputs(run_.triangles).vertices, sorted_.positions(), sorted_.receivers(), masks.masks,
+                    masks.lit, masks.begins);
+}
+
+void Horizons::join(const PointsLayout& points, const HorizonMasks& masks) {
+    const cl::StageTimer timer(session_, statistics_, "horizons_join");
+    session_.launch("horizons/horizons.cl", "horizons_join",
+                    cl::Range::items(std::size_t(points.count) * masks.bundle_count), params_of(points, masks),
+                    masks.masks, masks.lit);
+}
+
+}  // namespace gnomon
