@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Contract of the shading: a light's part, and the table from linear light in [0, 1] to 8-bit sRGB.
+#pragma once
+
+#include "simd/points.h"
+
+#define SRGB_TABLE_SIZE 4096
+
+GN_STRUCT_BEGIN(ShadeParams)
+    PointsLayout layout;
+    float light[4];  // homogeneous, as in LightFrame
+GN_STRUCT_END(ShadeParams, 64)
+
+GN_STRUCT_BEGIN(PictureParams)
+    uint count;           // pixels
+    uint has_albedos;     // 0: the triangles' materials have the base colours
+    uint has_sky_shares;  // 0: ambient light everywhere
+    float exposure;       // the factor of all light
+GN_STRUCT_END(PictureParams, 16)

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+// Contract of bundles: up to 32 directional lights whose bits are one mask word of each point, and cones that contain
+// their directions where they are neighbours.
+#pragma once
+
+#include "simd/points.h"
+
+#define MOST_BUNDLE_LIGHTS 32u
+
+// All directions are scaled by powers of two, exactly, so that the largest coordinate of each is between 1/2 and 1. A
+// cone holds the directions of some lights: for each of these, D, there are s > 0 and u, v in [-1, 1] with
+// s D = middle + u across + v along; middle, across and along have coordinates of at most 1.
+GN_STRUCT_BEGIN(LightCone)
+    // Outward normals of the shaft's four sides and of its near side: n . D < 0 for each light.
+    float planes[5][3];
+    float middle[3], across[3], along[3];
+GN_STRUCT_END(LightCone, 96)
+
+// The axes of a light. w points towards it, u and v are at right angles to it but for rounding: |u . D| and |v . D| are
+// at most 5.2e-8 |D|. No coordinate of u, v and w exceeds 1.
+GN_STRUCT_BEGIN(LightAxes)
+    float u[3], v[3], w[3];
+    float padding;
+GN_STRUCT_END(LightAxes, 40)
+
+// Neighbouring lights, and cones of all of them, of each half of the slots, of each half of these, and so on down to
+// single lights. Where all open lights lie in one part, its cone is thinner.
+#define LIGHT_CONES 63u
+GN_STRUCT_BEGIN(LightBundle)
+    LightCone cones[LIGHT_CONES];
+    float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
+    LightAxes axes[MOST_BUNDLE_LIGHTS];
+    uint light_count;
+    float ground[3];  // of a fan (shafts/horizons.h): its middle along the ground, of length 1; else 0
+GN_STRUCT_END(LightBundle, 7728)
+
+#ifndef __cplusplus
+// The cone of the smallest part that has all lights of a mask.
+static __global const LightCone* cone_of(__global const LightBundle* bundle, uint lights) {
+    uint part = 0u;
+    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; part < LIGHT_CONES / 2u; size /= 2u) {
+        uint low = ((1u << size) - 1u) << first, high = low << size;
+        if ((lights & (low | high)) != lights || ((lights & low) != 0u && (lights & high) != 0u)) break;
+        part = 2u * part + ((lights & low) != 0u ? 1u : 2u);
+        if ((lights & low) == 0u) first += size;
+    }
+    return &bundle->cones[part];
+}
+
+// Of lights, those in the lower half of the smallest part that has all of them; 0 where that part has no cones of
+// halves.
+static uint lower_lights(uint lights) {
+    for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= 2u * MOST_BUNDLE_LIGHTS / (LIGHT_CONES + 1u);
+         size /= 2u) {
+        uint low = ((1u << size) - 1u) << first;
+        if ((lights & low) != 0u && (lights & ~low) != 0u) return lights & low;
+        if ((lights & low) == 0u) first += size;
+    }
+    return 0u;
+}
+
+static float along_axis(const float* axis, float3 p) { return fma(axis[0], p.x, fma(axis[1], p.y, axis[2] * p.z)); }
+
+static float3 light_direction(__global const LightBundle* bundle, uint light) {
+    return (float3)(bundle->directions[0][light], bundle->directions[1][light], bundle->directions[2][light]);
+}
+#endif

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// Decides facing for many lights at once (light_sides.h), exactly. The sign of a light against a receiver's plane is
+// that of n . D, which lanes_side() decides; against a normal, lanes_normal_faces().
+//
+// Before, a filter decides all lights of a cone. With s D = m + u a + v b, s > 0 and |u|, |v| <= 1 (light_bundle.h),
+// n . D is positive for all of them if n . m > |n . a| + |n . b|. S is the sum of the sizes of n's coordinates, for a
+// receiver's normal of both products of each. In units of 2^-24 S: the errors of such a normal (two differences, a
+// product, a difference: 4 of a coordinate's size) make each of the three products wrong by 4, as no coordinate of m, a
+// and b exceeds 1; each rounds by 3, and their sums by 5. Together 26, less than 32.
+#include "exact/normal_side.clh"
+#include "lights/light_sides.h"
+#include "receivers/facing.clh"
+
+typedef struct SidedPoints {
+    PointBlock points;
+    TriangleBlock receivers;
+    LaneCross receiver_normals;
+    PointBlock normals;
+    LaneInt sided;  // the lanes with a side
+    LaneInt eye_side;
+    LaneFloat cone_bound;  // of the filter of a cone; infinite: never certain
+} SidedPoints;
+
+// The lights of a part of a bundle, which one cone holds.
+#define LIGHTS_OF_CONE (MOST_BUNDLE_LIGHTS / 4u)
+#define FIRST_SMALL_CONE 3u
+
+static TriangleBlock gather_triangles(Triangles triangles, LaneInt ids, LaneInt lanes) {
+    __global const float* rows[GN_LANES];
+    for (uint lane = 0; lane < GN_LANES; ++lane)
+        rows[lane] = triangles.vertices + 9 * (size_t)(LANE_OF_INT(lanes, lane) ? (uint)LANE_OF_INT(ids, lane) : 0u);
+    return load_triangle_rows(rows);
+}
+
+static LaneFloat cone_bound(PointBlock sizes) {
+    return (fabs(sizes.x) + fabs(sizes.y) + fabs(sizes.z)) * (32.0f * 0x1p-24f) + 0x1p-100f;
+}
+
+static SidedPoints load_sided(const LightSidesParams params, size_t block, __global const float* vertices,
+                              __global const float* positions, __global const uint* receivers,
+                              __global const float* normals, uint* exact) {
+    SidedPoints s;
+    s.points = load_block(positions, params.points, block);
+    s.sided = valid_lanes(params.points, block) & present_lanes(s.points);
+    if (params.side == SIDE_NORMALS) {
+        s.normals = load_block(normals, params.points, block);
+        s.sided &= present_lanes(s.normals);
+        s.eye_side = (LaneInt)(1);
+        s.cone_bound = cone_bound(s.normals);
+        return s;
+    }
+    Triangles triangles = triangles_of(vertices, params.triangles);
+    LaneInt ids = load_lane_ids(receivers + params.points.first / 3u, params.points, block);
+    s.sided &= lanes_below(ids, triangles.count);
+    s.receivers = gather_triangles(triangles, ids, s.sided);
+    s.sided &= finite_triangles(&s.receivers);
+    s.receiver_normals = triangle_normals(&s.receivers);
+    s.normals = s.receiver_normals.value;
+    s.cone_bound = LANES_SELECT((LaneFloat)(INFINITY), cone_bound(s.receiver_normals.size), s.receiver_normals.usable);
+    s.eye_side = (LaneInt)(1);
+    if (params.side == SIDE_EYE) {
+        float3 at = eye_of(params.points);
+        PointBlock eye = same_point(at.x, at.y, at.z);
+        s.eye_side = lanes_side(&s.receivers, &s.receiver_normals, &eye, &s.receivers.a, s.sided, exact);
+    }
+    return s;
+}
+
+// The lanes that face a light.
+static LaneInt lanes_face(const SidedPoints* s, uint side, float3 direction, uint* exact) {
+    if (side == SIDE_NORMALS) return lanes_normal_faces(&s->normals, direction, s->sided);
+    PointBlock towards = same_point(direction.x, direction.y, direction.z), from = same_point(0.0f, 0.0f, 0.0f);
+    LaneInt light_side = lanes_side(&s->receivers, &s->receiver_normals, &towards, &from, s->sided, exact);
+    return s->sided & LANE_COMPARE(light_side, ==, s->eye_side) & LANE_COMPARE(light_side, !=, (LaneInt)(0));
+}
+
+static LaneFloat normals_along(const PointBlock* n, __global const float* d) {
+    return fma(n->x, d[0], fma(n->y, d[1], n->z * d[2]));
+}
+
+// The lanes that face all lights of a cone, or none. Returns whether that is certain for all lanes that have a side.
+static bool cone_is_certain(const SidedPoints* s, __global const LightCone* cone, LaneInt* face) {
+    LaneFloat middle = normals_along(&s->normals, cone->middle);
+    LaneFloat radius = fabs(normals_along(&s->normals, cone->across)) + fabs(normals_along(&s->normals, cone->along));
+    LaneInt front = LANE_COMPARE(middle - radius, >, s->cone_bound),
+            back = LANE_COMPARE(middle + radius, <, -s->cone_bound);
+    LaneInt side = LANES_SELECT(LANES_SELECT((LaneInt)(0), (LaneInt)(-1), back), (LaneInt)(1), front);
+    *face = s->sided & LANE_COMPARE(side, ==, s->eye_side);
+    return !LANES_ANY(s->sided & ~(front | back));
+}
+
+// Of the lights of a bundle, those that each point faces.
+static LaneInt lights_faced(const SidedPoints* s, uint side, __global const LightBundle* bundle, uint* exact) {
+    uint count = bundle->light_count;
+    LaneInt face, mask = (LaneInt)((int)(count < 32u ? (1u << count) - 1u : GN_NO_ID));
+    if (side == SIDE_NONE) return mask;
+    if (cone_is_certain(s, &bundle->cones[0], &face)) return mask & (face | ~s->sided);
+    for (uint first = 0; first < count; first += LIGHTS_OF_CONE) {
+        LaneInt all = (LaneInt)((int)(((1u << LIGHTS_OF_CONE) - 1u) << first));
+        if (cone_is_certain(s, &bundle->cones[FIRST_SMALL_CONE + first / LIGHTS_OF_CONE], &face)) {
+            mask &= ~(s->sided & ~face & all);
+            continue;
+        }
+        for (uint l = first; l < min(count, first + LIGHTS_OF_CONE); ++l)
+            mask &= ~(s->sided & ~lanes_face(s, side, light_direction(bundle, l), exact) & (LaneInt)((int)(1u << l)));
+    }
+    return mask;
+}
+
+GN_NOINLINE_ON_CPU void decide_light_sides(ItemRange items, const LightSidesParams params,
+                                           __global const LightBundle* bundles, __global const float* vertices,
+                                           __global const float* positions, __global const uint* receivers,
+                                           __global const float* normals, __global uint* masks) {
+    uint exact = 0;
+    GN_FOR_EACH_OF(block, items) {
+        SidedPoints s;
+        if (params.side != SIDE_NONE) s = load_sided(params, block, vertices, positions, receivers, normals, &exact);
+        for (uint b = 0; b < params.bundle_count; ++b) {
+            LaneInt mask = lights_faced(&s, params.side, &bundles[b], &exact);
+            store_lanes(LANES_AS_FLOAT(mask), (__global float*)(masks + b * (size_t)params.mask_stride), params.points,
+                        block);
+        }
+    }
+}
+
+__kernel void light_sides(const LightSidesParams params, __global const LightBundle* bundles,
+                          __global const float* vertices, __global const float* positions,
+                          __global const uint* receivers, __global const float* normals, __global uint* masks) {
+    decide_light_sides(item_range(block_count(params.points)), params, bundles, vertices, positions, receivers, normals,
+                       masks);
+}

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// The base of every kernel and every contract: names that both compilers know, the rounding rules, and the loops that
+// share a range out over all work-items.
+//
+// Rounding: every float operation rounds once, to nearest even. OpenCL C contracts a * b + c by default; the pragma
+// below forbids it in all files that include this header (checked at start-up, see self_check.cl). Code that needs a
+// fused product calls fma(). No relaxed-math build option is passed.
+//
+// Host-given macros: GN_FP64 (the device has double precision), GN_CPU (work-items run one after the other, so each
+// takes a contiguous chunk), GN_LANES (points per work-item in the vector kernels: 16 on a CPU, 1 on a GPU),
+// GN_KEEP_ITEMS_APART (a CPU's compiler has the extension cl_intel_vec_len_hint).
+#pragma once
+
+#ifndef __cplusplus
+
+// A compiler for CPUs must not join work-items to vectors: kernels for CPUs are written with vectors. Intel's compiler
+// crashes or gives wrong bits where it does so (docs/drivers.md), and takes six times as long.
+#ifdef GN_KEEP_ITEMS_APART
+#define __kernel __attribute__((intel_vec_len_hint(1))) kernel
+#endif
+
+#pragma OPENCL FP_CONTRACT OFF
+#ifdef GN_FP64
+#pragma OPENCL EXTENSION cl_khr_fp64 : enable
+#endif
+
+#define GN_STRUCT_BEGIN(name) typedef struct name {
+#define GN_STRUCT_END(name, bytes) \
+    }                              \
+    name;                          \
+    typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
+// For a size that is a multiple of 16 bytes: a GPU then reads and writes 16 bytes at a time instead of single members.
+#define GN_ALIGNED_STRUCT_END(name, bytes) \
+    }                                      \
+    __attribute__((aligned(16))) name;     \
+    typedef char name##_has_size[sizeof(name) == (bytes) ? 1 : -1];
+
+// for (i over [0, n)), shared out over all work-items: a GPU's items take neighbours (coalesced), a CPU's chunks
+// (cached).
+#ifdef GN_CPU
+#define GN_CHUNK(n) (((size_t)(n) + get_global_size(0) - 1) / get_global_size(0))
+#define GN_FOR_EACH(i, n)                                                                 \
+    for (size_t i = get_global_id(0) * GN_CHUNK(n),                                       \
+                i##_end = min((size_t)(get_global_id(0) + 1) * GN_CHUNK(n), (size_t)(n)); \
+         i < i##_end; ++i)
+#else
+#define GN_FOR_EACH(i, n) for (size_t i = get_global_id(0); i < (size_t)(n); i += get_global_size(0))
+#endif
+
+// The part of [0, n) that GN_FOR_EACH gives a work-item, and the loop over that part.
+typedef struct ItemRange {
+    size_t first, end, step;
+} ItemRange;
+static ItemRange item_range(size_t n) {
+#ifdef GN_CPU
+    return (ItemRange){get_global_id(0) * GN_CHUNK(n), min((size_t)(get_global_id(0) + 1) * GN_CHUNK(n), n), 1};
+#else
+    return (ItemRange){get_global_id(0), n, get_global_size(0)};
+#endif
+}
+#ifdef GN_CPU
+#define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; ++i)
+#else
+#define GN_FOR_EACH_OF(i, items) for (size_t i = (items).first; i < (items).end; i += (items).step)
+#endif
+
+// A function for a kernel's work. PoCL compiles a kernel three times, once for each way to call it, together with all
+// inlined functions that read ids or meet a barrier. This function does neither and is compiled once.
+#ifdef GN_CPU
+#define GN_NOINLINE_ON_CPU __attribute__((noinline)) static
+#else
+#define GN_NOINLINE_ON_CPU static
+#endif
+
+// A part of a kernel that is a function only for the reader. On an NVIDIA GPU samples_guess reads and writes addresses
+// out of range if such a part is not inlined (driver 580).
+#define GN_INLINE __attribute__((always_inline)) static
+
+// A function for the innermost loops. PoCL's compiler does not inline a function with several callers, and then passes
+// its blocks of 16 lanes through memory.
+#ifdef GN_CPU
+#define GN_INLINE_ON_CPU GN_INLINE
+#else
+#define GN_INLINE_ON_CPU static
+#endif
+
+// Order-preserving map of floats to unsigned integers (no NaN), so that integer atomics find float minima.
+static uint float_to_key(float x) {
+    uint bits = as_uint(x);
+    return (bits & 0x80000000u) ? ~bits : bits | 0x80000000u;
+}
+static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key & 0x7FFFFFFFu : ~key); }
+
+// Loads a word (volatile) that other items change by atomics, only to save an atomic that would change nothing: the
+// value may be stale, and the atomic decides. oclgrind reports every such load as a race; in its runs it is an atomic.
+#ifdef GN_ATOMIC_RELAXED_LOADS
+#define GN_RELAXED_LOAD(address) atomic_or(address, 0u)
+#else
+#define GN_RELAXED_LOAD(address) (*(address))
+#endif
+
+// Prefetches these bytes where a CPU's compiler can. Changes no value.
+#if defined(GN_CPU) && defined(__has_builtin) && !defined(__SPIRV__) && !defined(__SPIR__)
+#if __has_builtin(__builtin_prefetch)
+#define GN_PREFETCH(address) __builtin_prefetch(address)
+#endif
+#endif
+#ifndef GN_PREFETCH
+#define GN_PREFETCH(address) (void)(address)
+#endif
+
+#define GN_FINITE(x) (fabs(x) <= FLT_MAX)  // false for NaN too
+
+#else  // C++
+
+#include <cstdint>
+
+namespace gnomon {
+using uint = std::uint32_t;
+using ulong = std::uint64_t;
+using ushort = std::uint16_t;
+struct alignas(16) float4 {
+    float values[4];
+    operator float*() { return values; }
+    operator const float*() const { return values; }
+};
+}  // namespace gnomon
+
+#define GN_STRUCT_BEGIN(name) \
+    namespace gnomon {        \
+    struct name {
+#define GN_STRUCT_END(name, bytes)          \
+    }                                       \
+    ;                                       \
+    static_assert(sizeof(name) == (bytes)); \
+    }
+#define GN_ALIGNED_STRUCT_END GN_STRUCT_END
+
+#endif
+
+// Half an ulp of 1: the relative error of one rounding to nearest.
+#define GN_U 5.9604645e-8f
+
+#define GN_NO_ID 0xFFFFFFFFu

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// The tree of a shaft's triangles (shaft.h): nodes of SHAFT_WIDTH children, level by level from the root of a binary
+// tree (binary_tree.h), and the leaves.
+#include "exact/cut_outs.clh"
+#include "shafts/binary_tree.h"
+#include "shafts/shaft.h"
+
+#ifdef GN_CPU
+#define SHAFT_WIDTH SHAFT_WIDTH_ON_CPU
+#else
+#define SHAFT_WIDTH SHAFT_WIDTH_ON_GPU
+#endif
+
+// Replaces child k by the parts of its unit. Returns the number of children.
+static uint open_unit(__global const BinaryNode* binary, __global const uint* ranks, uint* children, uint count,
+                      uint k) {
+    uint level = RANK_LEVEL(rank_of_child(ranks, children[k]));
+    // Child k first, then those that were added for it.
+    for (uint added = count; k < count; k = k < added ? added : k + 1u)
+        while (RANK_LEVEL(rank_of_child(ranks, children[k])) == level) {
+            BinaryNode opened = binary[children[k]];
+            children[k] = opened.left;
+            children[count++] = opened.right;
+        }
+    return count;
+}
+
+// The children that take the place of child k where it is opened: all parts of a unit of leaves, so that the lowest
+// nodes are full; else its two children in the binary tree. 0: it is a leaf.
+static uint parts_of_child(__global const uint* ranks, uint child) {
+    uint rank = rank_of_child(ranks, child), level = RANK_LEVEL(rank);
+    return level == 0u ? 0u : level == 1u ? RANK_PARTS(rank) : 2u;
+}
+
+// The children of a node whose root in the binary tree is `root`: as long as there is room, the child with the largest
+// box is opened. Returns their number.
+static uint open_children(__global const BinaryNode* binary, __global const uint* ranks, uint root, uint* children) {
+    uint count = 1u;
+    children[0] = root;
+    for (;;) {
+        uint best = SHAFT_WIDTH;
+        float largest = -1.0f;
+        for (uint k = 0; k < count; ++k) {
+            uint parts = parts_of_child(ranks, children[k]);
+            if (parts == 0u || count - 1u + parts > SHAFT_WIDTH) continue;
+            float3 size = vload3(0, binary[children[k]].high) - vload3(0, binary[children[k]].low);
+            float area = size.x * size.y + size.y * size.z + size.z * size.x;
+            if (!(area > largest)) continue;
+            largest = area;
+            best = k;
+        }
+        if (best == SHAFT_WIDTH) return count;
+        if (RANK_LEVEL(ranks[children[best]]) == 1u) {
+            count = open_unit(binary, ranks, children, count, best);
+            continue;
+        }
+        BinaryNode opened = binary[children[best]];
+        children[best] = opened.left;
+        children[count++] = opened.right;
+    }
+}
+
+static void write_box(__global float* node, uint k, float3 low, float3 high) {
+    node += k;
+    node[0] = low.x, node[SHAFT_WIDTH] = low.y, node[2u * SHAFT_WIDTH] = low.z;
+    node[3u * SHAFT_WIDTH] = high.x, node[4u * SHAFT_WIDTH] = high.y, node[5u * SHAFT_WIDTH] = high.z;
+}
+
+static void write_box_of_child(const ShaftTreeParams params, __global const float* vertices,
+                               __global const uint* numbers, __global const BinaryNode* binary, uint child,
+                               __global float* node, uint k) {
+    if ((child & TREE_TRIANGLE) != 0u) {
+        Triangle t = load_triangle(vertices + params.triangles.first_float, numbers[child & ~TREE_TRIANGLE]);
+        write_box(node, k, fmin(fmin(t.a, t.b), t.c), fmax(fmax(t.a, t.b), t.c));
+    } else {
+        write_box(node, k, vload3(0, binary[child].low), vload3(0, binary[child].high));
+    }
+}
+
+// The nodes of one level, and the roots of their children: of the next level's nodes, and of leaves. Counters that
+// exceed a capacity tell the host to make room and begin again.
+__kernel void shaft_nodes(const ShaftTreeParams params, __global const float* vertices, __global const uint* numbers,
+                          __global const BinaryNode* binary, __global const uint* ranks, __global float* nodes,
+                          __global uint* node_roots, __global uint* leaf_roots, __global ShaftTreeCounters* counters) {
+    GN_FOR_EACH(i, params.count) {
+        uint children[SHAFT_WIDTH];
+        uint count = open_children(binary, ranks, node_roots[params.first + i], children);
+        __global float* node = nodes + (params.first + i) * (SHAFT_NODE_ROWS * SHAFT_WIDTH);
+        __global uint* codes = (__global uint*)node + 6u * SHAFT_WIDTH;
+        for (uint k = 0; k < SHAFT_WIDTH; ++k) {
+            codes[k] = 0u;
+            if (k >= count) {
+                write_box(node, k, (float3)(INFINITY), (float3)(-INFINITY));
+                continue;
+            }
+            write_box_of_child(params, vertices, numbers, binary, children[k], node, k);
+            bool is_leaf = RANK_LEVEL(rank_of_child(ranks, children[k])) == 0u;
+            uint slot = atomic_inc(is_leaf ? &counters->leaves : &counters->nodes);
+            if (slot < (is_leaf ? params.leaf_capacity : params.node_capacity))
+                (is_leaf ? leaf_roots : node_roots)[slot] = children[k];
+            codes[k] = is_leaf ? SHAFT_LEAF | slot : slot;
+        }
+    }
+}
+
+// Row by row, the triangles of each leaf. With cut-outs, clear ones are absent and masked ones have SHAFT_MASKED in
+// their ids.
+__kernel void shaft_leaves(const ShaftTreeParams params, __global const float* vertices, __global const uint* numbers,
+                           __global const BinaryNode* binary, __global const uint* leaf_roots, __global float* leaves,
+                           __global uint* ids) {
+    GN_FOR_EACH(leaf, params.count) {
+        uint waiting[SHAFT_WIDTH], top = 1;
+        waiting[0] = leaf_roots[leaf];
+        for (uint k = 0; k < SHAFT_WIDTH;) {
+            uint child = TREE_TRIANGLE, id = GN_NO_ID;
+            bool is_present = top != 0u, is_masked = false;
+            if (is_present) child = waiting[--top];
+            if ((child & TREE_TRIANGLE) == 0u) {
+                waiting[top++] = binary[child].right;
+                waiting[top++] = binary[child].left;
+                continue;
+            }
+            if (is_present) id = numbers[child & ~TREE_TRIANGLE];
+#ifdef GN_CUT_OUTS
+            if (is_present) {
+                uint of_triangle = cut_out_class(triangles_of(vertices, params.triangles), id);
+                is_present = of_triangle != CUT_OUT_CLEAR;
+                is_masked = of_triangle == CUT_OUT_MASKED;
+            }
+#endif
+            Triangle t = {(float3)(NAN), (float3)(NAN), (float3)(NAN)};
+            if (is_present) t = load_triangle(vertices + params.triangles.first_float, id);
+            ids[leaf * SHAFT_WIDTH + k] = is_masked ? id | SHAFT_MASKED : id;
+            __global float* row = leaves + leaf * (SHAFT_LEAF_ROWS * SHAFT_WIDTH) + k++;
+            row[0] = t.a.x, row[SHAFT_WIDTH] = t.a.y, row[2u * SHAFT_WIDTH] = t.a.z;
+            row[3u * SHAFT_WIDTH] = t.b.x, row[4u * SHAFT_WIDTH] = t.b.y, row[5u * SHAFT_WIDTH] = t.b.z;
+            row[6u * SHAFT_WIDTH] = t.c.x, row[7u * SHAFT_WIDTH] = t.c.y, row[8u * SHAFT_WIDTH] = t.c.z;
+        }
+    }
+}
