@@ -83,7 +83,7 @@ bool BuiltHeightField::set_grid(const CoordinateBounds& box) {
     const double width = box.high[x] - box.low[x], depth = box.high[y] - box.low[y];
     const double cell = std::sqrt(width * depth / std::max(field_.triangles.count / 2, 1u));
     const double columns = std::ceil(width / cell - 1e-3), rows = std::ceil(depth / cell - 1e-3);
-    if (!(std::max(columns, rows) <= MOST_FIELD_HALVES / 2 && columns * rows <= 1u << 28)) return false;
+    if (!(std::max(columns, rows) <= MOST_FIELD_HALVES / 2)) return false;
     const double height = std::max(box.high[z] - box.low[z], 1e-6 * std::max(width, depth));
     field_.corner[0] = float(box.low[x]);
     field_.corner[1] = float(box.low[y]);
@@ -110,6 +110,9 @@ bool BuiltHeightField::make_lists() {
     Scan().run(session, cells, 1, counts, starts_);
     std::uint32_t entries = 0;
     session.read(starts_.get(), &entries, sizeof(entries), cells * sizeof(cl_uint));
+    // A sum that does not fit is 2^32 - 1 (kernels/lists/scan.cl).
+    if (entries > std::min<std::uint64_t>(std::uint64_t(MOST_ENTRIES_OF_TRIANGLE) * field_.triangles.count, 0x7FFFFFFF))
+        return false;
     list_.reserve(session, entries * sizeof(cl_uint));
     session.copy(starts_, 0, counts, 0, cells * sizeof(cl_uint));
     session.launch(file, "field_lists", each_triangle(), field_, vertices, counts, list_);

@@ -58,6 +58,7 @@ void LightMasks::reserve(std::size_t points) {
             most_points_ = points;
             return;
         } catch (const OutOfDeviceMemory&) {
+            lit_ = {}, begins_ = {};
             if (points <= width) throw;
         }
     }

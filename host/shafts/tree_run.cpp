@@ -103,6 +103,17 @@ ManyLightsWay faster_way(const TreeRun& run, Bundled& bundles, std::uint32_t bun
     return (is_cpu ? faster_way_on_cpu : faster_way_on_gpu)(run, bundles, one_light_ms, statistics);
 }
 
+// False where there is no room and the choice was not the caller's: shafts take less.
+bool run_by_horizons(const TreeRun& run, const Bundled& bundles, bool is_auto, Statistics& statistics) {
+    try {
+        ShaftPasses(run, bundles.sectors, statistics, bundles.field).run(ShaftShape::point);
+        return true;
+    } catch (const OutOfDeviceMemory&) {
+        if (!is_auto) throw;
+        return false;
+    }
+}
+
 }  // namespace
 
 bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
@@ -115,16 +126,15 @@ bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundl
     Bundled bundles{std::move(*coned), {}, {}};
     if (is_cpu) bundles.plain = *make_plain_bundles(run.lights.lights(), &bundles.coned);
     if (way == ManyLightsWay::horizons) find_field(bundles, run, bundle_lights, height_field);
-    if (way == ManyLightsWay::automatic)
-        way = faster_way(run, bundles, bundle_lights, height_field, one_light_ms, statistics);
+    const bool is_auto = way == ManyLightsWay::automatic;
+    if (is_auto) way = faster_way(run, bundles, bundle_lights, height_field, one_light_ms, statistics);
     if (way == ManyLightsWay::one_by_one || (way == ManyLightsWay::horizons && bundles.field == nullptr)) return false;
     if (way == ManyLightsWay::rays)
         ShaftPasses(run, bundles.plain, statistics).run(ShaftShape::packet);
-    else if (way == ManyLightsWay::horizons)
-        ShaftPasses(run, bundles.sectors, statistics, bundles.field).run(ShaftShape::point);
-    else
-        ShaftPasses(run, bundles.coned, statistics)
-            .run(way == ManyLightsWay::point_shafts ? ShaftShape::point : ShaftShape::block);
+    else if (way == ManyLightsWay::point_shafts)
+        ShaftPasses(run, bundles.coned, statistics).run(ShaftShape::point);
+    else if (way == ManyLightsWay::shafts || !run_by_horizons(run, bundles, is_auto, statistics))
+        ShaftPasses(run, bundles.coned, statistics).run(ShaftShape::block);
     merge_stages(statistics);
     return true;
 }

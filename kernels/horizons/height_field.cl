@@ -51,7 +51,9 @@ __kernel void field_counts(const HeightField field, __global const float* vertic
             continue;
         }
         for (int y = box.y.x; y <= box.y.y; ++y)
-            for (int x = box.x.x; x <= box.x.y; ++x) atomic_inc(&counts[y * (size_t)field.columns + x]);
+            for (int x = box.x.x; x <= box.x.y; ++x)
+                if (atomic_inc(&counts[y * (size_t)field.columns + x]) >= MOST_TRIANGLES_OF_CELL)
+                    atomic_max(&counters->unfit, 1u);
     }
 }
 
@@ -120,6 +122,7 @@ typedef struct FieldTriangle {
     float3 corners[3];
     float2 edges[3];  // from corner k + 1 to corner k + 2
     float area_inverse;
+    float area_error;  // at most this part of the area is wrong
 } FieldTriangle;
 
 static FieldTriangle field_triangle(const HeightField field, Triangle t) {
@@ -131,17 +134,20 @@ static FieldTriangle field_triangle(const HeightField field, Triangle t) {
     made.corners[2] = (t.c - corner) * scale;
     for (uint k = 0u; k < 3u; ++k) made.edges[k] = made.corners[(k + 2u) % 3u].xy - made.corners[(k + 1u) % 3u].xy;
     float2 e = made.edges[0], f = made.edges[1];
-    made.area_inverse = 1.0f / (e.x * f.y - e.y * f.x);
+    float left = e.x * f.y, right = e.y * f.x;
+    made.area_inverse = 1.0f / (left - right);
+    made.area_error = 0x1p-20f * (fabs(left) + fabs(right)) * fabs(made.area_inverse);
     return made;
 }
 
-// Bounds of the shares of corner k over a half cell, between 0 and 1. None: the triangle does not meet it. The half
-// cell is taken to be wider by four times what coordinates round.
+// Bounds of the shares of corner k over a half cell. The half cell is taken to be wider by four times what coordinates
+// round.
 static float2 shares_over(const FieldTriangle* t, uint k, float2 middle) {
     float2 e = t->edges[k], from = middle - t->corners[(k + 1u) % 3u].xy;
     float left = e.x * from.y * t->area_inverse, right = e.y * from.x * t->area_inverse;
     float radius = (0.5f + 2.0f * FIELD_SNAP) * (fabs(e.x) + fabs(e.y)) * fabs(t->area_inverse) +
                    0x1p-18f * (fabs(left) + fabs(right)) + 0x1p-11f;
+    radius += 2.0f * t->area_error * (radius + fabs(left) + fabs(right));
     return (float2)(left - right - radius, left - right + radius);
 }
 
@@ -151,8 +157,11 @@ static void note_heights(const FieldTriangle* t, float2 middle, __global uint* l
     float2 shares[3];
     for (uint k = 0u; k < 3u; ++k) {
         shares[k] = shares_over(t, k, middle);
-        if (shares[k].y < 0.0f) return;
-        shares[k] = clamp(shares[k], 0.0f, 1.0f);
+        // A triangle may have no area here, for coordinates are rounded. Then all shares are between 0 and 1.
+        bool is_flat = !(t->area_error < 0.25f);
+        if (!is_flat && shares[k].y < 0.0f) return;  // the triangle does not meet it
+        shares[k].x = !is_flat && shares[k].x > 0.0f ? shares[k].x : 0.0f;
+        shares[k].y = !is_flat && shares[k].y < 1.0f ? shares[k].y : 1.0f;
     }
     float low = 0.0f, high = FIELD_UNITS;
     for (uint k = 0u; k < 3u; ++k) {

@@ -16,6 +16,10 @@
 #define FIELD_LARGEST_COORDINATE 0x1p19f
 // A triangle over more cells than this is no part of a height field.
 #define MOST_CELLS_OF_TRIANGLE 4096
+// More triangles than this in a cell would be met one by one by each point near it; more entries for each triangle than
+// this take too much memory.
+#define MOST_TRIANGLES_OF_CELL 128u
+#define MOST_ENTRIES_OF_TRIANGLE 16u
 // Heights are whole numbers of units; a triangle's are from FIELD_LOWEST on, so that bounds may round.
 #define FIELD_UNITS 65535.0f
 #define FIELD_LOWEST 2.0f
@@ -43,7 +47,7 @@ GN_STRUCT_BEGIN(FieldLevel)
 GN_STRUCT_END(FieldLevel, 16)
 
 GN_STRUCT_BEGIN(FieldCounters)
-    uint unfit;    // 1: some triangle is over too many cells
+    uint unfit;    // 1: some triangle is over too many cells, or some cell has too many triangles
     uint borders;  // edges without exactly one neighbour; so many entries have a list of them
 GN_STRUCT_END(FieldCounters, 8)
 

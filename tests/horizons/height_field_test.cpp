@@ -132,6 +132,48 @@ TEST(HeightField, GridListsAndPyramidBoundsAllPlacesOfAllTriangles) {
     }
 }
 
+// Far from the grid's corner a thin fence has no area once coordinates are rounded, and is as high all the same.
+TEST(HeightField, PyramidHasTheHeightOfATriangleThatRoundsToALine) {
+    const gnomon::Device device = device_with();
+    const float side = 5000, thin = 1e-4f;
+    Floats triangles;
+    const auto quad = [&](const Float3& a, const Float3& b, const Float3& c, const Float3& d) {
+        add(triangles, a, b, c);
+        add(triangles, a, c, d);
+    };
+    constexpr int rows = 40;
+    for (int j = 0; j < rows; ++j) {
+        const float z0 = side * (float(j) / (rows / 2) - 1), z1 = side * (float(j + 1) / (rows / 2) - 1);
+        const float columns[] = {-side, -side / 2, -thin, 0, thin, side / 2, side};
+        for (int i = 0; i < 6; ++i) {
+            const auto at = [&](int k, float z) { return Float3{columns[k], k == 3 ? 50.0f : 0.0f, z}; };
+            quad(at(i, z0), at(i, z1), at(i + 1, z1), at(i + 1, z0));
+        }
+    }
+    const auto built = field_of(device, triangles);
+    ASSERT_TRUE(built.is_field());
+    ASSERT_EQ(built.field().axis, 1u);
+    const auto pyramid = gnomon::session_of(device).read_values<std::uint32_t>(
+        built.pyramid().get(), built.pyramid().bytes() / sizeof(std::uint32_t));
+    const gnomon::FieldLevel& level = built.levels()[0];
+    const auto middle = std::uint32_t(side * built.field().halves);  // the ground's axes are z and x
+    for (std::uint32_t x = 0; x + 1 < level.columns; ++x)
+        EXPECT_GE(pyramid.at(level.first + middle * level.columns + x) >> 16, std::uint32_t(50 * built.field().units));
+}
+
+TEST(HeightField, IsNotFoundWhereACellHasVeryManyTriangles) {
+    const gnomon::Device device = device_with();
+    Terrain terrain;
+    terrain.columns = terrain.rows = 80;
+    terrain.height = [](std::size_t, std::size_t) { return 0.0f; };
+    Floats wide = terrain.triangles();
+    // All vertices but those of the border's columns in a narrow strip.
+    for (std::size_t i = 0; i < wide.size(); i += 3)
+        if (wide[i] != 0 && wide[i] != 80) wide[i] = wide[i] / 128;
+    EXPECT_TRUE(field_of(device, terrain.triangles()).is_field());
+    EXPECT_FALSE(field_of(device, wide).is_field());
+}
+
 // On a slope the bounds of an entry of the lowest level, which is two half cells wide, are as far apart as the ground.
 TEST(HeightField, BoundsOfASlopeAreTight) {
     const gnomon::Device device = device_with();
