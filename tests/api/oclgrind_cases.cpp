@@ -245,6 +245,10 @@ int main(int count, char** arguments) try {
         for (const bool is_second : {false, true}) cut_out(device, is_second);
         return all_right ? 0 : 1;
     }
+    if (count > 1 && arguments[1] == std::string("horizons")) {
+        meet_horizons(gnomon::Device());
+        return all_right ? 0 : 1;
+    }
     const Floats blocks = lattice_blocks(2, 3, 1);
     Floats points = lattice_points(200, 3, 2), places = random_points(200, -1, 1, 3);
     std::vector<std::uint32_t> receivers;
@@ -265,7 +269,6 @@ int main(int count, char** arguments) try {
         trace(device, {"soup, no map", soup(20, 1.2f, 4), places, along(0.1f, -1, 0.2f)},
               {{"conservative-map", "off"}});
         look(device, blocks, 24);
-        meet_horizons(device);
         const Light sun = along(-0.3f, -1, 0.2f), point_light = at(1.5f, 6, 1.5f);
         Floats on_floor = blocks;
         add(on_floor, {-9, -0.5f, -9}, {-9, -0.5f, 27}, {27, -0.5f, -9});
