@@ -100,8 +100,7 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
          setting::choice(&S::sort_points, sort_points_names)},
         {{"many-lights", "auto",
           "auto, one-by-one, shafts, point-shafts, rays (on a GPU point-shafts) or horizons (of height fields): the "
-          "way "
-          "to decide many lights"},
+          "way to decide many lights"},
          setting::choice(&S::many_lights, many_lights_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
@@ -366,16 +365,17 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     cl::StageTimer timer(session_, measured.stages, "point_order");
     const SortedPoints& sorted = sort_points(run);
     timer.next("shaft_tree");
-    const TreeRun through_tree{run, sorted, shaft_tree(triangles)};
+    const TreeRun through_tree{run, sorted, kept_of(tree_, triangles)};
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
     // Light by light was faster for the points of some pictures alone (docs/many_lights.md).
     OneLightMs one_light_ms;
     if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_one_light)
         one_light_ms = [&] { return time_of_one_light(*this, run); };
-    const auto field = [&] {
+    const auto field = [&]() -> const BuiltHeightField* {
         const cl::StageTimer field_timer(session_, measured.stages, "height_field");
-        return height_field(triangles);
+        const BuiltHeightField& built = kept_of(field_, triangles);
+        return built.is_field() ? &built : nullptr;
     };
     if (run_through_tree(through_tree, settings_.many_lights, settings_.bundle_lights, field, one_light_ms,
                          measured.stages))
@@ -390,24 +390,14 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
 
 // Kept as long as the caller keeps the clusters of the same triangles: the promise not to write the vertices lasts so
 // long.
-const BuiltShaftTree& FrustumTraced::shaft_tree(const Triangles& triangles) {
+template <typename Built>
+const Built& FrustumTraced::kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles) {
     const Clusters* clusters = Internals::clusters(triangles);
-    if (tree_ && clusters != nullptr && clusters == Internals::clusters(tree_->triangles())) return *tree_;
+    if (kept && clusters != nullptr && clusters == Internals::clusters(kept->triangles())) return *kept;
     const MeasuredRun built(session_, kept_bytes_);
-    tree_.reset();
-    tree_ = std::make_unique<BuiltShaftTree>(device_, triangles);
-    return *tree_;
-}
-
-// Kept as the tree is.
-const BuiltHeightField* FrustumTraced::height_field(const Triangles& triangles) {
-    const Clusters* clusters = Internals::clusters(triangles);
-    if (!field_ || clusters == nullptr || clusters != Internals::clusters(field_->triangles())) {
-        const MeasuredRun built(session_, kept_bytes_);
-        field_.reset();
-        field_ = std::make_unique<BuiltHeightField>(device_, triangles);
-    }
-    return field_->is_field() ? field_.get() : nullptr;
+    kept.reset();
+    kept = std::make_unique<Built>(device_, triangles);
+    return *kept;
 }
 
 const SortedPoints& FrustumTraced::sort_points(const LightsRun& run) {

@@ -65,8 +65,8 @@ private:
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
     /// Over the lists of the last footprints.
     Statistics run_on_footprint_lists(const Triangles& triangles, const PointInputs& points, cl_mem visibility);
-    const BuiltShaftTree& shaft_tree(const Triangles& triangles);
-    const BuiltHeightField* height_field(const Triangles& triangles);
+    template <typename Built>
+    const Built& kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles);
     const SortedPoints& sort_points(const LightsRun& run);
     TraceInputs prepared_inputs(const FramedInputs& in) const;
     void classify_prepared(const FramedInputs& in, RunResult& result);

@@ -37,30 +37,19 @@ struct Range {
     }
 };
 
-// No value where some light has no place in a sector.
+// No value where the bundle is no sector.
 std::optional<Strip> strip_of(const LightBundle& bundle, std::uint32_t axis, double slope_scale,
                               HorizonSector& sector) {
-    Place sum{};
-    std::vector<Place> ground;
+    const double x = bundle.ground[(axis + 1) % 3], y = bundle.ground[(axis + 2) % 3], length = std::hypot(x, y);
+    if (length == 0) return {};
+    Strip strip{{x / length, y / length}, {-y / length, x / length}, 0};
     for (std::uint32_t l = 0; l < bundle.light_count; ++l) {
         const auto coordinate = [&](std::uint32_t c) { return double(bundle.directions[(axis + c) % 3][l]); };
-        const double length = std::hypot(coordinate(1), coordinate(2));
-        if (!(coordinate(0) > 0 && length > 0.02 * coordinate(0))) return {};
-        ground.push_back({coordinate(1), coordinate(2)});
-        for (int c = 0; c < 2; ++c) sum[c] += ground.back()[c] / length;
+        const double q = coordinate(1) * strip.middle[0] + coordinate(2) * strip.middle[1];
+        const double across = coordinate(1) * strip.across[0] + coordinate(2) * strip.across[1];
+        strip.half_width = std::max(strip.half_width, std::abs(across / q) + STRIP_MARGIN);
+        sector.slopes[l] = float(coordinate(0) / q * slope_scale);
     }
-    const double length = std::hypot(sum[0], sum[1]);
-    if (!(length > 0.9 * bundle.light_count)) return {};
-    Strip strip{{sum[0] / length, sum[1] / length}, {}, 0};
-    strip.across = {-strip.middle[1], strip.middle[0]};
-    for (std::uint32_t l = 0; l < bundle.light_count; ++l) {
-        const Place& d = ground[l];
-        const double q = d[0] * strip.middle[0] + d[1] * strip.middle[1];
-        const double x = (d[0] * strip.across[0] + d[1] * strip.across[1]) / q;
-        strip.half_width = std::max(strip.half_width, std::abs(x) + STRIP_MARGIN);
-        sector.slopes[l] = float(double(bundle.directions[axis][l]) / q * slope_scale);
-    }
-    if (strip.half_width > 0.2) return {};
     return strip;
 }
 

@@ -102,20 +102,22 @@ static std::size_t share_of_sample(std::size_t count) {
     return std::max<std::size_t>(std::min(std::max(count / sample_points, sample_share), count / fewest_points), 1);
 }
 
-double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
-    if (!session_of(run.device).is_cpu()) return estimated_on_gpu_ms(run, bundles, statistics);
+static double estimated_on_cpu_ms(const TreeRun& run, const LightBundles& bundles, ShaftShape shape,
+                                  const BuiltHeightField* field, Statistics& statistics) {
     const std::size_t count = run.points.count();
     const SampledRun sample(run, share_of_sample(count));
-    return ShaftPasses(sample.run(), bundles, statistics).timed_ms(ShaftShape::block) * double(count) /
+    return ShaftPasses(sample.run(), bundles, statistics, field).timed_ms(shape) * double(count) /
            double(sample.count());
+}
+
+double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
+    if (!session_of(run.device).is_cpu()) return estimated_on_gpu_ms(run, bundles, statistics);
+    return estimated_on_cpu_ms(run, bundles, ShaftShape::block, nullptr, statistics);
 }
 
 double estimated_horizons_ms(const TreeRun& run, const LightBundles& sectors, const BuiltHeightField& field,
                              Statistics& statistics) {
-    const std::size_t count = run.points.count();
-    const SampledRun sample(run, share_of_sample(count));
-    return ShaftPasses(sample.run(), sectors, statistics, &field).timed_ms(ShaftShape::point) * double(count) /
-           double(sample.count());
+    return estimated_on_cpu_ms(run, sectors, ShaftShape::point, &field, statistics);
 }
 
 double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics) {

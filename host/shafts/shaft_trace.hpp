@@ -37,7 +37,7 @@ private:
 
 /// The time that a run by blocks may take, as measured on a sample of the points.
 double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
-/// The same by the horizon of a height field.
+/// The same by the horizon of a height field. For a CPU.
 double estimated_horizons_ms(const TreeRun& run, const LightBundles& sectors, const BuiltHeightField& field,
                              Statistics& statistics);
 /// The same by packets, as measured on a sample of points and bundles. For a CPU.

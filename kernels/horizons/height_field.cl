@@ -35,7 +35,7 @@ typedef struct CellBox {
 } CellBox;
 
 static CellBox box_of(const HeightField field, Triangle t, float per_length, uint columns, uint rows) {
-    float3 low = fmin(fmin(t.a, t.b), t.c), high = fmax(fmax(t.a, t.b), t.c);
+    float3 low = low_of(t), high = high_of(t);
     return (CellBox){cells_met(low.x, high.x, field.corner[0], per_length, columns),
                      cells_met(low.y, high.y, field.corner[1], per_length, rows)};
 }

@@ -23,8 +23,8 @@ __kernel void triangle_box(const TrianglesLayout layout, __global const float* v
     GN_FOR_EACH(i, layout.count) {
         Triangle t = load_triangle(vertices + layout.first_float, i);
         if (!is_finite_triangle(t)) continue;
-        low = fmin(low, fmin(fmin(t.a, t.b), t.c));
-        high = fmax(high, fmax(fmax(t.a, t.b), t.c));
+        low = fmin(low, low_of(t));
+        high = fmax(high, high_of(t));
         ++count;
     }
     if (count == 0u) return;
@@ -41,7 +41,7 @@ __kernel void triangle_box(const TrianglesLayout layout, __global const float* v
 
 // The code of the middle of the triangle's box. No sum here can overflow.
 static uint code_of_middle(Triangle t, MortonGrid grid) {
-    float3 half_low = fmin(fmin(t.a, t.b), t.c) * 0.5f, half_high = fmax(fmax(t.a, t.b), t.c) * 0.5f;
+    float3 half_low = low_of(t) * 0.5f, half_high = high_of(t) * 0.5f;
     return morton_code(morton_cell(grid, (half_low + half_high) * 0.5f, MORTON_BITS));
 }
 

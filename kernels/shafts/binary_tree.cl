@@ -3,9 +3,6 @@
 #include "shafts/binary_tree.h"
 #include "simd/lanes.clh"
 
-static float3 low_of(Triangle t) { return fmin(fmin(t.a, t.b), t.c); }
-static float3 high_of(Triangle t) { return fmax(fmax(t.a, t.b), t.c); }
-
 // The row's value of the first cluster.
 static __global float* box_row(__global float* clusters, const BinaryTreeParams params, uint row) {
     return clusters + (size_t)row * params.stride + TREE_REACH;

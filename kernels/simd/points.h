@@ -42,6 +42,10 @@ typedef struct Triangle {
     float3 a, b, c;
 } Triangle;
 
+// The corners of a triangle's box.
+static float3 low_of(Triangle t) { return fmin(fmin(t.a, t.b), t.c); }
+static float3 high_of(Triangle t) { return fmax(fmax(t.a, t.b), t.c); }
+
 static Triangle load_triangle(__global const float* vertices, size_t id) {
     __global const float* v = vertices + 9 * id;
     return (Triangle){(float3)(v[0], v[1], v[2]), (float3)(v[3], v[4], v[5]), (float3)(v[6], v[7], v[8])};
