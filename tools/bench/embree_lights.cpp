@@ -120,6 +120,11 @@ private:
     std::size_t count_ = 0;
 };
 
+/// In lengths of the direction.
+float end_of_ray(const std::array<float, 4>& light) {
+    return light[3] != 0 ? 1.0f : std::numeric_limits<float>::infinity();
+}
+
 struct Packet {
     static constexpr std::size_t width = 16;
     alignas(64) RTCRay16 packet{};
@@ -129,11 +134,12 @@ struct Packet {
         packet.org_x[i] = p[0];
         packet.org_y[i] = p[1];
         packet.org_z[i] = p[2];
-        packet.dir_x[i] = light[0];
-        packet.dir_y[i] = light[1];
-        packet.dir_z[i] = light[2];
+        const Float3 d = towards(p, light);
+        packet.dir_x[i] = d[0];
+        packet.dir_y[i] = d[1];
+        packet.dir_z[i] = d[2];
         packet.tnear[i] = offset;
-        packet.tfar[i] = std::numeric_limits<float>::infinity();
+        packet.tfar[i] = end_of_ray(light);
         packet.mask[i] = ~0u;
     }
     void trace(RTCScene scene, RTCIntersectContext& context, std::size_t count) {
@@ -152,11 +158,12 @@ struct Stream {
         ray.org_x = p[0];
         ray.org_y = p[1];
         ray.org_z = p[2];
-        ray.dir_x = light[0];
-        ray.dir_y = light[1];
-        ray.dir_z = light[2];
+        const Float3 d = towards(p, light);
+        ray.dir_x = d[0];
+        ray.dir_y = d[1];
+        ray.dir_z = d[2];
         ray.tnear = offset;
-        ray.tfar = std::numeric_limits<float>::infinity();
+        ray.tfar = end_of_ray(light);
         ray.mask = ~0u;
     }
     void trace(RTCScene scene, RTCIntersectContext& context, std::size_t count) {
@@ -231,7 +238,8 @@ private:
         const LightsQuestion& question = shared_.question;
         Batch<Rays> batch(shared_, scene, counts, bits);
         const auto add = [&](std::uint32_t point, std::uint32_t light) {
-            if (is_facing(&question.normals[3 * std::size_t(point)], question.lights.lights()[light].xyzw))
+            const std::size_t at = 3 * std::size_t(point);
+            if (is_facing(&question.normals[at], &question.positions[at], question.lights.lights()[light].xyzw))
                 batch.add(point, light);
         };
         if (way == Way::lights_by_16) {

@@ -238,7 +238,8 @@ int main(int argc, char** argv) {
     CLI::Option* many_lights = app.add_option(
         "--many-lights", options.many_lights,
         "in place of views: points of the scenes times suns (latitude 52, hourly), suns:N of them, sky (145 "
-        "patches), sky:D (Reinhart's division) or disk:N (lights on the sun's disk)");
+        "patches), sky:D (Reinhart's division), disk:N (lights on the sun's disk), lamp:N (samples of a lamp in the "
+        "middle of the scene) or lamps:N (point lights before faces)");
     app.add_option("--points", options.points, "of --many-lights: on faces, or of a terrain's vertices")
         ->capture_default_str()
         ->check(CLI::Range(1, 1 << 28));

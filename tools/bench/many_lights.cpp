@@ -159,8 +159,47 @@ std::vector<TimedSun> suns_of_the_year() {
     return suns;
 }
 
+struct Box {
+    Float3 low, extent;
+    float widest() const { return std::max(extent[0], extent[2]); }
+};
+
+Box box_of(const LightsQuestion& question) {
+    Float3 low{}, high{};
+    low.fill(std::numeric_limits<float>::infinity());
+    high.fill(-std::numeric_limits<float>::infinity());
+    const std::vector<float>& vertices = question.scene.scene.triangles;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        if (!std::isfinite(vertices[i])) continue;
+        low[i % 3] = std::min(low[i % 3], vertices[i]);
+        high[i % 3] = std::max(high[i % 3], vertices[i]);
+    }
+    return {low, {high[0] - low[0], high[1] - low[1], high[2] - low[2]}};
+}
+
+// A horizontal square, a twentieth of the scene wide, in its middle at seven tenths of its height.
+Lights lamp_in_the_middle(const Box& box, std::uint32_t samples) {
+    const float side = box.widest() / 20;
+    const auto middle = [&](std::size_t c) { return box.low[c] + box.extent[c] / 2 - side / 2; };
+    return area_light({middle(0), box.low[1] + box.extent[1] * 0.7f, middle(2)}, {side, 0, 0}, {0, 0, side}, samples);
+}
+
+// Each before one of the question's points, by a fiftieth of the scene's width.
+Lights lamps(const LightsQuestion& question, std::uint32_t count) {
+    const float height = box_of(question).widest() / 50;
+    std::vector<Light> lights;
+    Random random(2);
+    while (lights.size() < count) {
+        const std::size_t i = 3 * random.below(question.count());
+        const auto at = [&](std::size_t c) { return question.positions[i + c] + height * question.normals[i + c]; };
+        lights.push_back(Light::positional({at(0), at(1), at(2)}));
+    }
+    return Lights(std::move(lights));
+}
+
 [[noreturn]] void refuse(const std::string& asked) {
-    throw InvalidArgument("--many-lights takes suns, suns:N, sky, sky:D or disk:N, not \"" + asked + "\"");
+    throw InvalidArgument("--many-lights takes suns, suns:N, sky, sky:D, disk:N, lamp:N or lamps:N, not \"" + asked +
+                          "\"");
 }
 
 std::uint64_t number_in(const std::string& text, std::uint64_t most, const std::string& asked) {
@@ -186,6 +225,11 @@ void make_lights(LightsQuestion& question, const std::string& asked) {
         question.lights = sun_disk({-0.3f, -1, -0.2f}, 0.533, samples);
         return in_order();
     }
+    if (kind == "lamp" || kind == "lamps") {
+        const auto count = static_cast<std::uint32_t>(number_in(number, 1 << 20, asked));
+        question.lights = kind == "lamp" ? lamp_in_the_middle(box_of(question), count) : lamps(question, count);
+        return in_order();
+    }
     if (kind != "suns") refuse(asked);
     const std::vector<TimedSun> all = suns_of_the_year();
     const std::uint64_t count = kind == asked ? all.size() : number_in(number, all.size(), asked);
@@ -204,7 +248,8 @@ void make_lights(LightsQuestion& question, const std::string& asked) {
 std::uint64_t facing_pairs(const LightsQuestion& question) {
     std::uint64_t facing = 0;
     for (std::size_t i = 0; i < question.count(); ++i)
-        for (const Light& light : question.lights.lights()) facing += is_facing(&question.normals[3 * i], light.xyzw);
+        for (const Light& light : question.lights.lights())
+            facing += is_facing(&question.normals[3 * i], &question.positions[3 * i], light.xyzw);
     return facing;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Many lights: points of a scene times a table of directional lights, by gnomon and by its rival, by turns.
+// Many lights: points of a scene times a table of lights, by gnomon and by its rival, by turns.
 //
 // Points: N area-uniform on the faces (seed 1), on the outward side by the winding, 2e-6 of the largest coordinate off
 // their face; of a terrain N of its vertices, with the mean normal of the triangles around them; or those of a
@@ -20,7 +20,8 @@ namespace gnomon::bench {
 
 struct ManyLights {
     /// "suns" (latitude 52, hourly, elevation above 0), "suns:N" (N of them, evenly spread), "sky" (145 patches),
-    /// "sky:D" (Reinhart's division D), "disk:N" (N lights on the sun's disk).
+    /// "sky:D" (Reinhart's division D), "disk:N" (N lights on the sun's disk), "lamp:N" (N samples of a lamp in
+    /// the middle of the scene), "lamps:N" (N point lights before faces).
     std::string lights = "suns";
     std::uint64_t points = 1'000'000;
     /// If not 1, only the points in one of so many cells of a grid of 24 x 24 cells over x and z, chosen by a hash: as
@@ -49,9 +50,15 @@ struct LightsQuestion {
     bool are_vertices() const { return receivers.empty(); }
 };
 
+/// From a point towards a light, of a point light as far as it is.
+inline Float3 towards(const float* point, const std::array<float, 4>& light) {
+    const auto along = [&](std::size_t c) { return light[3] != 0 ? light[c] - point[c] : light[c]; };
+    return {along(0), along(1), along(2)};
+}
 /// Whether the light is in front of the point's normal, in double arithmetic.
-inline bool is_facing(const float* normal, const std::array<float, 4>& light) {
-    return double(normal[0]) * light[0] + double(normal[1]) * light[1] + double(normal[2]) * light[2] > 0;
+inline bool is_facing(const float* normal, const float* point, const std::array<float, 4>& light) {
+    const Float3 d = towards(point, light);
+    return double(normal[0]) * d[0] + double(normal[1]) * d[1] + double(normal[2]) * d[2] > 0;
 }
 
 class LightsContestant {
