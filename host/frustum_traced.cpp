@@ -382,8 +382,8 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
         return measured.finish(measured.stages.counts);
     if (!is_auto)
         throw InvalidArgument(
-            "shafts, rays and horizons decide directional lights, and coordinates up to 2^19, and horizons triangles "
-            "that lie side by side over a plane: use many-lights=auto");
+            "shafts and rays decide lights that are all directional or all point lights, and coordinates up to 2^19, "
+            "and horizons directional lights over triangles that lie side by side over a plane: use many-lights=auto");
     run_one_by_one(*this, run, in_order, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }

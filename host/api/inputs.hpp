@@ -67,6 +67,11 @@ struct TriangleInputs : TrianglesLayout {
     cl::Kernel kernel(const char* file, const char* name) const {
         return {file, name, has_cut_outs ? "GN_CUT_OUTS" : ""};
     }
+    /// The same for kernels of many lights, whose point lights have a variant.
+    cl::Kernel kernel_of_lights(const char* file, const char* name, bool are_positions) const {
+        if (!are_positions) return kernel(file, name);
+        return {file, name, has_cut_outs ? "GN_POINT_LIGHTS GN_CUT_OUTS" : "GN_POINT_LIGHTS"};
+    }
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);
 /// Throws InvalidArgument if the floats are no multiple of 9.

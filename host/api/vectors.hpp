@@ -25,9 +25,12 @@ inline Double3 sum(const Double3& a, const Double3& b) { return {a[0] + b[0], a[
 
 inline Double3 scaled(const Double3& v, double factor) { return {v[0] * factor, v[1] * factor, v[2] * factor}; }
 
+inline double determinant(const Double3& a, const Double3& b, const Double3& c) { return dot(a, cross(b, c)); }
+
 inline void store(float* to, const Double3& v) {
     for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(v[i]);
 }
+inline Double3 loaded(const float* from) { return {from[0], from[1], from[2]}; }
 
 /// Scales to unit length, by the largest coordinate first so that nothing leaves double's range. False (and v is left
 /// as it is) if v is zero or not finite.

@@ -117,9 +117,6 @@ Axes axes_of(std::span<const std::uint32_t> part, const std::vector<Direction>& 
     return axes;
 }
 
-Double3 loaded(const float* from) { return {from[0], from[1], from[2]}; }
-double determinant(const Double3& a, const Double3& b, const Double3& c) { return dot(a, cross(b, c)); }
-
 // s D = middle + u across + v along with |u|, |v| <= 1 and s > 0, and D strictly inside of all planes.
 bool contains(const LightCone& cone, const Double3& unit) {
     const Double3 middle = loaded(cone.middle), across = loaded(cone.across), along = loaded(cone.along);
@@ -187,8 +184,7 @@ void add_lights(LightBundles& made, LightBundle& bundle, std::span<const std::ui
         normalize(unit);
         bundle.axes[l] = axes_along(unit);
     }
-    made.bundles.push_back(bundle);
-    for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) made.lights.push_back(l < part.size() ? part[l] : no_light);
+    made.add(bundle, part);
 }
 
 void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
@@ -199,12 +195,9 @@ void add_bundle(LightBundles& made, std::span<const std::uint32_t> part, const s
         return;
     }
     for (std::size_t k = 1; k < LIGHT_CONES; ++k) {
-        // Cone k is of one half of the lights of cone (k - 1) / 2.
-        const std::size_t level = std::bit_width(k + 1) - 1, size = MOST_BUNDLE_LIGHTS >> level;
-        const std::size_t first = (k + 1 - (std::size_t(1) << level)) * size;
-        if (first >= part.size()) continue;
-        const auto lights = part.subspan(first, std::min(size, part.size() - first));
-        if (!fit_cone(bundle.cones[k], lights, directions)) bundle.cones[k] = bundle.cones[(k - 1) / 2];
+        const auto lights = lights_of_cone(part, k);
+        if (!lights.empty() && !fit_cone(bundle.cones[k], lights, directions))
+            bundle.cones[k] = bundle.cones[(k - 1) / 2];
     }
     add_lights(made, bundle, part, directions);
 }
@@ -272,9 +265,32 @@ std::optional<std::vector<Direction>> directions_of(std::span<const Light> light
     return directions;
 }
 
+std::optional<LightBundles> make_direction_bundles(std::span<const Light> lights, std::uint32_t most) {
+    const auto directions = directions_of(lights);
+    if (!directions) return {};
+    std::vector<std::uint32_t> order(lights.size());
+    std::iota(order.begin(), order.end(), 0u);
+    LightBundles made;
+    add_chained(made, std::move(order), *directions, most);
+    return made;
+}
+
 }  // namespace
 
+std::span<const std::uint32_t> lights_of_cone(std::span<const std::uint32_t> bundle, std::size_t cone) {
+    const std::size_t level = std::bit_width(cone + 1) - 1, size = MOST_BUNDLE_LIGHTS >> level;
+    const std::size_t first = std::min((cone + 1 - (std::size_t(1) << level)) * size, bundle.size());
+    return bundle.subspan(first, std::min(size, bundle.size() - first));
+}
+
+void LightBundles::add(const LightBundle& bundle, std::span<const std::uint32_t> of_slots) {
+    bundles.push_back(bundle);
+    for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) lights.push_back(l < of_slots.size() ? of_slots[l] : no_light);
+}
+
 std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order) {
+    if (!lights.front().is_directional())
+        return in_order != nullptr ? *in_order : make_position_bundles(lights, MOST_BUNDLE_LIGHTS);
     const auto directions = directions_of(lights);
     if (!directions) return {};
     std::vector<std::uint32_t> order;
@@ -295,13 +311,8 @@ std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, co
 }
 
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most) {
-    const auto directions = directions_of(lights);
-    if (!directions) return {};
-    std::vector<std::uint32_t> order(lights.size());
-    std::iota(order.begin(), order.end(), 0u);
-    LightBundles made;
-    add_chained(made, std::move(order), *directions, most);
-    return made;
+    if (std::ranges::none_of(lights, &Light::is_directional)) return make_position_bundles(lights, most);
+    return make_direction_bundles(lights, most);
 }
 
 std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, std::uint32_t most, std::uint32_t axis) {

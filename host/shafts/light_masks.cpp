@@ -36,6 +36,7 @@ LightMasks::LightMasks(const TreeRun& run, const LightBundles& bundles, Statisti
       slots_(bundles.lights),
       bundle_count_(static_cast<cl_uint>(bundles.bundles.size())),
       are_sectors_(are_sectors),
+      are_positions_(bundles.are_positions),
       bundles_(session_, bundle_count_ * sizeof(LightBundle)) {
     session_.write(bundles_.get(), bundles.bundles.data(), bundle_count_ * sizeof(LightBundle));
     queue_.reserve(session_, first_queue * sizeof(ShaftPairs));
@@ -80,9 +81,9 @@ void LightMasks::face(const PointPart& part) {
                                   .mask_stride = static_cast<cl_uint>(most_points_),
                                   .side = side(),
                                   .padding = 0};
-    session_.launch("lights/light_sides.cl", "light_sides", session_.blocks(part.count), params, bundles_,
-                    triangles.vertices, run_.sorted.positions(), run_.sorted.receivers(), run_.sorted.normals(),
-                    masks_);
+    session_.launch({"lights/light_sides.cl", "light_sides", are_positions_ ? "GN_POINT_LIGHTS" : ""},
+                    session_.blocks(part.count), params, bundles_, triangles.vertices, run_.sorted.positions(),
+                    run_.sorted.receivers(), run_.sorted.normals(), masks_);
 }
 
 void LightMasks::add_to(LightSums& sums, const PointPart& part) {
@@ -99,15 +100,18 @@ ShaftParams LightMasks::params_of(const PointPart& part) const {
             .queue_capacity = capacity(),
             .listed_tasks = 0,
             // n . X rounds five times, for a triangle and for a point; the sum of sizes is at most 3 times the largest.
-            .rounding = 4e-6f * run_.largest_coordinate() + 1e-30f,
+            // The farthest point light has three such products more.
+            .rounding = (are_positions_ ? 8e-6f : 4e-6f) * run_.largest_coordinate() + 1e-30f,
             .are_sectors = are_sectors_ ? 1u : 0u,
-            .padding = {}};
+            .are_packets = 0,
+            .padding = 0};
 }
 
 void LightMasks::decide_queue(const PointPart& part) {
     const TriangleInputs triangles = triangle_inputs(run_.triangles);
-    session_.launch(triangles.kernel("shafts/shaft_trace.cl", "shaft_exact"), cl::Range::items(capacity()),
-                    params_of(part), bundles_, triangles.vertices, run_.sorted.positions(), queue_, masks_, counters_);
+    session_.launch(triangles.kernel_of_lights("shafts/shaft_trace.cl", "shaft_exact", are_positions_),
+                    cl::Range::items(capacity()), params_of(part), bundles_, triangles.vertices,
+                    run_.sorted.positions(), queue_, masks_, counters_);
     const auto counted = session_.read_value<ShaftCounters>(counters_);
     queued_ += counted.queued;
     for (int level = 0; level < 3; ++level) by_level_[level] += counted.by_level[level];

@@ -18,7 +18,10 @@ struct TreeRun : LightsRun {
     const SortedPoints& sorted;
     const BuiltShaftTree& tree;
 
-    float largest_coordinate() const { return std::max(tree.largest_coordinate(), sorted.largest_coordinate()); }
+    /// Of triangles, points and point lights.
+    float largest_coordinate() const {
+        return std::max({tree.largest_coordinate(), sorted.largest_coordinate(), largest_position(lights.lights())});
+    }
 };
 
 /// Some of the sorted points.
@@ -91,6 +94,7 @@ public:
     const cl::Buffer& counters() const { return counters_; }
     std::span<const std::uint32_t> slots() const { return slots_; }
     cl_uint bundle_count() const { return bundle_count_; }
+    bool are_positions() const { return are_positions_; }
     /// Of the run so far.
     void describe(decltype(Statistics::counts)& counts) const;
 
@@ -104,7 +108,7 @@ private:
     Statistics& statistics_;
     std::vector<std::uint32_t> slots_;
     cl_uint bundle_count_;
-    bool are_sectors_;
+    bool are_sectors_, are_positions_;
     cl::Buffer bundles_, counters_, queue_, masks_, lit_, begins_;
     std::size_t most_points_ = 0;
     std::uint64_t queued_ = 0, by_level_[3] = {};

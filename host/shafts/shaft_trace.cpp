@@ -23,10 +23,11 @@ double estimated_on_gpu_ms(const TreeRun& run, const LightBundles& bundles, Stat
 
 }  // namespace
 
-static const char* stage_of(ShaftShape shape) {
-    if (shape == ShaftShape::packet) return "ray_packets";
+static const char* kernel_of(ShaftShape shape) {
     return shape == ShaftShape::point ? "point_shaft_trace" : "shaft_trace";
 }
+
+static const char* stage_of(ShaftShape shape) { return shape == ShaftShape::packet ? "ray_packets" : kernel_of(shape); }
 
 ShaftPasses::ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics,
                          const BuiltHeightField* field)
@@ -76,10 +77,11 @@ void ShaftPasses::decide(const PointPart& part, ShaftShape shape) {
     if (horizons_) horizons_->join(points, masks_.for_horizons());
 }
 
-void ShaftPasses::launch(const ShaftParams& params, std::size_t tasks, const char* stage) {
+void ShaftPasses::launch(const ShaftParams& params, std::size_t tasks, const char* kernel) {
     const TriangleInputs triangles = triangle_inputs(run_.triangles);
     const SortedPoints& points = run_.sorted;
-    session_.launch(triangles.kernel(("shafts/" + std::string(stage) + ".cl").c_str(), stage),
+    const std::string file = "shafts/" + std::string(kernel) + ".cl";
+    session_.launch(triangles.kernel_of_lights(file.c_str(), kernel, masks_.are_positions()),
                     shaft_range(session_, tasks), params, masks_.bundles(), run_.tree.nodes(), run_.tree.leaves(),
                     run_.tree.ids(), points.positions(), points.receivers(),
                     horizons_ ? masks_.for_horizons().begins : points.surface_normals(), masks_.masks(), masks_.queue(),
@@ -91,10 +93,11 @@ void ShaftPasses::launch(const PointPart& part, ShaftShape shape) {
     const bool is_cpu = session_.is_cpu();
     const std::size_t tasks = masks_.tasks_of(part.count), groups_of_points = is_cpu ? 1 : POINT_GROUPS_ON_GPU;
     ShaftParams params = masks_.params_of(part);
-    launch(params, shape == ShaftShape::point ? tasks * groups_of_points : tasks, stage_of(shape));
+    params.are_packets = shape == ShaftShape::packet ? 1u : 0u;
+    launch(params, shape == ShaftShape::point ? tasks * groups_of_points : tasks, kernel_of(shape));
     if (is_cpu || shape != ShaftShape::block) return;
     params.listed_tasks = session_.read_value<ShaftCounters>(masks_.counters()).left_to_points;
-    if (params.listed_tasks != 0) launch(params, params.listed_tasks * groups_of_points, stage_of(ShaftShape::point));
+    if (params.listed_tasks != 0) launch(params, params.listed_tasks * groups_of_points, kernel_of(ShaftShape::point));
 }
 
 // One point in so many on a CPU, and no fewer than are worth measuring.

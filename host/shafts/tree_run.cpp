@@ -97,9 +97,10 @@ ManyLightsWay faster_way(const TreeRun& run, Bundled& bundles, std::uint32_t bun
     const std::size_t pairs = run.points.count() * run.lights.count();
     const bool is_cpu = session_of(run.device).is_cpu();
     if (pairs < pairs_worth_measuring) return ManyLightsWay::shafts;
-    if (pairs >= pairs_worth_field * run.triangles.count() && (is_cpu || !run.points.camera()))
+    const bool are_positions = bundles.coned.are_positions;
+    if (!are_positions && pairs >= pairs_worth_field * run.triangles.count() && (is_cpu || !run.points.camera()))
         find_field_if_there_is_room(bundles, run, bundle_lights, height_field);
-    if (bundles.field == nullptr && are_thin(bundles.coned)) return ManyLightsWay::shafts;
+    if (bundles.field == nullptr && !are_positions && are_thin(bundles.coned)) return ManyLightsWay::shafts;
     return (is_cpu ? faster_way_on_cpu : faster_way_on_gpu)(run, bundles, one_light_ms, statistics);
 }
 
@@ -123,6 +124,7 @@ bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundl
     if (!coned) return false;
     const bool is_cpu = session_of(run.device).is_cpu();
     if (way == ManyLightsWay::rays && !is_cpu) way = ManyLightsWay::point_shafts;
+    if (way == ManyLightsWay::horizons && coned->are_positions) return false;
     Bundled bundles{std::move(*coned), {}, {}};
     if (is_cpu) bundles.plain = *make_plain_bundles(run.lights.lights(), &bundles.coned);
     if (way == ManyLightsWay::horizons) find_field(bundles, run, bundle_lights, height_field);

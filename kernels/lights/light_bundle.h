@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Contract of bundles: up to 32 directional lights whose bits are one mask word of each point, and cones that contain
-// their directions where they are neighbours.
+// Contract of bundles: up to 32 lights whose bits are one mask word of each point, and cones that contain their
+// directions, or boxes that contain their positions, where they are neighbours. All lights of a run are of one kind;
+// kernels with GN_POINT_LIGHTS take positions.
 #pragma once
 
 #include "simd/points.h"
@@ -10,6 +11,9 @@
 // All directions are scaled by powers of two, exactly, so that the largest coordinate of each is between 1/2 and 1. A
 // cone holds the directions of some lights: for each of these, D, there are s > 0 and u, v in [-1, 1] with
 // s D = middle + u across + v along; middle, across and along have coordinates of at most 1.
+//
+// Of point lights, S is taken as it is, and the box has u, v and w in [-1, 1] with S = middle + u across + v along + w
+// depth; planes[0] is depth.
 GN_STRUCT_BEGIN(LightCone)
     // Outward normals of the shaft's four sides and of its near side: n . D < 0 for each light.
     float planes[5][3];
@@ -28,7 +32,7 @@ GN_STRUCT_END(LightAxes, 40)
 #define LIGHT_CONES 63u
 GN_STRUCT_BEGIN(LightBundle)
     LightCone cones[LIGHT_CONES];
-    float directions[3][MOST_BUNDLE_LIGHTS];  // coordinate by coordinate; of lights past the last: 0
+    float directions[3][MOST_BUNDLE_LIGHTS];  // D or S, coordinate by coordinate; of lights past the last: 0
     LightAxes axes[MOST_BUNDLE_LIGHTS];
     uint light_count;
     float ground[3];  // of a sector (horizons/horizons.h): its middle along the ground, of length 1; else 0
@@ -58,6 +62,8 @@ static uint lower_lights(uint lights) {
     }
     return 0u;
 }
+
+static float3 light_box_depth(__global const LightCone* box) { return vload3(0, box->planes[0]); }
 
 static float along_axis(const float* axis, float3 p) { return fma(axis[0], p.x, fma(axis[1], p.y, axis[2] * p.z)); }
 

@@ -7,6 +7,10 @@
 // receiver's normal of both products of each. In units of 2^-24 S: the errors of such a normal (two differences, a
 // product, a difference: 4 of a coordinate's size) make each of the three products wrong by 4, as no coordinate of m, a
 // and b exceeds 1; each rounds by 3, and their sums by 5. Together 26, less than 32.
+//
+// A point light is on the side of n . (S - base), base a point of the plane. Of a box of lights the four products, of m
+// - base and of three axes, are wrong by 8 of a reach together that bounds the sum of their largest coordinates, and
+// their sums by 4.
 #include "exact/normal_side.clh"
 #include "lights/light_sides.h"
 #include "receivers/facing.clh"
@@ -18,6 +22,7 @@ typedef struct SidedPoints {
     PointBlock normals;
     LaneInt sided;  // the lanes with a side
     LaneInt eye_side;
+    PointBlock base;       // of point lights, a point of the plane; else 0
     LaneFloat cone_bound;  // of the filter of a cone; infinite: never certain
 } SidedPoints;
 
@@ -41,12 +46,16 @@ static SidedPoints load_sided(const LightSidesParams params, size_t block, __glo
                               __global const float* normals, uint* exact) {
     SidedPoints s;
     s.points = load_block(positions, params.points, block);
+    s.base = same_point(0.0f, 0.0f, 0.0f);
     s.sided = valid_lanes(params.points, block) & present_lanes(s.points);
     if (params.side == SIDE_NORMALS) {
         s.normals = load_block(normals, params.points, block);
         s.sided &= present_lanes(s.normals);
         s.eye_side = (LaneInt)(1);
         s.cone_bound = cone_bound(s.normals);
+#ifdef GN_POINT_LIGHTS
+        s.base = s.points;
+#endif
         return s;
     }
     Triangles triangles = triangles_of(vertices, params.triangles);
@@ -56,6 +65,9 @@ static SidedPoints load_sided(const LightSidesParams params, size_t block, __glo
     s.sided &= finite_triangles(&s.receivers);
     s.receiver_normals = triangle_normals(&s.receivers);
     s.normals = s.receiver_normals.value;
+#ifdef GN_POINT_LIGHTS
+    s.base = s.receivers.a;
+#endif
     s.cone_bound = LANES_SELECT((LaneFloat)(INFINITY), cone_bound(s.receiver_normals.size), s.receiver_normals.usable);
     s.eye_side = (LaneInt)(1);
     if (params.side == SIDE_EYE) {
@@ -68,9 +80,9 @@ static SidedPoints load_sided(const LightSidesParams params, size_t block, __glo
 
 // The lanes that face a light.
 static LaneInt lanes_face(const SidedPoints* s, uint side, float3 direction, uint* exact) {
-    if (side == SIDE_NORMALS) return lanes_normal_faces(&s->normals, direction, s->sided);
-    PointBlock towards = same_point(direction.x, direction.y, direction.z), from = same_point(0.0f, 0.0f, 0.0f);
-    LaneInt light_side = lanes_side(&s->receivers, &s->receiver_normals, &towards, &from, s->sided, exact);
+    if (side == SIDE_NORMALS) return lanes_normal_faces(&s->normals, direction, &s->base, s->sided);
+    PointBlock towards = same_point(direction.x, direction.y, direction.z);
+    LaneInt light_side = lanes_side(&s->receivers, &s->receiver_normals, &towards, &s->base, s->sided, exact);
     return s->sided & LANE_COMPARE(light_side, ==, s->eye_side) & LANE_COMPARE(light_side, !=, (LaneInt)(0));
 }
 
@@ -78,12 +90,33 @@ static LaneFloat normals_along(const PointBlock* n, __global const float* d) {
     return fma(n->x, d[0], fma(n->y, d[1], n->z * d[2]));
 }
 
+// Of n . D, over the lights of a cone: the middle, by how much they differ from it, and the bound of its error.
+typedef struct ConeAlongNormals {
+    LaneFloat middle, radius, bound;
+} ConeAlongNormals;
+
+static ConeAlongNormals cone_along_normals(const SidedPoints* s, __global const LightCone* cone) {
+    ConeAlongNormals found;
+    found.radius = fabs(normals_along(&s->normals, cone->across)) + fabs(normals_along(&s->normals, cone->along));
+#ifdef GN_POINT_LIGHTS
+    PointBlock d = difference(same_point(cone->middle[0], cone->middle[1], cone->middle[2]), s->base);
+    found.middle = fma(s->normals.x, d.x, fma(s->normals.y, d.y, s->normals.z * d.z));
+    found.radius += fabs(normals_along(&s->normals, cone->planes[0]));
+    float3 sizes = fabs(vload3(0, cone->across)) + fabs(vload3(0, cone->along)) + fabs(light_box_depth(cone));
+    LaneFloat reach = fabs(d.x) + fabs(d.y) + fabs(d.z) + (sizes.x + sizes.y + sizes.z + 1.0f);
+    found.bound = s->cone_bound * reach;
+#else
+    found.middle = normals_along(&s->normals, cone->middle);
+    found.bound = s->cone_bound;
+#endif
+    return found;
+}
+
 // The lanes that face all lights of a cone, or none. Returns whether that is certain for all lanes that have a side.
 static bool cone_is_certain(const SidedPoints* s, __global const LightCone* cone, LaneInt* face) {
-    LaneFloat middle = normals_along(&s->normals, cone->middle);
-    LaneFloat radius = fabs(normals_along(&s->normals, cone->across)) + fabs(normals_along(&s->normals, cone->along));
-    LaneInt front = LANE_COMPARE(middle - radius, >, s->cone_bound),
-            back = LANE_COMPARE(middle + radius, <, -s->cone_bound);
+    ConeAlongNormals n = cone_along_normals(s, cone);
+    LaneInt front = LANE_COMPARE(n.middle - n.radius, >, n.bound),
+            back = LANE_COMPARE(n.middle + n.radius, <, -n.bound);
     LaneInt side = LANES_SELECT(LANES_SELECT((LaneInt)(0), (LaneInt)(-1), back), (LaneInt)(1), front);
     *face = s->sided & LANE_COMPARE(side, ==, s->eye_side);
     return !LANES_ANY(s->sided & ~(front | back));

@@ -35,7 +35,7 @@ __kernel void point_shaft_trace(const ShaftParams params, __global const LightBu
         uint point = (uint)(task % blocks) * SHAFT_WIDTH + (uint)(i % POINT_GROUPS) * most;
         for (uint end = min(point + most, params.points.count); point < end; ++point) {
             __global uint* mask = &masks[bundle * (size_t)params.mask_stride + point];
-            PointWork work = {load_point(positions, params.points, point), *mask, GN_NO_ID, point, bundle};
+            PointWork work = {load_point(positions, params.points, point), *mask, GN_NO_ID, point, bundle, 0u};
             if (work.open == 0u || !is_present(work.p)) continue;
             if (params.points.has_receivers != 0u) work.receiver = receivers[first + point];
             PointPlane plane = plane_of(params, &bundles[bundle], planes, first + point, mask - masks);

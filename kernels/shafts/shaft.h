@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contract of shafts: the shadow rays from a block of neighbouring points to a bundle of neighbouring directional
-// lights, decided together. A shaft contains all of these rays. A tree over the triangles finds the occluders that the
+// Contract of shafts: the shadow rays from a block of neighbouring points to a bundle of neighbouring lights, decided
+// together. A shaft contains all of these rays. A tree over the triangles finds the occluders that the
 // shaft may meet, near ones first; each is tested against the bundle's cone for all points of the block at once, and
 // against single lights only where the cone is not certain. Pairs that the float filter leaves undecided are queued for
 // the exact predicate.
@@ -22,7 +22,7 @@
 // Words of local memory on a GPU: shaft_lanes.clh.
 #define SHAFT_LOCAL_WORDS (1u + (7u + POINT_EDGE_ROWS) * SHAFT_WIDTH_ON_GPU + MOST_SHAFT_ENTRIES)
 // What a point shaft knows of a triangle, for its tests of single lights.
-#define POINT_EDGE_ROWS 11u
+#define POINT_EDGE_ROWS 15u
 // In the id of a leaf's masked triangle (exact/cut_outs.h): it blocks nothing for certain. Scenes with cut-outs have
 // fewer triangles than this.
 #define SHAFT_MASKED 0x80000000u
@@ -55,7 +55,8 @@ GN_STRUCT_BEGIN(ShaftParams)
     uint listed_tasks;  // so many tasks alone, those that shaft_trace left to point shafts; 0: all
     float rounding;     // a bound of the rounding errors of n . X, for coordinates of n up to 1
     uint are_sectors;   // 1: of the bundles, those with a direction along the ground (light_bundle.h)
-    uint padding[2];
+    uint are_packets;   // 1: on a CPU a block goes light by light alone
+    uint padding;
 GN_STRUCT_END(ShaftParams, 96)
 
 // A task is a block and a bundle: number bundle x blocks + block.

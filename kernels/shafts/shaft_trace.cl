@@ -3,25 +3,9 @@
 // first, until no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
 #include "exact/decide_pair.clh"
 #include "shafts/point_shaft.clh"
-
-// Nodes and leaves that the shaft of a block may visit: some five for each of its points on a CPU, as many as their own
-// shafts would. After that each open point has its own; on a GPU in a launch of its own, point_shaft_trace, so that no
-// group takes much longer than the others.
 #if GN_LANES > 1
-#define BLOCK_VISITS 200u
-#else
-#define BLOCK_VISITS 96u
+#include "shafts/ray_packets.clh"
 #endif
-
-// What one work-item, or group, works on.
-typedef struct ShaftWork {
-    PointBlock points;
-    LaneInt receivers;
-    LaneInt open;   // the lights of the bundle that are not yet dark
-    float3 normal;  // of the surface, nearly, coordinates at most 1; zero if there is none
-    size_t block;
-    uint bundle;
-} ShaftWork;
 
 // A triangle of a leaf that may block rays of the block.
 typedef struct LeafTriangle {
@@ -47,12 +31,12 @@ static void queue_pairs_of_lane(const ShaftWork* work, int lane, uint undecided,
 #define FEW_LIGHTS 8u
 
 GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundle* bundle, const LeafTriangle* triangle,
-                                      LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
-    ShaftEdges edges = edges_of(&triangle->in_lanes, work->points);
+                                      float reach, LaneInt lanes, const ShaftScene* scene, Reservation* mine) {
+    ShaftEdges edges = edges_of(&triangle->in_lanes, work->points, reach);
     for (uint l = 0; l < bundle->light_count; ++l) {
         LaneInt open = lanes & -((work->open >> (int)l) & 1);
         if (!LANES_ANY(open)) continue;
-        ShaftDecision decision = decide_light(&edges, light_direction(bundle, l));
+        ShaftDecision decision = decide_light(&edges, lanes_to_light(light_direction(bundle, l), work->points));
         if (!triangle->is_masked) work->open &= ~(decision.blocked & open & (int)(1u << l));
         LaneInt undecided = open & ~decision.missed;
         if (!triangle->is_masked) undecided &= ~decision.blocked;
@@ -66,26 +50,26 @@ GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundl
 GN_INLINE_ON_CPU uint lights_blocked(const ShaftWork* work, __global const LightBundle* bundle, int lane, uint open,
                                      const PointEdges* edges, const LeafTriangle* triangle, const ShaftScene* scene,
                                      Reservation* mine) {
-    LightDecision decision = decide_lights(edges, bundle, open);
+    LightDecision decision = decide_lights(edges, lane_point(work->points, lane), bundle, open);
     if (triangle->is_masked) decision = (LightDecision){0u, decision.dark | decision.undecided};
     if (decision.undecided != 0u) queue_pairs_of_lane(work, lane, decision.undecided, triangle, scene, mine);
     return decision.dark;
 }
 
 // Tests a triangle against all open pairs of the block and the bundle. `lanes`: the points whose rays it may meet.
-GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle* bundle,
-                                    __global const LightCone* cone_of_open, const LeafTriangle* triangle, LaneInt lanes,
-                                    const ShaftScene* scene, Reservation* mine) {
+GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle* bundle, const Shaft* shaft,
+                                    const LeafTriangle* triangle, LaneInt lanes, const ShaftScene* scene,
+                                    Reservation* mine) {
 #if GN_LANES > 1
     if (bundle->light_count <= FEW_LIGHTS) {
-        test_few_lights(work, bundle, triangle, lanes, scene, mine);
+        test_few_lights(work, bundle, triangle, REACH_OF(shaft), lanes, scene, mine);
         return;
     }
 #endif
-    ShaftEdges e = edges_of(&triangle->in_lanes, work->points);
+    ShaftEdges e = edges_of(&triangle->in_lanes, work->points, REACH_OF(shaft));
     uint bits = lane_bits(lanes);
     if (GN_LANES == 1 || popcount(bits) >= POINTS_WORTH_CONES) {
-        ShaftDecision cone = decide_cone(&e, cone_of_open);
+        ShaftDecision cone = decide_cone(&e, work->points, shaft->cone);
         if (triangle->is_masked) cone.blocked = (LaneInt)(0);
         work->open &= ~(cone.blocked & lanes);
         bits = lane_bits(lanes & ~(cone.blocked | cone.missed));
@@ -107,6 +91,10 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
 #else
     PointEdges edges = {(float3)(e.ab.x, e.ab.y, e.ab.z), (float3)(e.bc.x, e.bc.y, e.bc.z),
                         (float3)(e.ca.x, e.ca.y, e.ca.z), e.bound, e.sided != 0};
+#ifdef GN_POINT_LIGHTS
+    edges.normal = (float3)(e.normal.x, e.normal.y, e.normal.z);
+    edges.side = e.side;
+#endif
     work->open &= ~(int)lights_blocked(work, bundle, 0, (uint)work->open, &edges, triangle, scene, mine);
 #endif
 }
@@ -137,7 +125,7 @@ GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bun
             lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, triangle.i)), <=, shaft->point_limits[k]);
         if (lane_bits(lanes) == 0u) continue;
         triangle.in_lanes = TRIANGLE_AT(triangle_rows, triangle.leaf, triangle.i);
-        test_triangle(work, bundle, shaft->all.cone, &triangle, lanes, scene, mine);
+        test_triangle(work, bundle, &shaft->all, &triangle, lanes, scene, mine);
     }
 }
 
@@ -153,16 +141,17 @@ static BlockShaft shaft_of_open(const ShaftWork* work, uint lights, const ShaftS
                            cone_of(bundle, lights) SHARED);
 }
 
-// Walks the block's shaft. False if it gave up after so many nodes and leaves.
-GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, __global const LightBundle* bundle,
+// Walks the block's shaft. False if it gave up after so many nodes and leaves, or was too wide.
+GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visits, __global const LightBundle* bundle,
                                  const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
     BlockShaft shaft = shaft_of_open(work, SHAFT_ANY_BIT(work->open), scene, bundle SHARED);
+    if (IS_WIDE(&shaft.all)) return false;
     SHAFT_BEGIN_STACK(stack);
-    uint top = 1u, visits = 0u, open_points = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
+    uint top = 1u, points_before = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
     SHAFT_PUSH_BLOCKING(stack, top, blocking);
     while (top != 0u) {
         uint code = stack[--top];
-        if (visits++ == most_visits) return false;
+        if ((*visits)++ == most_visits) return false;
         if ((code & SHAFT_LEAF) == 0u) {
             top = push_children_in_shaft(stack, top, code, &shaft.all, scene SHARED);
             continue;
@@ -170,41 +159,113 @@ GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, __global con
         test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);
         uint still_open = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
         // Also a leaf after the one that blocked: it is near, and to note the blocking ones alone takes as long.
-        if (still_open != open_points) note_blocking(blocking, code);
+        if (still_open != points_before) note_blocking(blocking, code);
         if (still_open == 0u) return true;
         // A shaft of fewer points, or of the lights in one part of the bundle, is thinner.
         uint lights = SHAFT_ANY_BIT(work->open);
-        if (2u * popcount(still_open) > popcount(open_points) && cone_of(bundle, lights) == shaft.all.cone) continue;
-        open_points = still_open;
+        if (2u * popcount(still_open) > popcount(points_before) && cone_of(bundle, lights) == shaft.all.cone) continue;
+        points_before = still_open;
         shaft = shaft_of_open(work, lights, scene, bundle SHARED);
     }
     return true;
 }
 
 #if GN_LANES > 1
-// So many blocks that give up, one after the other, are enough to know that the next will; one in so many is tried.
-#define BLOCKS_TO_LEARN 4u
+// A visit of a block takes so many times as long as one of a point or a packet.
+#define BLOCK_VISIT 1.5f
+// Where shafts of blocks do not pay, one block in so many is tried.
+#define BLOCKS_A_TRY 4u
+// Of the blocks that go on apart, one in so many goes the way that took more visits.
+#define APARTS_A_TRY 128u
 
-// Decides a block: neighbouring blocks are alike, and where some gave up, most go by points at once.
-GN_INLINE_ON_CPU void trace_block(ShaftWork* work, __global const LightBundle* bundle,
-                                  __global const float* surface_normals, const ShaftScene* scene, uint* gave_up,
-                                  uint* blocking, Reservation* mine) {
-    if (*gave_up < BLOCKS_TO_LEARN || work->block % BLOCKS_TO_LEARN == 0u) {
-        bool ended = walk_shaft(work, BLOCK_VISITS, bundle, scene, blocking, mine);
-        *gave_up = ended ? 0u : *gave_up + 1u;
-        if (ended) return;
+// What a work-item remembers of the blocks before: neighbouring blocks are alike.
+typedef struct BlockMemory {
+    float visits_of_point, visits_of_packet;  // that one takes
+    float gain;                               // the visits that a block's shaft saves
+    uint blocks_apart;
+    uint blocking[BLOCKING_LEAVES];
+    PacketMemory packets;
+} BlockMemory;
+
+static void begin_memory(BlockMemory* memory) {
+    memory->visits_of_point = memory->visits_of_packet = 16.0f;
+    memory->gain = 0.0f;
+    memory->blocks_apart = 0u;
+    for (uint k = 0; k < BLOCKING_LEAVES; ++k) {
+        memory->blocking[k] = 0u;
+        for (uint light = 0; light < MOST_BUNDLE_LIGHTS; ++light) memory->packets.blocking[light][k] = 0u;
     }
+}
+
+static void note(float* average, float value) { *average += (value - *average) * 0.125f; }
+
+static uint open_points(const ShaftWork* work) {
+    return popcount(lane_bits(LANE_COMPARE(work->open, !=, (LaneInt)(0))));
+}
+
+// The visits of a block's open pairs point by point, and light by light.
+static float visits_by_points(const ShaftWork* work, const BlockMemory* memory) {
+    return memory->visits_of_point * (float)open_points(work);
+}
+static float visits_by_packets(const ShaftWork* work, const BlockMemory* memory) {
+    return memory->visits_of_packet * (float)popcount(SHAFT_ANY_BIT(work->open));
+}
+
+// Returns how many nodes and leaves that visits.
+GN_INLINE_ON_CPU uint trace_points(ShaftWork* work, __global const LightBundle* bundle,
+                                   __global const float* surface_normals, const ShaftScene* scene, uint* blocking,
+                                   Reservation* mine) {
+    uint visits = 0u;
     for (uint bits = lane_bits(LANE_COMPARE(work->open, !=, (LaneInt)(0))); bits != 0u;) {
         int lane = take_lane(&bits);
         uint i = (uint)(work->block * SHAFT_WIDTH) + (uint)lane;
-        PointWork point = {lane_point(work->points, lane), (uint)LANE_OF_INT(work->open, lane),
-                           (uint)LANE_OF_INT(work->receivers, lane), i, work->bundle};
+        PointWork point = {lane_point(work->points, lane),
+                           (uint)LANE_OF_INT(work->open, lane),
+                           (uint)LANE_OF_INT(work->receivers, lane),
+                           i,
+                           work->bundle,
+                           0u};
         PointPlane plane = {vload3(i, surface_normals), false, 0.0f};
         trace_point_shaft(&point, plane, bundle, scene, blocking, mine);
         LANE_OF_INT(work->open, lane) = (int)point.open;
+        visits += point.visits;
+    }
+    return visits;
+}
+
+// Walks the block's shaft, where that pays, until it has taken as long as its pairs would apart.
+GN_INLINE_ON_CPU bool try_block(ShaftWork* work, __global const LightBundle* bundle, const ShaftScene* scene,
+                                BlockMemory* memory, Reservation* mine) {
+    if (memory->gain < 0.0f && work->block % BLOCKS_A_TRY != 0u) return false;
+    float before = fmin(visits_by_points(work, memory), visits_by_packets(work, memory));
+    uint most = (uint)clamp(before / BLOCK_VISIT, 4.0f, 400.0f), visits = 0u;
+    bool ended = walk_shaft(work, most, &visits, bundle, scene, memory->blocking, mine);
+    float after = ended ? 0.0f : fmin(visits_by_points(work, memory), visits_by_packets(work, memory));
+    note(&memory->gain, before - after - BLOCK_VISIT * (float)visits);
+    return ended;
+}
+
+// Decides a block: by its shaft, or by those of its points, or light by light, as blocks before took fewest visits.
+GN_INLINE_ON_CPU void trace_block(ShaftWork* work, const ShaftParams* params, __global const LightBundle* bundle,
+                                  __global const float* surface_normals, const ShaftScene* scene, BlockMemory* memory,
+                                  Reservation* mine) {
+    bool has_shaft = params->are_packets == 0u;
+    if (has_shaft && try_block(work, bundle, scene, memory, mine)) return;
+    bool by_packets = visits_by_packets(work, memory) < visits_by_points(work, memory);
+    bool is_try = ++memory->blocks_apart % APARTS_A_TRY == 0u;
+    if (by_packets != is_try || !has_shaft) {
+        float packets = (float)popcount(SHAFT_ANY_BIT(work->open));
+        note(&memory->visits_of_packet, (float)trace_packets(work, bundle, scene, &memory->packets, mine) / packets);
+    } else {
+        float points = (float)open_points(work);
+        note(&memory->visits_of_point,
+             (float)trace_points(work, bundle, surface_normals, scene, memory->blocking, mine) / points);
     }
 }
 #else
+// Nodes and leaves that the shaft of a block may visit. After that each open point has its own, in a launch of its own,
+// point_shaft_trace, so that no group takes much longer than the others.
+#define BLOCK_VISITS 96u
 // One task in so many is always tried. Where too many of these gave up, the others go by points at once.
 #define TASKS_A_TRY 16u
 #define TRIES_TO_LEARN 256u
@@ -220,9 +281,9 @@ static bool are_blocks_too_large(__global ShaftCounters* counters) {
 static void trace_block(ShaftWork* work, uint task, __global const LightBundle* bundle, const ShaftScene* scene,
                         uint* blocking, Reservation* mine SHARED_PARAMETER) {
     bool is_first = get_local_id(0) == 0, is_try = task % TASKS_A_TRY == 0u;
-    uint most_visits = BLOCK_VISITS;
+    uint most_visits = BLOCK_VISITS, visits = 0u;
     if (group_bits(is_first && !is_try && are_blocks_too_large(scene->counters), shared) != 0u) most_visits = 0u;
-    bool ended = walk_shaft(work, most_visits, bundle, scene, blocking, mine SHARED);
+    bool ended = walk_shaft(work, most_visits, &visits, bundle, scene, blocking, mine SHARED);
     if (is_first && is_try) {
         atomic_inc(&scene->counters->tried);
         if (!ended) atomic_inc(&scene->counters->gave_up);
@@ -269,10 +330,13 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
                           __global ShaftPairs* queue, __global ShaftCounters* counters, __local uint* shared) {
     ShaftScene scene = {nodes, leaves, ids, queue, params.queue_capacity, params.rounding, counters};
     Reservation mine = no_reservation();
-    uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH, blocking[BLOCKING_LEAVES] = {0u};
+    uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
 #if GN_LANES > 1
     __global const float* normals = surface_normals + params.points.first;
-    uint gave_up = 0u;
+    BlockMemory memory;
+    begin_memory(&memory);
+#else
+    uint blocking[BLOCKING_LEAVES] = {0u};
 #endif
     SHAFT_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
         uint bundle = (uint)(task / blocks);
@@ -280,7 +344,7 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
         LaneInt before = work.open;
         if (!ANY_OPEN(&work)) continue;
 #if GN_LANES > 1
-        trace_block(&work, &bundles[bundle], normals, &scene, &gave_up, blocking, &mine);
+        trace_block(&work, &params, &bundles[bundle], normals, &scene, &memory, &mine);
 #else
         trace_block(&work, (uint)task, &bundles[bundle], &scene, blocking, &mine SHARED);
 #endif
@@ -294,6 +358,13 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
     }
     close_queue(&mine, &scene);
 }
+
+// The lights' fourth homogeneous coordinate.
+#ifdef GN_POINT_LIGHTS
+#define LIGHT_W 1.0f
+#else
+#define LIGHT_W 0.0f
+#endif
 
 // Decides the queued pairs on the triangles' own vertices. Several entries may name one point and bundle.
 __kernel void shaft_exact(const ShaftParams params, __global const LightBundle* bundles, __global const float* vertices,
@@ -309,7 +380,7 @@ __kernel void shaft_exact(const ShaftParams params, __global const LightBundle* 
         uint dark = 0u;
         for (uint lights = pairs.lights & GN_RELAXED_LOAD(mask); lights != 0u;) {
             uint l = take_lowest_bit(&lights);
-            float4 light = (float4)(light_direction(&bundles[pairs.bundle], l), 0.0f);
+            float4 light = (float4)(light_direction(&bundles[pairs.bundle], l), LIGHT_W);
             int level;
             if (decide_pair(triangles, pairs.triangle, p, light, &level)) dark |= 1u << l;
             ++by_level[level];

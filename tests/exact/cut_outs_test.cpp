@@ -197,21 +197,22 @@ TEST(CutOuts, FootprintsAreAsSampleBySample) {
 TEST(CutOuts, ShaftsAndExplainHonourThem) {
     const Floats scene = small_scene(), points = random_points(600, -1.2f, 1.2f, 8);
     const auto suns = gnomon::sun_disk({0.3f, -1, 0.2f}, 5, 40);
+    const auto lamp = gnomon::area_light({-0.2f, 1.5f, 0.1f}, {0.5f, 0, 0}, {0, 0.1f, 0.4f}, 40);
     const CutOutData data(mixed_masks(scene.size() / 9, 10, true));
     for (const auto& [name, device] : open_families()) {
         const Points given = Points::upload(device, points);
         const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
-        std::vector<decltype(gnomon::LightsOnHost::bits)> bits;
-        for (const char* how : {"shafts", "one-by-one", "point-shafts", "rays"})
-            bits.push_back(gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), triangles, given,
-                                                      suns, {.bits = true})
-                               .bits);
-        EXPECT_EQ(bits[0], bits[1]) << name;
-        EXPECT_EQ(bits[2], bits[1]) << name;
-        const auto technique = technique_with(device, {{"many-lights", "shafts"}});
-        EXPECT_NE(
-            bits[0],
-            gnomon::run_lights_to_host(*technique, Triangles::upload(device, scene), given, suns, {.bits = true}).bits);
+        const auto bits_of = [&](const char* how, const Triangles& of, const gnomon::Lights& table) {
+            return gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), of, given, table,
+                                              {.bits = true})
+                .bits;
+        };
+        for (const gnomon::Lights& table : {suns, lamp}) {
+            const auto one = bits_of("one-by-one", triangles, table);
+            for (const char* how : {"shafts", "point-shafts", "rays"})
+                EXPECT_EQ(bits_of(how, triangles, table), one) << name << ", " << how;
+            EXPECT_NE(bits_of("shafts", Triangles::upload(device, scene), table), one) << name;
+        }
         for (const gnomon::Light& light : lights) {
             const auto visibility = run(device, triangles, given, light);
             for (std::size_t i = 0; i < 40; ++i) {
