@@ -50,14 +50,15 @@ void find_field_if_there_is_room(Bundled& bundles, const TreeRun& run, std::uint
     }
 }
 
-// Whether no bundle's cone is wider than some 2 degrees.
-bool are_thin(const LightBundles& coned) {
-    return std::ranges::all_of(coned.bundles, [](const LightBundle& bundle) {
+// Whether no bundle's cone is wider than some 2 degrees, or no box of point lights than a small part of the scene.
+bool are_thin(const TreeRun& run, const LightBundles& coned) {
+    const double widest = coned.are_positions ? run.largest_coordinate() / 16.0 : 0.02;
+    return std::ranges::all_of(coned.bundles, [&](const LightBundle& bundle) {
         const LightCone& cone = bundle.cones[0];
         double square = 0;
         for (int c = 0; c < 3; ++c)
             square += double(cone.across[c]) * cone.across[c] + double(cone.along[c]) * cone.along[c];
-        return square < 0.02 * 0.02;
+        return square < widest * widest;
     });
 }
 
@@ -100,7 +101,7 @@ ManyLightsWay faster_way(const TreeRun& run, Bundled& bundles, std::uint32_t bun
     const bool are_positions = bundles.coned.are_positions;
     if (!are_positions && pairs >= pairs_worth_field * run.triangles.count() && (is_cpu || !run.points.camera()))
         find_field_if_there_is_room(bundles, run, bundle_lights, height_field);
-    if (bundles.field == nullptr && !are_positions && are_thin(bundles.coned)) return ManyLightsWay::shafts;
+    if (bundles.field == nullptr && are_thin(run, bundles.coned)) return ManyLightsWay::shafts;
     return (is_cpu ? faster_way_on_cpu : faster_way_on_gpu)(run, bundles, one_light_ms, statistics);
 }
 

@@ -338,7 +338,9 @@ void keep_bits(const LightsQuestion& question, Entered& entered, std::vector<std
     entered.lit_of_point.assign(question.count(), 0);
     for (std::size_t word = 0; word < bits.size(); ++word) {
         const auto lit = static_cast<std::uint32_t>(std::popcount(bits[word]));
-        entered.lit_of_point[word / question.words()] += lit;
+        const std::size_t point = word / question.words();
+        entered.lit_of_point[point] += lit;
+        if (question.shows_sky(point)) continue;
         pairs.lit += lit;
         pairs.differing += static_cast<std::uint64_t>(std::popcount(bits[word] ^ first[word]));
     }

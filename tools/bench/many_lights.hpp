@@ -48,6 +48,11 @@ struct LightsQuestion {
     std::size_t count() const { return positions.size() / 3; }
     std::size_t words() const { return (lights.count() + 31) / 32; }
     bool are_vertices() const { return receivers.empty(); }
+    /// A pixel without a point: all lights reach it by gnomon's definition, and a ray tracer has nothing to trace.
+    bool shows_sky(std::size_t point) const {
+        const float* n = &normals[3 * point];
+        return n[0] == 0 && n[1] == 0 && n[2] == 0;
+    }
 };
 
 /// From a point towards a light, of a point light as far as it is.
