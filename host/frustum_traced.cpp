@@ -368,15 +368,10 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const TreeRun through_tree{run, sorted, kept_of(tree_, triangles)};
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
-    // Light by light was faster for the points of some pictures, and for point lights far from each other
-    // (docs/many_lights.md).
-    const bool may_go_one_by_one = points.camera() || !lights.lights().front().is_directional();
+    // Light by light was faster for the points of some pictures alone (docs/many_lights.md).
     OneLightMs one_light_ms;
-    if (is_auto && may_go_one_by_one && points.count() * lights.count() >= pairs_worth_one_light)
-        one_light_ms = [&] {
-            const Points ordered = in_order != nullptr ? in_order->as_points(device_, points) : points;
-            return time_of_one_light(*this, {device_, clustered, ordered, lights, outputs, options});
-        };
+    if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_one_light)
+        one_light_ms = [&] { return time_of_one_light(*this, run); };
     const auto field = [&]() -> const BuiltHeightField* {
         const cl::StageTimer field_timer(session_, measured.stages, "height_field");
         const BuiltHeightField& built = kept_of(field_, triangles);

@@ -82,12 +82,15 @@ ManyLightsWay faster_way_on_cpu(const TreeRun& run, const Bundled& bundles, cons
 }
 
 // On a GPU horizons took the least time but for the points of pictures, and single lights only for these and where
-// bundles are wide (docs/many_lights.md). Thousands of lights are dense.
+// bundles are wide (docs/many_lights.md). Thousands of lights are dense. A scattered lamp takes a millisecond, and
+// shafts as long for a quarter of a million points.
 ManyLightsWay faster_way_on_gpu(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
                                 Statistics& statistics) {
-    constexpr std::size_t dense_lights = 2048;
+    constexpr std::size_t dense_lights = 2048, points_worth_a_lamp = std::size_t(1) << 18;
     const std::size_t lights = run.lights.count();
     if (bundles.field != nullptr) return ManyLightsWay::horizons;
+    if (bundles.coned.are_positions)
+        return run.points.count() < points_worth_a_lamp ? ManyLightsWay::shafts : ManyLightsWay::one_by_one;
     if (!one_light_ms || lights >= dense_lights) return ManyLightsWay::shafts;
     const double each = estimated_shafts_ms(run, bundles.coned, statistics) / double(lights);
     return one_light_ms() < each ? ManyLightsWay::one_by_one : ManyLightsWay::shafts;
