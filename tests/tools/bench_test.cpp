@@ -389,6 +389,25 @@ TEST_F(Bench, ManyLightsTakeThePixelsOfAViewByEveryWay) {
                                            "many-lights=rays", "many-lights=shafts"}));
 }
 
+TEST_F(Bench, ManyLightsTakeLamps) {
+    for (const std::string lights : {"lamp:20", "lamps:20"}) {
+        SCOPED_TRACE(lights);
+        ASSERT_EQ(run("town:10000 --many-lights " + lights + " --points 900 --sweep --runs 1 --peers --json " +
+                      path("lamps.json")),
+                  0)
+            << errors();
+        const Json report = json("lamps.json");
+        for (const Json& row : report["rows"]) {
+            const Json& pairs = row["pairs"];
+            EXPECT_EQ(pairs["lights"], 20);
+            EXPECT_GT(pairs["facing"].get<double>(), 2000);
+            EXPECT_GT(pairs["lit"].get<double>(), 0);
+            EXPECT_LT(pairs["lit"].get<double>(), pairs["facing"].get<double>());
+            EXPECT_LT(pairs["differing"].get<double>(), 1e-3 * pairs["facing"].get<double>());
+        }
+    }
+}
+
 TEST_F(Bench, ManyLightsTakeATerrainsVertices) {
     ASSERT_EQ(run("terrain:10000 --many-lights sky --points 700 --runs 1 --peers --json " + path("a.json") +
                   " --markdown " + path("a.md")),
@@ -419,7 +438,9 @@ TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(run("sundial --many-lights sky --pixels nowhere"), 0);
     EXPECT_NE(errors().find("no view \"nowhere\""), std::string::npos) << errors();
     EXPECT_NE(run("sundial --many-lights moons --points 9"), 0);
-    EXPECT_NE(errors().find("takes suns, suns:N, sky, sky:D or disk:N, not \"moons\""), std::string::npos) << errors();
+    EXPECT_NE(errors().find("takes suns, suns:N, sky, sky:D, disk:N, lamp:N or lamps:N, not \"moons\""),
+              std::string::npos)
+        << errors();
     std::ofstream(path("views.json")) << "glTF";
     EXPECT_NE(run("sundial --views " + path("views.json")), 0);
     EXPECT_NE(errors().find("views.json are not JSON"), std::string::npos) << errors();
