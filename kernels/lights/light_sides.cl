@@ -104,7 +104,9 @@ static ConeAlongNormals cone_along_normals(const SidedPoints* s, __global const 
     found.radius += fabs(normals_along(&s->normals, cone->planes[0]));
     float3 sizes = fabs(vload3(0, cone->across)) + fabs(vload3(0, cone->along)) + fabs(light_box_depth(cone));
     LaneFloat reach = fabs(d.x) + fabs(d.y) + fabs(d.z) + (sizes.x + sizes.y + sizes.z + 1.0f);
-    found.bound = s->cone_bound * reach;
+    // Where a product may overflow, terms that cancel do not: nothing is certain.
+    LaneFloat bound = s->cone_bound * reach;
+    found.bound = LANES_SELECT((LaneFloat)(INFINITY), bound, LANE_COMPARE(bound, <, (LaneFloat)(0x1p100f)));
 #else
     found.middle = normals_along(&s->normals, cone->middle);
     found.bound = s->cone_bound;

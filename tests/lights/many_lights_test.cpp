@@ -591,6 +591,30 @@ TEST(ManyLights, LampsAndPointsBesideAPlane) {
     }
 }
 
+// n . (S - P) is about -1e34, and its terms overflow to infinity before they cancel.
+TEST(ManyLights, LargeNormalsDoNotDecideTheSideOfALamp) {
+    const gnomon::Device device = device_with();
+    const LightScene scene{"far", {50, 50, 50, 51, 50, 50, 50, 51, 50}, {0, 0, 0}, {}};
+    const gnomon::Points normals = gnomon::Points::upload(device, Floats{0, -1e38f, 1e38f});
+    const Lights lamp({gnomon::Light::positional({0, 4.0001f, 4})});
+    for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
+        EXPECT_EQ(run(device, scene, lamp, way, {.normals = normals.positions()}).counts[0], 0u) << way;
+}
+
+// A lamp among its points, and a triangle whose box touches, but for rounding, the plane through the lamp that a
+// packet's heights begin at: a coordinate and a height are both 0.
+TEST(ManyLights, ATriangleBesideALampAmongItsPoints) {
+    const gnomon::Device device = device_with();
+    const float r = 8e-6f * 2.5f;
+    LightScene scene{"beside a lamp", {0.4f, r, r, 0.4f, 1, r, 0.4f, 0.4f, 1}, {1, 1, 0.5f}, {}};
+    for (int i = 0; i < 15; ++i) add(scene.points, {i % 2 == 0 ? -1.0f : 1.0f, i % 4 < 2 ? -1.0f : 1.0f, -2.5f});
+    const Lights lamp({gnomon::Light::positional({0, 0, 0})});
+    const auto truth = truth_of_each(scene, lamp);
+    EXPECT_EQ(truth[0][0], 0);
+    for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
+        expect_outputs(run(device, scene, lamp, way), truth, lamp, way);
+}
+
 TEST(ManyLights, AreaLightsOfManySamplesAreDecidedTogether) {
     const gnomon::Device device = device_with();
     const FacedScene scene = boxes_on_floor(120, 2);
