@@ -772,6 +772,8 @@ private:
     std::size_t write_instances(const Instance& instance, Pose& pose, float*& out,
                                 std::vector<std::uint32_t>::iterator& material) {
         const tinygltf::Node& node = model_.nodes[std::size_t(instance.node)];
+        // A file can ask for 2^63 instances of nothing.
+        if (std::ranges::all_of(parts_[node.mesh], [](const Part& part) { return part.triangle_count == 0; })) return 0;
         const std::vector<double> weights = pose.morph_weights(instance.node);
         std::vector<glm::dmat4> joints;
         if (node.skin >= 0) joints = pose.joints(node.skin, accessors_);
