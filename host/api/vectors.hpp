@@ -50,4 +50,17 @@ inline Double3 perpendicular(const Double3& axis) {
     return made;
 }
 
+/// Of the unit vectors at right angles to `axis`, which is one, that along which these vectors spread most.
+template <typename Vectors>
+Double3 widest_across(const Double3& axis, const Vectors& vectors) {
+    const Double3 u = perpendicular(axis), v = cross(axis, u);
+    double uu = 0, uv = 0, vv = 0;
+    for (const Double3& vector : vectors) {
+        const double x = dot(vector, u), y = dot(vector, v);
+        uu += x * x, uv += x * y, vv += y * y;
+    }
+    const double angle = 0.5 * std::atan2(2 * uv, uu - vv);
+    return sum(scaled(u, std::cos(angle)), scaled(v, std::sin(angle)));
+}
+
 }  // namespace gnomon

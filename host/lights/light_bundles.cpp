@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <ranges>
 
 #include "api/vectors.hpp"
 #include "kernels/lists/morton.h"
@@ -105,14 +106,9 @@ Axes axes_of(std::span<const std::uint32_t> part, const std::vector<Direction>& 
     Axes axes{};
     for (const std::uint32_t i : part) axes.middle = sum(axes.middle, directions[i].unit);
     normalize(axes.middle);
-    const Double3 u = perpendicular(axes.middle), v = cross(axes.middle, u);
-    double uu = 0, uv = 0, vv = 0;
-    for (const std::uint32_t i : part) {
-        const double x = dot(directions[i].unit, u), y = dot(directions[i].unit, v);
-        uu += x * x, uv += x * y, vv += y * y;
-    }
-    const double angle = 0.5 * std::atan2(2 * uv, uu - vv);
-    axes.along = sum(scaled(u, std::cos(angle)), scaled(v, std::sin(angle)));
+    axes.along = widest_across(axes.middle, part | std::views::transform([&](std::uint32_t i) -> const Double3& {
+                                                return directions[i].unit;
+                                            }));
     axes.across = cross(axes.middle, axes.along);
     return axes;
 }

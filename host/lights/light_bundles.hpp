@@ -32,8 +32,8 @@ std::optional<LightBundles> make_position_bundles(std::span<const Light> lights,
 /// their own.
 std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, std::uint32_t most, std::uint32_t axis);
 
-/// The same, of directional lights, full and without cones, in the order of such bundles; without these, in the lights'
-/// order.
+/// For packets. Of directional lights: full and without cones, in the order of these bundles; without these, in the
+/// lights' order. Of point lights: these bundles or, without them, make_position_bundles().
 std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order = nullptr);
 
 /// Of a bundle's lights, those of this cone: the first has all of them, cone k one half of those of cone (k - 1) / 2.

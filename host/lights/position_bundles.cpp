@@ -62,18 +62,10 @@ Double3 widest_direction(const Positions& offsets) {
     return direction;
 }
 
-// In the plane at right angles to that direction, the axis along which they spread most has a closed form.
 Axes axes_of(const Positions& offsets) {
     Axes axes{};
     axes.along = widest_direction(offsets);
-    const Double3 u = perpendicular(axes.along), v = cross(axes.along, u);
-    double uu = 0, uv = 0, vv = 0;
-    for (const Double3& offset : offsets) {
-        const double x = dot(offset, u), y = dot(offset, v);
-        uu += x * x, uv += x * y, vv += y * y;
-    }
-    const double angle = 0.5 * std::atan2(2 * uv, uu - vv);
-    axes.across = sum(scaled(u, std::cos(angle)), scaled(v, std::sin(angle)));
+    axes.across = widest_across(axes.along, offsets);
     axes.depth = cross(axes.along, axes.across);
     return axes;
 }

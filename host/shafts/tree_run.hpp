@@ -20,8 +20,8 @@ using HeightFieldOfRun = std::function<const BuiltHeightField*()>;
 /// Decides a run through the tree. `automatic` takes the fastest way, by rule or as measured on a sample. False, and
 /// no output is written, if the tree cannot serve these lights (point lights among directional ones, a direction that
 /// cannot be scaled, coordinates out of the filter's range, for `horizons` point lights or no height field), or, by
-/// `automatic`, would take
-/// longer than `one_light_ms`, if there is such a function, for each light. Adds its stages and counts to `statistics`.
+/// `automatic`, would take longer than one light at a time: by rule, or than `one_light_ms`, if there is such a
+/// function, for each light. Adds its stages and counts to `statistics`.
 bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
                       const HeightFieldOfRun& height_field, const OneLightMs& one_light_ms, Statistics& statistics);
 

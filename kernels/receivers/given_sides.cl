@@ -20,11 +20,7 @@ static bool is_strictly_in_front(float3 n, float3 p, float4 light) {
     float bound = size * 0x1p-20f + sizes * 0x1p-110f;
     if (fabs(dot_product) > bound && bound < INFINITY) return dot_product > 0.0f;
 
-    Accumulator sum;
-    accumulator_clear(&sum);
-    accumulator_add_dot(&sum, n, light.xyz, false);
-    if (light.w != 0.0f) accumulator_add_dot(&sum, n, p, true);
-    return accumulator_sign(&sum) > 0;
+    return dot_is_positive(n, light.xyz, light.w != 0.0f ? p : (float3)(0.0f));
 }
 
 // A point whose normal has a NaN or infinite coordinate has no side and keeps its visibility.

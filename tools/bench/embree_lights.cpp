@@ -45,7 +45,7 @@ std::vector<std::uint32_t> sorted_points(const LightsQuestion& question) {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
     for (std::size_t i = 0; i < question.count(); ++i) {
         const float *p = &question.positions[3 * i], *n = &question.normals[3 * i];
-        if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;  // of the sky
+        if (question.shows_sky(i)) continue;
         std::uint64_t key = 0;
         std::size_t axis = 0;
         for (std::size_t c = 0; c < 3; ++c) {
