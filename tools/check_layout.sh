@@ -52,6 +52,9 @@ lines_matching '(^|/)(CMakeLists\.txt|CMakePresets\.json)$|\.(cmake|cpp|hpp|h|cl
 lines_matching '^kernels/' '^\s*#\s*define\s+\w+\([^)]*\.\.\.' |
     complain 'macros of any number of arguments are not OpenCL C'
 
+# Clang 14 builds the fuzzers and does not compile the views of GCC 12's library.
+lines_matching "^(host|tests|tools)/.*$source" '\bstd::(ranges::)?views::' | complain 'range views do not compile with clang 14'
+
 # One door to OpenCL.
 lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' |
     { grep -vE '^(host/(cl/|include/gnomon\.(hpp|h):)|tests/drivers/)' || true; } |

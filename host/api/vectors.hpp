@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace gnomon {
 
@@ -51,8 +52,7 @@ inline Double3 perpendicular(const Double3& axis) {
 }
 
 /// Of the unit vectors at right angles to `axis`, which is one, that along which these vectors spread most.
-template <typename Vectors>
-Double3 widest_across(const Double3& axis, const Vectors& vectors) {
+inline Double3 widest_across(const Double3& axis, std::span<const Double3> vectors) {
     const Double3 u = perpendicular(axis), v = cross(axis, u);
     double uu = 0, uv = 0, vv = 0;
     for (const Double3& vector : vectors) {

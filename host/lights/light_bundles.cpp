@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <ranges>
 
 #include "api/vectors.hpp"
 #include "kernels/lists/morton.h"
@@ -104,11 +103,11 @@ struct Axes {
 // Unit axes with `along` where the directions spread most, and the directions' extents.
 Axes axes_of(std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     Axes axes{};
-    for (const std::uint32_t i : part) axes.middle = sum(axes.middle, directions[i].unit);
+    std::vector<Double3> units;
+    for (const std::uint32_t i : part) units.push_back(directions[i].unit);
+    for (const Double3& unit : units) axes.middle = sum(axes.middle, unit);
     normalize(axes.middle);
-    axes.along = widest_across(axes.middle, part | std::views::transform([&](std::uint32_t i) -> const Double3& {
-                                                return directions[i].unit;
-                                            }));
+    axes.along = widest_across(axes.middle, units);
     axes.across = cross(axes.middle, axes.along);
     return axes;
 }

@@ -68,6 +68,7 @@ kernel_of() { echo "__kernel void $2(uint a$(repeated $(($1 - 1)) ', __global co
 
 make_good_tree
 must_pass
+must_catch host/trace/trace.hpp 'for (int i : list | std::views::reverse) use(i);'
 must_catch kernels/trace/trace.cl 'float a = mad(b, c, d);'
 must_catch kernels/trace/trace.cl 'float a = native_sqrt(b);'
 must_catch kernels/exact/sum.h 'float a = half_recip(b);'
