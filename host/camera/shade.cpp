@@ -30,20 +30,18 @@ double metered_ev(std::vector<float> brightest) {
     return *at > 0 ? std::clamp(std::log2(metered_light / double(*at)), -most_metered_ev, most_metered_ev) : 0;
 }
 
-/// Adds the lights' Lambert terms.
+/// The sum of the lights' Lambert terms.
 void add_lights(cl::Session& session, const Surfaces::Inside& of, std::span<const Visibility> visibilities,
                 std::span<const Light> lights, const cl::Buffer& lambert) {
+    if (lights.empty()) session.fill(lambert, 0, of.points.count() * sizeof(float));
     const PointInputs points = point_inputs(of.points);
-    const cl::Range pixels = cl::Range::items(of.points.count());
+    const cl::Buffer& spreads = of.has_shading_normals ? of.spreads : lambert;  // any buffer: it is not read
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const auto& [x, y, z, w] = lights[i].xyzw;
-        const ShadeParams params{.layout = points.layout, .light = {x, y, z, w}};
-        if (of.has_shading_normals)
-            session.launch("camera/shade.cl", "shade_light_smooth", pixels, params, points.positions, points.receivers,
-                           of.shading_normals, of.spreads, visibilities[i].buffer(), lambert);
-        else
-            session.launch("camera/shade.cl", "shade_light", pixels, params, points.positions, points.receivers,
-                           of.geometric_normals, visibilities[i].buffer(), lambert);
+        const ShadeParams params{
+            .layout = points.layout, .light = {x, y, z, w}, .is_first = i == 0, .has_spreads = of.has_shading_normals};
+        session.launch("camera/shade.cl", "shade_light", cl::Range::items(of.points.count()), params, points.positions,
+                       of.normals(), spreads, visibilities[i].buffer(), lambert);
     }
 }
 
@@ -70,10 +68,9 @@ Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities
     session.write(table_buffer.get(), table.data(), table.size());
     session.write(sky_shares.get(), options.sky_shares.data(), options.sky_shares.size_bytes());
     const cl::Buffer lambert(session, pixels * sizeof(float)), picture(session, pixels * 4);
-    session.fill(lambert, 0, pixels * sizeof(float));
     add_lights(session, of, visibilities, lights, lambert);
 
-    PictureParams params{.count = static_cast<cl_uint>(pixels),
+    PictureParams params{.layout = point_inputs(of.points).layout,
                          .has_albedos = of.has_detail,
                          .has_sky_shares = !options.sky_shares.empty(),
                          .exposure = 1};

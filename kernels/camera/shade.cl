@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Shade: albedo times (ambient + the lights' visibility * Lambert), times the exposure, through the tone curve, to
 // 8-bit sRGB through a table that the host computes, so that no device's pow() can change a pixel. The ambient light
-// comes mostly from above and a little from one side, so that shapes stay visible in shadow.
+// comes mostly from above and a little from one side, so that shapes stay visible in shadow. Pixels are taken in blocks
+// (simd/point_blocks.clh), 16 at once on a CPU.
 #include "camera/shade.h"
+#include "simd/point_blocks.clh"
 
 #define AMBIENT 0.25f
 
@@ -14,87 +16,163 @@
 #define SKY_LIGHT 0.45f
 #define REFLECTED_AMBIENT 0.5f
 
-static uchar to_srgb(float linear, __global const uchar* table) {
-    return table[(int)(clamp(linear, 0.0f, 1.0f) * (float)(SRGB_TABLE_SIZE - 1) + 0.5f)];
+// ---- Light of a lamp or a direction ---------------------------------------------------------------------------------
+
+// Three floats for each point, one after the other.
+static PointsLayout packed_layout(PointsLayout of) {
+    of.first = 0u;
+    of.point_stride = 3u;
+    of.coordinate_stride = 1u;
+    return of;
 }
 
-// Unit vector towards the light, up to the last bits (pictures only, never a decision).
-static float3 towards_light(float3 p, float4 light) {
-    float3 d = light.w != 0.0f ? light.xyz - p : light.xyz;
-    float largest = fmax(fmax(fabs(d.x), fabs(d.y)), fabs(d.z));
-    if (!(largest > 0.0f)) return (float3)(0.0f);
-    d /= largest;
-    return d / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+static PointBlock times(PointBlock v, LaneFloat factor) {
+    return (PointBlock){v.x * factor, v.y * factor, v.z * factor};
 }
 
-// Adds one light's part to `lambert`, which is 0 before the first.
-__kernel void shade_light(ShadeParams params, __global const float* positions, __global const uint* visible,
-                          __global const float* normals, __global const float* visibility, __global float* lambert) {
+static LaneFloat block_dot(PointBlock a, PointBlock b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+// Unit vectors, up to the last bits (pictures only, never a decision); 0 of a zero.
+static PointBlock unit_of(PointBlock d) {
+    LaneFloat largest = LANES_MAX(LANES_MAX(fabs(d.x), fabs(d.y)), fabs(d.z));
+    LaneInt has_size = LANE_COMPARE(largest, >, (LaneFloat)(0.0f));
+    LaneFloat none = 0.0f;
+    d = (PointBlock){d.x / largest, d.y / largest, d.z / largest};
+    LaneFloat length_of_d = sqrt(block_dot(d, d));
+    return (PointBlock){LANES_SELECT(none, d.x / length_of_d, has_size),
+                        LANES_SELECT(none, d.y / length_of_d, has_size),
+                        LANES_SELECT(none, d.z / length_of_d, has_size)};
+}
+
+static PointBlock towards_light(ShadeParams params, __global const float* positions, size_t block) {
+    PointBlock light = {(LaneFloat)(params.light[0]), (LaneFloat)(params.light[1]), (LaneFloat)(params.light[2])};
+    if (params.light[3] == 0.0f) return light;
+    PointBlock p = load_block(positions, params.layout, block);
+    return (PointBlock){light.x - p.x, light.y - p.y, light.z - p.z};
+}
+
+// Adds one light's part to `lambert`; at pixels that show the sky it may be anything.
+//
+// Visibility is that of the triangle: it ends where the light lies in the triangle's plane, and there a shading normal
+// would still get light, up to the sine of its angle to the triangle's (`spreads`), so that the edges of triangles
+// would show. So the cosine is shifted: it is 0 from that sine on, and 1 where it is 1, as appleseed (F. Beaune 2019)
+// and Blender's Cycles ("Shading Offset") shift it; here the triangle tells by how much.
+__kernel void shade_light(ShadeParams params, __global const float* positions, __global const float* normals,
+                          __global const float* spreads, __global const float* visibility, __global float* lambert) {
     PointsLayout layout = params.layout;
-    float4 light = (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
-    GN_FOR_EACH(pixel, layout.count) {
-        if (visible[pixel] == GN_NO_ID) continue;
-        float3 n = vload3(pixel, normals);
-        float3 l = towards_light(load_point(positions, layout, pixel), light);
-        lambert[pixel] += visibility[pixel] * fmax(n.x * l.x + n.y * l.y + n.z * l.z, 0.0f);
+    bool is_directional = params.light[3] == 0.0f;
+    PointBlock l;
+    if (is_directional) l = unit_of(towards_light(params, positions, 0));
+    GN_FOR_EACH(block, block_count(layout)) {
+        if (!is_directional) l = unit_of(towards_light(params, positions, block));
+        LaneFloat cosine = block_dot(load_block(normals, packed_layout(layout), block), l);
+        if (params.has_spreads != 0u) {
+            LaneFloat shift = load_lanes(spreads, layout, block), most = (LaneFloat)(MOST_SHIFT);
+            shift = LANES_MIN(shift, most);
+            cosine = (cosine - shift) / ((LaneFloat)(1.0f) - shift);
+        }
+        LaneFloat none = 0.0f, before = params.is_first != 0u ? none : load_lanes(lambert, layout, block);
+        cosine = LANES_MAX(cosine, none);
+        store_lanes(before + load_lanes(visibility, layout, block) * cosine, lambert, layout, block);
     }
 }
 
-// The same with shading normals. Visibility is that of the triangle: it ends where the light lies in the triangle's
-// plane, and there the shading normal would still get light, up to the sine of its angle to the triangle's (`spreads`),
-// so that the edges of triangles would show. So the cosine is shifted: it is 0 from that sine on, and 1 where it is 1,
-// as appleseed (F. Beaune 2019) and Blender's Cycles ("Shading Offset") shift it; here the triangle tells by how much.
-__kernel void shade_light_smooth(ShadeParams params, __global const float* positions, __global const uint* visible,
-                                 __global const float* normals, __global const float* spreads,
-                                 __global const float* visibility, __global float* lambert) {
-    PointsLayout layout = params.layout;
-    float4 light = (float4)(params.light[0], params.light[1], params.light[2], params.light[3]);
-    GN_FOR_EACH(pixel, layout.count) {
-        if (visible[pixel] == GN_NO_ID) continue;
-        float3 n = vload3(pixel, normals);
-        float3 l = towards_light(load_point(positions, layout, pixel), light);
-        float shift = fmin(spreads[pixel], MOST_SHIFT);
-        float cosine = (n.x * l.x + n.y * l.y + n.z * l.z - shift) / (1.0f - shift);
-        lambert[pixel] += visibility[pixel] * fmax(cosine, 0.0f);
+// ---- Picture --------------------------------------------------------------------------------------------------------
+
+// What the kernels of a picture read.
+typedef struct PictureInputs {
+    __global const uint* visible;
+    __global const float* normals;
+    __global const float* lambert;
+    __global const uint* triangle_material;
+    __global const float* base_colors;
+    __global const float* albedos;
+    __global const float* sky_shares;
+} PictureInputs;
+
+// The base colours of the triangles' materials, of which neighbours mostly have one.
+static PointBlock base_colors_of(const PictureInputs* from, LaneInt ids) {
+    LaneInt materials = LANES_GATHER((__global const int*)from->triangle_material, ids);
+    __global const int* colors = (__global const int*)from->base_colors;
+    int first = LANE_OF_INT(materials, 0);
+    if (LANES_ANY(LANE_COMPARE(materials, !=, (LaneInt)(first)))) {
+        LaneInt at = 3 * materials;
+        return (PointBlock){LANES_AS_FLOAT(LANES_GATHER(colors, at)), LANES_AS_FLOAT(LANES_GATHER(colors + 1, at)),
+                            LANES_AS_FLOAT(LANES_GATHER(colors + 2, at))};
     }
+    float3 color = vload3((size_t)first, from->base_colors);
+    return (PointBlock){(LaneFloat)(color.x), (LaneFloat)(color.y), (LaneFloat)(color.z)};
 }
 
-// The light that a pixel shows, linear. With shares of the sky, the light of the sky takes the place of most of the
-// ambient light; a little stays for what surfaces reflect.
-static float3 light_of_pixel(PictureParams params, uint id, size_t pixel, __global const float* normals,
-                             __global const float* lambert, __global const uint* triangle_material,
-                             __global const float* base_colors, __global const float* albedos,
-                             __global const float* sky_shares) {
-    if (id == GN_NO_ID) return (float3)(0.46f, 0.62f, 0.86f) * params.exposure;  // sky
-    float3 base = params.has_albedos != 0u ? vload3(pixel, albedos) : vload3(triangle_material[id], base_colors);
-    float3 n = vload3(pixel, normals);
-    float ambient = AMBIENT * (1.0f + 0.35f * n.y + 0.15f * n.x), sun = (1.0f - AMBIENT) * lambert[pixel];
-    if (params.has_sky_shares == 0u) return base * (ambient + sun) * params.exposure;
-    float3 sky = (float3)(0.80f, 0.97f, 1.26f) * (SKY_LIGHT * sky_shares[pixel]);
-    return base * (sky + (REFLECTED_AMBIENT * ambient + sun)) * params.exposure;
+// The light that the lanes `seen` show, at least one, linear. With shares of the sky, the light of the sky takes the
+// place of most of the ambient light; a little stays for what surfaces reflect.
+static PointBlock light_of_surfaces(PictureParams params, const PictureInputs* from, size_t block, LaneInt ids,
+                                    LaneInt seen) {
+    PointsLayout layout = params.layout, packed = packed_layout(layout);
+    PointBlock base, n = load_block(from->normals, packed, block);
+    if (params.has_albedos != 0u)
+        base = load_block(from->albedos, packed, block);
+    else
+        base = base_colors_of(from, LANES_SELECT((LaneInt)(LANE_OF_INT(ids, first_lane(seen))), ids, seen));
+    LaneFloat ambient = AMBIENT * (1.0f + 0.35f * n.y + 0.15f * n.x);
+    LaneFloat sun = (1.0f - AMBIENT) * load_lanes(from->lambert, layout, block), exposure = params.exposure;
+    if (params.has_sky_shares == 0u) return times(times(base, ambient + sun), exposure);
+    LaneFloat sky = SKY_LIGHT * load_lanes(from->sky_shares, layout, block), rest = REFLECTED_AMBIENT * ambient + sun;
+    return times(
+        (PointBlock){base.x * (0.80f * sky + rest), base.y * (0.97f * sky + rest), base.z * (1.26f * sky + rest)},
+        exposure);
 }
+
+// The light that a block's pixels show; `seen`: not the sky.
+static PointBlock light_of_block(PictureParams params, const PictureInputs* from, size_t block, LaneInt* seen) {
+    LaneInt ids = load_lane_ids(from->visible, params.layout, block);
+    *seen = valid_lanes(params.layout, block) & LANE_COMPARE(ids, !=, (LaneInt)((int)GN_NO_ID));
+    LaneFloat exposure = params.exposure;
+    PointBlock sky = {0.46f * exposure, 0.62f * exposure, 0.86f * exposure};
+    if (!LANES_ANY(*seen)) return sky;
+    PointBlock light = light_of_surfaces(params, from, block, ids, *seen);
+    return (PointBlock){LANES_SELECT(sky.x, light.x, *seen), LANES_SELECT(sky.y, light.y, *seen),
+                        LANES_SELECT(sky.z, light.z, *seen)};
+}
+
+static LaneFloat brightest_of(PointBlock light) { return LANES_MAX(LANES_MAX(light.x, light.y), light.z); }
 
 // Light above 1 in the range of the picture: the curve of Khronos' PBR Neutral tone mapper (2024) without its first
 // step, which is for materials that reflect 4 % at their surface. Colours up to .8 stay as they are; brighter ones keep
 // their hue and slowly lose their saturation.
-static float3 tone_mapped(float3 color) {
+static PointBlock tone_mapped(PointBlock light) {
     const float start = 0.8f, rest = 1.0f - start;
-    float peak = fmax(fmax(color.x, color.y), color.z);
-    if (!(peak > start)) return color;
-    float mapped = 1.0f - rest * rest / (peak + rest - start);
-    float saturated = 1.0f / (0.15f * (peak - mapped) + 1.0f);
-    return color * (mapped / peak) * saturated + (float3)(mapped) * (1.0f - saturated);
+    LaneFloat peak = brightest_of(light);
+    LaneInt bright = LANE_COMPARE(peak, >, (LaneFloat)(start));
+    if (!LANES_ANY(bright)) return light;
+    LaneFloat mapped = 1.0f - rest * rest / (peak + rest - start);
+    LaneFloat saturated = 1.0f / (0.15f * (peak - mapped) + 1.0f);
+    PointBlock curved = times(times(light, mapped / peak), saturated);
+    LaneFloat white = mapped * (1.0f - saturated);
+    return (PointBlock){LANES_SELECT(light.x, curved.x + white, bright),
+                        LANES_SELECT(light.y, curved.y + white, bright),
+                        LANES_SELECT(light.z, curved.z + white, bright)};
+}
+
+static LaneInt to_srgb(LaneFloat linear, __global const uchar* table) {
+    LaneFloat none = 0.0f, all = 1.0f;
+    linear = LANES_MAX(linear, none);
+    linear = LANES_MIN(linear, all);
+    LaneInt at = LANES_TO_INT(linear * (float)(SRGB_TABLE_SIZE - 1) + 0.5f);
+    return LANES_GATHER(table, at);
 }
 
 __kernel void shade(PictureParams params, __global const uint* visible, __global const float* normals,
                     __global const float* lambert, __global const uint* triangle_material,
                     __global const float* base_colors, __global const float* albedos, __global const float* sky_shares,
-                    __global const uchar* srgb_table, __global uchar4* picture) {
-    GN_FOR_EACH(pixel, params.count) {
-        float3 linear = tone_mapped(light_of_pixel(params, visible[pixel], pixel, normals, lambert, triangle_material,
-                                                   base_colors, albedos, sky_shares));
-        picture[pixel] = (uchar4)(to_srgb(linear.x, srgb_table), to_srgb(linear.y, srgb_table),
-                                  to_srgb(linear.z, srgb_table), (uchar)255);
+                    __global const uchar* srgb_table, __global uint* picture) {
+    PictureInputs from = {visible, normals, lambert, triangle_material, base_colors, albedos, sky_shares};
+    GN_FOR_EACH(block, block_count(params.layout)) {
+        LaneInt seen;
+        PointBlock light = tone_mapped(light_of_block(params, &from, block, &seen));
+        LaneInt rgba = to_srgb(light.x, srgb_table) | to_srgb(light.y, srgb_table) << 8 |
+                       to_srgb(light.z, srgb_table) << 16 | (int)0xFF000000u;
+        store_lane_ids(rgba, picture, params.layout, block);
     }
 }
 
@@ -103,9 +181,10 @@ __kernel void brightest_channels(PictureParams params, __global const uint* visi
                                  __global const float* lambert, __global const uint* triangle_material,
                                  __global const float* base_colors, __global const float* albedos,
                                  __global const float* sky_shares, __global float* brightest) {
-    GN_FOR_EACH(pixel, params.count) {
-        float3 linear = light_of_pixel(params, visible[pixel], pixel, normals, lambert, triangle_material, base_colors,
-                                       albedos, sky_shares);
-        brightest[pixel] = visible[pixel] == GN_NO_ID ? -1.0f : fmax(fmax(linear.x, linear.y), linear.z);
+    PictureInputs from = {visible, normals, lambert, triangle_material, base_colors, albedos, sky_shares};
+    GN_FOR_EACH(block, block_count(params.layout)) {
+        LaneInt seen;
+        PointBlock light = light_of_block(params, &from, block, &seen);
+        store_lanes(LANES_SELECT((LaneFloat)(-1.0f), brightest_of(light), seen), brightest, params.layout, block);
     }
 }

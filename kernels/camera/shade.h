@@ -8,12 +8,16 @@
 
 GN_STRUCT_BEGIN(ShadeParams)
     PointsLayout layout;
-    float light[4];  // homogeneous, as in LightFrame
-GN_STRUCT_END(ShadeParams, 64)
+    float light[4];    // homogeneous, as in LightFrame
+    uint is_first;     // 1: nothing is read from `lambert`
+    uint has_spreads;  // 1: the normals are shading normals
+    uint padding[2];
+GN_STRUCT_END(ShadeParams, 80)
 
 GN_STRUCT_BEGIN(PictureParams)
-    uint count;           // pixels
+    PointsLayout layout;  // of the pixels' points
     uint has_albedos;     // 0: the triangles' materials have the base colours
     uint has_sky_shares;  // 0: ambient light everywhere
     float exposure;       // the factor of all light
-GN_STRUCT_END(PictureParams, 16)
+    uint padding;
+GN_STRUCT_END(PictureParams, 64)
