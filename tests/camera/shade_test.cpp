@@ -2,6 +2,7 @@
 // Pictures: lights on interpolated normals, exposure and the tone curve.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -136,6 +137,60 @@ TEST(Shade, TheSkysLightTakesThePlaceOfAmbientLight) {
     EXPECT_NEAR(linear(rgba[2]), 0.125 + 0.5 * 0.45 * 1.26, 0.003);
     EXPECT_THROW(lit.shaded({1, 1, 1}, 0, {.sky_shares = two}), InvalidArgument);
     EXPECT_THROW(lit.shaded({1, 1, 1}, 0, {.exposure_ev = NAN}), InvalidArgument);
+}
+
+/// The light of a white surface here, by the formula: ambient, and each light that reaches the point.
+double light_at(const ViewOnHost& seen, std::size_t pixel, std::span<const Light> lights,
+                std::span<const std::vector<float>> visibilities) {
+    const float *n = &seen.normal[3 * pixel], *p = &seen.position[3 * pixel];
+    double light = 0.25 * (1 + 0.35 * n[1] + 0.15 * n[0]);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        double l[3], square = 0, cosine = 0;
+        for (int c = 0; c < 3; ++c) l[c] = lights[i].xyzw[c] - (lights[i].is_directional() ? 0 : double(p[c]));
+        for (const double c : l) square += c * c;
+        for (int c = 0; c < 3; ++c) cosine += n[c] * l[c] / std::sqrt(square);
+        light += 0.75 * visibilities[i][pixel] * std::max(cosine, 0.0);
+    }
+    return light;
+}
+
+/// Khronos' curve from .8 on.
+std::array<double, 3> curved(std::array<double, 3> light) {
+    const double peak = std::ranges::max(light);
+    if (peak <= 0.8) return light;
+    const double mapped = 1 - 0.04 / (peak - 0.6), share = 1 / (1 + 0.15 * (peak - mapped));
+    for (double& c : light) c = c * mapped / peak * share + mapped * (1 - share);
+    return light;
+}
+
+/// Pictures of whole blocks of 4 x 4 pixels, and others, whose last block is not full.
+TEST(Shade, EachPixelHasItsOwnMaterialNormalAndLights) {
+    const Device device;
+    const Triangles triangles = Triangles::upload(device, support::over_a_floor(support::one_triangle));
+    const Materials materials{{0, 1, 2}, {{0.5f, 0.1f, 0.1f}, {0.1f, 0.5f, 0.1f}, {0.2f, 0.2f, 0.5f}}};
+    const std::vector<Light> lights{support::lights()[0], support::lights()[2]};
+    const auto technique = make_technique("frustum-traced", device);
+    for (const auto& [width, height] : {std::pair(48u, 40u), std::pair(47u, 33u), std::pair(3u, 5u)}) {
+        const Camera camera = Camera::look_at({0, 2, 4}, {0, 0.5f, 0}, {0, 1, 0}, 90);
+        const View view = look(device, triangles, camera, width, height);
+        const ViewOnHost seen = read(device, triangles, view);
+        std::vector<Visibility> visibilities;
+        std::vector<std::vector<float>> masks;
+        for (const Light& light : lights) {
+            visibilities.emplace_back(device, view.points.count());
+            technique->run(triangles, view.points, light, visibilities.back());
+            masks.push_back(visibilities.back().read());
+        }
+        const std::vector<std::uint8_t> rgba = shade(device, triangles, view, visibilities, materials, lights);
+        for (std::size_t i = 0; i < seen.receiver.size(); ++i) {
+            const bool is_sky = seen.receiver[i] == no_receiver;
+            const Float3 color = is_sky ? Float3{0.46f, 0.62f, 0.86f} : materials.base_color[seen.receiver[i]];
+            const double light = is_sky ? 1 : light_at(seen, i, lights, masks);
+            const auto shown = curved({color[0] * light, color[1] * light, color[2] * light});
+            for (int c = 0; c < 3; ++c) ASSERT_NEAR(linear(rgba[4 * i + c]), shown[c], 0.005) << width << ", " << i;
+            ASSERT_EQ(rgba[4 * i + 3], 255);
+        }
+    }
 }
 
 }  // namespace
