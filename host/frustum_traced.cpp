@@ -19,6 +19,7 @@
 // no work before all lists fit. trace_queue_overflow decides the undecided pairs that found no room.
 #include "frustum_traced.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "api/statistics.hpp"
@@ -368,24 +369,52 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const TreeRun through_tree{run, sorted, kept_of(tree_, triangles)};
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
-    // Light by light was faster for the points of some pictures alone (docs/many_lights.md).
+    // Light by light was faster for the points of some pictures, seldom for others (docs/many_lights.md): these are
+    // measured where the next run can use it.
     OneLightMs one_light_ms;
-    if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_one_light)
+    const bool may_come_again = !session_.is_cpu() && Internals::clusters(triangles) != nullptr;
+    if (is_auto && (points.camera() || may_come_again) && points.count() * lights.count() >= pairs_worth_one_light)
         one_light_ms = [&] { return time_of_one_light(*this, run); };
     const auto field = [&]() -> const BuiltHeightField* {
         const cl::StageTimer field_timer(session_, measured.stages, "height_field");
         const BuiltHeightField& built = kept_of(field_, triangles);
         return built.is_field() ? &built : nullptr;
     };
-    if (run_through_tree(through_tree, settings_.many_lights, settings_.bundle_lights, field, one_light_ms,
-                         measured.stages))
-        return measured.finish(measured.stages.counts);
+    ManyLightsWay way = way_of(run);
+    if (way != ManyLightsWay::one_by_one)
+        way =
+            run_through_tree(through_tree, way, is_auto, settings_.bundle_lights, field, one_light_ms, measured.stages);
+    note_way(run, way);
+    if (way != ManyLightsWay::one_by_one) return measured.finish(measured.stages.counts);
     if (!is_auto)
         throw InvalidArgument(
             "shafts and rays decide lights that are all directional or all point lights, and coordinates up to 2^19, "
             "and horizons directional lights over triangles that lie side by side over a plane: use many-lights=auto");
     run_one_by_one(*this, run, in_order, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
+}
+
+ManyLightsWay FrustumTraced::way_of(const LightsRun& run) {
+    if (settings_.many_lights != ManyLightsWay::automatic) return settings_.many_lights;
+    if (way_taken_ && (way_taken_->runs_left == 0 || way_taken_->point_count != run.points.count() ||
+                       way_taken_->is_picture != run.points.camera().has_value() ||
+                       !std::ranges::equal(way_taken_->lights, run.lights.lights(), {}, &Light::xyzw, &Light::xyzw)))
+        way_taken_.reset();
+    if (!way_taken_) return ManyLightsWay::automatic;
+    --way_taken_->runs_left;
+    return way_taken_->way;
+}
+
+// Measuring takes up to a tenth of a run, and may once be misled by what else the machine does.
+void FrustumTraced::note_way(const LightsRun& run, ManyLightsWay taken) {
+    constexpr std::uint32_t runs_of_a_way = 7;
+    if (settings_.many_lights != ManyLightsWay::automatic || way_taken_) return;
+    const std::span<const Light> lights = run.lights.lights();
+    way_taken_ = WayTaken{.lights = {lights.begin(), lights.end()},
+                          .point_count = run.points.count(),
+                          .is_picture = run.points.camera().has_value(),
+                          .way = taken,
+                          .runs_left = runs_of_a_way};
 }
 
 // Kept as long as the caller keeps the clusters of the same triangles: the promise not to write the vertices lasts so
@@ -395,6 +424,7 @@ const Built& FrustumTraced::kept_of(std::unique_ptr<Built>& kept, const Triangle
     const Clusters* clusters = Internals::clusters(triangles);
     if (kept && clusters != nullptr && clusters == Internals::clusters(kept->triangles())) return *kept;
     const MeasuredRun built(session_, kept_bytes_);
+    way_taken_.reset();
     kept.reset();
     kept = std::make_unique<Built>(device_, triangles);
     return *kept;
@@ -561,6 +591,7 @@ void FrustumTraced::forget() {
     prepared_.reset();
     tree_.reset();
     field_.reset();
+    way_taken_.reset();
     sorted_points_ = {};
 }
 

@@ -68,6 +68,9 @@ private:
     template <typename Built>
     const Built& kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles);
     const SortedPoints& sort_points(const LightsRun& run);
+    /// The setting's way; in place of `automatic` the one that was taken for the same lights and as many points.
+    ManyLightsWay way_of(const LightsRun& run);
+    void note_way(const LightsRun& run, ManyLightsWay taken);
     TraceInputs prepared_inputs(const FramedInputs& in) const;
     void classify_prepared(const FramedInputs& in, RunResult& result);
     bool run_prepared(const FramedInputs& in, RunResult& result);
@@ -118,6 +121,17 @@ private:
     std::unique_ptr<BuiltShaftTree> tree_;
     std::unique_ptr<BuiltHeightField> field_;
     SortedPoints sorted_points_;  ///< of the last run over many lights, for their memory
+
+    /// The way that `auto` took for a run over many lights, for the next runs of the same kind, as long as the tree is
+    /// kept. Affects time alone.
+    struct WayTaken {
+        std::vector<Light> lights;
+        std::size_t point_count;
+        bool is_picture;
+        ManyLightsWay way;
+        std::uint32_t runs_left;
+    };
+    std::optional<WayTaken> way_taken_;
 };
 
 }  // namespace gnomon

@@ -109,40 +109,43 @@ ManyLightsWay faster_way(const TreeRun& run, Bundled& bundles, std::uint32_t bun
 }
 
 // False where there is no room and the choice was not the caller's: shafts take less.
-bool run_by_horizons(const TreeRun& run, const Bundled& bundles, bool is_auto, Statistics& statistics) {
+bool run_by_horizons(const TreeRun& run, const Bundled& bundles, bool may_fall_back, Statistics& statistics) {
     try {
         ShaftPasses(run, bundles.sectors, statistics, bundles.field).run(ShaftShape::point);
         return true;
     } catch (const OutOfDeviceMemory&) {
-        if (!is_auto) throw;
+        if (!may_fall_back) throw;
         return false;
     }
 }
 
 }  // namespace
 
-bool run_through_tree(const TreeRun& run, ManyLightsWay way, std::uint32_t bundle_lights,
-                      const HeightFieldOfRun& height_field, const OneLightMs& one_light_ms, Statistics& statistics) {
-    if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return false;
+ManyLightsWay run_through_tree(const TreeRun& run, ManyLightsWay way, bool may_fall_back, std::uint32_t bundle_lights,
+                               const HeightFieldOfRun& height_field, const OneLightMs& one_light_ms,
+                               Statistics& statistics) {
+    constexpr ManyLightsWay by_none = ManyLightsWay::one_by_one;
+    if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return by_none;
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
-    if (!coned) return false;
+    if (!coned) return by_none;
     const bool is_cpu = session_of(run.device).is_cpu();
     if (way == ManyLightsWay::rays && !is_cpu) way = ManyLightsWay::point_shafts;
-    if (way == ManyLightsWay::horizons && coned->are_positions) return false;
+    if (way == ManyLightsWay::horizons && coned->are_positions) return by_none;
     Bundled bundles{std::move(*coned), {}, {}};
     if (is_cpu) bundles.plain = *make_plain_bundles(run.lights.lights(), &bundles.coned);
     if (way == ManyLightsWay::horizons) find_field(bundles, run, bundle_lights, height_field);
-    const bool is_auto = way == ManyLightsWay::automatic;
-    if (is_auto) way = faster_way(run, bundles, bundle_lights, height_field, one_light_ms, statistics);
-    if (way == ManyLightsWay::one_by_one || (way == ManyLightsWay::horizons && bundles.field == nullptr)) return false;
+    if (way == ManyLightsWay::automatic)
+        way = faster_way(run, bundles, bundle_lights, height_field, one_light_ms, statistics);
+    if (way == by_none || (way == ManyLightsWay::horizons && bundles.field == nullptr)) return by_none;
+    if (way == ManyLightsWay::horizons && !run_by_horizons(run, bundles, may_fall_back, statistics))
+        way = ManyLightsWay::shafts;
     if (way == ManyLightsWay::rays)
         ShaftPasses(run, bundles.plain, statistics).run(ShaftShape::packet);
-    else if (way == ManyLightsWay::point_shafts)
-        ShaftPasses(run, bundles.coned, statistics).run(ShaftShape::point);
-    else if (way == ManyLightsWay::shafts || !run_by_horizons(run, bundles, is_auto, statistics))
-        ShaftPasses(run, bundles.coned, statistics).run(ShaftShape::block);
+    else if (way != ManyLightsWay::horizons)
+        ShaftPasses(run, bundles.coned, statistics)
+            .run(way == ManyLightsWay::shafts ? ShaftShape::block : ShaftShape::point);
     merge_stages(statistics);
-    return true;
+    return way;
 }
 
 }  // namespace gnomon

@@ -390,6 +390,37 @@ TEST(ManyLights, AutoTakesHorizonsForTheVerticesOfATerrain) {
         std::ranges::any_of(either.statistics.stages, [](const auto& stage) { return stage.name == "horizons"; }));
 }
 
+// On a CPU `auto` measures shafts and packets.
+TEST(ManyLights, AWayOnceMeasuredServesTheNextRunsOfTheSameLights) {
+    const gnomon::Device device = device_with();
+    if (!gnomon::session_of(device).is_cpu()) GTEST_SKIP() << "a GPU measures larger runs";
+    auto triangles = gnomon::Triangles::upload(device, boxes_on_floor(1, 13).triangles);
+    const gnomon::Camera camera = gnomon::Camera::look_at({20.5f, 31, -7}, {0, 0, 0}, {0, 1, 0}, 60);
+    const gnomon::View view = gnomon::look(device, triangles, camera, 256, 64);
+    const Lights lights = lights_all_around(70, 6), others = lights_all_around(70, 7);
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const auto bits = gnomon::run_lights_to_host(*technique, triangles, view.points, lights, {.bits = true}, {}).bits;
+    const auto measures = [&](const Lights& of) {
+        const auto answers = gnomon::run_lights_to_host(*technique, triangles, view.points, of, {.bits = true}, {});
+        EXPECT_EQ(answers.bits == bits, &of == &lights);
+        std::size_t ways = 0;
+        for (const auto& stage : answers.statistics.stages)
+            ways += stage.name.starts_with("shaft_trace") || stage.name.starts_with("ray_packets");
+        return ways == 2;
+    };
+    EXPECT_TRUE(measures(lights));  // without clusters the tree is made anew, whatever it is made of
+    EXPECT_TRUE(measures(lights));
+    triangles.keep_clusters(device);
+    EXPECT_TRUE(measures(lights));
+    for (int run = 0; run < 7; ++run) EXPECT_FALSE(measures(lights)) << run;
+    EXPECT_TRUE(measures(lights));
+    EXPECT_TRUE(measures(others));
+    EXPECT_FALSE(measures(others));
+    EXPECT_TRUE(measures(lights));
+    technique->set("bundle-lights", "16");
+    EXPECT_TRUE(measures(lights));
+}
+
 // The points of a picture go by squares of its pixels, or in rows where its sides are no multiples of 4.
 TEST(ManyLights, PicturesAreThoseOfOneLight) {
     const FacedScene scene = boxes_on_floor(1, 13);
