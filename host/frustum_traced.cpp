@@ -369,9 +369,11 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     const TreeRun through_tree{run, sorted, kept_of(tree_, triangles)};
     timer.next(nullptr);
     const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
-    // Light by light was faster for the points of some pictures alone (docs/many_lights.md).
+    // Light by light was faster for the points of some pictures, seldom for others (docs/many_lights.md), which a GPU
+    // measures where the next runs can use it.
     OneLightMs one_light_ms;
-    if (is_auto && points.camera() && points.count() * lights.count() >= pairs_worth_one_light)
+    const bool may_come_again = !session_.is_cpu() && Internals::clusters(triangles) != nullptr;
+    if (is_auto && (points.camera() || may_come_again) && points.count() * lights.count() >= pairs_worth_one_light)
         one_light_ms = [&] { return time_of_one_light(*this, run); };
     const auto field = [&]() -> const BuiltHeightField* {
         const cl::StageTimer field_timer(session_, measured.stages, "height_field");
