@@ -38,8 +38,11 @@ void add_lights(cl::Session& session, const Surfaces::Inside& of, std::span<cons
     const cl::Buffer& spreads = of.has_shading_normals ? of.spreads : lambert;  // any buffer: it is not read
     for (std::size_t i = 0; i < lights.size(); ++i) {
         const auto& [x, y, z, w] = lights[i].xyzw;
-        const ShadeParams params{
-            .layout = points.layout, .light = {x, y, z, w}, .is_first = i == 0, .has_spreads = of.has_shading_normals};
+        const ShadeParams params{.layout = points.layout,
+                                 .light = {x, y, z, w},
+                                 .is_first = i == 0,
+                                 .has_spreads = of.has_shading_normals,
+                                 .padding = {}};
         session.launch("camera/shade.cl", "shade_light", cl::Range::items(of.points.count()), params, points.positions,
                        of.normals(), spreads, visibilities[i].buffer(), lambert);
     }
@@ -73,7 +76,8 @@ Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities
     PictureParams params{.layout = point_inputs(of.points).layout,
                          .has_albedos = of.has_detail,
                          .has_sky_shares = !options.sky_shares.empty(),
-                         .exposure = 1};
+                         .exposure = 1,
+                         .padding = 0};
     // Without detail there are no albedos, and with it no materials: any buffer stands for what is not read.
     const cl::Buffer& any = table_buffer;
     const cl::Buffer &ids = of.has_detail ? any : of.triangle_material, &colors = of.has_detail ? any : of.base_colors;
