@@ -374,18 +374,18 @@ Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, 
     OneLightMs one_light_ms;
     const bool may_come_again = !session_.is_cpu() && Internals::clusters(triangles) != nullptr;
     if (is_auto && (points.camera() || may_come_again) && points.count() * lights.count() >= pairs_worth_one_light)
-        one_light_ms = [&] { return time_of_one_light(*this, run); };
+        one_light_ms = [&] { return time_of_one_light(*this, run, in_order); };
     const auto field = [&]() -> const BuiltHeightField* {
         const cl::StageTimer field_timer(session_, measured.stages, "height_field");
         const BuiltHeightField& built = kept_of(field_, triangles);
         return built.is_field() ? &built : nullptr;
     };
-    ManyLightsWay way = way_of(run);
+    std::optional<ManyLightsWay> way = way_of(run);
     if (way != ManyLightsWay::one_by_one)
-        way =
-            run_through_tree(through_tree, way, is_auto, settings_.bundle_lights, field, one_light_ms, measured.stages);
-    note_way(run, way);
-    if (way != ManyLightsWay::one_by_one) return measured.finish(measured.stages.counts);
+        way = run_through_tree(through_tree, *way, is_auto, settings_.bundle_lights, field, one_light_ms,
+                               measured.stages);
+    if (way) note_way(run, *way);
+    if (way && way != ManyLightsWay::one_by_one) return measured.finish(measured.stages.counts);
     if (!is_auto)
         throw InvalidArgument(
             "shafts and rays decide lights that are all directional or all point lights, and coordinates up to 2^19, "

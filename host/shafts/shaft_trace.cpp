@@ -11,17 +11,19 @@ constexpr std::size_t bundles_of_sample = 8;
 // On a GPU one point in so many is measured, and, for what a launch takes beside its work, one in so many times as
 // many. Points of a picture are more, and more alike: of a million points on a town's faces one in 128 does not fill an
 // H100, and seemed to take more than twice the time.
-constexpr std::size_t share_of_picture = 128, share_of_points = 16, launch_share = 8;
+constexpr std::size_t share_of_picture = 128, share_of_points = 32, launch_share = 8;
 
 // A sample's longest work-groups take much of its time on a GPU, so what more points take is the difference of two
 // samples. (They differ: a run that is measured has 2^14 points or more.)
 double estimated_on_gpu_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics) {
     const std::size_t share = run.points.camera() ? share_of_picture : share_of_points;
     const SampledRun few(run, share * launch_share), more(run, share);
-    ShaftPasses of_few(few.run(), bundles, statistics);
-    of_few.timed_ms(ShaftShape::block);  // a kernel's first launch may take longer than all others: it is loaded
-    const double few_ms = of_few.timed_ms(ShaftShape::block);
-    const double more_ms = ShaftPasses(more.run(), bundles, statistics).timed_ms(ShaftShape::block);
+    const auto warm_ms = [&](const TreeRun& sample) {
+        ShaftPasses passes(sample, bundles, statistics);
+        passes.timed_ms(ShaftShape::block);  // first launches load kernels, and the queue grows
+        return passes.timed_ms(ShaftShape::block);
+    };
+    const double few_ms = warm_ms(few.run()), more_ms = warm_ms(more.run());
     return more_ms + std::max(more_ms - few_ms, 0.0) / double(more.count() - few.count()) *
                          double(run.points.count() - more.count());
 }

@@ -81,9 +81,9 @@ ManyLightsWay faster_way_on_cpu(const TreeRun& run, const Bundled& bundles, cons
     return best.second;
 }
 
-// On a GPU horizons took the least time but for the points of pictures, and single lights only for these and where
-// bundles are wide (docs/many_lights.md). Thousands of lights are dense. A scattered lamp takes a millisecond, and
-// shafts as long for a quarter of a million points.
+// On a GPU horizons took the least time but for the points of pictures, and single lights for these where bundles are
+// wide, seldom for others (docs/many_lights.md). Thousands of lights are dense. A scattered lamp takes a millisecond,
+// and shafts as long for a quarter of a million points.
 ManyLightsWay faster_way_on_gpu(const TreeRun& run, const Bundled& bundles, const OneLightMs& one_light_ms,
                                 Statistics& statistics) {
     constexpr std::size_t dense_lights = 2048, points_worth_a_lamp = std::size_t(1) << 18;
@@ -92,8 +92,9 @@ ManyLightsWay faster_way_on_gpu(const TreeRun& run, const Bundled& bundles, cons
     if (bundles.coned.are_positions)
         return run.points.count() < points_worth_a_lamp ? ManyLightsWay::shafts : ManyLightsWay::one_by_one;
     if (!one_light_ms || lights >= dense_lights) return ManyLightsWay::shafts;
-    const double each = estimated_shafts_ms(run, bundles.coned, statistics) / double(lights);
-    return one_light_ms() < each ? ManyLightsWay::one_by_one : ManyLightsWay::shafts;
+    const double shafts = ms_or_never([&] { return estimated_shafts_ms(run, bundles.coned, statistics); });
+    const double one_by_one = ms_or_never(one_light_ms) * double(lights);
+    return one_by_one < shafts ? ManyLightsWay::one_by_one : ManyLightsWay::shafts;
 }
 
 ManyLightsWay faster_way(const TreeRun& run, Bundled& bundles, std::uint32_t bundle_lights,
@@ -121,22 +122,22 @@ bool run_by_horizons(const TreeRun& run, const Bundled& bundles, bool may_fall_b
 
 }  // namespace
 
-ManyLightsWay run_through_tree(const TreeRun& run, ManyLightsWay way, bool may_fall_back, std::uint32_t bundle_lights,
-                               const HeightFieldOfRun& height_field, const OneLightMs& one_light_ms,
-                               Statistics& statistics) {
-    constexpr ManyLightsWay by_none = ManyLightsWay::one_by_one;
-    if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return by_none;
+std::optional<ManyLightsWay> run_through_tree(const TreeRun& run, ManyLightsWay way, bool may_fall_back,
+                                              std::uint32_t bundle_lights, const HeightFieldOfRun& height_field,
+                                              const OneLightMs& one_light_ms, Statistics& statistics) {
+    if (!(run.largest_coordinate() <= SHAFT_LARGEST_COORDINATE)) return {};
     auto coned = make_light_bundles(run.lights.lights(), bundle_lights);
-    if (!coned) return by_none;
+    if (!coned) return {};
     const bool is_cpu = session_of(run.device).is_cpu();
     if (way == ManyLightsWay::rays && !is_cpu) way = ManyLightsWay::point_shafts;
-    if (way == ManyLightsWay::horizons && coned->are_positions) return by_none;
+    if (way == ManyLightsWay::horizons && coned->are_positions) return {};
     Bundled bundles{std::move(*coned), {}, {}};
     if (is_cpu) bundles.plain = *make_plain_bundles(run.lights.lights(), &bundles.coned);
     if (way == ManyLightsWay::horizons) find_field(bundles, run, bundle_lights, height_field);
     if (way == ManyLightsWay::automatic)
         way = faster_way(run, bundles, bundle_lights, height_field, one_light_ms, statistics);
-    if (way == by_none || (way == ManyLightsWay::horizons && bundles.field == nullptr)) return by_none;
+    if (way == ManyLightsWay::horizons && bundles.field == nullptr) return {};
+    if (way == ManyLightsWay::one_by_one) return way;
     if (way == ManyLightsWay::horizons && !run_by_horizons(run, bundles, may_fall_back, statistics))
         way = ManyLightsWay::shafts;
     if (way == ManyLightsWay::rays)
