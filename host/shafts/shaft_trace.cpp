@@ -11,7 +11,7 @@ constexpr std::size_t bundles_of_sample = 8;
 // On a GPU one point in so many is measured, and, for what a launch takes beside its work, one in so many times as
 // many. Points of a picture are more, and more alike: of a million points on a town's faces one in 128 does not fill an
 // H100, and seemed to take more than twice the time.
-constexpr std::size_t share_of_picture = 128, share_of_points = 32, launch_share = 8;
+constexpr std::size_t share_of_picture = 128, share_of_points = 16, launch_share = 8;
 
 // A sample's longest work-groups take much of its time on a GPU, so what more points take is the difference of two
 // samples. (They differ: a run that is measured has 2^14 points or more.)
