@@ -405,7 +405,8 @@ ManyLightsWay FrustumTraced::way_of(const LightsRun& run) {
     return way_taken_->way;
 }
 
-// Measuring takes up to a tenth of a run, and may once be misled by what else the machine does.
+// Measuring takes a tenth of many runs, of those with few lights more. It may be misled by what else the machine does,
+// so a way does not serve for ever.
 void FrustumTraced::note_way(const LightsRun& run, ManyLightsWay taken) {
     constexpr std::uint32_t runs_of_a_way = 7;
     if (settings_.many_lights != ManyLightsWay::automatic || way_taken_) return;

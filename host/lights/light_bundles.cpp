@@ -100,12 +100,14 @@ struct Axes {
     Double3 middle, across, along;
 };
 
-// Unit axes with `along` where the directions spread most, and the directions' extents.
+// Unit axes with `along` where the directions spread most.
 Axes axes_of(std::span<const std::uint32_t> part, const std::vector<Direction>& directions) {
     Axes axes{};
     std::vector<Double3> units;
-    for (const std::uint32_t i : part) units.push_back(directions[i].unit);
-    for (const Double3& unit : units) axes.middle = sum(axes.middle, unit);
+    for (const std::uint32_t i : part) {
+        units.push_back(directions[i].unit);
+        axes.middle = sum(axes.middle, units.back());
+    }
     normalize(axes.middle);
     axes.along = widest_across(axes.middle, units);
     axes.across = cross(axes.middle, axes.along);

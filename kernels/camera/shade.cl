@@ -4,7 +4,7 @@
 // comes mostly from above and a little from one side, so that shapes stay visible in shadow. Pixels are taken in blocks
 // (simd/point_blocks.clh), 16 at once on a CPU.
 #include "camera/shade.h"
-#include "simd/point_blocks.clh"
+#include "simd/triangle_blocks.clh"
 
 #define AMBIENT 0.25f
 
@@ -26,29 +26,16 @@ static PointsLayout packed_layout(PointsLayout of) {
     return of;
 }
 
-static PointBlock times(PointBlock v, LaneFloat factor) {
-    return (PointBlock){v.x * factor, v.y * factor, v.z * factor};
-}
-
 static LaneFloat block_dot(PointBlock a, PointBlock b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 // Unit vectors, up to the last bits (pictures only, never a decision); 0 of a zero.
 static PointBlock unit_of(PointBlock d) {
-    LaneFloat largest = LANES_MAX(LANES_MAX(fabs(d.x), fabs(d.y)), fabs(d.z));
+    LaneFloat largest = largest_of(d);
     LaneInt has_size = LANE_COMPARE(largest, >, (LaneFloat)(0.0f));
-    LaneFloat none = 0.0f;
     d = (PointBlock){d.x / largest, d.y / largest, d.z / largest};
     LaneFloat length_of_d = sqrt(block_dot(d, d));
-    return (PointBlock){LANES_SELECT(none, d.x / length_of_d, has_size),
-                        LANES_SELECT(none, d.y / length_of_d, has_size),
-                        LANES_SELECT(none, d.z / length_of_d, has_size)};
-}
-
-static PointBlock towards_light(ShadeParams params, __global const float* positions, size_t block) {
-    PointBlock light = {(LaneFloat)(params.light[0]), (LaneFloat)(params.light[1]), (LaneFloat)(params.light[2])};
-    if (params.light[3] == 0.0f) return light;
-    PointBlock p = load_block(positions, params.layout, block);
-    return (PointBlock){light.x - p.x, light.y - p.y, light.z - p.z};
+    d = (PointBlock){d.x / length_of_d, d.y / length_of_d, d.z / length_of_d};
+    return selected(same_point(0.0f, 0.0f, 0.0f), d, has_size);
 }
 
 // Adds one light's part to `lambert`; at pixels that show the sky it may be anything.
@@ -61,10 +48,9 @@ __kernel void shade_light(ShadeParams params, __global const float* positions, _
                           __global const float* spreads, __global const float* visibility, __global float* lambert) {
     PointsLayout layout = params.layout;
     bool is_directional = params.light[3] == 0.0f;
-    PointBlock l;
-    if (is_directional) l = unit_of(towards_light(params, positions, 0));
+    PointBlock light = same_point(params.light[0], params.light[1], params.light[2]), l = unit_of(light);
     GN_FOR_EACH(block, block_count(layout)) {
-        if (!is_directional) l = unit_of(towards_light(params, positions, block));
+        if (!is_directional) l = unit_of(difference(light, load_block(positions, layout, block)));
         LaneFloat cosine = block_dot(load_block(normals, packed_layout(layout), block), l);
         if (params.has_spreads != 0u) {
             LaneFloat shift = load_lanes(spreads, layout, block), most = (LaneFloat)(MOST_SHIFT);
@@ -101,7 +87,7 @@ static PointBlock base_colors_of(const PictureInputs* from, LaneInt ids) {
                             LANES_AS_FLOAT(LANES_GATHER(colors + 2, at))};
     }
     float3 color = vload3((size_t)first, from->base_colors);
-    return (PointBlock){(LaneFloat)(color.x), (LaneFloat)(color.y), (LaneFloat)(color.z)};
+    return same_point(color.x, color.y, color.z);
 }
 
 // The light that the lanes `seen` show, at least one, linear. With shares of the sky, the light of the sky takes the
@@ -116,9 +102,9 @@ static PointBlock light_of_surfaces(PictureParams params, const PictureInputs* f
         base = base_colors_of(from, LANES_SELECT((LaneInt)(LANE_OF_INT(ids, first_lane(seen))), ids, seen));
     LaneFloat ambient = AMBIENT * (1.0f + 0.35f * n.y + 0.15f * n.x);
     LaneFloat sun = (1.0f - AMBIENT) * load_lanes(from->lambert, layout, block), exposure = params.exposure;
-    if (params.has_sky_shares == 0u) return times(times(base, ambient + sun), exposure);
+    if (params.has_sky_shares == 0u) return scaled(scaled(base, ambient + sun), exposure);
     LaneFloat sky = SKY_LIGHT * load_lanes(from->sky_shares, layout, block), rest = REFLECTED_AMBIENT * ambient + sun;
-    return times(
+    return scaled(
         (PointBlock){base.x * (0.80f * sky + rest), base.y * (0.97f * sky + rest), base.z * (1.26f * sky + rest)},
         exposure);
 }
@@ -127,12 +113,10 @@ static PointBlock light_of_surfaces(PictureParams params, const PictureInputs* f
 static PointBlock light_of_block(PictureParams params, const PictureInputs* from, size_t block, LaneInt* seen) {
     LaneInt ids = load_lane_ids(from->visible, params.layout, block);
     *seen = valid_lanes(params.layout, block) & LANE_COMPARE(ids, !=, (LaneInt)((int)GN_NO_ID));
-    LaneFloat exposure = params.exposure;
-    PointBlock sky = {0.46f * exposure, 0.62f * exposure, 0.86f * exposure};
+    float exposure = params.exposure;
+    PointBlock sky = same_point(0.46f * exposure, 0.62f * exposure, 0.86f * exposure);
     if (!LANES_ANY(*seen)) return sky;
-    PointBlock light = light_of_surfaces(params, from, block, ids, *seen);
-    return (PointBlock){LANES_SELECT(sky.x, light.x, *seen), LANES_SELECT(sky.y, light.y, *seen),
-                        LANES_SELECT(sky.z, light.z, *seen)};
+    return selected(sky, light_of_surfaces(params, from, block, ids, *seen), *seen);
 }
 
 static LaneFloat brightest_of(PointBlock light) { return LANES_MAX(LANES_MAX(light.x, light.y), light.z); }
@@ -147,11 +131,9 @@ static PointBlock tone_mapped(PointBlock light) {
     if (!LANES_ANY(bright)) return light;
     LaneFloat mapped = 1.0f - rest * rest / (peak + rest - start);
     LaneFloat saturated = 1.0f / (0.15f * (peak - mapped) + 1.0f);
-    PointBlock curved = times(times(light, mapped / peak), saturated);
+    PointBlock curved = scaled(scaled(light, mapped / peak), saturated);
     LaneFloat white = mapped * (1.0f - saturated);
-    return (PointBlock){LANES_SELECT(light.x, curved.x + white, bright),
-                        LANES_SELECT(light.y, curved.y + white, bright),
-                        LANES_SELECT(light.z, curved.z + white, bright)};
+    return selected(light, (PointBlock){curved.x + white, curved.y + white, curved.z + white}, bright);
 }
 
 static LaneInt to_srgb(LaneFloat linear, __global const uchar* table) {

@@ -408,7 +408,7 @@ TEST(ManyLights, AWayOnceMeasuredServesTheNextRunsOfTheSameLights) {
             ways += stage.name.starts_with("shaft_trace") || stage.name.starts_with("ray_packets");
         return ways == 2;
     };
-    EXPECT_TRUE(measures(lights));  // without clusters the tree is made anew, whatever it is made of
+    EXPECT_TRUE(measures(lights));  // without kept clusters each run makes the tree anew
     EXPECT_TRUE(measures(lights));
     triangles.keep_clusters(device);
     EXPECT_TRUE(measures(lights));
