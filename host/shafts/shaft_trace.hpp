@@ -8,8 +8,8 @@
 namespace gnomon {
 
 /// Which shadow rays are decided together: of a block of points to a bundle of lights, as long as its shaft does not
-/// meet too much (else of each of its points, on a CPU of the block to each light where that takes less), of each point
-/// by itself, or, on a CPU, of a block to each light by itself.
+/// meet too much (else of each of its points, on a CPU of some blocks to each light where that takes less), of each
+/// point by itself, or, on a CPU, of some blocks to each light by itself.
 enum class ShaftShape { block, point, packet };
 
 class ShaftPasses {

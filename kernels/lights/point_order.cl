@@ -63,10 +63,24 @@ __kernel void point_codes(const PointOrderParams params, __global const float* v
     }
 }
 
+// The square of 4 x 4 pixels that is number i: two rows of squares at a time, and of these two columns.
+static uint square_in_order(uint i, uint columns, uint rows) {
+    uint pair = i / (2u * columns), in_pair = i % (2u * columns), row = 0u, column = in_pair;
+    if (2u * pair + 1u < rows) {
+        uint in_four = in_pair % 4u;
+        bool is_last_column = columns % 2u != 0u && in_pair >= 2u * columns - 2u;
+        row = is_last_column ? in_four % 2u : in_four / 2u;
+        column = is_last_column ? columns - 1u : in_pair / 4u * 2u + in_four % 2u;
+    }
+    return (2u * pair + row) * columns + column;
+}
+
 // The points of a picture, 4 x 4 pixels after 4 x 4 pixels: neighbours are there already.
 __kernel void picture_order(const PointOrderParams params, __global uint* numbers) {
+    uint columns = params.points.picture_width / 4u, rows = params.points.count / 16u / columns;
     GN_FOR_EACH(i, params.points.count) {
-        BlockPlace square = place_in_picture(params.points.picture_width, i / 16u);
+        BlockPlace square =
+            place_in_picture(params.points.picture_width, square_in_order((uint)i / 16u, columns, rows));
         numbers[i] = (uint)point_in_place(square, (uint)i % 16u);
     }
 }

@@ -172,7 +172,7 @@ GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visits
 
 #if GN_LANES > 1
 // A visit of a block takes so many times as long as one of a point or a packet.
-#define BLOCK_VISIT 1.5f
+#define BLOCK_VISIT 2.0f
 // Where shafts of blocks do not pay, one block in so many is tried.
 #define BLOCKS_A_TRY 4u
 // Of the blocks that go on apart, one in so many goes the way that took more visits.
@@ -191,10 +191,8 @@ static void begin_memory(BlockMemory* memory) {
     memory->visits_of_point = memory->visits_of_packet = 16.0f;
     memory->gain = 0.0f;
     memory->blocks_apart = 0u;
-    for (uint k = 0; k < BLOCKING_LEAVES; ++k) {
-        memory->blocking[k] = 0u;
-        for (uint light = 0; light < MOST_BUNDLE_LIGHTS; ++light) memory->packets.blocking[light][k] = 0u;
-    }
+    for (uint k = 0; k < BLOCKING_LEAVES; ++k) memory->blocking[k] = 0u;
+    forget_blocking(&memory->packets);
 }
 
 static void note(float* average, float value) { *average += (value - *average) * 0.125f; }
@@ -245,22 +243,26 @@ GN_INLINE_ON_CPU bool try_block(ShaftWork* work, __global const LightBundle* bun
     return ended;
 }
 
-// Decides a block: by its shaft, or by those of its points, or light by light, as blocks before took fewest visits.
-GN_INLINE_ON_CPU void trace_block(ShaftWork* work, const ShaftParams* params, __global const LightBundle* bundle,
+// Decides a block by its shaft or by those of its points. False where packets take it, since blocks before took fewer
+// visits by them.
+GN_INLINE_ON_CPU bool trace_block(ShaftWork* work, __global const LightBundle* bundle,
                                   __global const float* surface_normals, const ShaftScene* scene, BlockMemory* memory,
                                   Reservation* mine) {
-    bool has_shaft = params->are_packets == 0u;
-    if (has_shaft && try_block(work, bundle, scene, memory, mine)) return;
+    if (try_block(work, bundle, scene, memory, mine)) return true;
     bool by_packets = visits_by_packets(work, memory) < visits_by_points(work, memory);
     bool is_try = ++memory->blocks_apart % APARTS_A_TRY == 0u;
-    if (by_packets != is_try || !has_shaft) {
-        float packets = (float)popcount(SHAFT_ANY_BIT(work->open));
-        note(&memory->visits_of_packet, (float)trace_packets(work, bundle, scene, &memory->packets, mine) / packets);
-    } else {
-        float points = (float)open_points(work);
-        note(&memory->visits_of_point,
-             (float)trace_points(work, bundle, surface_normals, scene, memory->blocking, mine) / points);
-    }
+    if (by_packets != is_try) return false;
+    float points = (float)open_points(work);
+    note(&memory->visits_of_point,
+         (float)trace_points(work, bundle, surface_normals, scene, memory->blocking, mine) / points);
+    return true;
+}
+
+GN_INLINE_ON_CPU void trace_blocks_left(ShaftWork* left, uint count, __global const LightBundle* bundle,
+                                        const ShaftScene* scene, BlockMemory* memory, Reservation* mine) {
+    float packets = 0.0f;
+    for (uint k = 0; k < count; ++k) packets += (float)popcount(SHAFT_ANY_BIT(left[k].open));
+    note(&memory->visits_of_packet, (float)trace_packets(left, count, bundle, scene, &memory->packets, mine) / packets);
 }
 #else
 // Nodes and leaves that the shaft of a block may visit. After that each open point has its own, in a launch of its own,
@@ -317,13 +319,25 @@ static ShaftWork load_work(const ShaftParams params, size_t block, uint bundle, 
     work.open = (int)masks[bundle * (size_t)params.mask_stride + i];
     work.receivers = params.points.has_receivers != 0u && is_valid ? (int)receivers[params.points.first / 3u + i] : -1;
 #endif
-    work.open &= valid & present_lanes(work.points);
+    work.given = work.open &= valid & present_lanes(work.points);
     // Of the block's middle point.
     work.normal = vload3(params.points.first / 3u + min((uint)first + SHAFT_WIDTH / 2u, params.points.count - 1u),
                          surface_normals);
     return work;
 }
 
+// Takes the lights that are dark from the masks of a block.
+static void store_dark(const ShaftParams params, const ShaftWork* work, __global uint* masks) {
+    LaneInt dark = work->given & ~work->open;
+    __global uint* mask = masks + work->bundle * (size_t)params.mask_stride + work->block * SHAFT_WIDTH;
+#if GN_LANES > 1
+    vstore16(vload16(0, mask) & ~as_uint16(dark), 0, mask);
+#else
+    mask[get_local_id(0)] &= ~(uint)dark;
+#endif
+}
+
+// On a CPU a work-item takes PACKET_BLOCKS neighbouring blocks at a time: those that are left to packets share them.
 __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* bundles, __global const float* nodes,
                           __global const float* leaves, __global const uint* ids, __global const float* positions,
                           __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
@@ -332,30 +346,35 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
     Reservation mine = no_reservation();
     uint blocks = (params.points.count + SHAFT_WIDTH - 1u) / SHAFT_WIDTH;
 #if GN_LANES > 1
+    uint groups = (blocks + PACKET_BLOCKS - 1u) / PACKET_BLOCKS;
     __global const float* normals = surface_normals + params.points.first;
     BlockMemory memory;
     begin_memory(&memory);
+    GN_FOR_EACH(task, (size_t)groups * params.bundle_count) {
+        uint index = (uint)(task / groups), block = (uint)(task % groups) * PACKET_BLOCKS, left_count = 0u;
+        __global const LightBundle* bundle = &bundles[index];
+        ShaftWork left[PACKET_BLOCKS];
+        for (uint end = min(block + PACKET_BLOCKS, blocks); block < end; ++block) {
+            ShaftWork work = load_work(params, block, index, positions, receivers, surface_normals, masks);
+            if (!ANY_OPEN(&work)) continue;
+            if (params.are_packets == 0u && trace_block(&work, bundle, normals, &scene, &memory, &mine))
+                store_dark(params, &work, masks);
+            else
+                left[left_count++] = work;
+        }
+        if (left_count != 0u) trace_blocks_left(left, left_count, bundle, &scene, &memory, &mine);
+        for (uint k = 0; k < left_count; ++k) store_dark(params, &left[k], masks);
+    }
 #else
     uint blocking[BLOCKING_LEAVES] = {0u};
-#endif
     SHAFT_FOR_EACH(task, (size_t)blocks * params.bundle_count) {
         uint bundle = (uint)(task / blocks);
         ShaftWork work = load_work(params, task % blocks, bundle, positions, receivers, surface_normals, masks);
-        LaneInt before = work.open;
         if (!ANY_OPEN(&work)) continue;
-#if GN_LANES > 1
-        trace_block(&work, &params, &bundles[bundle], normals, &scene, &memory, &mine);
-#else
         trace_block(&work, (uint)task, &bundles[bundle], &scene, blocking, &mine SHARED);
-#endif
-        LaneInt dark = before & ~work.open;
-        __global uint* mask = masks + bundle * (size_t)params.mask_stride + work.block * SHAFT_WIDTH;
-#if GN_LANES > 1
-        vstore16(vload16(0, mask) & ~as_uint16(dark), 0, mask);
-#else
-        mask[get_local_id(0)] &= ~(uint)dark;
-#endif
+        store_dark(params, &work, masks);
     }
+#endif
     close_queue(&mine, &scene);
 }
 
