@@ -142,8 +142,8 @@ static BlockShaft shaft_of_open(const ShaftWork* work, uint lights, const ShaftS
 }
 
 // Walks the block's shaft. False if it gave up after so many nodes and leaves, or was too wide.
-GN_INLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visits, __global const LightBundle* bundle,
-                                 const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
+GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visits, __global const LightBundle* bundle,
+                                   const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
     BlockShaft shaft = shaft_of_open(work, SHAFT_ANY_BIT(work->open), scene, bundle SHARED);
     if (IS_WIDE(&shaft.all)) return false;
     SHAFT_BEGIN_STACK(stack);
@@ -210,9 +210,9 @@ static float visits_by_packets(const ShaftWork* work, const BlockMemory* memory)
 }
 
 // Returns how many nodes and leaves that visits.
-GN_INLINE_ON_CPU uint trace_points(ShaftWork* work, __global const LightBundle* bundle,
-                                   __global const float* surface_normals, const ShaftScene* scene, uint* blocking,
-                                   Reservation* mine) {
+GN_NOINLINE_ON_CPU uint trace_points(ShaftWork* work, __global const LightBundle* bundle,
+                                     __global const float* surface_normals, const ShaftScene* scene, uint* blocking,
+                                     Reservation* mine) {
     uint visits = 0u;
     for (uint bits = lane_bits(LANE_COMPARE(work->open, !=, (LaneInt)(0))); bits != 0u;) {
         int lane = take_lane(&bits);
