@@ -5,8 +5,8 @@ namespace gnomon {
 namespace {
 
 // A sample on a CPU has so many points, but no more than one in so many, nor fewer than are worth measuring.
-constexpr std::size_t sample_points = 4096, sample_share = 32, fewest_points = 512;
-// Packets are measured on one bundle in eight, and on so many at most.
+constexpr std::size_t sample_points = 16384, sample_share = 32, fewest_points = 512;
+// Packets are measured on so many bundles at most.
 constexpr std::size_t bundles_of_sample = 8;
 // On a GPU one point in so many is measured, and, for what a launch takes beside its work, one in so many times as
 // many. Points of a picture are more, and more alike: of a million points on a town's faces one in 128 does not fill an
@@ -133,7 +133,7 @@ double estimated_horizons_ms(const TreeRun& run, const LightBundles& sectors, co
 double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics) {
     // A bundle's lights share what they read, so the sample has whole bundles.
     std::vector<std::uint32_t> lights;
-    const std::size_t bundles = plain.bundles.size(), some = std::min((bundles + 7) / 8, bundles_of_sample);
+    const std::size_t bundles = plain.bundles.size(), some = std::min(bundles, bundles_of_sample);
     for (std::size_t k = 0; k < some; ++k) {
         const std::size_t bundle = k * bundles / some;
         const auto first = plain.lights.begin() + std::ptrdiff_t(bundle * MOST_BUNDLE_LIGHTS);

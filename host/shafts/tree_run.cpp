@@ -105,7 +105,7 @@ ManyLightsWay faster_way(const TreeRun& run, Bundled& bundles, std::uint32_t bun
     const bool are_positions = bundles.coned.are_positions;
     if (!are_positions && pairs >= pairs_worth_field * run.triangles.count() && (is_cpu || !run.points.camera()))
         find_field_if_there_is_room(bundles, run, bundle_lights, height_field);
-    if (bundles.field == nullptr && are_thin(run, bundles.coned)) return ManyLightsWay::shafts;
+    if (!is_cpu && bundles.field == nullptr && are_thin(run, bundles.coned)) return ManyLightsWay::shafts;
     return (is_cpu ? faster_way_on_cpu : faster_way_on_gpu)(run, bundles, one_light_ms, statistics);
 }
 

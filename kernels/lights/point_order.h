@@ -25,4 +25,4 @@ GN_STRUCT_END(PointOrderParams, 144)
 
 // A sample of sorted points takes this many neighbours at a time, so that shafts of blocks of points are as thick as in
 // the whole.
-#define POINTS_OF_RUN 32u
+#define POINTS_OF_RUN 64u
