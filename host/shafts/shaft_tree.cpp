@@ -2,6 +2,8 @@
 #include "shafts/shaft_tree.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 namespace gnomon {
 namespace {
@@ -26,11 +28,15 @@ bool BuiltShaftTree::build(const TriangleInputs& triangles, const TriangleCurve&
     cl::Session& session = session_of(device_);
     const std::uint32_t width = shaft_width(session);
     if (curve.count() == 0) {
-        // One node of empty boxes: NaN is inside of nothing.
-        nodes_.reserve(session, SHAFT_NODE_ROWS * width * sizeof(float));
+        // One node of absent children.
+        constexpr float infinite = std::numeric_limits<float>::infinity();
+        std::vector<float> node(SHAFT_NODE_ROWS * width, 0.0f);
+        std::fill_n(node.begin(), 3 * width, infinite);
+        std::fill_n(node.begin() + 3 * width, 3 * width, -infinite);
+        nodes_.reserve(session, node.size() * sizeof(float));
         leaves_.reserve(session, 0);
         ids_.reserve(session, 0);
-        session.fill(nodes_, 0x7FC00000u, SHAFT_NODE_ROWS * width * sizeof(float));
+        session.write(nodes_.get(), node.data(), node.size() * sizeof(float));
         return true;
     }
     const BinaryTree binary(session, triangles, curve, width, is_balanced);

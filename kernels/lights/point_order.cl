@@ -63,16 +63,17 @@ __kernel void point_codes(const PointOrderParams params, __global const float* v
     }
 }
 
-// The square of 4 x 4 pixels that is number i: two rows of squares at a time, and of these two columns.
+// The square of 4 x 4 pixels that is number i: four side by side at a time, then the last column and the last row,
+// where their numbers are odd.
 static uint square_in_order(uint i, uint columns, uint rows) {
-    uint pair = i / (2u * columns), in_pair = i % (2u * columns), row = 0u, column = in_pair;
-    if (2u * pair + 1u < rows) {
-        uint in_four = in_pair % 4u;
-        bool is_last_column = columns % 2u != 0u && in_pair >= 2u * columns - 2u;
-        row = is_last_column ? in_four % 2u : in_four / 2u;
-        column = is_last_column ? columns - 1u : in_pair / 4u * 2u + in_four % 2u;
+    uint across = columns / 2u, fours = across * (rows / 2u), four = i / 4u;
+    if (four < fours) return (four / across * 2u + i / 2u % 2u) * columns + four % across * 2u + i % 2u;
+    i -= 4u * fours;
+    if (columns % 2u != 0u) {
+        if (i < rows) return i * columns + columns - 1u;
+        i -= rows;
     }
-    return (2u * pair + row) * columns + column;
+    return (rows - 1u) * columns + i;
 }
 
 // The points of a picture, 4 x 4 pixels after 4 x 4 pixels: neighbours are there already.

@@ -23,6 +23,6 @@ GN_STRUCT_END(PointOrderParams, 144)
 // other.
 #define POINT_CODE_BITS 8u
 
-// A sample of sorted points takes this many neighbours at a time, so that shafts of blocks of points are as thick as in
-// the whole.
+// A sample of sorted points takes this many neighbours at a time, as many as a packet (shafts/ray_packets.clh), so that
+// shafts of blocks and packets are as thick as in the whole.
 #define POINTS_OF_RUN 64u

@@ -53,13 +53,15 @@ GN_STRUCT_BEGIN(ShaftParams)
     uint mask_stride;  // masks[bundle mask_stride + point]: bit l is light l of the bundle
     uint queue_capacity;
     uint listed_tasks;  // so many tasks alone, those that shaft_trace left to point shafts; 0: all
-    float rounding;     // a bound of the rounding errors of n . X, for coordinates of n up to 1
-    uint are_sectors;   // 1: of the bundles, those with a direction along the ground (light_bundle.h)
-    uint are_packets;   // 1: on a CPU a block goes light by light alone
+    // A bound of the rounding errors of n . X, for coordinates of n up to 1. At least 1e-30, since rays_in_box() takes
+    // coordinates of D below 2^-100 for that much.
+    float rounding;
+    uint are_sectors;  // 1: of the bundles, those with a direction along the ground (light_bundle.h)
+    uint are_packets;  // 1: on a CPU blocks go light by light alone
     uint padding;
 GN_STRUCT_END(ShaftParams, 96)
 
-// A task is a block and a bundle: number bundle x blocks + block.
+// A task is a block and a bundle, number bundle x blocks + block; of shaft_trace on a CPU PACKET_BLOCKS blocks.
 
 // Pairs that the filter left undecided: a point, a triangle, and the lights of a bundle.
 GN_STRUCT_BEGIN(ShaftPairs)

@@ -622,6 +622,25 @@ TEST(ManyLights, LampsAndPointsBesideAPlane) {
     }
 }
 
+// The tree of no finite triangle has one node, without children.
+TEST(ManyLights, NoFiniteTriangleBlocksNothing) {
+    LightScene scene{"none finite", Floats(9 * 40, std::numeric_limits<float>::quiet_NaN()), {}, {}};
+    Random random(5);
+    for (int i = 0; i < 40; ++i)
+        add(scene.points, {random.between(-2, 2), random.between(-2, 2), random.between(-2, 2)});
+    std::vector<gnomon::Light> lamps, suns;
+    for (int i = 0; i < 5; ++i) {
+        lamps.push_back(gnomon::Light::positional({random.between(-2, 2), random.between(-2, 2), 1}));
+        suns.push_back(gnomon::Light::directional({random.between(-1, 1), 1, random.between(-1, 1)}));
+    }
+    for (const bool gpu_kernels : {false, true}) {
+        const gnomon::Device device({}, {.gpu_kernels = gpu_kernels});
+        for (const Lights& lights : {Lights(lamps), Lights(suns)})
+            for (const char* way : {"shafts", "point-shafts", "rays"})
+                expect_outputs(run(device, scene, lights, way), truth_of_each(scene, lights), lights, way);
+    }
+}
+
 // n . (S - P) is about -1e34, and its terms overflow to infinity before they cancel.
 TEST(ManyLights, LargeNormalsDoNotDecideTheSideOfALamp) {
     const gnomon::Device device = device_with();
