@@ -120,10 +120,9 @@ product=$(lines_of "$kernel_or_host.*$source" | awk '{ sum += $1 } END { print s
 # A ratchet: lower it whenever the product gets shorter. The aim is 27,105, what it had before explain and the contracts.
 # The C interface takes 1,620 of the lines; poses, instances and packed files of scenes take 1,500, cut-outs 1,950,
 # pictures (textures, vertex colours, normals, exposure, the sky, interiors) 1,310, samples by masks and squares 410,
-# the tree of many lights and its fans 780, packets of rays 390, point lights in shafts and packets 700, queues of the
-# camera and of samples on a GPU 500, shading in blocks 100, what
-# auto measured for many lights 40.
-product_limit=48326
+# the tree of many lights and its fans 780, packets of rays 690, a point's rays 100, point lights in shafts and packets
+# 700, queues of the camera and of samples on a GPU 500, shading in blocks 100, what auto measured for many lights 40.
+product_limit=48324
 [ "$product" -le $product_limit ] ||
     echo "kernels and host: $product lines" | complain "the product has at most $product_limit lines"
 

@@ -117,7 +117,7 @@ must_catch kernels/trace/trace.h '#include "exact/wide.clh"'
 must_catch kernels/trace/trace.cl "$(repeated 450 '//')"
 must_catch kernels/exact/wide.clh "$(repeated 450 '//')"
 must_accept kernels/exact/wide.clh "$(repeated 447 '//')"
-must_catch host/gnomon.cpp "$(repeated 48326 '//')" 'kernels and host: 4'
+must_catch host/gnomon.cpp "$(repeated 48324 '//')" 'kernels and host: 4'
 for head in 'int f(int a)' 'static void f(uint a, __global uint* b)' 'Stage::Stage() : a_{1}, b_(2)' 'auto f() -> int' \
             'template <typename T> int f(T a = {})' 'namespace x { struct Y { bool operator==(int a) const'; do
     must_catch host/trace/trace.hpp "$(function_of 61 "$head")"
