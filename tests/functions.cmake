@@ -1,52 +1,105 @@
 # SPDX-License-Identifier: MIT
 # Functions that register tests.
 #
-#   gnomon_test(name SOURCES a.cpp ... [LIBRARIES targets ...] [LABEL label] [TIMEOUT seconds])
-#     A GoogleTest program `name`; each of its tests becomes a ctest test. Paths are relative to the calling
-#     CMakeLists.txt.
+#   gnomon_test(name SOURCES a.cpp ... [LIBRARIES targets ...] [LABEL label] [SHARDS count])
+#     A GoogleTest program `name`, one ctest test, or SHARDS of them, each with a part of the cases. Its label is the wing that its first source lies in (tests/WING/),
+#     unless LABEL says another. Cases with `Exhaustive` in their names are a test of their own, `name_exhaustive`, with
+#     the label `exhaustive`: tools/test.sh leaves it to --ci. Paths are relative to the calling CMakeLists.txt.
 #
-#   gnomon_oclgrind_test(name COMMAND program [arguments ...] [TIMEOUT seconds])
+#   gnomon_check(name COMMAND program [arguments ...] [TIMEOUT seconds] [LABELS labels ...] [ENVIRONMENT variables ...])
+#     Any other ctest test, with the tests' kernel cache and a time limit.
+#
+#   gnomon_oclgrind_test(name COMMAND program [arguments ...])
 #     Runs a program (a path or a target) under oclgrind (memory accesses, races, API calls). Fails when the program
 #     fails or oclgrind reports anything at all. Label `oclgrind`. GNOMON_DEVICE is set, so a program that opened
 #     another device fails instead of passing unchecked.
+#
+# Labels: each wing's name (tools/test.sh WING), `quick` (tools/test.sh quick), `exhaustive` (tools/test.sh --ci alone).
 find_package(GTest REQUIRED)
-include(GoogleTest)
 
 # Compiled kernels of the tests stay in the build folder, so that a test run neither uses nor fills the user's cache.
 set(GNOMON_TEST_CACHE_DIR "${PROJECT_BINARY_DIR}/test_kernel_cache")
 set(GNOMON_TESTS_DIR "${CMAKE_CURRENT_LIST_DIR}")
-# Under the sanitizers everything takes several times as long. LeakSanitizer's own tracer crashes at the end of one in
-# some thousand programs (google/sanitizers issue 1353; seen here with PoCL's threads). If the test passed before the
-# crash, ctest lists it as skipped, because its leaks are unknown.
-set(GNOMON_TEST_TIMEOUT_S 300)
+# A limit ends a test that hangs; it is about ten times what the test takes on two cores, and a slow machine makes it
+# longer by a setting. Compiling kernels takes longest, so the tests that launch most kernels come first, with a limit of
+# their own (label `compile`).
+set(GNOMON_TEST_TIME_SCALE 1 CACHE STRING "Factor for the time limits of all tests, for slow machines")
+set(GNOMON_TEST_TIMEOUT_S 600)
+set(GNOMON_COMPILE_TESTS)
+foreach(cases IN ITEMS "" _cut_outs _horizons)
+  list(APPEND GNOMON_COMPILE_TESTS compile${cases}_for_cpus compile${cases}_for_gpus)
+endforeach()
 # A test program takes longer to compile than to run its own code; the oracle is a library, optimised in every build.
 set(GNOMON_TEST_OPTIMISATION $<$<CONFIG:Release>:-O1>)
-# The expression must not end with a bracket: gtest_discover_tests of CMake 4.4 puts it between brackets.
-set(GNOMON_TEST_SKIPPED "\\[  SKIPPED \\] ")
 if(GNOMON_SANITIZE)
-  set(GNOMON_TEST_TIMEOUT_S 900)
+  set(GNOMON_TEST_TIMEOUT_S 1800)
   set(GNOMON_TEST_OPTIMISATION $<IF:$<BOOL:$<TARGET_PROPERTY:GNOMON_PLAIN>>,-O1,-O0>)
-  string(APPEND GNOMON_TEST_SKIPPED "|PASSED  . 1 test.*LeakSanitizer has encountered a fatal error")
 endif()
 
-function(gnomon_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT;LABEL" "SOURCES;LIBRARIES")
-  if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "gnomon_test(${name}): say SOURCES, and nothing but SOURCES, LIBRARIES, LABEL, TIMEOUT")
+function(gnomon_check name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "LABELS;ENVIRONMENT;COMMAND")
+  if(NOT arg_COMMAND OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "gnomon_check(${name}): say COMMAND, and nothing but COMMAND, TIMEOUT, LABELS, ENVIRONMENT")
   endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT ${GNOMON_TEST_TIMEOUT_S})
   endif()
+  math(EXPR seconds "${arg_TIMEOUT} * ${GNOMON_TEST_TIME_SCALE}")
+  add_test(NAME ${name} COMMAND ${arg_COMMAND})
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${seconds} LABELS "${arg_LABELS}"
+    ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR};${arg_ENVIRONMENT}")
+  foreach(label IN LISTS arg_LABELS)  # for the target tests_of_LABEL
+    set_property(GLOBAL APPEND PROPERTY GNOMON_PROGRAMS_OF_${label} ${arg_COMMAND})
+  endforeach()
+  if(NOT name IN_LIST GNOMON_COMPILE_TESTS)
+    set_tests_properties(${name} PROPERTIES DEPENDS "${GNOMON_COMPILE_TESTS}")
+  endif()
+  if(GNOMON_SANITIZE)
+    # LeakSanitizer's own tracer crashes at the end of one process in some thousand (google/sanitizers issue 1353; seen
+    # here with PoCL's threads). If all tests passed before the crash, ctest lists the program as skipped, because its
+    # leaks are unknown. GoogleTest says what failed right after what passed, in brackets.
+    set_tests_properties(${name} PROPERTIES
+      SKIP_REGULAR_EXPRESSION "PASSED  . [0-9]+ tests?\\.[^[]*LeakSanitizer has encountered a fatal error")
+  endif()
+endfunction()
+
+function(gnomon_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;SHARDS" "SOURCES;LIBRARIES")
+  if(NOT arg_SOURCES OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "gnomon_test(${name}): say SOURCES, and nothing but SOURCES, LIBRARIES, LABEL, SHARDS")
+  endif()
+  set(exhaustive)
+  foreach(source IN LISTS arg_SOURCES)
+    get_filename_component(source "${source}" ABSOLUTE)
+    file(STRINGS "${source}" lines REGEX "Exhaustive")
+    list(APPEND exhaustive ${lines})
+    if(NOT arg_LABEL)
+      file(RELATIVE_PATH arg_LABEL "${GNOMON_TESTS_DIR}" "${source}")
+      string(REGEX REPLACE "/.*" "" arg_LABEL "${arg_LABEL}")
+    endif()
+  endforeach()
   add_executable(${name} ${arg_SOURCES})
   target_compile_options(${name} PRIVATE ${GNOMON_TEST_OPTIMISATION})
   target_include_directories(${name} PRIVATE ${GNOMON_TESTS_DIR})
   target_link_libraries(${name} PRIVATE gnomon_build_flags ${arg_LIBRARIES} GTest::gtest_main)
-  set(properties TIMEOUT ${arg_TIMEOUT} SKIP_REGULAR_EXPRESSION ${GNOMON_TEST_SKIPPED}
-                 ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
-  if(arg_LABEL)
-    list(APPEND properties LABELS ${arg_LABEL})
+  if(name IN_LIST GNOMON_QUICK_TESTS)
+    list(APPEND arg_LABEL quick)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120 PROPERTIES ${properties})
+  set(filter)
+  if(exhaustive)
+    set(filter --gtest_filter=-*Exhaustive*)
+    gnomon_check(${name}_exhaustive TIMEOUT 1800 LABELS ${arg_LABEL} exhaustive
+                 COMMAND ${name} --gtest_filter=*Exhaustive*)
+  endif()
+  if(NOT arg_SHARDS)
+    gnomon_check(${name} LABELS ${arg_LABEL} COMMAND ${name} ${filter})
+    return()
+  endif()
+  foreach(shard RANGE 1 ${arg_SHARDS})
+    math(EXPR index "${shard} - 1")
+    gnomon_check(${name}_${shard} LABELS ${arg_LABEL} COMMAND ${name} ${filter}
+                 ENVIRONMENT GTEST_TOTAL_SHARDS=${arg_SHARDS} GTEST_SHARD_INDEX=${index})
+  endforeach()
 endfunction()
 
 find_program(GNOMON_OCLGRIND oclgrind)
@@ -55,22 +108,18 @@ if(NOT GNOMON_OCLGRIND)
 endif()
 
 function(gnomon_oclgrind_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "TIMEOUT" "COMMAND")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "COMMAND")
   if(NOT arg_COMMAND OR arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "gnomon_oclgrind_test(${name}): say COMMAND, and nothing but COMMAND and TIMEOUT")
+    message(FATAL_ERROR "gnomon_oclgrind_test(${name}): say COMMAND, and nothing but COMMAND")
   endif()
   # oclgrind is preloaded, and AddressSanitizer insists on being the first library loaded.
   if(NOT GNOMON_OCLGRIND OR GNOMON_SANITIZE)
     return()
   endif()
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 600)
-  endif()
   list(POP_FRONT arg_COMMAND program)
   if(TARGET ${program})
     set(program "$<TARGET_FILE:${program}>")
   endif()
-  add_test(NAME ${name} COMMAND "${GNOMON_TESTS_DIR}/build/under_oclgrind.sh" "${GNOMON_OCLGRIND}" "${program}"
-                                ${arg_COMMAND})
-  set_tests_properties(${name} PROPERTIES LABELS oclgrind TIMEOUT ${arg_TIMEOUT})
+  gnomon_check(${name} TIMEOUT 1200 LABELS oclgrind
+               COMMAND "${GNOMON_TESTS_DIR}/build/under_oclgrind.sh" "${GNOMON_OCLGRIND}" "${program}" ${arg_COMMAND})
 endfunction()

@@ -1,20 +1,27 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Does what run.sh does, then builds and runs all tests; fails if one fails. With --ci also: first the format, and
-# warnings as errors; then library and command, and the tests that use them as users do, once more under
-# AddressSanitizer and UndefinedBehaviorSanitizer; the fuzzers for a minute; and last the Python package
-# (tools/test_python.sh) and other drivers (tools/test_drivers.sh).
-# Safe to repeat. usage: test.sh [--ci]
+# Builds and runs tests; fails if one fails. Safe to repeat.
+#   test.sh          does what run.sh does, then runs all tests but the exhaustive ones
+#   test.sh quick    the laws of every stage on small scenes, some minutes after a build
+#   test.sh WING     the tests of one wing (host/stages.cmake), or of another folder of tests/
+#   test.sh --ci     all that CI runs: first the format, and warnings as errors; the exhaustive tests too; library and
+#                    command, and the tests that use them as users do, once more under AddressSanitizer and
+#                    UndefinedBehaviorSanitizer; the fuzzers; the Python package (tools/test_python.sh); other drivers
+#                    (tools/test_drivers.sh)
+# GNOMON_TEST_TIME_SCALE=N in the environment makes all time limits N times as long, for a slow machine.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-ci=false
-case ${1:-} in
-    '') ;;
-    --ci) ci=true ;;
+labels() { find tests -mindepth 1 -maxdepth 1 -type d -printf '%f\n' | grep -vxE 'consumer|python|support' | sort; }
+
+what=${1:-default}
+case $what in
+    default | quick | --ci) ;;
     *)
-        echo "usage: $0 [--ci]" >&2
-        exit 2
+        if [ $# -ne 1 ] || ! labels | grep -qx -- "$what"; then
+            echo "usage: $0 [quick | --ci | WING], where WING is one of:" $(labels) >&2
+            exit 2
+        fi
         ;;
 esac
 
@@ -26,44 +33,70 @@ configure() {
     shift
     [ -f "$folder/CMakeCache.txt" ] || generator=(-G Ninja)
     if command -v ccache >/dev/null; then set -- "$@" -D CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
-    cmake "${generator[@]}" -S . -B "$folder" "$@"
+    cmake "${generator[@]}" -S . -B "$folder" -D GNOMON_TEST_TIME_SCALE="${GNOMON_TEST_TIME_SCALE:-1}" "$@" >/dev/null
+}
+configure_release() {
+    configure build -D CMAKE_BUILD_TYPE=Release -D GNOMON_COMMAND=ON -D GNOMON_TESTS=ON -D GNOMON_TOOLS=ON "$@"
 }
 
-# The tests share the machine with the driver's own threads, so there are no more of them than cores.
-build_and_test() {
-    cmake --build "$1" --parallel "$(nproc)"
-    ctest --test-dir "$1" --output-on-failure --no-tests=error --parallel "$(nproc)"
+# run_tests FOLDER OPTIONS-OF-CTEST...: the tests share the machine with the driver's own threads, so there are no more
+# of them than cores. What a test could not check is said at the end.
+run_tests() {
+    local folder=$1
+    shift
+    ctest --test-dir "$folder" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"
+    grep -hE '^\[  SKIPPED \] .*[^:]$|NOT TESTED' "$folder/Testing/Temporary/LastTest.log" | sort | uniq -c |
+        sed 's/^/not tested: /' || true
 }
 
-werror=OFF
-if $ci; then
-    step "Packages"
-    tools/install_packages.sh ci
-    step "Format and layout"
-    git ls-files -z '*.c' '*.cpp' '*.hpp' '*.h' '*.clh' '*.cl' | xargs -0 clang-format-14 --dry-run --Werror
-    tools/check_layout.sh
-    werror=ON
-else
-    tools/install_packages.sh test
-fi
+case $what in
+    default)
+        step "Packages"
+        tools/install_packages.sh test
+        step "Build and picture"
+        configure_release
+        cmake --build build --parallel "$(nproc)"
+        tools/run.sh
+        step "Tests"
+        run_tests build --label-exclude exhaustive
+        step "Left to 'tools/test.sh --ci'"
+        ctest --test-dir build --show-only --label-regex exhaustive | grep -c '  Test ' |
+            sed 's/$/ exhaustive tests; sanitizers, fuzzers, Python package, other drivers/'
+        exit
+        ;;
+    --ci) ;;
+    *)
+        tools/install_packages.sh test
+        configure_release
+        cmake --build build --parallel "$(nproc)" --target "tests_of_$what"
+        run_tests build --label-regex "^$what\$" --label-exclude exhaustive
+        exit
+        ;;
+esac
 
-step "Release build, picture and tests"
-configure build -D CMAKE_BUILD_TYPE=Release -D GNOMON_COMMAND=ON -D GNOMON_TESTS=ON -D GNOMON_TOOLS=ON \
-    -D GNOMON_WERROR=$werror
+step "Packages"
+tools/install_packages.sh ci
+step "Format and layout"
+git ls-files -z '*.c' '*.cpp' '*.hpp' '*.h' '*.clh' '*.cl' | xargs -0 clang-format-14 --dry-run --Werror
+tools/check_layout.sh
+step "Release build and picture"
+configure_release -D GNOMON_WERROR=ON
+cmake --build build --parallel "$(nproc)"
 tools/run.sh
-build_and_test build
-if $ci; then
-    step "Host code and its tests under the sanitizers"  # after the release build: the driver has its kernels now
-    configure build-sanitize -D CMAKE_BUILD_TYPE=RelWithDebInfo -D "CMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" \
-        -D GNOMON_SANITIZE=ON -D GNOMON_WERROR=ON -D GNOMON_TOOLS=OFF
-    build_and_test build-sanitize
-    step "Fuzzers"
-    tools/fuzz.sh 30
-    step "Python package and other drivers, side by side: both mostly wait for one compiler"
-    tools/test_drivers.sh build >build/drivers.log 2>&1 &
-    status=0
-    tools/test_python.sh || status=1
-    wait $! || status=1
-    cat build/drivers.log
-    exit $status
-fi
+step "Tests"
+run_tests build
+step "Host code and its tests under the sanitizers"  # after the release build: the driver has its kernels now
+configure build-sanitize -D CMAKE_BUILD_TYPE=RelWithDebInfo -D "CMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1" \
+    -D GNOMON_SANITIZE=ON -D GNOMON_WERROR=ON -D GNOMON_TOOLS=OFF
+cmake --build build-sanitize --parallel "$(nproc)"
+run_tests build-sanitize
+step "Fuzzers"
+tools/fuzz.sh 30
+step "Python package and other drivers, side by side: both mostly wait for one compiler"
+tools/test_drivers.sh build >build/drivers.log 2>&1 &
+status=0
+tools/test_python.sh || status=1
+wait $! || status=1
+cat build/drivers.log
+step "Done"
+exit $status

@@ -108,6 +108,7 @@ Answers answers_of(const Device& device, const scene::Scene& scene, const refere
     }
     run_samples(*technique, device, triangles, seen, light, 8, visibility);
     answers.mean = visibility.read();
+    technique->set("map-size", "128");  // clearing the map of a larger grid would take most of the time
     technique->prepare(triangles, light);
     answers.prepared = run(triangles);
     return answers;

@@ -21,16 +21,16 @@ endif()
 
 # The OpenCL library is loaded when it is needed, and one sentence names what is wrong with it.
 if(GNOMON_COMMAND)
-  add_test(NAME opencl_library_is_loaded_lazily COMMAND "${here}/opencl_library_test.sh" "$<TARGET_FILE:gnomon_command>")
+  gnomon_check(opencl_library_is_loaded_lazily LABELS build COMMAND "${here}/opencl_library_test.sh" "$<TARGET_FILE:gnomon_command>")
 endif()
 
-add_test(NAME layout COMMAND "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
-add_test(NAME layout_rules_bite COMMAND "${here}/check_layout_test.sh" "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
+gnomon_check(layout LABELS build quick COMMAND "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
+gnomon_check(layout_rules_bite LABELS build exhaustive COMMAND "${here}/check_layout_test.sh" "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
 
-add_test(NAME readme_shows_the_example
+gnomon_check(readme_shows_the_example LABELS build
          COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/README.md
                  -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/example.cpp -P "${here}/readme_shows_example.cmake")
-add_test(NAME embedding_md_shows_the_example
+gnomon_check(embedding_md_shows_the_example LABELS build
          COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/docs/embedding.md -D LANGUAGE=c
                  -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/embedding.c -P "${here}/readme_shows_example.cmake")
 
@@ -46,14 +46,13 @@ if(NOT GNOMON_SANITIZE AND GNOMON_INSTALL)
     message(WARNING "nm not found: the shared library's symbols go untested (Debian package binutils)")
   endif()
   foreach(way installed_static installed_shared subproject)
-    add_test(NAME consumer_${way}
+    gnomon_check(consumer_${way} TIMEOUT 1800 LABELS consumer exhaustive
              COMMAND "${CMAKE_COMMAND}" -D WAY=${way} -D SOURCE_DIR=${PROJECT_SOURCE_DIR}
                      -D SCRATCH_DIR=${CMAKE_CURRENT_BINARY_DIR}/consumer_${way} -D CXX=${CMAKE_CXX_COMPILER}
                      -D CC=${CMAKE_C_COMPILER} -D NM=${GNOMON_NM}
                      -D LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -D GENERATOR=${CMAKE_GENERATOR}
                      -D PKG_CONFIG=${GNOMON_PKG_CONFIG}
                      -P "${here}/consumer_test.cmake")
-    set_tests_properties(consumer_${way} PROPERTIES TIMEOUT 900 LABELS consumer SKIP_REGULAR_EXPRESSION "NOT TESTED"
-                         ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
+    set_tests_properties(consumer_${way} PROPERTIES SKIP_REGULAR_EXPRESSION "NOT TESTED")
   endforeach()
 endif()

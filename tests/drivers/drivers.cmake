@@ -13,12 +13,11 @@ target_link_libraries(gnomon_lying_layer PRIVATE gnomon_build_flags)
 # PoCL compiles a kernel anew for each size of work-groups, and the first run of a lie waits for that.
 set(lie_seconds 900)
 
-# gnomon_lie(NAME LIES COMMAND [ARGUMENT...]): the program must succeed.
+# gnomon_lie(NAME LIES COMMAND [ARGUMENT...]): the program must succeed. Its kernels are compiled anew: exhaustive.
 function(gnomon_lie name lies program)
-  add_test(NAME lie_${name} COMMAND "${CMAKE_CURRENT_LIST_DIR}/under_lies.sh" "$<TARGET_FILE:gnomon_lying_layer>"
-                                    "${lies}" "" "$<TARGET_FILE:${program}>" ${ARGN})
-  set_tests_properties(lie_${name} PROPERTIES LABELS drivers TIMEOUT ${lie_seconds}
-                       ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
+  gnomon_check(lie_${name} TIMEOUT ${lie_seconds} LABELS drivers exhaustive
+               COMMAND "${CMAKE_CURRENT_LIST_DIR}/under_lies.sh" "$<TARGET_FILE:gnomon_lying_layer>" "${lies}" ""
+                       "$<TARGET_FILE:${program}>" ${ARGN})
 endfunction()
 
 # gnomon_refused_lie(NAME LIES SENTENCE [ARGUMENT...]): gnomon must refuse with this sentence.
@@ -27,10 +26,9 @@ function(gnomon_refused_lie name lies sentence)
     set(ARGN render --size 64x64 --output "${CMAKE_CURRENT_BINARY_DIR}/lie_${name}.png")
   endif()
   if(GNOMON_COMMAND)
-    add_test(NAME lie_${name} COMMAND "${CMAKE_CURRENT_LIST_DIR}/under_lies.sh" "$<TARGET_FILE:gnomon_lying_layer>"
-                                      "${lies}" "${sentence}" "$<TARGET_FILE:gnomon_command>" ${ARGN})
-    set_tests_properties(lie_${name} PROPERTIES LABELS drivers TIMEOUT ${lie_seconds}
-                         ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
+    gnomon_check(lie_${name} TIMEOUT ${lie_seconds} LABELS drivers
+                 COMMAND "${CMAKE_CURRENT_LIST_DIR}/under_lies.sh" "$<TARGET_FILE:gnomon_lying_layer>" "${lies}"
+                         "${sentence}" "$<TARGET_FILE:gnomon_command>" ${ARGN})
   endif()
 endfunction()
 

@@ -4,9 +4,7 @@
 function(gnomon_fuzz_target name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "CORPUS" "SOURCES;FUZZER_SOURCES;LIBRARIES;LINK_OPTIONS")
   add_executable(${name}_replay ${arg_SOURCES} ${CMAKE_CURRENT_LIST_DIR}/replay.cpp)
-  add_test(NAME ${name}_replay COMMAND ${name}_replay ${arg_CORPUS})
-  set_tests_properties(${name}_replay PROPERTIES
-    TIMEOUT ${GNOMON_TEST_TIMEOUT_S} ENVIRONMENT "GNOMON_CACHE_DIR=${GNOMON_TEST_CACHE_DIR}")
+  gnomon_check(${name}_replay LABELS fuzz COMMAND ${name}_replay ${arg_CORPUS})
   set(programs ${name}_replay)
   if(GNOMON_FUZZ)
     add_executable(${name} ${arg_SOURCES} ${arg_FUZZER_SOURCES})

@@ -270,7 +270,7 @@ TEST(ManyLightsCases, ATerrainsBorderAndHoles) {
 }
 
 // The order of points, work-group sizes and memory limits change no bit and no sum, by any way and by all kernels.
-TEST(ManyLightsCases, NeitherOrderNorShapeChangesABit) {
+TEST(ManyLightsCases, NeitherOrderNorShapeChangesABitExhaustive) {
     LightScene scene{"blocks", lattice_blocks(6, 3, 4), {}, {}};
     for (int i = 0; i < 1500; ++i)
         append(scene.points, {float(i % 31) / 5, float(i % 23) / 5 + 0.125f, float(i % 29) / 5});

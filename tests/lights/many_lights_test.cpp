@@ -225,7 +225,7 @@ TEST(ManyLights, SidesOfSliversAreThoseOfOneLight) {
     }
 }
 
-TEST(ManyLights, NoDeviceSettingChangesABit) {
+TEST(ManyLights, NoDeviceSettingChangesABitExhaustive) {
     FacedScene scene = boxes_on_floor(500, 4);
     const Lights lights = table_around({"", {}, {}, along(-0.3f, -1, 0.2f)}, 100, 9);
     const auto usual = run(device_with(), scene, lights, "one-by-one");
@@ -354,7 +354,7 @@ Lights suns_of_sectors(std::size_t count) {
     return Lights(lights);
 }
 
-TEST(ManyLights, HorizonsChangeNoBitWhateverTheSideAndTheDevice) {
+TEST(ManyLights, HorizonsChangeNoBitWhateverTheSideAndTheDeviceExhaustive) {
     LightScene scene = points_on_terrain(700);
     const Lights lights = suns_of_sectors(150);
     for (int kind = 0; kind < 5; ++kind) {

@@ -2,13 +2,15 @@
 // See masks.hpp. X = o + t r from the plane; its barycentric coordinates are n . ((c - b) x (X - b)) / n . n and so on.
 #include "masks.hpp"
 
+#include <boost/multiprecision/gmp.hpp>
 #include <cmath>
 
 namespace reference {
 namespace {
 
-using Rational = boost::multiprecision::cpp_rational;
-using Whole = boost::multiprecision::cpp_int;
+// GMP's, since a rational is reduced at each step: Boost's own take ten times as long.
+using Rational = boost::multiprecision::mpq_rational;
+using Whole = boost::multiprecision::mpz_int;
 using Point = std::array<Rational, 3>;
 
 Rational exact(float x) { return Rational(x); }

@@ -611,7 +611,7 @@ TEST(Samples, NeighboursInAPlaneLeaveFootprintsLit) {
 }
 
 // Not vacuous: a band of tiles per batch, and batches that do not divide the samples.
-TEST(Samples, ShapeFree) {
+TEST(Samples, ShapeFreeExhaustive) {
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     const CameraScene scene = scenes().front();
     const std::size_t pixels = std::size_t(scene.width) * scene.height;
@@ -632,7 +632,7 @@ TEST(Samples, ShapeFree) {
 }
 
 // A GPU's groups divide a pixel: groups of any size, with fragments that find room at once or only in a second attempt.
-TEST(Samples, TheShapeForGpusGivesTheSameBits) {
+TEST(Samples, TheShapeForGpusGivesTheSameBitsExhaustive) {
     const gnomon::Light light = gnomon::Light::directional({0.3f, -1, 0.2f});
     for (const CameraScene& scene : scenes()) {
         if (scene.name != "large soup" && scene.name != "needles") continue;
