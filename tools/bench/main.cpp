@@ -168,8 +168,9 @@ bool all_well(const std::vector<Row>& rows) {
         if (row.exact && row.oracle && row.oracle->wrong_rays != 0)
             complain(row, std::to_string(row.oracle->wrong_rays) + " of the camera's rays differ from the oracle");
         if (!row.exact || !row.failed.empty()) continue;
-        const std::string samples = !row.settings.empty() && row.settings.back().first == "samples"
-                                        ? ", samples " + row.settings.back().second
+        // Means of other samples, per pixel or of the sun's disk, are other masks.
+        const std::string samples = !row.settings.empty() && row.settings.back().first.ends_with("samples")
+                                        ? row.settings.back().first + row.settings.back().second
                                         : "";
         const Row* first = exact_of_view.try_emplace(view_of(row) + samples, &row).first->second;
         if (first->mask_hash != row.mask_hash)
