@@ -5,19 +5,13 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(Threads REQUIRED)
 find_package(embree 3 QUIET)
-find_path(GNOMON_STB_INCLUDE stb_image_write.h PATH_SUFFIXES stb REQUIRED)
+find_path(GNOMON_STB_INCLUDE stb_image.h PATH_SUFFIXES stb REQUIRED)
 find_library(GNOMON_STB_LIBRARY stb REQUIRED)
 if(NOT TARGET gnomon_reference)
   add_subdirectory(${PROJECT_SOURCE_DIR}/tests/reference ${PROJECT_BINARY_DIR}/tests/reference)
 endif()
 
 set(bench_generated ${PROJECT_BINARY_DIR}/tools/bench_generated)
-
-# The figures of others, as text in the program.
-set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/bench/published.json)
-file(READ ${CMAKE_CURRENT_LIST_DIR}/bench/published.json published)
-file(CONFIGURE OUTPUT ${bench_generated}/published_json.hpp CONTENT
-"inline constexpr const char* published_json = R\"json(@published@)json\";\n" @ONLY)
 
 # The commit, asked at each build: a figure says what it was measured on.
 add_custom_target(gnomon_bench_commit
@@ -27,19 +21,15 @@ add_custom_target(gnomon_bench_commit
 
 add_library(gnomon_bench_parts STATIC
   bench/cases.cpp
-  bench/charts.cpp
   bench/contestant.cpp
   bench/experiments.cpp
+  bench/json.cpp
   bench/machine.cpp
   bench/many_lights.cpp
-  bench/output.cpp
-  bench/page.cpp
-  bench/pictures.cpp
-  bench/published.cpp
+  bench/reduced_mask.cpp
   bench/row.cpp
   bench/runner.cpp
   bench/sweep.cpp
-  bench/tables.cpp
   $<IF:$<BOOL:${embree_FOUND}>,bench/embree_lights.cpp;bench/embree_peer.cpp;bench/embree_rays.cpp;bench/embree_scene.cpp,bench/no_peers.cpp>
 )
 gnomon_embed_files(gnomon_bench_parts embedded_tables tools/bench/suns_of_latitude_52.csv)

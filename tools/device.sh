@@ -9,8 +9,9 @@
 #                                    /tmp/gnomon_device and packs programs, tests and sources into .device/built.tar.xz
 #   tools/device.sh run [CTEST ARGS] there, as root: unpacks; builds with the compiler there if .device/ has nothing
 #                                    built; runs the tests and the benchmark. The log of the tests and the benchmark's
-#                                    rows go to $OUT, if that is set. `run --parallel 8` took 3 minutes for the tests
-#                                    on an H200; alone, one after the other, time limits mean more.
+#                                    rows go to $OUT, if that is set; tools/report.py, here, makes tables and a page of
+#                                    bench.json. `run --parallel 8` took 3 minutes for the tests on an H200; alone, one
+#                                    after the other, time limits mean more.
 #   tools/device.sh bench [ARGS]     there: unpacks and runs the benchmark alone, with ARGS in place of everything
 #                                    (such as: --experiment table1 --full)
 #
@@ -123,18 +124,18 @@ bench() {
 
 bench_alone() {
     make_ready
-    bench "$@" --json "$out/bench.json" --csv "$out/bench.csv" --html "$out/bench.html" --markdown "$out/bench.md"
+    bench "$@" --json "$out/bench.json" --csv "$out/bench.csv"
 }
 
 run() {
     local status=0
     make_ready
     ctest --test-dir "$work/build" --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
-    # Every view of the scenes with its hash and stages, then the benchmark's page and the paper's tables.
+    # Every view of the scenes with its hash and stages, then all experiments.
     bench .device/scenes/*.glb --size 1920x1080 --size 3840x2160 --stages --json "$out/views.json" |
         tee "$out/bench.txt" || status=$?
-    bench --experiment all --full --seconds 1 --json "$out/bench.json" --csv "$out/bench.csv" --html "$out/bench.html" \
-        --markdown "$out/bench.md" | tee -a "$out/bench.txt" || status=$?
+    bench --experiment all --full --seconds 1 --json "$out/bench.json" --csv "$out/bench.csv" |
+        tee -a "$out/bench.txt" || status=$?
     return $status
 }
 

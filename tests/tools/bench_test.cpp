@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <boost/property_tree/ptree.hpp>
-#include <boost/property_tree/xml_parser.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -13,13 +12,9 @@
 #include <set>
 #include <sstream>
 
-#include "bench/charts.hpp"
 #include "bench/experiments.hpp"
-#include "bench/output.hpp"
-#include "bench/page.hpp"
+#include "bench/json.hpp"
 #include "bench/peers.hpp"
-#include "bench/published.hpp"
-#include "bench/tables.hpp"
 #include "support/leak_tracer.hpp"
 
 namespace gnomon::bench {
@@ -109,32 +104,20 @@ void expect_same(const Json& row, const std::map<std::string, std::string>& csv)
     }
 }
 
-// Throws if `file` is no well-formed XML.
-boost::property_tree::ptree xml_of(const std::string& file) {
-    boost::property_tree::ptree tree;
-    boost::property_tree::read_xml(file, tree);
-    return tree;
-}
-
-void count_elements(const boost::property_tree::ptree& tree, std::map<std::string, int>& counts) {
-    for (const auto& [name, child] : tree) {
-        ++counts[name];
-        count_elements(child, counts);
-    }
-}
-
 // ---- The whole program ----------------------------------------------------------------------------------------------
 
 TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgree) {
     std::string arguments =
         "sundial --technique frustum-traced --technique shadow-map --peers --oracle 100000 --runs 1 --size 320x180 "
         "--stages --mode animated --mode static";
-    for (const char* output : {"json", "csv", "html"})
+    for (const char* output : {"json", "csv"})
         arguments.append(" --").append(output).append(" ").append(path("all.")).append(output);
     ASSERT_EQ(run(arguments), 0) << errors();
     const Json all = json("all.json");
     for (const char* key : {"date", "processor", "system", "compiler", "gnomon", "commit", "opencl_devices"})
         EXPECT_TRUE(all["machine"].contains(key)) << key;
+    EXPECT_EQ(all["experiments"].size(), experiments().size());
+    EXPECT_EQ(all["families"].size(), families().size());
 
     int exact_rows = 0, approximate_rows = 0, rival_rows = 0, missed_nearby = 0;
     for (const Json& row : all["rows"]) {
@@ -144,6 +127,8 @@ TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgree) {
         EXPECT_EQ(e["points"], 320 * 180);
         EXPECT_EQ(e["wrong"].get<int>(), e["wrongly_lit"].get<int>() + e["wrongly_shadowed"].get<int>());
         EXPECT_EQ(row["ms"]["runs"], 1);
+        EXPECT_EQ(row["picture"]["width"], 320);
+        EXPECT_EQ(row["picture"]["error"] == "0*57600", e["wrong"] == 0);  // of hard shadows
         EXPECT_LE(row["ms"]["least"].get<double>(), row["ms"]["median"].get<double>());
         EXPECT_LE(row["ms"]["median"].get<double>(), row["ms"]["most"].get<double>());
         rival_rows += row["technique"] == "embree";
@@ -178,17 +163,6 @@ TEST_F(Bench, ErrorsAndOutputsOfTheSundialAgree) {
     const auto csv = csv_rows(text_in(path("all.csv")));
     ASSERT_EQ(csv.size(), all["rows"].size());
     for (std::size_t i = 0; i < csv.size(); ++i) expect_same(all["rows"][i], csv[i]);
-
-    const auto html = xml_of(path("all.html"));
-    EXPECT_EQ(html.get<std::string>("html.head.title"), "gnomon: benchmark");
-    std::map<std::string, int> elements;
-    count_elements(html, elements);
-    EXPECT_EQ(elements["svg"], 3);  // errors, frames, stages
-    EXPECT_EQ(elements["script"], 0);
-    EXPECT_EQ(elements["circle"], int(all["rows"].size()));
-    const std::string text = text_in(path("all.html"));
-    for (const char* loads : {"src=\"http", "href=", "@import", "url("})
-        EXPECT_EQ(text.find(loads), std::string::npos) << loads << ": the page must not load anything";
 }
 
 // The oracle decides each sample's point by itself, and whether it is where its ray says; Embree finds the samples of
@@ -409,9 +383,7 @@ TEST_F(Bench, ManyLightsTakeLamps) {
 }
 
 TEST_F(Bench, ManyLightsTakeATerrainsVertices) {
-    ASSERT_EQ(run("terrain:10000 --many-lights sky --points 700 --runs 1 --peers --json " + path("a.json") +
-                  " --markdown " + path("a.md")),
-              0)
+    ASSERT_EQ(run("terrain:10000 --many-lights sky --points 700 --runs 1 --peers --json " + path("a.json")), 0)
         << errors();
     const Json report = json("a.json");
     for (const Json& row : report["rows"]) {
@@ -421,7 +393,6 @@ TEST_F(Bench, ManyLightsTakeATerrainsVertices) {
         EXPECT_GT(row["pairs"]["lit"].get<double>(), 0.7 * row["pairs"]["facing"].get<double>());
         EXPECT_LT(row["pairs"]["differing"].get<double>(), 1e-3 * row["pairs"]["facing"].get<double>());
     }
-    EXPECT_NE(text_in(path("a.md")).find("| terrain_10000, vertices |"), std::string::npos);
 }
 
 TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
@@ -429,8 +400,6 @@ TEST_F(Bench, AnUnusableRequestFailsWithOneSentence) {
     EXPECT_NE(errors().find("--experiment"), std::string::npos) << errors();
     EXPECT_NE(run("sundial --size 0x10"), 0);
     EXPECT_NE(errors().find("WIDTHxHEIGHT"), std::string::npos) << errors();
-    EXPECT_NE(run("sundial --charts " + path("chart")), 0);
-    EXPECT_NE(errors().find("--experiment techniques"), std::string::npos) << errors();
     EXPECT_NE(run("nothing:1000"), 0);
     EXPECT_NE(errors().find("no recipe"), std::string::npos) << errors();
     EXPECT_NE(run("sundial --pixels v0"), 0);
@@ -472,81 +441,13 @@ TEST(BenchParts, RunsEndByNumberOrTime) {
     EXPECT_FALSE(rule.goes_on(2, 6001)) << "unless they take very long";
 }
 
-TEST(BenchParts, TheParetoFrontHoldsWhatNothingBeats) {
-    //                                error, ms
-    const std::vector<Mark> marks{
-        {0.1, 5, 0, "beaten by the next"}, {0.1, 4, 0, "fastest"}, {0.01, 6, 0, "between"},
-        {0.02, 7, 0, "beaten by between"}, {0, 20, 0, "exact"},    {0, 1, 0, "no build", true},
-        {0, 30, 0, "exact, slower"}};
-    EXPECT_EQ(pareto_front(marks), (std::vector<std::size_t>{1, 2, 4}));
-}
-
-TEST(BenchParts, NumbersKeepThreeDigits) {
-    EXPECT_EQ(three_digits(0), "0");
-    EXPECT_EQ(three_digits(0.012345), "0.0123");
-    EXPECT_EQ(three_digits(1.2345), "1.23");
-    EXPECT_EQ(three_digits(1234.5), "1234");
-    EXPECT_EQ(with_spaces(12800000), "12\u00a0800\u00a0000");
-    EXPECT_EQ(with_spaces(100), "100");
-    EXPECT_EQ(escaped("a<b & \"c\""), "a&lt;b &amp; &quot;c&quot;");
-}
-
-// Two techniques in two scenes, of which the second fails in one: what no other beats is bold, in tables and charts.
-TEST(BenchParts, TechniquesAreComparedSceneByScene) {
-    const auto row_of = [](const char* scene, const char* technique, double ms, std::uint64_t wrong) {
-        Row row;
-        row.experiment = "techniques";
-        row.scene = scene;
-        row.technique = technique;
-        row.total = times_of({ms});
-        row.errors.emplace();
-        row.errors->points = 1000;
-        row.errors->wrongly_lit = wrong;
-        return row;
-    };
-    std::vector<Row> rows{row_of("city", "frustum-traced", 5, 0), row_of("city", "vsm", 9, 20),
-                          row_of("yard", "frustum-traced", 5, 0), row_of("yard", "vsm", 4, 20),
-                          row_of("yard", "esm", 3, 30)};
-    rows[1].settings = rows[3].settings = {{"size", "512"}};
-    rows.push_back(row_of("city", "esm", 0, 0));
-    rows.back().failed = "it broke";
-
-    const std::vector<Table> tables = tables_of(rows, "techniques");
-    ASSERT_EQ(tables.size(), 1u);
-    using Lines = std::vector<std::vector<std::string>>;
-    EXPECT_EQ(tables[0].lines, (Lines{{"frustum-traced", "**5.00 ms, 0**", "**5.00 ms, 0**"},
-                                      {"vsm size=512", "9.00 ms, 2.00 %", "**4.00 ms, 2.00 %**"},
-                                      {"esm", "it broke", "**3.00 ms, 3.00 %**"}}));
-    EXPECT_NE(html(tables[0]).find("<td class=\"n\"><strong>4.00 ms, 2.00 %</strong></td>"), std::string::npos);
-
-    const auto files = chart_files(rows);
-    ASSERT_EQ(files.size(), 2u);
-    EXPECT_EQ(files[0].first, "city");
-    EXPECT_EQ(files[1].first, "yard");
-    Row in_other_light = rows[0];
-    in_other_light.light = "lamp";
-    rows.push_back(in_other_light);
-    EXPECT_EQ(chart_files(rows).at(2).first, "city_lamp");
-    std::istringstream stream(files[1].second);
-    boost::property_tree::ptree svg;
-    boost::property_tree::read_xml(stream, svg);
-    std::map<std::string, int> elements;
-    count_elements(svg, elements);
-    EXPECT_EQ(elements["title"], 3) << "a mark for each row";
-    EXPECT_EQ(elements["circle"], 3 + 2) << "and a colour for each of the two families";
-    for (const char* text : {">exact<", ">filtered maps<", ">1  esm: 3.00 ms, 30 wrong<",
-                             ">2  vsm size=512: 4.00 ms, 20 wrong<", ">3  frustum-traced: 5.00 ms, 0 wrong<"})
-        EXPECT_NE(files[1].second.find(text), std::string::npos) << text;
-}
-
-TEST(BenchParts, EveryTechniqueHasOneColour) {
-    std::vector<std::string> all{"embree"}, coloured;
+TEST(BenchParts, EveryTechniqueHasOneFamily) {
+    std::vector<std::string> all{"embree"}, in_families;
     for (const TechniqueDescription& technique : techniques()) all.push_back(technique.name);
-    for (const Family& family : families()) std::ranges::copy(family.techniques, std::back_inserter(coloured));
+    for (const Family& family : families()) std::ranges::copy(family.techniques, std::back_inserter(in_families));
     std::ranges::sort(all);
-    std::ranges::sort(coloured);
-    EXPECT_EQ(all, coloured);
-    EXPECT_LE(families().size(), colours);
+    std::ranges::sort(in_families);
+    EXPECT_EQ(all, in_families);
 }
 
 // The sweep and the experiments name techniques and settings by hand: what they name must be there.
@@ -603,136 +504,61 @@ TEST(BenchParts, ExperimentsStayWithinTheMachinesLimits) {
         }
 }
 
-// The totals of table 1 are at least the sum of its stages less the roundings: a slip of a digit would show.
-TEST(BenchParts, PublishedTablesAreWhole) {
-    for (const Json& table : published()) {
-        SCOPED_TRACE(table["title"].get<std::string>());
-        for (const char* key : {"experiment", "source", "machine"}) EXPECT_FALSE(table[key].get<std::string>().empty());
-        for (const Json& row : table["rows"]) ASSERT_EQ(row.size(), table["columns"].size());
-        if (table["experiment"] != "table1") continue;
-        ASSERT_EQ(table["rows"].size(), 24u);
-        for (const Json& row : table["rows"]) {
-            double sum = 0;
-            for (std::size_t i = 4; i < 8; ++i) sum += row[i].is_null() ? 0 : row[i].get<double>();
-            EXPECT_NEAR(row[8].get<double>(), sum, 0.021) << row.dump();
-        }
-    }
-}
-
-TEST(BenchParts, TablesShowFailuresAndErrors) {
-    Row good, bad;
-    good.experiment = bad.experiment = "times";
-    good.scene = bad.scene = "scene";
-    good.view = bad.view = "view";
-    good.technique = "one|technique";
-    good.total = times_of({2, 2.5, 3});
-    good.errors.emplace();
-    good.errors->points = 100;
-    good.errors->wrongly_lit = 7;
-    bad.technique = "other";
-    bad.failed = "it broke";
-    const std::vector<Row> rows{good, bad};
-    const std::vector<Table> tables = tables_of(rows, "times");
-    ASSERT_EQ(tables.size(), 1u);
-    ASSERT_EQ(tables[0].lines.size(), 2u);
-    EXPECT_EQ(tables[0].lines[0][1], "2.50 ± 0.250");
-    EXPECT_EQ(tables[0].lines[0][2], "7");
-    EXPECT_EQ(tables[0].lines[0][3], "7.00 %");
-    EXPECT_EQ(tables[0].lines[1][1], "it broke");
-    EXPECT_NE(html(tables[0]).find("it broke"), std::string::npos);
-    EXPECT_EQ(to_json(bad)["failed"], "it broke");
-    EXPECT_FALSE(to_json(bad).contains("ms"));
-}
-
-TEST(BenchParts, MemoryAndSkipsAreSharesOfPointsAndTriangles) {
+// A tree that is built in each run counts in each part that needs it, and once in the frame.
+TEST(BenchParts, TimesOfPartsHoldTheBuild) {
     Row row;
-    row.experiment = "memory";
-    row.width = 100;
-    row.height = 10;
-    row.triangles = 500;
-    row.total = times_of({4});
-    row.device_memory_bytes = 22'000;  // of 64 * 1000 + 48 * 500
-    const std::vector<Row> memory{row};
-    EXPECT_EQ(tables_of(memory, "memory").at(0).lines.at(0).back(), "25.0 %");
-    EXPECT_EQ(tables_of(memory, "memory").at(0).lines.at(0).at(4), "22.0");
-
-    row.experiment = "skips";
-    row.scene = "city";
-    row.counts = {{"points", 1000},           {"points_absent", 250}, {"triangles", 500},
-                  {"triangles_outside", 100}, {"tests", 80},          {"uncertain_pairs", 8}};
-    Row empty = row;
-    empty.total = times_of({0.1});
-    empty.counts = {{"points", 1000}, {"points_absent", 1000}};
-    empty.skipped = {{"trace", "no point"}, {"clusters", "none"}};
-    const std::vector<Row> rows{row, empty};
-    const auto lines = tables_of(rows, "skips").at(0).lines;
-    EXPECT_EQ(lines.at(0).at(3), "100 %");
-    EXPECT_EQ(lines[0].at(4), "25.0 %");
-    EXPECT_EQ(lines[0].at(7), "20.0 %");
-    EXPECT_EQ(lines[0].at(10), "10.0 %");
-    EXPECT_EQ(lines[0].back(), "");
-    EXPECT_EQ(lines.at(1).at(3), "2.50 %");
-    EXPECT_EQ(lines[1].at(4), "100 %");
-    EXPECT_EQ(lines[1].back(), "trace: no point");
+    row.set_runs({{.build = {2, 4}, .camera = {6, 6}, .shadow = {4, 4}, .shade = {2, 2}},
+                  {.build = {4, 8}, .camera = {12, 12}, .shadow = {8, 8}, .shade = {4, 4}},
+                  {.build = {2, 4}, .camera = {6, 6}, .shadow = {4, 4}, .shade = {2, 2}}},
+                 true);
+    EXPECT_EQ(row.build->median_ms, 2);
+    EXPECT_EQ(row.camera->median_ms, 8);
+    EXPECT_EQ(row.total.median_ms, 6);
+    EXPECT_EQ(row.frame->median_ms, 14);
+    EXPECT_EQ(to_json(row)["runs"]["camera"]["processor_ms"], Json({6, 12, 6}));
+    Row still;
+    still.set_runs({{{}, {5, 5}, {4, 4}, {2, 2}}}, true);
+    EXPECT_FALSE(still.build.has_value());
+    EXPECT_EQ(still.frame->median_ms, 11);
+    EXPECT_FALSE(to_json(still)["runs"].contains("build"));
 }
 
-// gnomon is compared with the fastest of the rival's trees, in each round, and a tree built in each run counts.
-TEST(BenchParts, RivalsAreComparedRoundByRound) {
-    const auto row_of = [](const char* technique, const char* build, const char* mode,
-                           const std::vector<std::array<double, 4>>& runs) {
-        Row row;
-        row.experiment = "rivals";
-        row.technique = technique;
-        row.mode = mode;
-        row.exact = row.technique != "embree";
-        if (!row.exact) row.settings = {{"build", build}};
-        std::vector<FrameTimes> times;
-        for (const auto& [built, camera, shadow, shade] : runs)
-            times.push_back({{built, 2 * built}, {camera, camera}, {shadow, shadow}, {shade, shade}});
-        row.set_runs(std::move(times), true);
-        return row;
-    };
-    // The machine is twice as slow in the second round.
-    const std::vector<Row> rows{row_of("frustum-traced", "", "animated", {{0, 6, 3, 1}, {0, 12, 6, 2}, {0, 6, 3, 1}}),
-                                row_of("frustum-traced", "", "static", {{0, 4, 1, 1}, {0, 8, 2, 2}, {0, 4, 1, 1}}),
-                                row_of("embree", "low", "animated", {{2, 6, 4, 2}, {4, 12, 8, 4}, {2, 6, 4, 2}}),
-                                row_of("embree", "medium", "static", {{0, 5, 4, 2}, {0, 10, 8, 4}, {0, 5, 4, 2}}),
-                                row_of("embree", "high", "static", {{0, 8, 2, 2}, {0, 16, 4, 4}, {0, 8, 2, 2}})};
-    EXPECT_EQ(rows[2].build->median_ms, 2);
-    EXPECT_EQ(rows[2].camera->median_ms, 8) << "with the build";
-    EXPECT_EQ(rows[2].total.median_ms, 6) << "with the build";
-    EXPECT_EQ(rows[2].frame->median_ms, 14) << "with one build";
-    EXPECT_FALSE(rows[3].build.has_value());
-
-    const std::vector<Table> tables = tables_of(rows, "rivals");
-    ASSERT_EQ(tables.at(0).lines.size(), 2u);
-    EXPECT_EQ(
-        std::vector(tables[0].lines[0].begin() + 1, tables[0].lines[0].end()),
-        (std::vector<std::string>{"animated", "6.00", "8.00", "0.750 ± 0", "0.600 ± 0", "3.00", "6.00", "0.500 ± 0",
-                                  "0.375 ± 0", "10.0", "14.0", "0.714 ± 0", "0.625 ± 0", "low, low, low"}));
-    EXPECT_EQ(
-        std::vector(tables[0].lines[1].begin() + 1, tables[0].lines[1].end()),
-        (std::vector<std::string>{"static", "4.00", "5.00", "0.800 ± 0", "0.800 ± 0", "1.00", "2.00", "0.500 ± 0",
-                                  "0.500 ± 0", "6.00", "11.0", "0.545 ± 0", "0.545 ± 0", "medium, high, medium"}));
-    EXPECT_EQ(tables.at(1).lines.size(), 3u) << "a line for each of the rival's settings";
-}
-
-TEST(BenchParts, BiasTableTellsAcneFromPeterPanning) {
+TEST(BenchParts, AFailureHasNoFigures) {
     Row row;
-    row.experiment = "bias";
-    row.technique = "shadow-map";
-    row.total = times_of({2, 2.5, 3});
-    row.errors.emplace();
-    row.errors->points = 1000;
-    row.errors->wrongly_lit = 7;
-    row.errors->wrongly_shadowed = 30;
+    row.failed = "it broke, \"twice\"";
+    EXPECT_EQ(to_json(row)["failed"], row.failed);
+    EXPECT_FALSE(to_json(row).contains("ms"));
     const std::vector<Row> rows{row};
-    const std::vector<Table> tables = tables_of(rows, "bias");
-    ASSERT_EQ(tables.size(), 1u);
-    EXPECT_EQ(tables[0].lines.at(0),
-              (std::vector<std::string>{"shadow-map", "2.50 ± 0.250", "30", "3.00 %", "7", "0.700 %"}));
-    EXPECT_NE(tables[0].heads.at(2).find("wrongly shadowed"), std::string::npos);
-    EXPECT_NE(tables[0].heads.at(4).find("wrongly lit"), std::string::npos);
+    const std::string csv = report_csv({{"date", "today"}}, rows);
+    EXPECT_TRUE(csv.starts_with("# date: \"today\"\nexperiment,scene,")) << csv;
+    EXPECT_EQ(csv_rows(csv).at(0).at("failed"), row.failed);
+}
+
+// 1300 columns become 434: the last of them holds one column of points.
+TEST(BenchParts, ReducedMasksKeepTheWorstError) {
+    constexpr std::uint32_t width = 1300, height = 4;
+    std::vector<float> truth(width * height, 1.0f);
+    std::vector<std::uint32_t> receivers(truth.size(), 0);
+    std::vector<float> mask = truth;
+    mask[0] = 0.001f;              // of 9 points of the first pixel, one
+    mask[width + 4] = 0.9999f;     // the smallest error still shows
+    mask[width * 3 + 1299] = NAN;  // as wrong as can be
+    for (std::uint32_t y = 0; y < 3; ++y)
+        for (std::uint32_t x = 6; x < 9; ++x) receivers[y * width + x] = no_receiver;
+    const ReducedMask reduced = reduced_mask(mask, truth, receivers, width, height);
+    ASSERT_EQ(reduced.width, 434u);
+    ASSERT_EQ(reduced.height, 2u);
+    ASSERT_EQ(reduced.mask.size(), 868u);
+    EXPECT_EQ(std::vector(reduced.mask.begin(), reduced.mask.begin() + 4), (std::vector{227, 255, -1, 255}));
+    EXPECT_EQ(std::vector(reduced.error.begin(), reduced.error.begin() + 4), (std::vector{-255, -1, 0, 0}));
+    EXPECT_EQ(reduced.mask.back(), 0);
+    EXPECT_EQ(reduced.error.back(), -255);
+
+    Row row;
+    row.picture = ReducedMask{3, 2, {255, 255, -1, 0, 0, 0}, {0, 0, 0, 0, -1, 7}};
+    const Json picture = to_json(row)["picture"];
+    EXPECT_EQ(picture["mask"], "255*2 -1 0*3");
+    EXPECT_EQ(picture["error"], "0*4 -1 7");
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ std::vector<Block> techniques_and_settings(const SceneShelf& shelf, const Limits
                      limits.all_views ? swept_configurations(limits.swept_map) : default_configurations()));
         blocks.back().errors = true;
     };
-    // Of the small page, Sponza is in `errors` already, and two more scenes are enough.
+    // Of the small report, Sponza is in `errors` already, and two more scenes are enough.
     if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty() && limits.all_views) {
         add({sponza, "atrium_floor.noon_slant"});
         add({sponza, "atrium_floor.position"});

@@ -19,16 +19,16 @@ struct Limits {
     bool all_views = true;           ///< else of the usual ones the first alone
 };
 
-/// The page of all experiments in less than ten minutes on two cores.
+/// All experiments in less than ten minutes on two cores.
 constexpr Limits small_limits{1'000'000, 921'600, 200'000, 230'400, 1024, false};
 
 struct Experiment {
     std::string name, title;
-    std::string idea;  ///< a sentence or two for the page
+    std::string idea;  ///< a sentence or two for the report
     std::vector<Block> (*blocks)(const SceneShelf&, const Limits&);
 };
 
-/// In the order of the page.
+/// In the order of the report.
 const std::vector<Experiment>& experiments();
 
 }  // namespace gnomon::bench

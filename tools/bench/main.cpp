@@ -2,22 +2,21 @@
 // bench: run time against error, in one run for all techniques, settings, views, sizes, devices and rivals.
 //
 //   bench scene.glb ...                        times of the exact technique, each with the hash of its mask
-//   bench --experiment all --html page.html    everything, as one page; --experiment table1 and so on: one of them;
-//                                              --full: at its full size
+//   bench --experiment all --json all.json     everything; --experiment table1 and so on: one of them; --full: at its
+//                                              full size. tools/report.py makes a page of the JSON
 //
 // Times are from resident triangles and points to the resident mask: median, quartile distance and number of runs after
 // warm-up, wall clock on a queue that does not profile; the stage breakdown comes from a second device object that
 // does. Every row carries the hash of its mask and of its shading points, so a time is never seen without its result.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <map>
 
 #include "experiments.hpp"
+#include "json.hpp"
 #include "machine.hpp"
-#include "output.hpp"
-#include "page.hpp"
-#include "tables.hpp"
 
 namespace {
 
@@ -36,7 +35,7 @@ struct Options {
     std::optional<double> sun_angle_degrees;
     std::uint64_t points = ManyLights{}.points;
     std::uint32_t columns = 1;
-    std::string json_file, csv_file, html_file, markdown_file, charts_prefix;
+    std::string json_file, csv_file;
     std::optional<std::uint64_t> largest_triangles, largest_points;
     std::optional<int> runs;
     std::optional<double> seconds;
@@ -108,7 +107,7 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
         block.stages = options.stages;
         block.peers = options.peers;
         block.errors = options.errors || options.sweep || options.oracle_points != 0 || options.sun_angle_degrees;
-        block.pictures = block.errors && !options.html_file.empty();
+        block.pictures = block.errors && !options.json_file.empty();
         block.oracle_points = options.oracle_points;
         blocks.push_back(std::move(block));
     }
@@ -127,9 +126,6 @@ std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
         if (!asked("all") && !asked(experiment.name.c_str())) continue;
         std::ranges::move(experiment.blocks(shelf, limits_of(options)), std::back_inserter(blocks));
     }
-    const auto is_charted = [](const Block& block) { return block.experiment == "techniques"; };
-    if (!options.charts_prefix.empty() && (options.devices.size() > 1 || std::ranges::none_of(blocks, is_charted)))
-        throw gnomon::InvalidArgument("--charts draws --experiment techniques on one --device; leave it out");
     if (blocks.empty()) throw gnomon::InvalidArgument("name scenes or an --experiment to run; --help lists them");
     // What an experiment shows of a scene is narrowed down, never widened.
     std::erase_if(blocks, [&](const Block& b) {
@@ -140,14 +136,29 @@ std::vector<Block> all_blocks(const Options& options, const SceneShelf& shelf) {
     return blocks;
 }
 
+// A row as a line, as soon as it is there.
+void print(const Row& row) {
+    std::printf("%-52s ", row.view_name().c_str());
+    const auto part = [](const char* name, const std::optional<Times>& times) {
+        if (times) std::printf("%s %8.3f ms  ", name, times->median_ms);
+    };
+    if (row.failed.empty()) {
+        std::printf("%9.3f ms (%.3f .. %.3f)  ", row.total.median_ms, row.total.least_ms, row.total.most_ms);
+        part("camera", row.camera);
+        part("frame", row.frame);
+        part("build", row.build);
+        if (row.pairs) std::printf("%.1f M pairs/s  ", double(row.pairs->facing) / row.total.median_ms / 1e3);
+        if (row.errors) std::printf("wrong %ju  ", std::uintmax_t{row.errors->wrong()});
+        std::printf("mask %s points %s  ", row.mask_hash.c_str(), row.points_hash.c_str());
+    }
+    std::printf("%s (%s) %s\n", row.name().c_str(), row.mode.c_str(), row.failed.c_str());
+    for (const auto& [stage, ms] : row.stages) std::printf("    %-26s %8.3f ms\n", stage.c_str(), ms);
+    std::fflush(stdout);
+}
+
 void write_outputs(const Options& options, const nlohmann::ordered_json& machine, const std::vector<Row>& rows) {
     if (!options.json_file.empty()) write_file(options.json_file, report_json(machine, rows).dump(1) + "\n");
     if (!options.csv_file.empty()) write_file(options.csv_file, report_csv(machine, rows));
-    if (!options.html_file.empty()) write_file(options.html_file, page(machine, rows));
-    if (!options.markdown_file.empty()) write_file(options.markdown_file, markdown_report(machine, rows));
-    if (!options.charts_prefix.empty())
-        for (const auto& [scene, svg] : chart_files(rows))
-            write_file(options.charts_prefix + "_" + scene + ".svg", svg);
 }
 
 // What must not be in a benchmark of exact shadows: a technique that failed, or exact ones that are wrong or differ.
@@ -155,8 +166,7 @@ bool all_well(const std::vector<Row>& rows) {
     bool well = true;
     std::map<std::string, const Row*> exact_of_view;
     const auto complain = [&](const Row& row, const std::string& what) {
-        std::cerr << "bench: error: " << row.name() << " on " << row.scene << " " << row.view << "." << row.light
-                  << ": " << what << '\n';
+        std::cerr << "bench: error: " << row.name() << " on " << row.view_name() << ": " << what << '\n';
         well = false;
     };
     for (const Row& row : rows) {
@@ -168,10 +178,11 @@ bool all_well(const std::vector<Row>& rows) {
         if (row.exact && row.oracle && row.oracle->wrong_rays != 0)
             complain(row, std::to_string(row.oracle->wrong_rays) + " of the camera's rays differ from the oracle");
         if (!row.exact || !row.failed.empty()) continue;
-        const std::string samples = !row.settings.empty() && row.settings.back().first == "samples"
-                                        ? ", samples " + row.settings.back().second
+        // Means of other samples, per pixel or of the sun's disk, are other masks.
+        const std::string samples = !row.settings.empty() && row.settings.back().first.ends_with("samples")
+                                        ? row.settings.back().first + row.settings.back().second
                                         : "";
-        const Row* first = exact_of_view.try_emplace(view_of(row) + samples, &row).first->second;
+        const Row* first = exact_of_view.try_emplace(row.view_name() + samples, &row).first->second;
         if (first->mask_hash != row.mask_hash)
             complain(row, "the mask is " + row.mask_hash + ", but " + first->mask_hash + " by " + first->name());
     }
@@ -259,14 +270,9 @@ int main(int argc, char** argv) {
     app.add_option("--threads", options.threads, "CPU threads of PoCL and of the rivals; 0: all")
         ->capture_default_str();
     app.add_option("--device", options.devices, "as in gnomon devices, repeatable");
-    app.add_option("--json", options.json_file, "write all rows there");
+    app.add_option("--json", options.json_file, "write all rows there, for tools/report.py");
     app.add_option("--csv", options.csv_file, "the same as a table");
-    app.add_option("--html", options.html_file, "the same as a page with charts and pictures");
-    app.add_option("--markdown", options.markdown_file,
-                   "machine, and the tables of the experiments, as in docs/performance.md");
-    app.add_option("--charts", options.charts_prefix,
-                   "of --experiment techniques, write each scene's chart as PREFIX_SCENE.svg; for one --device");
-    app.add_flag("--stages", options.stages, "also run with profiling: each stage's time, and the counts");
+    app.add_flag("--stages", options.stages, "also run with profiling: each stage's time");
     try {
         app.parse(argc, argv);
         return run(options);

@@ -43,10 +43,10 @@ void Row::set_runs(std::vector<FrameTimes> made, bool are_frames) {
     frame = times(Part::frame);
 }
 
-std::string Row::name() const {
-    std::string name = technique;
-    for (const auto& [key, value] : settings) name.append(" ").append(key).append("=").append(value);
-    return name;
+std::string Row::name() const { return settings.empty() ? technique : technique + " " + text_of(settings); }
+
+std::string Row::view_name() const {
+    return scene + " " + view + "." + light + " " + std::to_string(width) + "x" + std::to_string(height);
 }
 
 }  // namespace gnomon::bench

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "measure/visibility_errors.hpp"
+#include "reduced_mask.hpp"
 #include "timing.hpp"
 
 namespace gnomon::bench {
@@ -50,7 +51,7 @@ struct Row {
     std::string technique;
     Settings settings;
     bool exact = false;  ///< the technique promises no wrong point
-    std::string mode;    ///< animated, moving or static: see the page's notes
+    std::string mode;    ///< animated, moving or static: see Configuration
     std::string device, driver;
     /// One after the other. The k-th runs of rows that took turns were made together, in one round.
     std::vector<FrameTimes> runs;
@@ -70,14 +71,15 @@ struct Row {
     std::optional<LightPairs> pairs;
     std::string failed;  ///< why there are no figures; else empty
 
-    // For the page alone: data URIs, empty without pictures.
-    std::string mask_picture, difference_picture;
+    std::optional<ReducedMask> picture;
 
     std::uint64_t count(std::string_view name) const;
     /// Keeps the runs, and sums them up. Of whole frames: camera, shade and frame too. At least one run.
     void set_runs(std::vector<FrameTimes> made, bool are_frames);
     /// "frustum-traced map-size=1024"
     std::string name() const;
+    /// "crytek_sponza atrium_floor.noon_slant 1920x1080"
+    std::string view_name() const;
 };
 
 }  // namespace gnomon::bench

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "peers.hpp"
-#include "pictures.hpp"
 #include "reference/view.hpp"
 #include "support/scene_masks.hpp"
 
@@ -181,9 +180,7 @@ void Runner::judge(const Block& block, const Seen& seen, const Truth& truth, std
     row.errors = measure::visibility_errors(mask, truth.mask, row.width, row.height);
     // The oracle was asked about these very bits.
     if (row.mask_hash == truth.hash) row.oracle = truth.oracle;
-    if (!block.pictures) return;
-    row.mask_picture = mask_picture(mask, seen.host.receiver, row.width, row.height);
-    row.difference_picture = difference_picture(mask, truth.mask, row.width, row.height);
+    if (block.pictures) row.picture = reduced_mask(mask, truth.mask, seen.host.receiver, row.width, row.height);
 }
 
 void Runner::finish(const Block& block, const Place& place, const Seen& seen, const std::optional<Truth>& truth,

@@ -44,7 +44,7 @@ struct Block {
     bool frames = false;                      ///< each run also makes its points and a picture
     bool stages = false;                      ///< also profiled runs, for the stage breakdown
     bool errors = false;                      ///< against the exact technique's mask
-    bool pictures = false;                    ///< masks and differences, for the page; with errors
+    bool pictures = false;                    ///< also masks and errors in few pixels; with errors
     std::optional<ManyLights> many_lights;    ///< in place of all views: points and lights of its own
     bool peers = false;  ///< the rivals too, with as many samples per pixel as a configuration has at most; with
                          ///< take_turns, their best take turns with the configurations

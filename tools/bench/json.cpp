@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
-#include "output.hpp"
+#include "json.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <string_view>
 
 #include <gnomon.hpp>
-#include "published.hpp"
+#include "experiments.hpp"
+#include "sweep.hpp"
 
 namespace gnomon::bench {
 
@@ -67,53 +69,26 @@ Json runs_json(const Row& row) {
     return json;
 }
 
-// Paths into a row's JSON: the columns of the CSV.
-constexpr const char* columns[] = {"experiment",
-                                   "scene",
-                                   "view",
-                                   "light",
-                                   "width",
-                                   "height",
-                                   "triangles",
-                                   "technique",
-                                   "settings",
-                                   "exact",
-                                   "mode",
-                                   "device",
-                                   "driver",
-                                   "ms/median",
-                                   "ms/least",
-                                   "ms/most",
-                                   "ms/spread",
-                                   "ms/runs",
-                                   "camera_ms/median",
-                                   "shade_ms/median",
-                                   "frame_ms/median",
-                                   "build_ms/median",
-                                   "device_memory_bytes",
-                                   "errors/points",
-                                   "errors/wrong",
-                                   "errors/wrongly_lit",
-                                   "errors/wrongly_shadowed",
-                                   "errors/mean_absolute",
-                                   "errors/ssim",
-                                   "errors/penumbra_points",
-                                   "errors/penumbra_mean_absolute",
-                                   "errors/worst_tile",
-                                   "oracle/points",
-                                   "oracle/wrong",
-                                   "oracle/rays",
-                                   "oracle/wrong_rays",
-                                   "pairs/points",
-                                   "pairs/lights",
-                                   "pairs/facing",
-                                   "pairs/lit",
-                                   "pairs/differing",
-                                   "pairs/facing_per_second",
-                                   "pairs/ms_per_light",
-                                   "mask_hash",
-                                   "points_hash",
-                                   "failed"};
+// "255*1200 -1 254*3": neighbours of a picture are mostly equal.
+std::string run_lengths(const std::vector<int>& values) {
+    std::string text;
+    for (auto first = values.begin(); first != values.end();) {
+        const auto end = std::find_if(first, values.end(), [&](int value) { return value != *first; });
+        text.append(text.empty() ? "" : " ").append(std::to_string(*first));
+        if (end - first > 1) text.append("*").append(std::to_string(end - first));
+        first = end;
+    }
+    return text;
+}
+
+// The columns of the CSV: paths into a row's JSON.
+constexpr std::string_view columns =
+    "experiment,scene,view,light,width,height,triangles,technique,settings,exact,mode,device,driver,ms/median,"
+    "ms/least,ms/most,ms/spread,ms/runs,camera_ms/median,shade_ms/median,frame_ms/median,build_ms/median,"
+    "device_memory_bytes,errors/points,errors/wrong,errors/wrongly_lit,errors/wrongly_shadowed,errors/mean_absolute,"
+    "errors/ssim,errors/penumbra_points,errors/penumbra_mean_absolute,errors/worst_tile,oracle/points,oracle/wrong,"
+    "oracle/rays,oracle/wrong_rays,pairs/points,pairs/lights,pairs/facing,pairs/lit,pairs/differing,"
+    "pairs/facing_per_second,pairs/ms_per_light,mask_hash,points_hash,failed";
 
 std::string csv_field(const Json& value) {
     if (!value.is_string()) return value.dump();
@@ -126,12 +101,13 @@ std::string csv_field(const Json& value) {
 
 std::string csv_line(const Json& row) {
     std::string line;
-    for (const char* column : columns) {
-        const Json::json_pointer path(std::string("/").append(column));
-        if (!line.empty() || column != columns[0]) line += ',';
-        if (row.contains(path)) line += csv_field(row.at(path));
+    std::istringstream paths{std::string(columns)};
+    for (std::string path; std::getline(paths, path, ',');) {
+        const Json::json_pointer at("/" + path);
+        line += (row.contains(at) ? csv_field(row.at(at)) : "") + ",";
     }
-    return line + "\n";
+    line.back() = '\n';
+    return line;
 }
 
 }  // namespace
@@ -173,11 +149,21 @@ Json to_json(const Row& row) {
     for (const auto& [name, ms] : row.stages) json["stages_ms"][name] = ms;
     for (const auto& [name, count] : row.counts) json["counts"][name] = count;
     for (const auto& [stage, why] : row.skipped) json["skipped"][stage] = why;
+    if (row.picture)
+        json["picture"] = {{"width", row.picture->width},
+                           {"height", row.picture->height},
+                           {"mask", run_lengths(row.picture->mask)},
+                           {"error", run_lengths(row.picture->error)}};
     return json;
 }
 
 Json report_json(const Json& machine, std::span<const Row> rows) {
-    Json json{{"machine", machine}, {"published", published()}, {"rows", Json::array()}};
+    Json json{
+        {"machine", machine}, {"experiments", Json::array()}, {"families", Json::object()}, {"rows", Json::array()}};
+    for (const Experiment& experiment : experiments())
+        json["experiments"].push_back(
+            {{"name", experiment.name}, {"title", experiment.title}, {"idea", experiment.idea}});
+    for (const Family& family : families()) json["families"][family.name] = family.techniques;
     for (const Row& row : rows) json["rows"].push_back(to_json(row));
     return json;
 }
@@ -186,44 +172,9 @@ std::string report_csv(const Json& machine, std::span<const Row> rows) {
     std::string text;
     for (const auto& [key, value] : machine.items())
         text.append("# ").append(key).append(": ").append(value.dump()).append("\n");
-    std::string head;
-    for (const char* column : columns) head.append(head.empty() ? "" : ",").append(column);
-    text += head + "\n";
+    text.append(columns).append("\n");
     for (const Row& row : rows) text += csv_line(to_json(row));
     return text;
-}
-
-void print(const Row& row) {
-    const std::string name = row.name();
-    std::printf("%-16s %-14s %-14s %5ux%-5u ", row.scene.c_str(), row.view.c_str(), row.light.c_str(), row.width,
-                row.height);
-    if (!row.failed.empty()) {
-        std::printf("%s failed: %s\n", name.c_str(), row.failed.c_str());
-        return;
-    }
-    std::printf("%9.3f ms (%.3f .. %.3f)", row.total.median_ms, row.total.least_ms, row.total.most_ms);
-    if (row.camera) std::printf("  camera %8.3f ms", row.camera->median_ms);
-    if (row.frame) std::printf("  frame %8.3f ms", row.frame->median_ms);
-    if (row.build) std::printf("  build %9.3f ms", row.build->median_ms);
-    std::printf("  memory %.1f MB", double(row.device_memory_bytes) / 1e6);
-    std::printf("  mask %s points %s  %s (%s)", row.mask_hash.c_str(), row.points_hash.c_str(), name.c_str(),
-                row.mode.c_str());
-    if (row.pairs)
-        std::printf("  %.1f M pairs/s  %.3f ms a light  differing %llu of %.1f M",
-                    double(row.pairs->facing) / row.total.median_ms / 1e3,
-                    row.total.median_ms / double(row.pairs->lights),
-                    static_cast<unsigned long long>(row.pairs->differing), double(row.pairs->facing) / 1e6);
-    if (row.errors) std::printf("  wrong %llu", static_cast<unsigned long long>(row.errors->wrong()));
-    if (row.oracle)
-        std::printf("  oracle: %llu of %llu wrong", static_cast<unsigned long long>(row.oracle->wrong),
-                    static_cast<unsigned long long>(row.oracle->points));
-    std::printf("\n");
-    if (!row.stages.empty()) {
-        for (const auto& [stage, ms] : row.stages) std::printf("    %-18s %8.3f\n", stage.c_str(), ms);
-        for (const auto& [count, value] : row.counts)
-            std::printf("    %-26s %12llu\n", count.c_str(), static_cast<unsigned long long>(value));
-    }
-    std::fflush(stdout);
 }
 
 void write_file(const std::string& file, const std::string& text) {
