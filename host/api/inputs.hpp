@@ -64,13 +64,10 @@ struct TriangleInputs : TrianglesLayout {
     bool has_cut_outs;         ///< behind the vertices (kernels/exact/cut_outs.h)
 
     /// A kernel that decides hits on triangles: with cut-outs, of the program that reads them.
-    cl::Kernel kernel(const char* file, const char* name) const {
-        return {file, name, has_cut_outs ? "GN_CUT_OUTS" : ""};
-    }
-    /// The same for kernels of many lights, whose point lights have a variant.
+    cl::Kernel kernel(const char* file, const char* name) const { return {file, name, {.cut_outs = has_cut_outs}}; }
+    /// The same for kernels of many lights, which have a program for point lights.
     cl::Kernel kernel_of_lights(const char* file, const char* name, bool are_positions) const {
-        if (!are_positions) return kernel(file, name);
-        return {file, name, has_cut_outs ? "GN_POINT_LIGHTS GN_CUT_OUTS" : "GN_POINT_LIGHTS"};
+        return {file, name, {.point_lights = are_positions, .cut_outs = has_cut_outs}};
     }
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);

@@ -202,8 +202,7 @@ private:
         kept_.open.reserve(session_, words * sizeof(cl_uint));
         constexpr std::size_t warp = 32;
         cl::Kernel masks = inputs_.kernel("samples/samples_masks_gpu.cl", "samples_masks_gpu");
-        if (session_.largest_group(masks) < warp)
-            masks.defines = inputs_.has_cut_outs ? "SAMPLES_SMALL_GROUPS GN_CUT_OUTS" : "SAMPLES_SMALL_GROUPS";
+        masks.flags.small_groups = session_.largest_group(masks) < warp;
         run_stage(masks, cl::Range::groups(counted_.edges / warp + 1, warp), params, kept_.pattern,
                   kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
                   kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots, kept_.edges, kept_.fragments,

@@ -81,7 +81,7 @@ void LightMasks::face(const PointPart& part) {
                                   .mask_stride = static_cast<cl_uint>(most_points_),
                                   .side = side(),
                                   .padding = 0};
-    session_.launch({"lights/light_sides.cl", "light_sides", are_positions_ ? "GN_POINT_LIGHTS" : ""},
+    session_.launch({"lights/light_sides.cl", "light_sides", {.point_lights = are_positions_}},
                     session_.blocks(part.count), params, bundles_, triangles.vertices, run_.sorted.positions(),
                     run_.sorted.receivers(), run_.sorted.normals(), masks_);
 }
