@@ -70,9 +70,6 @@ constexpr std::string_view map_mode_names[] = {"on", "off", "auto"};
 // In the order of SortPoints.
 constexpr std::string_view sort_points_names[] = {"on", "off", "auto"};
 
-// In the order of ManyLightsWay.
-constexpr std::string_view many_lights_names[] = {"auto", "one-by-one", "shafts", "point-shafts", "rays", "horizons"};
-
 void clear(cl::Session& session, const cl::Buffer& counters) { session.fill(counters, 0, sizeof(FrameCounters)); }
 
 // Gives stages that had no work the reason.
@@ -102,7 +99,7 @@ const SettingsTable<FrustumTraced::Settings>& FrustumTraced::settings_table() {
         {{"many-lights", "auto",
           "auto, one-by-one, shafts, point-shafts, rays (on a GPU point-shafts) or horizons (of height fields): the "
           "way to decide many lights"},
-         setting::choice(&S::many_lights, many_lights_names)},
+         setting::choice(&S::many_lights, lights_method_names)},
         {{"bundle-lights", "32", "lights that a shaft decides together, 1 to 32"},
          setting::whole(&S::bundle_lights, 1, MOST_BUNDLE_LIGHTS)},
     };
@@ -350,91 +347,15 @@ Statistics FrustumTraced::run_on_footprint_lists(const Triangles& triangles, con
 
 // Shafts share the work of neighbouring points and lights, one light at a time that of all points, and single rays meet
 // the fewest triangles. Which takes least time depends on how large triangles are beside the distances of points and
-// lights, so `auto` measures them where that pays.
+// lights.
 Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Lights& lights,
                               const LightsOutputs& outputs, const LightsOptions& options) {
-    constexpr std::size_t few_lights = 4, pairs_worth_one_light = std::size_t(1) << 25;
-    const bool is_auto = settings_.many_lights == ManyLightsWay::automatic;
     const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
-    if (settings_.many_lights == ManyLightsWay::one_by_one || is_empty || (is_auto && lights.count() < few_lights))
+    if (is_empty || settings_.many_lights == LightsMethod::one_by_one ||
+        (settings_.many_lights == LightsMethod::automatic && lights.count() < lights_tuning.min_shared_lights))
         return Technique::run(triangles, points, lights, outputs, options);
-    std::uint64_t kept = kept_bytes_;  // runs of one light within this one note what they keep
-    MeasuredRun measured(session_, kept);
-    const Triangles clustered = is_auto ? with_clusters(device_, triangles) : triangles;
-    const LightsRun run{device_, clustered, points, lights, outputs, options};
-    require_lights_run(run);
-    cl::StageTimer timer(session_, measured.stages, "point_order");
-    const SortedPoints& sorted = sort_points(run);
-    timer.next("shaft_tree");
-    const TreeRun through_tree{run, sorted, kept_of(tree_, triangles)};
-    timer.next(nullptr);
-    const SortedPoints* in_order = points.camera() ? nullptr : &sorted;
-    // Light by light was faster for the points of some pictures, seldom for others (docs/many_lights.md), which a GPU
-    // measures where the next runs can use it.
-    OneLightMs one_light_ms;
-    const bool may_come_again = !session_.is_cpu() && Internals::clusters(triangles) != nullptr;
-    if (is_auto && (points.camera() || may_come_again) && points.count() * lights.count() >= pairs_worth_one_light)
-        one_light_ms = [&] { return time_of_one_light(*this, run, in_order); };
-    const auto field = [&]() -> const BuiltHeightField* {
-        const cl::StageTimer field_timer(session_, measured.stages, "height_field");
-        const BuiltHeightField& built = kept_of(field_, triangles);
-        return built.is_field() ? &built : nullptr;
-    };
-    std::optional<ManyLightsWay> way = way_of(run);
-    if (way != ManyLightsWay::one_by_one)
-        way = run_through_tree(through_tree, *way, is_auto, settings_.bundle_lights, field, one_light_ms,
-                               measured.stages);
-    if (way) note_way(run, *way);
-    if (way && way != ManyLightsWay::one_by_one) return measured.finish(measured.stages.counts);
-    if (!is_auto)
-        throw InvalidArgument(
-            "shafts and rays decide lights that are all directional or all point lights, and coordinates up to 2^19, "
-            "and horizons directional lights over triangles that lie side by side over a plane: use many-lights=auto");
-    run_one_by_one(*this, run, in_order, measured.stages);
-    return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
-}
-
-ManyLightsWay FrustumTraced::way_of(const LightsRun& run) {
-    if (settings_.many_lights != ManyLightsWay::automatic) return settings_.many_lights;
-    if (way_taken_ && (way_taken_->runs_left == 0 || way_taken_->point_count != run.points.count() ||
-                       way_taken_->is_picture != run.points.camera().has_value() ||
-                       !std::ranges::equal(way_taken_->lights, run.lights.lights(), {}, &Light::xyzw, &Light::xyzw)))
-        way_taken_.reset();
-    if (!way_taken_) return ManyLightsWay::automatic;
-    --way_taken_->runs_left;
-    return way_taken_->way;
-}
-
-// Measuring takes a tenth of many runs, of those with few lights more. It may be misled by what else the machine does,
-// so a way does not serve for ever.
-void FrustumTraced::note_way(const LightsRun& run, ManyLightsWay taken) {
-    constexpr std::uint32_t runs_of_a_way = 7;
-    if (settings_.many_lights != ManyLightsWay::automatic || way_taken_) return;
-    const std::span<const Light> lights = run.lights.lights();
-    way_taken_ = WayTaken{.lights = {lights.begin(), lights.end()},
-                          .point_count = run.points.count(),
-                          .is_picture = run.points.camera().has_value(),
-                          .way = taken,
-                          .runs_left = runs_of_a_way};
-}
-
-// Kept as long as the caller keeps the clusters of the same triangles: the promise not to write the vertices lasts so
-// long.
-template <typename Built>
-const Built& FrustumTraced::kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles) {
-    const Clusters* clusters = Internals::clusters(triangles);
-    if (kept && clusters != nullptr && clusters == Internals::clusters(kept->triangles())) return *kept;
-    const MeasuredRun built(session_, kept_bytes_);
-    way_taken_.reset();
-    kept.reset();
-    kept = std::make_unique<Built>(device_, triangles);
-    return *kept;
-}
-
-const SortedPoints& FrustumTraced::sort_points(const LightsRun& run) {
-    const MeasuredRun made(session_, kept_bytes_);
-    sorted_points_ = sorted_points(run, std::move(sorted_points_));
-    return sorted_points_;
+    return light_tables_.run(*this, {device_, triangles, points, lights, outputs, options}, settings_.many_lights,
+                             settings_.bundle_lights);
 }
 
 // The points of a picture are in order. Footprints and a record of provenance keep the order of their points.
@@ -590,10 +511,7 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
 void FrustumTraced::forget() {
     const MeasuredRun freed(session_, kept_bytes_);
     prepared_.reset();
-    tree_.reset();
-    field_.reset();
-    way_taken_.reset();
-    sorted_points_ = {};
+    light_tables_.release();
 }
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {

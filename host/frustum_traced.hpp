@@ -10,7 +10,7 @@
 #include "prepared/prepared_light.hpp"
 #include "receivers/light_frames.hpp"
 #include "samples/classify_footprints.hpp"
-#include "shafts/tree_run.hpp"
+#include "shafts/light_tables.hpp"
 #include "trace/light_order.hpp"
 #include "trace/provenance.hpp"
 
@@ -53,7 +53,7 @@ private:
         CoverTest cover_test;
         std::uint32_t map_size;        ///< 0: chosen by the device and the scene
         std::uint32_t first_capacity;  ///< 0: the lists' default
-        ManyLightsWay many_lights;
+        LightsMethod many_lights;
         std::uint32_t bundle_lights;
         SortPoints sort_points;
     };
@@ -65,12 +65,6 @@ private:
     Statistics run_on(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility);
     /// Over the lists of the last footprints.
     Statistics run_on_footprint_lists(const Triangles& triangles, const PointInputs& points, cl_mem visibility);
-    template <typename Built>
-    const Built& kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles);
-    const SortedPoints& sort_points(const LightsRun& run);
-    /// The setting's way; in place of `automatic` the one that was taken for the same lights and as many points.
-    ManyLightsWay way_of(const LightsRun& run);
-    void note_way(const LightsRun& run, ManyLightsWay taken);
     TraceInputs prepared_inputs(const FramedInputs& in) const;
     void classify_prepared(const FramedInputs& in, RunResult& result);
     bool run_prepared(const FramedInputs& in, RunResult& result);
@@ -118,20 +112,7 @@ private:
     std::optional<FootprintLists> footprint_lists_;
     std::optional<Provenance> provenance_;  ///< while a run records provenance
     std::unique_ptr<PreparedLight> prepared_;
-    std::unique_ptr<BuiltShaftTree> tree_;
-    std::unique_ptr<BuiltHeightField> field_;
-    SortedPoints sorted_points_;  ///< of the last run over many lights, for their memory
-
-    /// The way that `auto` took for a run over many lights, for the next runs of the same kind, as long as the tree is
-    /// kept. Affects time alone.
-    struct WayTaken {
-        std::vector<Light> lights;
-        std::size_t point_count;
-        bool is_picture;
-        ManyLightsWay way;
-        std::uint32_t runs_left;
-    };
-    std::optional<WayTaken> way_taken_;
+    LightTables light_tables_{device_, kept_bytes_};
 };
 
 }  // namespace gnomon

@@ -58,10 +58,12 @@ gnomon_wing(trace light_order trace coarse_test filter trace_points walk_cpu wal
             explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)
 gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints)
-gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights)
+gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
+            lights_method)
 gnomon_wing(horizons height_field strip_triangle strip_walk horizons)
 gnomon_wing(shafts binary_tree shaft shaft_lanes shaft_sides point_light_planes shaft_test shaft_tree light_masks
-            shaft_walk shaft_trace point_shaft point_shaft_trace parallel_packets converging_packets ray_packets tree_run)
+            shaft_walk shaft_trace point_shaft point_shaft_trace parallel_packets converging_packets ray_packets method_costs
+            light_tables)
 gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb frustum_traced)
 gnomon_wing(techniques/shadow_map map_view map_projection homography partition texel_footprint
             depth_pass caster lookup depth_lookup moments mip_chain moment_lookup visibility_bounds prefilter
