@@ -79,9 +79,10 @@ bool has_cut_outs(const Triangles& triangles);
 struct PointInputs {
     PointsLayout layout;
     cl_mem positions;
-    cl_mem receivers;             ///< any buffer if the points have no receivers
-    cl_mem footprints = nullptr;  ///< kernels/receivers/footprint.h, around the points; null: points are points
-    bool face_light = false;      ///< all points are known to face the light, and not to shadow themselves
+    cl_mem receivers;                     ///< any buffer if the points have no receivers
+    cl_mem footprints = nullptr;          ///< kernels/receivers/footprint.h, around the points; null: points are points
+    std::size_t expected_footprints = 0;  ///< about as many as there are, and the same number in each run
+    bool face_light = false;              ///< all points are known to face the light, and not to shadow themselves
 };
 /// `is_lifted`: the points are known to be lifted off the triangles of the run (PointsLayout::is_lifted).
 PointInputs point_inputs(const Points& points, bool is_lifted = false);
