@@ -55,13 +55,16 @@ gnomon_wing(occluders bin_lists bin_test hull_bounds clusters cluster_boxes cons
             triangle_bounds triangle_records eye_records tile_bins triangle_tiles bins occluder_lists)
 gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filter long_lists shading_point shading_lanes texture surface shade)
 gnomon_wing(trace light_order trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
-            explain)
-gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace)
-gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints)
-gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights)
+            map_choice frustum_tracer explain)
+gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_runs)
+gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints
+            footprint_session)
+gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
+            lights_method)
 gnomon_wing(horizons height_field strip_triangle strip_walk horizons)
 gnomon_wing(shafts binary_tree shaft shaft_lanes shaft_sides point_light_planes shaft_test shaft_tree light_masks
-            shaft_walk shaft_trace point_shaft point_shaft_trace parallel_packets converging_packets ray_packets tree_run)
+            shaft_walk shaft_trace point_shaft point_shaft_trace parallel_packets converging_packets ray_packets method_costs
+            light_tables)
 gnomon_wing(techniques framed_technique conservative_map_alone shadow_volumes sub_pixel_shadow_map izb frustum_traced)
 gnomon_wing(techniques/shadow_map map_view map_projection homography partition texel_footprint
             depth_pass caster lookup depth_lookup moments mip_chain moment_lookup visibility_bounds prefilter

@@ -64,13 +64,10 @@ struct TriangleInputs : TrianglesLayout {
     bool has_cut_outs;         ///< behind the vertices (kernels/exact/cut_outs.h)
 
     /// A kernel that decides hits on triangles: with cut-outs, of the program that reads them.
-    cl::Kernel kernel(const char* file, const char* name) const {
-        return {file, name, has_cut_outs ? "GN_CUT_OUTS" : ""};
-    }
-    /// The same for kernels of many lights, whose point lights have a variant.
+    cl::Kernel kernel(const char* file, const char* name) const { return {file, name, {.cut_outs = has_cut_outs}}; }
+    /// The same for kernels of many lights, which have a program for point lights.
     cl::Kernel kernel_of_lights(const char* file, const char* name, bool are_positions) const {
-        if (!are_positions) return kernel(file, name);
-        return {file, name, has_cut_outs ? "GN_POINT_LIGHTS GN_CUT_OUTS" : "GN_POINT_LIGHTS"};
+        return {file, name, {.point_lights = are_positions, .cut_outs = has_cut_outs}};
     }
 };
 TriangleInputs triangle_inputs(const Triangles& triangles);
@@ -82,9 +79,10 @@ bool has_cut_outs(const Triangles& triangles);
 struct PointInputs {
     PointsLayout layout;
     cl_mem positions;
-    cl_mem receivers;             ///< any buffer if the points have no receivers
-    cl_mem footprints = nullptr;  ///< kernels/receivers/footprint.h, around the points; null: points are points
-    bool face_light = false;      ///< all points are known to face the light, and not to shadow themselves
+    cl_mem receivers;                     ///< any buffer if the points have no receivers
+    cl_mem footprints = nullptr;          ///< kernels/receivers/footprint.h, around the points; null: points are points
+    std::size_t expected_footprints = 0;  ///< about as many as there are, and the same number in each run
+    bool face_light = false;              ///< all points are known to face the light, and not to shadow themselves
 };
 /// `is_lifted`: the points are known to be lifted off the triangles of the run (PointsLayout::is_lifted).
 PointInputs point_inputs(const Points& points, bool is_lifted = false);

@@ -12,13 +12,12 @@ struct Variant {
     DeviceFamily family;
     LightKind light;
     cl::Kernel kernel;
-    bool has_directional_program = false;  ///< on a GPU: of its own, for directional lights
+    /// On a GPU: of its own, for directional lights. Without perspective it keeps fewer registers, so that more
+    /// work-items run at once: the H200's first launches of a frame gained .389 -> .350 ms for Sponza. On a CPU one
+    /// program for both compiles sooner.
+    bool has_directional_program = false;
 };
 constexpr bool specialised = true;
-
-// On a GPU a program without perspective keeps fewer registers, so that more work-items run at once: the H200's first
-// launches of a frame gained .389 -> .350 ms for Sponza. On a CPU one program for both compiles sooner.
-constexpr const char* directional_only = "GN_DIRECTIONAL_ONLY";
 
 // For each task the first matching row is taken.
 // One row per line:
@@ -45,34 +44,19 @@ constexpr Variant variants[] = {
     // A camera's records are made from its rays, not from a projection: their margins are a tenth, so that few pixels
     // need the triangle itself.
     {Task::make_camera_tiles, cpu, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles"}},
-    {Task::make_camera_tiles, gpu, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles", "GN_EYE_RECORDS"}},
+    {Task::make_camera_tiles, gpu, any_light, {"occluders/triangle_tiles.cl", "triangle_tiles", {.eye_records = true}}},
     // One text for all: a CPU walks lists by blocks of points, a GPU by single points (GN_LANES).
     {Task::trace, any_device, any_light, {"trace/trace.cl", "trace"}},
     // A separate program: few frames need it, and a GPU's compiler takes a second or two for it.
-    {Task::trace_queue_overflow, any_device, any_light, {"trace/trace.cl", "trace_queue_overflow", "TRACE_QUEUE_OVERFLOW"}},
+    {Task::trace_queue_overflow, any_device, any_light, {"trace/trace.cl", "trace_queue_overflow", {.queue_overflow = true}}},
     {Task::classify_footprints, any_device, any_light, {"samples/classify_footprints.cl", "classify_footprints"}, specialised},
     {Task::trace_prepared, any_device, any_light, {"prepared/prepared_trace.cl", "prepared_trace"}},
     // Measured: the facing cache takes 11 to 17 % off a CPU's run.
-    {Task::trace_prepared_cached_facing, cpu, directional, {"prepared/prepared_trace.cl", "prepared_trace_cached_facing", "PREPARED_CACHED_FACING"}},
+    {Task::trace_prepared_cached_facing, cpu, directional, {"prepared/prepared_trace.cl", "prepared_trace_cached_facing", {.cached_facing = true}}},
     // Measured on an H200: without the predicate, and by planes, a run takes 20 % less.
-    {Task::trace_prepared_plane_side, gpu, any_light, {"prepared/prepared_trace.cl", "prepared_trace_plane_side", "PREPARED_PLANE_SIDE"}},
+    {Task::trace_prepared_plane_side, gpu, any_light, {"prepared/prepared_trace.cl", "prepared_trace_plane_side", {.plane_side = true}}},
 };
 // clang-format on
-
-// Programs that read cut-outs, for scenes that have them: all others keep their text.
-const char* with_cut_outs(std::string_view defines) {
-    constexpr std::pair<std::string_view, const char*> pairs[] = {
-        {"", "GN_CUT_OUTS"},
-        {directional_only, "GN_DIRECTIONAL_ONLY GN_CUT_OUTS"},
-        {"GN_EYE_RECORDS", "GN_EYE_RECORDS GN_CUT_OUTS"},
-        {"TRACE_QUEUE_OVERFLOW", "TRACE_QUEUE_OVERFLOW GN_CUT_OUTS"},
-        {"PREPARED_CACHED_FACING", "PREPARED_CACHED_FACING GN_CUT_OUTS"},
-        {"PREPARED_PLANE_SIDE", "PREPARED_PLANE_SIDE GN_CUT_OUTS"},
-    };
-    for (const auto& [without, with] : pairs)
-        if (without == defines) return with;
-    throw Error("no program with these defines reads cut-outs");
-}
 
 bool fits(const Variant& row, Task task, bool is_cpu, bool is_directional) {
     return row.task == task && (row.family == any_device || (row.family == cpu) == is_cpu) &&
@@ -84,9 +68,10 @@ bool fits(const Variant& row, Task task, bool is_cpu, bool is_directional) {
 cl::Kernel variant(const cl::Session& session, Task task, bool is_directional, bool has_cut_outs) {
     for (const Variant& row : variants)
         if (fits(row, task, session.is_cpu(), is_directional)) {
-            const bool specialise = row.has_directional_program && !session.is_cpu() && is_directional;
-            const char* defines = specialise ? directional_only : row.kernel.defines;
-            return {row.kernel.file, row.kernel.name, has_cut_outs ? with_cut_outs(defines) : defines};
+            cl::Kernel kernel = row.kernel;
+            kernel.flags.directional_only = row.has_directional_program && !session.is_cpu() && is_directional;
+            kernel.flags.cut_outs = has_cut_outs;
+            return kernel;
         }
     throw Error("no kernel is made for this task on this device");
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The one table of kernels: which kernel runs when, and why (the table is in variants.cpp).
+// The table of tasks for which the device and the light decide which kernel is right, and why (the table is in
+// variants.cpp).
 #pragma once
 
 #include "api/inputs.hpp"
 
 namespace gnomon {
 
-/// The task of a kernel. Several kernels can do one task: the device and the light decide which kernel is right.
+/// The task of a kernel of a light's stages. Several kernels, or programs of one kernel, can do one task.
 enum class Task {
     cull_clusters,
     decide_facing_cached,

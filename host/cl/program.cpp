@@ -186,10 +186,26 @@ std::string with_source_locations(const std::string& log, const std::string& sou
     return out.append(log, done);
 }
 
-std::string Session::source_of(const std::string& program, const std::string& defines) const {
+std::string macros_of(const ProgramFlags& flags) {
+    const std::pair<bool, const char*> macros[] = {{flags.directional_only, " GN_DIRECTIONAL_ONLY"},
+                                                   {flags.eye_records, " GN_EYE_RECORDS"},
+                                                   {flags.queue_overflow, " TRACE_QUEUE_OVERFLOW"},
+                                                   {flags.cached_facing, " PREPARED_CACHED_FACING"},
+                                                   {flags.plane_side, " PREPARED_PLANE_SIDE"},
+                                                   {flags.small_groups, " SAMPLES_SMALL_GROUPS"},
+                                                   {flags.stored_map, " LOOKUP_STORED"},
+                                                   {flags.point_lights, " GN_POINT_LIGHTS"},
+                                                   {flags.cut_outs, " GN_CUT_OUTS"}};
+    std::string text;
+    for (const auto& [is_set, macro] : macros)
+        if (is_set) text += macro;
+    return text;
+}
+
+std::string Session::source_of(const std::string& program, const ProgramFlags& flags) const {
     std::set<std::string> pasted;
     std::string source;
-    std::istringstream macros(defines);
+    std::istringstream macros(macros_of(flags));
     for (std::string macro; macros >> macro;) source += "#define " + macro + '\n';
     if (program == picture_program) {
         for (const char* file : picture_files) paste(file, text_of(file), pasted, source);
@@ -295,8 +311,8 @@ cl_program Session::build(const std::string& file, const std::string& source) {
     return program;
 }
 
-cl_program Session::load_or_build(const std::string& file, const std::string& defines) {
-    const std::string source = source_of(file, defines);
+cl_program Session::load_or_build(const std::string& file, const ProgramFlags& flags) {
+    const std::string source = source_of(file, flags);
     if (cache_directory().empty()) return build(file, source);
     const std::string key = cache_key(source);
     if (cl_program cached = load_cached(key)) {
@@ -311,13 +327,13 @@ cl_program Session::load_or_build(const std::string& file, const std::string& de
 
 cl_program Session::program_of(const Kernel& kernel) {
     const bool joins =
-        is_cpu_ && (*kernel.defines == '\0' || std::string_view(kernel.defines) == "GN_CUT_OUTS") &&
+        is_cpu_ && kernel.flags == ProgramFlags{.cut_outs = kernel.flags.cut_outs} &&
         std::find(picture_files.begin(), picture_files.end(), std::string_view(kernel.file)) != picture_files.end();
     const std::string file = joins ? picture_program : kernel.file;
-    const std::string key_here = file + ' ' + kernel.defines;
+    const std::string key_here = file + macros_of(kernel.flags);
     if (auto found = programs_.find(key_here); found != programs_.end()) return found->second;
     const auto start = Clock::now();
-    cl_program program = load_or_build(file, kernel.defines);
+    cl_program program = load_or_build(file, kernel.flags);
     programs_.emplace(key_here, program);
     ++builds_.programs;
     builds_.ms += ms_since(start);

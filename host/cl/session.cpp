@@ -194,8 +194,8 @@ void Session::set_raw_argument(cl_kernel kernel, const char* name, cl_uint index
 }
 
 const Session::BuiltKernel& Session::built(const Kernel& which) {
-    const auto& [file, name, defines] = which;
-    const std::string key = std::string(file) + ' ' + name + ' ' + defines;
+    const auto& [file, name, flags] = which;
+    const std::string key = std::string(file) + ' ' + name + macros_of(flags);
     auto found = kernels_.find(key);
     if (found == kernels_.end()) {
         cl_program program = program_of(which);

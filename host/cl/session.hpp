@@ -73,12 +73,30 @@ struct Fill {
     std::size_t bytes;
 };
 
-/// Kernel `name` of kernels/<file>. `defines`: macros at the beginning of the program's text, separated by spaces, so
-/// that one text gives several programs.
+/// One text gives several programs: each flag defines a macro at the beginning of the program's text.
+struct ProgramFlags {
+    bool directional_only = false;  ///< every projection and light frame is parallel
+    bool eye_records = false;       ///< records are made from a camera's rays
+    bool queue_overflow = false;    ///< decides the pairs that found no slot in the queue
+    bool cached_facing = false;     ///< of a prepared light's trace: facing is cached for each receiver
+    bool plane_side = false;        ///< of a prepared light's trace: facing is decided by the receivers' planes
+    bool small_groups = false;      ///< work-groups are smaller than a warp
+    bool stored_map = false;        ///< a shadow map stores other quantities than depths
+    bool point_lights = false;      ///< the lights of bundles have positions
+    bool cut_outs = false;          ///< triangles may be masked or clear
+    bool operator==(const ProgramFlags&) const = default;
+};
+
+/// The macros of these flags, each after a space.
+std::string macros_of(const ProgramFlags& flags);
+
+/// Kernel `name` of kernels/<file>, in the program with these flags.
 struct Kernel {
+    constexpr Kernel(const char* in_file, const char* of_name, const ProgramFlags& with_flags = {})
+        : file(in_file), name(of_name), flags(with_flags) {}
     const char* file;
     const char* name;
-    const char* defines = "";
+    ProgramFlags flags;
 };
 
 /// The number of work-items: over `items` of GN_FOR_EACH, or exactly `groups` work-groups (of at most `local` items if
@@ -217,7 +235,7 @@ private:
     cl_mem allocate(std::size_t bytes);
     void ask_for_large_pages(cl_mem memory, std::size_t bytes) noexcept;
     void deallocate(cl_mem memory, std::size_t bytes) noexcept;
-    std::string source_of(const std::string& program, const std::string& defines) const;
+    std::string source_of(const std::string& program, const ProgramFlags& flags) const;
     struct BuiltKernel {
         cl_kernel kernel;
         cl_uint argument_count;
@@ -226,7 +244,7 @@ private:
     const BuiltKernel& built(const Kernel& which);
     const BuiltKernel& kernel_of(const Kernel& which, std::size_t argument_count);
     cl_program program_of(const Kernel& kernel);
-    cl_program load_or_build(const std::string& file, const std::string& defines);
+    cl_program load_or_build(const std::string& file, const ProgramFlags& flags);
     cl_program build(const std::string& file, const std::string& source);
     cl_program load_cached(const std::string& key);
     void store_cached(const std::string& key, cl_program program);

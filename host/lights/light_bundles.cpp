@@ -285,26 +285,39 @@ void LightBundles::add(const LightBundle& bundle, std::span<const std::uint32_t>
     for (std::size_t l = 0; l < MOST_BUNDLE_LIGHTS; ++l) lights.push_back(l < of_slots.size() ? of_slots[l] : no_light);
 }
 
-std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order) {
-    if (!lights.front().is_directional())
-        return in_order != nullptr ? *in_order : make_position_bundles(lights, MOST_BUNDLE_LIGHTS);
-    const auto directions = directions_of(lights);
-    if (!directions) return {};
-    std::vector<std::uint32_t> order;
-    if (in_order != nullptr) {
-        std::ranges::copy_if(in_order->lights, std::back_inserter(order), [](auto light) { return light != no_light; });
-    } else {
-        order.resize(lights.size());
-        std::iota(order.begin(), order.end(), 0u);
-    }
+std::size_t LightBundles::light_count() const {
+    return std::size_t(std::ranges::count_if(lights, [](std::uint32_t light) { return light != no_light; }));
+}
+
+LightBundles make_plain_bundles(const LightBundles& coned) {
+    if (coned.are_positions) return coned;
     LightBundles made;
-    for (std::size_t first = 0; first < order.size(); first += MOST_BUNDLE_LIGHTS) {
-        LightBundle bundle{};
-        add_lights(made, bundle,
-                   std::span(order).subspan(first, std::min<std::size_t>(MOST_BUNDLE_LIGHTS, order.size() - first)),
-                   *directions);
+    LightBundle bundle{};
+    std::vector<std::uint32_t> slots;
+    const auto close = [&] {
+        if (slots.empty()) return;
+        made.add(bundle, slots);
+        bundle = {};
+        slots.clear();
+    };
+    for (std::size_t b = 0; b < coned.bundles.size(); ++b) {
+        const LightBundle& from = coned.bundles[b];
+        for (std::uint32_t l = 0; l < from.light_count; ++l) {
+            const std::uint32_t slot = bundle.light_count++;
+            for (int c = 0; c < 3; ++c) bundle.directions[c][slot] = from.directions[c][l];
+            bundle.axes[slot] = from.axes[l];
+            slots.push_back(coned.lights[b * MOST_BUNDLE_LIGHTS + l]);
+            if (slots.size() == MOST_BUNDLE_LIGHTS) close();
+        }
     }
+    close();
     return made;
+}
+
+bool can_be_bundled(std::span<const Light> lights) {
+    return std::ranges::none_of(lights, &Light::is_directional) || std::ranges::all_of(lights, [](const Light& light) {
+               return light.is_directional() && direction_of(light);
+           });
 }
 
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most) {

@@ -18,23 +18,55 @@ struct LightBundles {
     bool are_positions = false;
 
     void add(const LightBundle& bundle, std::span<const std::uint32_t> of_slots);
+    std::size_t light_count() const;
 };
 
-/// Divides lights into bundles of at most `most` lights. No value if some are directional and some are not, or a
-/// direction cannot be scaled exactly.
+/// Whether lights are all directional, with directions that can be scaled exactly, or all point lights.
+bool can_be_bundled(std::span<const Light> lights);
+
+/// Divides lights into bundles of at most `most` lights. No value unless they can be bundled.
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most);
 
 /// The same, of point lights alone.
-std::optional<LightBundles> make_position_bundles(std::span<const Light> lights, std::uint32_t most);
+LightBundles make_position_bundles(std::span<const Light> lights, std::uint32_t most);
 
-/// The same, of directional lights of nearly one azimuth around an axis, the lowest first: as many as a sector has
-/// (kernels/horizons/horizons.h). Lights near the axis, or behind the plane at right angles to it, follow in bundles of
-/// their own.
+/// The same as make_light_bundles(), of directional lights of nearly one azimuth around an axis, the lowest first: as
+/// many as a sector has (kernels/horizons/horizons.h). Lights near the axis, or behind the plane at right angles to it,
+/// follow in bundles of their own.
 std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, std::uint32_t most, std::uint32_t axis);
 
-/// For packets. Of directional lights: full and without cones, in the order of these bundles; without these, in the
-/// lights' order. Of point lights: these bundles or, without them, make_position_bundles().
-std::optional<LightBundles> make_plain_bundles(std::span<const Light> lights, const LightBundles* in_order = nullptr);
+/// For packets: the same directional lights in the same order, in full bundles without cones. Of point lights: the same
+/// bundles.
+LightBundles make_plain_bundles(const LightBundles& coned);
+
+/// The tables of bundles of lights that can be bundled, each made when it is first read.
+class BundleTables {
+public:
+    /// The lights must live as long as the tables. `most`: of a bundle.
+    BundleTables(std::span<const Light> lights, std::uint32_t most) : lights_(lights), most_(most) {}
+
+    const LightBundles& coned() {
+        return made(coned_, [&] { return *make_light_bundles(lights_, most_); });
+    }
+    const LightBundles& plain() {
+        return made(plain_, [&] { return make_plain_bundles(coned()); });
+    }
+    /// Always around the same axis.
+    const LightBundles& sectors(std::uint32_t axis) {
+        return made(sectors_, [&] { return *make_sector_bundles(lights_, most_, axis); });
+    }
+
+private:
+    template <typename Make>
+    static const LightBundles& made(std::optional<LightBundles>& table, Make&& make) {
+        if (!table) table = make();
+        return *table;
+    }
+
+    std::span<const Light> lights_;
+    std::uint32_t most_;
+    std::optional<LightBundles> coned_, plain_, sectors_;
+};
 
 /// Of a bundle's lights, those of this cone: the first has all of them, cone k one half of those of cone (k - 1) / 2.
 std::span<const std::uint32_t> lights_of_cone(std::span<const std::uint32_t> bundle, std::size_t cone);

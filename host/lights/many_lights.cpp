@@ -7,6 +7,7 @@
 
 #include "api/statistics.hpp"
 #include "cl/opencl.hpp"
+#include "lights/lights_method.hpp"
 
 namespace gnomon {
 namespace {
@@ -84,7 +85,6 @@ Triangles with_clusters(const Device& device, const Triangles& triangles) {
 }
 
 double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted) {
-    constexpr std::size_t lights_worth_thrice = 64;
     const cl::Session& session = session_of(run.device);
     const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
     const Visibility visibility(run.device, run.points.count());
@@ -99,7 +99,8 @@ double time_of_one_light(Technique& technique, const LightsRun& run, const Sorte
     // On a GPU the first run takes many times as long as the light itself: it makes room, and its lists grow. The next
     // ones are short, so that anything may disturb them.
     const double warm_ms = timed_ms();
-    return run.lights.count() < lights_worth_thrice ? warm_ms : std::min({warm_ms, timed_ms(), timed_ms()});
+    return run.lights.count() < lights_tuning.gpu_lights_timed_thrice ? warm_ms
+                                                                      : std::min({warm_ms, timed_ms(), timed_ms()});
 }
 
 void report_progress(const LightsOptions& options, double done) {

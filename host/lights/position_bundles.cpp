@@ -80,7 +80,8 @@ bool contains(const LightCone& box, const Double3& position) {
     return std::ranges::all_of(at, [](double share) { return std::abs(share) < 1 - 1e-6; });
 }
 
-bool fit_box(LightCone& box, std::span<const std::uint32_t> part, const Positions& positions) {
+// The second box contains them at the latest: `more` is then far above what all coordinates round.
+void fit_box(LightCone& box, std::span<const std::uint32_t> part, const Positions& positions) {
     Double3 mean{};
     for (const std::uint32_t i : part) mean = sum(mean, scaled(positions[i], 1.0 / double(part.size())));
     Positions offsets;
@@ -103,9 +104,9 @@ bool fit_box(LightCone& box, std::span<const std::uint32_t> part, const Position
         store(box.across, scaled(axes.across, half[0] + more));
         store(box.along, scaled(axes.along, half[1] + more));
         store(box.planes[0], scaled(axes.depth, half[2] + more));
-        if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(box, positions[i]); })) return true;
+        if (std::ranges::all_of(part, [&](std::uint32_t i) { return contains(box, positions[i]); })) return;
     }
-    return false;
+    throw Error("no box contains these point lights");
 }
 
 }  // namespace
@@ -118,7 +119,7 @@ float largest_position(std::span<const Light> lights) {
     return largest;
 }
 
-std::optional<LightBundles> make_position_bundles(std::span<const Light> lights, std::uint32_t most) {
+LightBundles make_position_bundles(std::span<const Light> lights, std::uint32_t most) {
     Positions positions;
     for (const Light& light : lights) positions.push_back(loaded(light.xyzw.data()));
     std::vector<std::uint32_t> order(lights.size());
@@ -135,7 +136,7 @@ std::optional<LightBundles> make_position_bundles(std::span<const Light> lights,
             for (std::size_t c = 0; c < 3; ++c) bundle.directions[c][l] = lights[part[l]].xyzw[c];
         for (std::size_t k = 0; k < LIGHT_CONES; ++k) {
             const auto of_cone = lights_of_cone(part, k);
-            if (!of_cone.empty() && !fit_box(bundle.cones[k], of_cone, positions)) return {};
+            if (!of_cone.empty()) fit_box(bundle.cones[k], of_cone, positions);
         }
         made.add(bundle, part);
     }

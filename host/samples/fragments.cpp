@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// SamplesByFragments::run() names the stages; their functions follow in its order.
+// FragmentRun::run() names the stages; their functions follow in its order.
 #include "samples/samples.hpp"
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 
 namespace gnomon {
 
-class SampleBuffers {
+class FragmentBuffers {
 public:
-    explicit SampleBuffers(const Device& theirs) : device(theirs), camera(theirs) {}
+    explicit FragmentBuffers(const Device& theirs) : device(theirs), camera(theirs) {}
 
     Device device;  ///< lives as long as the buffers
     CameraStage camera;
@@ -31,15 +31,10 @@ public:
 
 namespace {
 
-SampleBuffers& buffers_of(ClassifiesFootprints& technique, const Device& device) {
-    if (technique.sample_buffers == nullptr) technique.sample_buffers = std::make_unique<SampleBuffers>(device);
-    return *technique.sample_buffers;
-}
-
-class SamplesByFragments {
+class FragmentRun {
 public:
-    SamplesByFragments(ClassifiesFootprints& technique, const SampledView& in)
-        : technique_(technique),
+    FragmentRun(FootprintSession& session, FragmentBuffers& buffers, const SampledView& in)
+        : footprint_session_(session),
           in_(in),
           view_(in.view),
           session_(session_of(in.device)),
@@ -47,7 +42,7 @@ public:
           points_at_once_(std::max<std::size_t>(in.points_at_once, slots_of_bands(1) * in.pattern.size())),
           camera_(view_.points.camera()->camera),
           pattern_(pattern_of(in.pattern)),
-          kept_(buffers_of(technique, in.device)),
+          kept_(buffers),
           memory_(session_, kept_.bytes_of_runs) {
         kept_.camera.aim(in.triangles, camera_, view_.width, view_.height, in.pattern);
         kept_.pattern.reserve(session_, sizeof(SamplePattern));
@@ -202,8 +197,7 @@ private:
         kept_.open.reserve(session_, words * sizeof(cl_uint));
         constexpr std::size_t warp = 32;
         cl::Kernel masks = inputs_.kernel("samples/samples_masks_gpu.cl", "samples_masks_gpu");
-        if (session_.largest_group(masks) < warp)
-            masks.defines = inputs_.has_cut_outs ? "SAMPLES_SMALL_GROUPS GN_CUT_OUTS" : "SAMPLES_SMALL_GROUPS";
+        masks.flags.small_groups = session_.largest_group(masks) < warp;
         run_stage(masks, cl::Range::groups(counted_.edges / warp + 1, warp), params, kept_.pattern,
                   kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.camera.bins().ranges(),
                   kept_.camera.bins().entries(), view_.points.receivers(), kept_.slots, kept_.edges, kept_.fragments,
@@ -243,10 +237,7 @@ private:
     void classify() {
         // Room for all slots: the number of used slots depends on threads, and a run's memory must not.
         kept_.classes.reserve(session_, batch_.slots * sizeof(float));
-        technique_.expected_footprints = batch_.count;
-        add_run([&] {
-            return technique_.classify_footprints(in_.triangles, centres(), kept_.footprints, in_.light, classes());
-        });
+        add_run([&] { return footprint_session_.classify({centres(), kept_.footprints, batch_.count, classes()}); });
     }
 
     /// Of the fragments' footprints. The fragments' buffer begins with their receivers.
@@ -276,7 +267,7 @@ private:
                   kept_.camera.setup().records(), kept_.camera.setup().bounds(), kept_.slots, kept_.squares,
                   kept_.fragments, kept_.centres, kept_.footprints, kept_.classes);
         add_run([&] {
-            return technique_.classify_parts(in_.triangles, centres(), kept_.footprints, in_.light, classes());
+            return footprint_session_.classify_parts({centres(), kept_.footprints, batch_.count, classes()});
         });
         resolve(counted_.squares * SQUARE_PIXELS, counted_.squares);
     }
@@ -307,7 +298,7 @@ private:
             Points::wrap(in_.device, kept_.positions.get(), {0, 1, most}, points, kept_.point_receivers.get());
         samples.set_eye(camera_.eye);
         const Visibility visibility(in_.device, kept_.visibility.get(), points);
-        add_run([&] { return technique_.trace_mixed(in_.triangles, samples, in_.light, visibility); });
+        add_run([&] { return footprint_session_.trace(samples, visibility); });
         run_stage("samples_count_lit", cl::Range::items(points), params_of(0, cl_uint(points)), kept_.point_samples,
                   kept_.visibility, kept_.fragments);
     }
@@ -355,7 +346,7 @@ private:
                          {"prepared", was_prepared_}};
     }
 
-    ClassifiesFootprints& technique_;
+    FootprintSession& footprint_session_;
     const SampledView& in_;
     const View& view_;
     cl::Session& session_;
@@ -363,7 +354,7 @@ private:
     std::size_t points_at_once_;
     Camera camera_;
     SamplePattern pattern_;
-    SampleBuffers& kept_;
+    FragmentBuffers& kept_;
     const MeasuredRun memory_;
     PixelBatch batch_{};
     SampleCounters counted_{};
@@ -377,8 +368,8 @@ private:
 
 }  // namespace
 
-ClassifiesFootprints::ClassifiesFootprints() = default;
-ClassifiesFootprints::~ClassifiesFootprints() = default;
+SamplesByFragments::SamplesByFragments() = default;
+SamplesByFragments::~SamplesByFragments() = default;
 
 SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     SamplePattern pattern{};
@@ -400,8 +391,9 @@ SamplePattern pattern_of(std::span<const SampleOffset> offsets) {
     return pattern;
 }
 
-Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const SampledView& in) {
-    SamplesByFragments samples(technique, in);
+Statistics SamplesByFragments::run(FootprintSession& footprints, const SampledView& in) {
+    if (buffers_ == nullptr) buffers_ = std::make_unique<FragmentBuffers>(in.device);
+    FragmentRun samples(footprints, *buffers_, in);
     Statistics total = samples.run();
     total.device_memory_bytes = samples.device_memory_bytes();
     return total;

@@ -55,7 +55,7 @@ void add_counts(Statistics& total, const Statistics& batch) {
     }
 }
 
-// Makes every sample of every pixel a point: for techniques that cannot classify footprints, or for `sink` alone
+// Makes every sample of every pixel a point: for techniques without fragments, or for `sink` alone
 // (technique null).
 Statistics run_every_sample(Technique* technique, const SampledView& in, const SampleSink& sink) {
     const auto& [device, triangles, view, light, pattern, mean, points_at_once] = in;
@@ -119,10 +119,10 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
     const auto start = cl::Clock::now();
     Statistics total;
     const SampledView in{device, triangles, view, light, pattern, mean, points_at_once};
-    auto* classifying = dynamic_cast<ClassifiesFootprints*>(&technique);
-    if (classifying != nullptr && samples > 1 && triangles.count() != 0) {
+    auto* by_fragments = dynamic_cast<TracesFragments*>(&technique);
+    if (by_fragments != nullptr && samples > 1 && triangles.count() != 0) {
         if (sink) run_every_sample(nullptr, in, sink);
-        total = run_samples_by_fragments(*classifying, in);
+        total = by_fragments->run_fragments(in);
     } else {
         total = run_every_sample(&technique, in, sink);
     }

@@ -5,7 +5,7 @@
 
 #include "camera/camera.hpp"
 #include "kernels/samples/samples.h"
-#include "samples/classify_footprints.hpp"
+#include "samples/footprint_session.hpp"
 
 namespace gnomon {
 
@@ -28,8 +28,26 @@ struct SampledView {
 /// The pattern as the kernels take it.
 SamplePattern pattern_of(std::span<const SampleOffset> offsets);
 
-/// Most samples are decided together: the technique classifies the footprints of pixel fragments as in shadow or lit,
-/// and the samples of mixed fragments become points. A row of camera tiles at least is on the device at once.
-Statistics run_samples_by_fragments(ClassifiesFootprints& technique, const SampledView& in);
+class FragmentBuffers;
+
+/// Most samples are decided together: the footprints of pixel fragments are classified as in shadow or lit, and the
+/// samples of mixed fragments become points. Keeps its buffers from run to run.
+class SamplesByFragments {
+public:
+    SamplesByFragments();
+    ~SamplesByFragments();
+    /// A row of camera tiles at least is on the device at once. `footprints`: of the view's triangles and light.
+    Statistics run(FootprintSession& footprints, const SampledView& in);
+
+private:
+    std::unique_ptr<FragmentBuffers> buffers_;  ///< null before the first run
+};
+
+/// A technique that can decide samples by fragments. run_samples() uses this interface if a technique implements it.
+class TracesFragments {
+public:
+    virtual ~TracesFragments() = default;
+    virtual Statistics run_fragments(const SampledView& in) = 0;
+};
 
 }  // namespace gnomon

@@ -8,26 +8,11 @@ namespace {
 
 constexpr std::size_t first_queue = std::size_t(1) << 16;
 
-Lights some_of(const Lights& all, std::span<const std::uint32_t> chosen) {
-    std::vector<Light> lights;
-    for (const std::uint32_t i : chosen) lights.push_back(all.lights()[i]);
-    return Lights(std::move(lights));
-}
-
 }  // namespace
 
 std::size_t most_mask_bytes(const cl::Session& session) {
     return session.is_cpu() ? std::size_t(1) << 25 : std::size_t(1) << 28;
 }
-
-SampledRun::SampledRun(const TreeRun& whole, std::size_t share, std::span<const std::uint32_t> lights)
-    : sorted_(sampled_points(whole, whole.sorted, share)),
-      points_(sorted_.as_points(whole.device, whole.points)),
-      lights_(some_of(whole.lights, lights)),
-      run_{{whole.device, whole.triangles, points_, lights.empty() ? whole.lights : lights_, whole.outputs,
-            whole.options},
-           sorted_,
-           whole.tree} {}
 
 LightMasks::LightMasks(const TreeRun& run, const LightBundles& bundles, Statistics& statistics, bool are_sectors)
     : run_(run),
@@ -81,7 +66,7 @@ void LightMasks::face(const PointPart& part) {
                                   .mask_stride = static_cast<cl_uint>(most_points_),
                                   .side = side(),
                                   .padding = 0};
-    session_.launch({"lights/light_sides.cl", "light_sides", are_positions_ ? "GN_POINT_LIGHTS" : ""},
+    session_.launch({"lights/light_sides.cl", "light_sides", {.point_lights = are_positions_}},
                     session_.blocks(part.count), params, bundles_, triangles.vertices, run_.sorted.positions(),
                     run_.sorted.receivers(), run_.sorted.normals(), masks_);
 }

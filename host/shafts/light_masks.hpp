@@ -29,21 +29,6 @@ struct PointPart {
     std::size_t first, count;
 };
 
-/// A run over a sample of a run's points and lights, to measure a way by. It writes no outputs.
-class SampledRun {
-public:
-    /// Of one point in `share`; if some are named, of these lights alone.
-    SampledRun(const TreeRun& whole, std::size_t share, std::span<const std::uint32_t> lights = {});
-    const TreeRun& run() const { return run_; }
-    std::size_t count() const { return points_.count(); }
-
-private:
-    SortedPoints sorted_;
-    Points points_;
-    Lights lights_;
-    TreeRun run_;
-};
-
 /// The memory that a part's masks may take.
 std::size_t most_mask_bytes(const cl::Session& session);
 

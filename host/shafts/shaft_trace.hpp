@@ -7,40 +7,35 @@
 
 namespace gnomon {
 
-/// Which shadow rays are decided together: of a block of points to a bundle of lights, as long as its shaft does not
-/// meet too much (else of each of its points, on a CPU of some blocks to each light where that takes less), of each
-/// point by itself, or, on a CPU, of some blocks to each light by itself.
+/// Which shadow rays are decided together:
+///   block   of 16 points (32 on a GPU) to a bundle, as long as their shaft does not meet too much; else they go on as
+///           points, or on a CPU as packets where these take less
+///   point   of each point to a bundle
+///   packet  on a CPU: of four blocks to one light
 enum class ShaftShape { block, point, packet };
 
 class ShaftPasses {
 public:
     /// `bundles`: make_light_bundles() of the run's lights; for packets make_plain_bundles().
     /// `field`: the horizon of this height field decides first, for make_sector_bundles(); null: there is none.
-    ShaftPasses(const TreeRun& run, const LightBundles& bundles, Statistics& statistics,
+    ShaftPasses(const TreeRun& run, const LightBundles& bundles, ShaftShape shape, Statistics& statistics,
                 const BuiltHeightField* field = nullptr);
 
-    void run(ShaftShape shape);
+    void run();
     /// How long the masks of all points take.
-    double timed_ms(ShaftShape shape);
+    double timed_ms();
 
 private:
-    void decide(const PointPart& part, ShaftShape shape);
-    void launch(const PointPart& part, ShaftShape shape);
+    void decide(const PointPart& part);
+    void launch(const PointPart& part);
     void launch(const ShaftParams& params, std::size_t tasks, const char* kernel);
 
     const TreeRun& run_;
     cl::Session& session_;
+    ShaftShape shape_;
     Statistics& statistics_;
     LightMasks masks_;
     std::optional<Horizons> horizons_;
 };
-
-/// The time that a run by blocks may take, as measured on a sample of the points.
-double estimated_shafts_ms(const TreeRun& run, const LightBundles& bundles, Statistics& statistics);
-/// The same by the horizon of a height field. For a CPU.
-double estimated_horizons_ms(const TreeRun& run, const LightBundles& sectors, const BuiltHeightField& field,
-                             Statistics& statistics);
-/// The same by packets, as measured on a sample of points and bundles. For a CPU.
-double estimated_packets_ms(const TreeRun& run, const LightBundles& plain, Statistics& statistics);
 
 }  // namespace gnomon

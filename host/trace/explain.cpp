@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "trace/explain.hpp"
-
+// gnomon::explain(): exact signs by kernels/trace/explain.cl, and provenance in words.
 #include <algorithm>
 
-#include "api/inputs.hpp"
 #include "api/vectors.hpp"
 #include "kernels/trace/explain.h"
-#include "kernels/trace/provenance.h"
+#include "trace/frustum_tracer.hpp"
 
 namespace gnomon {
 namespace {
@@ -60,8 +58,7 @@ TriangleSigns signs_of(const ExplainedTriangle& t, const Float3& point, const Li
     return signs;
 }
 
-}  // namespace
-
+/// The report without the result of a run: visibility and stage are empty, arithmetic is that of facing.
 Explanation explain_signs(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
                           const Light& light) {
     cl::Session& session = session_of(device);
@@ -110,11 +107,21 @@ Explanation explain_signs(const Device& device, const Triangles& triangles, cons
     return explanation;
 }
 
-void add_provenance(Explanation& explanation, std::uint32_t provenance, float visibility) {
-    explanation.visibility = visibility;
+}  // namespace
+
+Explanation explain(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
+                    const Light& light) {
+    if (index >= points.count())
+        throw InvalidArgument("there is no point " + std::to_string(index) + " to explain: there are " +
+                              std::to_string(points.count()));
+    const Visibility visibility(device, points.count());
+    const std::uint32_t provenance = FrustumTracer(device).run_watched(triangles, points, light, visibility)[index];
+    Explanation explanation = explain_signs(device, triangles, points, index, light);
+    explanation.visibility = visibility.read()[index];
     explanation.stage = decided_by[provenance].stage;
     // The level of facing is the level of the receiver's determinants, which are known.
     if (provenance != PROVENANCE_FACES_AWAY) explanation.arithmetic = decided_by[provenance].arithmetic;
+    return explanation;
 }
 
 }  // namespace gnomon

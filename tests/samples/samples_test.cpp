@@ -384,7 +384,9 @@ TEST(Samples, PreparedLightsGiveTheSameMeans) {
 }
 
 /// Calls every footprint mixed, so that every sample of every fragment becomes a point, and keeps these points.
-class EveryFragmentMixed final : public gnomon::Technique, public gnomon::ClassifiesFootprints {
+class EveryFragmentMixed final : public gnomon::Technique,
+                                 public gnomon::TracesFragments,
+                                 private gnomon::FootprintSession {
 public:
     explicit EveryFragmentMixed(const gnomon::Device& device) : device_(device) {}
     const gnomon::Device& device() const override { return device_; }
@@ -392,19 +394,19 @@ public:
                            const gnomon::Visibility&) override {
         throw std::logic_error("footprints alone are classified");
     }
-    gnomon::Statistics classify_footprints(const gnomon::Triangles&, const gnomon::Points&, const gnomon::cl::Buffer&,
-                                           const gnomon::Light&, const gnomon::Visibility& classes) override {
-        const std::vector<float> mixed(classes.count(), VISIBILITY_MIXED);
-        session_of(device_).write(classes.buffer(), mixed.data(), mixed.size() * sizeof(float));
+    gnomon::Statistics run_fragments(const gnomon::SampledView& in) override { return samples_.run(*this, in); }
+    void set(std::string_view, std::string_view) override {}
+
+    std::vector<std::array<std::uint32_t, 4>> points;  ///< the bits of x, y and z, and the receiver
+
+private:
+    gnomon::Statistics classify(const gnomon::Footprints& footprints) override {
+        const std::vector<float> mixed(footprints.classes.count(), VISIBILITY_MIXED);
+        session_of(device_).write(footprints.classes.buffer(), mixed.data(), mixed.size() * sizeof(float));
         return {};
     }
-    gnomon::Statistics classify_parts(const gnomon::Triangles& triangles, const gnomon::Points& centres,
-                                      const gnomon::cl::Buffer& footprints, const gnomon::Light& light,
-                                      const gnomon::Visibility& classes) override {
-        return classify_footprints(triangles, centres, footprints, light, classes);
-    }
-    gnomon::Statistics trace_mixed(const gnomon::Triangles&, const gnomon::Points& samples, const gnomon::Light&,
-                                   const gnomon::Visibility&) override {
+    gnomon::Statistics classify_parts(const gnomon::Footprints& footprints) override { return classify(footprints); }
+    gnomon::Statistics trace(const gnomon::Points& samples, const gnomon::Visibility&) override {
         const std::size_t stride = samples.layout().coordinate_stride, count = samples.count();
         const auto planes = downloaded<std::uint32_t>(session_of(device_), samples.positions(), 2 * stride + count);
         const auto ids = downloaded<std::uint32_t>(session_of(device_), samples.receivers(), count);
@@ -412,12 +414,9 @@ public:
             points.push_back({planes[i], planes[stride + i], planes[2 * stride + i], ids[i]});
         return {};
     }
-    void set(std::string_view, std::string_view) override {}
 
-    std::vector<std::array<std::uint32_t, 4>> points;  ///< the bits of x, y and z, and the receiver
-
-private:
     gnomon::Device device_;
+    gnomon::SamplesByFragments samples_;
 };
 
 // The masks of fragments name the receivers that each sample finds by itself: the same points on the same receivers,

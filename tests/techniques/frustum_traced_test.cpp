@@ -15,10 +15,10 @@
 
 #include <gnomon.hpp>
 #include "cl/session.hpp"
-#include "frustum_traced.hpp"
 #include "reference/view.hpp"
 #include "scene/scene.hpp"
 #include "support/expect_exact.hpp"
+#include "trace/map_choice.hpp"
 
 namespace {
 
@@ -523,8 +523,7 @@ TEST(AutomaticMap, OfAGpuIsTheFasterOne) {
         counted.edge_on = 10;
         counted.hidden = frame.hidden;
         counted.references = frame.references;
-        EXPECT_EQ(gnomon::FrustumTraced::map_was_worth_drawing(counted), frame.ms_with < frame.ms_without)
-            << frame.name;
+        EXPECT_EQ(gnomon::map_was_worth_drawing(counted), frame.ms_with < frame.ms_without) << frame.name;
     }
 }
 

@@ -7,10 +7,10 @@
 #include <map>
 #include <set>
 
-#include "frustum_traced.hpp"
 #include "reference/predicates.hpp"
 #include "support/rerun.hpp"
 #include "support/tie_points.hpp"
+#include "trace/frustum_tracer.hpp"
 
 namespace {
 
@@ -63,7 +63,7 @@ void expect_explained(const gnomon::Device& device, const Scene& scene, std::map
     points.set_eye(scene.eye);
     const gnomon::Light light{scene.light};
     const gnomon::Visibility visibility(device, points.count());
-    const auto provenance = gnomon::FrustumTraced(device).run_watched(triangles, points, light, visibility);
+    const auto provenance = gnomon::FrustumTracer(device).run_watched(triangles, points, light, visibility);
     gnomon::make_technique("frustum-traced", device)->run(triangles, points, light, visibility);
     const std::vector<float> visible = visibility.read();
     std::map<std::uint32_t, int> explained;

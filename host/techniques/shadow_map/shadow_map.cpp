@@ -236,7 +236,7 @@ private:
                               .store = store,
                               .steps = inputs.camera ? pixel_steps(*inputs.camera) : PixelSteps{}};
         const cl::Buffer& planes = is_stored ? stored_.planes() : depths_.keys();
-        session_.launch({"techniques/shadow_map/lookup.cl", "map_lookup", is_stored ? "LOOKUP_STORED" : ""},
+        session_.launch({"techniques/shadow_map/lookup.cl", "map_lookup", {.stored_map = is_stored}},
                         cl::Range::items(inputs.points.layout.count), plan, map_views_.set, inputs.points.layout,
                         inputs.points.positions, inputs.points.receivers, inputs.triangles.vertices, map_views_.views,
                         map_views_.tables, depths_.keys(), planes, store.mips != 0 ? stored_.mips() : planes,

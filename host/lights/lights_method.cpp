@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "lights/lights_method.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace gnomon {
+namespace {
+
+constexpr const LightsTuning& tuning = lights_tuning;
+
+std::size_t pairs_of(const LightsTraits& traits) { return traits.points * traits.lights; }
+
+// Methods that share shadow rays take over where lights can be bundled and there are some.
+bool are_shared(const LightsTraits& traits) {
+    return traits.can_be_bundled && traits.lights >= tuning.min_shared_lights;
+}
+
+bool are_worth_measuring(const LightsTraits& traits) {
+    return are_shared(traits) && pairs_of(traits) >= tuning.min_measured_pairs;
+}
+
+bool are_thin(const LightsTraits& traits) {
+    return traits.widest_bundle < (traits.are_point_lights ? tuning.thin_box : tuning.thin_cone);
+}
+
+// One light at a time was faster for the points of some pictures, seldom for others, which a GPU measures where the
+// next runs can use the choice.
+bool may_take_single_lights(const LightsTraits& traits) {
+    return pairs_of(traits) >= tuning.min_single_light_pairs &&
+           traits.lights < (traits.is_cpu ? tuning.cpu_many_lights : tuning.gpu_many_lights) &&
+           (traits.is_picture || (!traits.is_cpu && traits.keeps_clusters));
+}
+
+// The method by rule, or no value where costs decide.
+std::optional<LightsMethod> method_by_rule(const LightsTraits& traits) {
+    if (!are_shared(traits)) return LightsMethod::one_by_one;
+    if (!are_worth_measuring(traits)) return LightsMethod::shafts;
+    if (traits.is_cpu) return {};
+    if (traits.is_height_field) return LightsMethod::horizons;
+    if (are_thin(traits)) return LightsMethod::shafts;
+    if (traits.are_point_lights)
+        return traits.points < tuning.gpu_points_of_single_lights ? LightsMethod::shafts : LightsMethod::one_by_one;
+    if (!may_take_single_lights(traits)) return LightsMethod::shafts;
+    return {};
+}
+
+}  // namespace
+
+// On a GPU horizons are never the fastest for the points of pictures.
+bool wants_height_field(const LightsTraits& traits) {
+    return are_worth_measuring(traits) && !traits.are_point_lights && (traits.is_cpu || !traits.is_picture) &&
+           pairs_of(traits) >= tuning.min_field_pairs_per_triangle * traits.triangles;
+}
+
+bool wants_widest_bundle(const LightsTraits& traits) {
+    return are_worth_measuring(traits) && !traits.is_cpu && !traits.is_height_field;
+}
+
+std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits) {
+    if (method_by_rule(traits)) return {};
+    std::vector<LightsMethod> methods{LightsMethod::shafts};
+    if (traits.is_cpu) methods.push_back(LightsMethod::rays);
+    if (traits.is_cpu && traits.is_height_field) methods.push_back(LightsMethod::horizons);
+    if (may_take_single_lights(traits)) methods.push_back(LightsMethod::one_by_one);
+    return methods;
+}
+
+LightsMethod choose_method(const LightsTraits& traits, const LightsCosts& costs) {
+    if (const auto method = method_by_rule(traits)) return *method;
+    LightsCosts expected = costs;
+    if (!traits.is_cpu) expected[LightsMethod::shafts] *= tuning.gpu_shafts_over_estimate;
+    // Of equal ones the first: shafts take the least memory.
+    constexpr LightsMethod methods[] = {LightsMethod::shafts, LightsMethod::rays, LightsMethod::horizons,
+                                        LightsMethod::one_by_one};
+    return *std::ranges::min_element(methods, {}, [&](LightsMethod method) { return expected[method]; });
+}
+
+std::optional<LightsMethod> MethodCache::find(const Key& key) {
+    if (kept_ && (kept_->runs_left == 0 || kept_->key != key)) kept_.reset();
+    if (!kept_) return {};
+    --kept_->runs_left;
+    return kept_->method;
+}
+
+void MethodCache::keep(Key key, LightsMethod method) { kept_ = Kept{std::move(key), method, tuning.runs_of_choice}; }
+
+}  // namespace gnomon

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// The choice among the methods that decide a table of lights: pure functions of a run's traits and of measured costs.
+// The choice affects time alone.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace gnomon {
+
+/// The methods that decide a table of lights, as the setting many-lights names them. `automatic`: the fastest of them.
+enum class LightsMethod { automatic, one_by_one, shafts, point_shafts, rays, horizons };
+inline constexpr std::string_view lights_method_names[] = {"auto",         "one-by-one", "shafts",
+                                                           "point-shafts", "rays",       "horizons"};
+
+/// The constants by which `automatic` measures and chooses. docs/many_lights.md has the tables that they come from.
+struct LightsTuning {
+    // ---- Rules
+    /// Fewer lights are decided one by one.
+    std::size_t min_shared_lights = 4;
+    /// Fewer pairs take some milliseconds by shafts, and a sample of them would take as long.
+    std::size_t min_measured_pairs = std::size_t(1) << 20;
+    /// Pairs for each triangle from which on a height field is searched for: that takes as long as to decide some.
+    std::size_t min_field_pairs_per_triangle = 8;
+    /// Pairs from which on one light by itself is worth measuring.
+    std::size_t min_single_light_pairs = std::size_t(1) << 25;
+    /// From this number of lights on, single lights were never the fastest (two cores of an EPYC).
+    std::size_t cpu_many_lights = 32;
+    /// Thousands of lights are dense, and single lights were never the fastest (H200).
+    std::size_t gpu_many_lights = 2048;
+    /// A scattered point light takes a millisecond by itself, as shafts do for this number of points (H200).
+    std::size_t gpu_points_of_single_lights = std::size_t(1) << 18;
+    /// Shafts took longer than estimated where the estimates were close: 256 suns on a city were estimated at 206 ms by
+    /// shafts and 216 one by one, and took 263 and 229 (H200).
+    double gpu_shafts_over_estimate = 1.1;
+    /// A cone is thin below some 2 degrees, and a box of point lights below this share of the largest coordinate: then
+    /// shafts were the fastest (H200).
+    double thin_cone = 0.02, thin_box = 1 / 16.0;
+    /// The next runs that a measured choice serves. Measuring takes a tenth of many runs, and of those with few lights
+    /// more; it may be misled by what else the machine does, so that a choice expires.
+    std::uint32_t runs_of_choice = 7;
+
+    // ---- Samples
+    /// A CPU measures this number of points, but at most one in cpu_sample_share and at least cpu_min_sample_points.
+    std::size_t cpu_sample_points = 16384, cpu_sample_share = 32, cpu_min_sample_points = 512;
+    /// A CPU measures packets on at most this number of bundles.
+    std::size_t cpu_sample_bundles = 8;
+    /// A GPU measures one in 128 of a picture's points: these are many, and much alike.
+    std::size_t gpu_picture_share = 128;
+    /// It measures one in 16 of other points: one in 128 of a million points on a town's faces does not fill an H100,
+    /// and seemed to take more than twice the time.
+    std::size_t gpu_points_share = 16;
+    /// The second sample of a GPU has one in 8 of the first one's points.
+    std::size_t gpu_launch_share = 8;
+    /// A GPU times one light by itself thrice from this number of lights on: its run is short and easily disturbed.
+    std::size_t gpu_lights_timed_thrice = 64;
+};
+inline constexpr LightsTuning lights_tuning;
+
+/// What is known of a run before anything is measured.
+struct LightsTraits {
+    bool is_cpu = false;
+    std::size_t points = 0, lights = 0, triangles = 0;
+    bool is_picture = false;        ///< the points are a camera's
+    bool keeps_clusters = false;    ///< the caller keeps the triangles' clusters, so that later runs can use a choice
+    bool can_be_bundled = true;     ///< the lights are of one kind, and all coordinates are in the filter's range
+    bool are_point_lights = false;  ///< else they are directional
+    bool is_height_field = false;   ///< set where wants_height_field()
+    /// Set where wants_widest_bundle(): half the diagonal of the widest bundle, of directions of length 1, or of
+    /// positions as a share of the largest coordinate.
+    double widest_bundle = std::numeric_limits<double>::infinity();
+};
+
+/// What each method takes for a whole run, in ms: infinite if it was not measured or ran out of memory.
+class LightsCosts {
+public:
+    static constexpr double infinite = std::numeric_limits<double>::infinity();
+    LightsCosts() { ms_.fill(infinite); }
+    double& operator[](LightsMethod method) { return ms_[std::size_t(method)]; }
+    double operator[](LightsMethod method) const { return ms_[std::size_t(method)]; }
+
+private:
+    std::array<double, std::size(lights_method_names)> ms_;
+};
+
+/// Whether the choice depends on whether the triangles are a height field.
+bool wants_height_field(const LightsTraits& traits);
+/// Whether the choice depends on how wide bundles are.
+bool wants_widest_bundle(const LightsTraits& traits);
+/// The methods whose costs the choice depends on; none where a rule decides.
+std::vector<LightsMethod> methods_to_measure(const LightsTraits& traits);
+/// The method that takes the least time by rule, or else by these costs. Never `automatic`.
+LightsMethod choose_method(const LightsTraits& traits, const LightsCosts& costs);
+
+/// A measured choice, for the next runs of the same lights and as many points.
+class MethodCache {
+public:
+    struct Key {
+        std::vector<std::array<float, 4>> lights;
+        std::size_t points = 0;
+        bool is_picture = false;
+        bool operator==(const Key&) const = default;
+    };
+    /// The method that was chosen for such a run, if the choice has not expired. Uses up one of its runs; forgets the
+    /// choice for another key.
+    std::optional<LightsMethod> find(const Key& key);
+    void keep(Key key, LightsMethod method);
+    void clear() { kept_.reset(); }
+
+private:
+    struct Kept {
+        Key key;
+        LightsMethod method;
+        std::uint32_t runs_left;
+    };
+    std::optional<Kept> kept_;
+};
+
+}  // namespace gnomon

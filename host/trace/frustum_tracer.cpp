@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+// The pipeline of exact shadows. Each stage is a file of its own (kernels/<wing>/<stage>.cl, host/<wing>/<stage>.cpp).
+// This file has the order of the stages; occluders/occluder_lists.hpp has that of the stages from clusters to bins:
+//
+//   light_order       points that come in no order are sorted in the light's plane (trace/light_order.hpp)
+//   facing            one pass over the points: backfacing points are decided, the others are open
+//   light_frame       grid fitted to the open points; one for a directional light, six for a point light
+//   receiver_depth_pyramid   how far from the light the open points reach, per bin
+//   clusters to bins  the map, which decides open points, and for each bin the list of its occluders
+//   trace             open points against the map, then against their bin's triangles by the filter
+//   exact_trace       decides the pairs that the filter left undecided
+//
+// Under a prepared light (prepared/prepared_runs.cpp) facing and trace are one pass, prepared_trace, and only
+// exact_trace follows.
+//
+// Footprints (samples/footprint_session.cpp) go through the same stages, with one stage, classify_footprints, instead
+// of the last two; the last two then decide the samples of mixed footprints, over the same lists.
+//
+// Lists are filled optimistically: a list that turns out too short is grown and the frame is run again; the trace does
+// no work before all lists fit. trace_queue_overflow decides the undecided pairs that found no room.
+#include "trace/frustum_tracer.hpp"
+
+namespace gnomon {
+namespace {
+
+// Gives stages that had no work the reason.
+void mark_skipped(Statistics& statistics, std::string_view stage, const std::string& why) {
+    for (StageStatistics& s : statistics.stages)
+        if (s.name == stage && s.skipped.empty()) s.skipped = why;
+}
+
+void describe_counts(const FramedInputs& in, TracedRun& run) {
+    const FrameCounters &t = run.total, &facing = run.facing;
+    const std::uint64_t in_shadow = std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace;
+    run.statistics.counts = {{"points", in.points.layout.count},
+                             {"points_absent", facing.absent},
+                             {"points_facing_away", facing.facing_away},
+                             {"points_decided_by_map", t.decided_by_map},
+                             {"points_listed", t.listed},
+                             {"points_decided_by_trace", t.decided_by_trace},
+                             {"points_decided_by_exact", t.decided_by_exact},
+                             {"points_in_shadow", in_shadow + t.decided_by_exact},
+                             {"triangles", in.triangles.count},
+                             {"frames", run.frames},
+                             {"clusters", in.triangles.clusters != nullptr ? in.triangles.clusters->count() : 0},
+                             {"clusters_outside", t.clusters_outside},
+                             {"clusters_too_far", t.clusters_too_far},
+                             {"triangles_not_finite", t.not_finite},
+                             {"triangles_edge_on", t.edge_on},
+                             {"triangles_outside", t.outside},
+                             {"triangles_kept", t.survivors - t.edge_on},
+                             {"triangles_hidden", t.hidden},
+                             {"map_candidates", t.map_candidates},
+                             {"map_texels_written", t.map_texels},
+                             {"references", t.references},
+                             {"tests", run.tests},
+                             {"uncertain_pairs", t.uncertain},
+                             {"decided_by_float", t.exact_float},
+                             {"decided_by_double", t.exact_double},
+                             {"decided_by_integers", t.exact_exact},
+                             {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
+                             {"lists_grown", run.lists_grown},
+                             {"points_sorted", run.sorted_points},
+                             {"prepared", run.used_prepared},
+                             {"prepared_fallback_points", run.fallback_points}};
+}
+
+}  // namespace
+
+void TracedRun::add(const FrameCounters& counted) {
+    add_counters(total, counted);
+    tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
+}
+
+void TracedRun::add(const TracedFrame& frame) {
+    ++frames;
+    lists_grown += frame.lists_grown;
+    maps_drawn += frame.drew_map;
+    map = frame.map;
+    add(frame.counted);
+}
+
+void FrustumTracer::set(const TracerSettings& settings) {
+    settings_ = settings;
+    map_choice_.set(settings.map_mode);
+    lists_.limit_initial_capacity(settings.first_capacity);
+    trace_.limit_initial_capacity(settings.first_capacity);
+}
+
+// ---- A frame --------------------------------------------------------------------------------------------------------
+
+TraceInputs FrustumTracer::frame_inputs(const FramedInputs& in, cl_uint frame, const cl::Buffer* map) const {
+    return {.light_frame = in.light_frame,
+            .first_frame = frame,
+            .frame_count = 1,
+            .triangles = in.triangles,
+            .points = in.points,
+            .projections = frames_.projection(),
+            .map = map,
+            .lists = list_buffers(lists_.bins(), lists_.setup()),
+            .visibility = in.visibility,
+            .counters = counters_};
+}
+
+void FrustumTracer::observe(Moment moment, const TraceInputs& inputs) {
+    if (provenance_) provenance_->record(session_, moment, inputs, trace_);
+}
+
+std::optional<FrameCounters> FrustumTracer::decide(const TraceInputs& inputs, TracedRun& run,
+                                                   FrameCounters& first_read) {
+    if (run.last_stage) {
+        run.last_stage(inputs, run.statistics);
+    } else {
+        cl::StageTimer timer(session_, run.statistics, "trace");
+        trace_.run(session_, Task::trace, inputs, frames_.blocks());
+        observe(Moment::after_trace, inputs);
+        timer.next("exact_trace");
+        trace_.decide_queue(session_, inputs);
+        observe(Moment::after_exact_trace, inputs);
+    }
+    first_read = session_.read_value<FrameCounters>(counters_);
+    if (!lists_.fitted(session_, first_read)) return {};
+    if (run.last_stage || trace_.fitted(session_, inputs.points, first_read)) return first_read;
+    observe(Moment::before_queue_overflow, inputs);
+    return run_queue_overflow(inputs, run.statistics);
+}
+
+FrameCounters FrustumTracer::run_queue_overflow(const TraceInputs& inputs, Statistics& statistics) {
+    cl::StageTimer timer(session_, statistics, "trace");
+    trace_.run(session_, Task::trace_queue_overflow, inputs, nullptr);
+    return session_.read_value<FrameCounters>(counters_);
+}
+
+TracedFrame FrustumTracer::run_frame(const FramedInputs& in, cl_uint frame, TracedRun& run, bool counters_hold_facing) {
+    if (!counters_hold_facing) clear_counters();
+    frames_.reduce_depths(session_, run.statistics, in, frame);
+    TracedFrame result;
+    const ListSettings settings = map_choice_.list_settings(in.points, frame, settings_.cover_test);
+    for (;; ++result.lists_grown) {
+        if (result.lists_grown != 0) clear_counters();
+        result.map = lists_.run(session_, run.statistics, in.light_frame, frames_.projection(), in.triangles, settings,
+                                frames_.receiver_depths(), counters_);
+        FrameCounters read{};
+        const auto counted = decide(frame_inputs(in, frame, result.map), run, read);
+        if (result.lists_grown == 0) result.first_attempt = read;
+        if (!counted) continue;
+        result.counted = *counted;
+        result.drew_map = settings.draws_map;
+        map_choice_.note(in.points, frame, settings.draws_map, *counted);
+        return result;
+    }
+}
+
+// ---- A run ----------------------------------------------------------------------------------------------------------
+
+// For a directional light on a GPU: the host reads no counters before the frame's end, since a wait there takes as long
+// as a stage. (On a CPU a wait is free, and where no point is open the other stages need not run.)
+void FrustumTracer::run_one_frame(const FramedInputs& in, TracedRun& run) {
+    frames_.start_facing(session_, run.statistics, in, counters_);
+    frames_.fit_one(session_, run.statistics, in.light_frame);
+    observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
+    const std::size_t stages = run.statistics.stages.size();
+    const TracedFrame frame = run_frame(in, 0, run, true);
+    run.facing = frame.first_attempt;
+    run.add(frame);
+    if (run.has_open_points(in.points)) return;
+    run.frames = 0;
+    run.statistics.stages.resize(stages);
+}
+
+void FrustumTracer::run_frames(const FramedInputs& in, TracedRun& run) {
+    if (frame_count_of(in.light_frame) == 1 && in.triangles.count != 0 && !session_.is_cpu())
+        return run_one_frame(in, run);
+    frames_.start_facing(session_, run.statistics, in, counters_);
+    run.facing = session_.read_value<FrameCounters>(counters_);
+    observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
+    if (in.triangles.count == 0 || !run.has_open_points(in.points)) return;
+    frames_.for_each(session_, run.statistics, in.light_frame,
+                     [&](cl_uint frame) { run.add(run_frame(in, frame, run, false)); });
+}
+
+// The points of a picture are in order. Footprints and a record of provenance keep the order of their points.
+bool FrustumTracer::may_sort(const PointInputs& points) const {
+    return points.layout.picture_width == 0 && points.footprints == nullptr && !provenance_;
+}
+
+Statistics FrustumTracer::run(const Triangles& triangles, const PointInputs& points, const Light& light,
+                              cl_mem visibility, const Decide& decide) {
+    MeasuredRun measured(session_, kept_bytes_);
+    const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), expected_count(points));
+    FramedInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
+    counters_.reserve(session_, sizeof(FrameCounters));
+    TracedRun run{measured.stages};
+    const auto sorted = may_sort(points)
+                            ? order_.sort(session_, measured.stages, settings_.sort_points, in.light_frame, points)
+                            : std::nullopt;
+    run.sorted_points = sorted.has_value();
+    if (sorted) in = {in.triangles, *sorted, in.light_frame, order_.visibility()};
+    if (points.layout.count != 0) decide ? decide(in, run) : run_frames(in, run);
+    if (sorted) order_.scatter(session_, measured.stages, points.layout.count, visibility);
+    describe_stages(in, run);
+    describe_counts(in, run);
+    return measured.finish();
+}
+
+std::vector<std::uint32_t> FrustumTracer::run_watched(const Triangles& triangles, const Points& points,
+                                                      const Light& light, const Visibility& visibility) {
+    struct Watch {
+        explicit Watch(std::optional<Provenance>& provenance) : provenance_(provenance) { provenance_.emplace(); }
+        ~Watch() { provenance_.reset(); }
+        std::optional<Provenance>& provenance_;
+    } const watch(provenance_);
+    require_run(triangles, points, light, visibility);
+    run(triangles, point_inputs(points, points.is_lifted_off(triangles)), light, visibility.buffer());
+    if (points.count() == 0) return {};
+    return provenance_->read(session_, points.count());
+}
+
+void FrustumTracer::describe_stages(const FramedInputs& in, TracedRun& run) const {
+    Statistics& s = run.statistics;
+    merge_stages(s);
+    if (run.used_prepared)
+        for (const char* stage :
+             {"light_frame", "receiver_depth_pyramid", "triangle_setup", "conservative_map", "bins"})
+            s.stages.push_back({stage, 0, 0, "prepared"});
+    if (!run.used_prepared && !map_choice_.may_draw(in.points)) {
+        const char* why = settings_.map_mode == MapMode::off ? "switched off" : "few points";
+        s.stages.push_back({"conservative_map", 0, 0, why});
+    } else if (run.frames != 0 && !run.used_prepared && run.maps_drawn == 0) {
+        s.stages.push_back({"conservative_map", 0, 0, "the last one decided too little"});
+    } else if (!run.used_prepared && run.total.map_candidates == 0) {
+        mark_skipped(s, "conservative_map", "no triangle can cover a texel");
+    }
+    if (run.total.uncertain == 0) mark_skipped(s, "exact_trace", "the filter decided every pair");
+    if (in.triangles.clusters == nullptr) s.stages.push_back({"clusters", 0, 0, "no clusters are kept"});
+    if (run.frames == 0) s.stages.push_back({"trace", 0, 0, "no point faces the light, or there are no triangles"});
+}
+
+}  // namespace gnomon
