@@ -302,10 +302,10 @@ void FrustumTraced::run_unprepared(const FramedInputs& in, RunResult& result) {
                      [&](cl_uint frame) { result.add(run_frame(in, frame, result.statistics, false)); });
 }
 
-Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Light& light,
-                              const Visibility& visibility) {
+Statistics FrustumTraced::run_light(const Triangles& triangles, const Points& points, const Light& light,
+                                    const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
-    const PointInputs inputs = point_inputs(points, points.is_lifted_off(triangles));
+    const PointInputs inputs = point_inputs(points, are_lifted_off(triangles, points));
     return run_on(triangles, inputs, light, visibility.buffer());
 }
 
@@ -351,13 +351,13 @@ Statistics FrustumTraced::run_on_footprint_lists(const Triangles& triangles, con
 // Shafts share the work of neighbouring points and lights, one light at a time that of all points, and single rays meet
 // the fewest triangles. Which takes least time depends on how large triangles are beside the distances of points and
 // lights, so `auto` measures them where that pays.
-Statistics FrustumTraced::run(const Triangles& triangles, const Points& points, const Lights& lights,
-                              const LightsOutputs& outputs, const LightsOptions& options) {
+Statistics FrustumTraced::run_table(const Triangles& triangles, const Points& points, const Lights& lights,
+                                    const LightsOutputs& outputs, const LightsOptions& options) {
     constexpr std::size_t few_lights = 4, pairs_worth_one_light = std::size_t(1) << 25;
     const bool is_auto = settings_.many_lights == ManyLightsWay::automatic;
     const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
     if (settings_.many_lights == ManyLightsWay::one_by_one || is_empty || (is_auto && lights.count() < few_lights))
-        return Technique::run(triangles, points, lights, outputs, options);
+        return Technique::run_table(triangles, points, lights, outputs, options);
     std::uint64_t kept = kept_bytes_;  // runs of one light within this one note what they keep
     MeasuredRun measured(session_, kept);
     const Triangles clustered = is_auto ? with_clusters(device_, triangles) : triangles;
@@ -536,27 +536,28 @@ std::vector<std::uint32_t> FrustumTraced::run_watched(const Triangles& triangles
         ~Watch() { provenance_.reset(); }
         std::optional<Provenance>& provenance_;
     } const watch(provenance_);
-    run(triangles, points, light, visibility);
+    run_light(triangles, points, light, visibility);
     if (points.count() == 0) return {};
     return provenance_->read(session_, points.count());
 }
 
-std::vector<std::uint8_t> FrustumTraced::diagnose(std::string_view name, const Triangles& triangles,
-                                                  const Points& points, const Light& light) {
-    if (name != "decided") return Technique::diagnose(name, triangles, points, light);
+std::vector<std::uint8_t> FrustumTraced::draw_diagnostic(std::string_view name, const Triangles& triangles,
+                                                         const Points& points, const Light& light) {
+    if (name != "decided") return Technique::draw_diagnostic(name, triangles, points, light);
     const Visibility visibility(device_, points.count());
     const std::vector<std::uint32_t> provenance = run_watched(triangles, points, light, visibility);
     return provenance_colors(provenance, visibility.read());
 }
 
 Explanation explain(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
-                    const Light& light) {
+                    const Light& light, const Facing& facing) {
     if (index >= points.count())
         throw InvalidArgument("there is no point " + std::to_string(index) + " to explain: there are " +
                               std::to_string(points.count()));
+    const Points seen = seen_from_eye(device, points, facing);
     const Visibility visibility(device, points.count());
-    const std::uint32_t provenance = FrustumTraced(device).run_watched(triangles, points, light, visibility)[index];
-    Explanation explanation = explain_signs(device, triangles, points, index, light);
+    const std::uint32_t provenance = FrustumTraced(device).run_watched(triangles, seen, light, visibility)[index];
+    Explanation explanation = explain_signs(device, triangles, seen, index, light);
     add_provenance(explanation, provenance, visibility.read()[index]);
     return explanation;
 }
@@ -565,7 +566,7 @@ Explanation explain(const Device& device, const Triangles& triangles, const Poin
 
 Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light) {
     require_light(light);
-    forget();
+    release_prepared_light();
     if (triangles.count() == 0) return {};
     MeasuredRun measured(session_, kept_bytes_);
     const FrameGrid grid = prepared_grid(session_, settings_.map_size, triangles.count(), !light.is_directional());
@@ -587,7 +588,7 @@ Statistics FrustumTraced::prepare(const Triangles& triangles, const Light& light
                             {"prepared_bytes", prepared_->bytes()}});
 }
 
-void FrustumTraced::forget() {
+void FrustumTraced::release_prepared_light() {
     const MeasuredRun freed(session_, kept_bytes_);
     prepared_.reset();
     tree_.reset();
@@ -597,7 +598,7 @@ void FrustumTraced::forget() {
 }
 
 void FrustumTraced::set(std::string_view name, std::string_view value) {
-    forget();
+    release_prepared_light();
     settings_table().set(settings_, "frustum-traced", name, value);
     lists_.limit_initial_capacity(settings_.first_capacity);
     trace_.limit_initial_capacity(settings_.first_capacity);

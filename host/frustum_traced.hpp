@@ -20,10 +20,10 @@ class FrustumTraced final : public Technique, public ClassifiesFootprints {
 public:
     explicit FrustumTraced(const Device& device) : device_(device), session_(session_of(device)) {}
     const Device& device() const override { return device_; }
-    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
-                   const Visibility& visibility) override;
-    Statistics run(const Triangles& triangles, const Points& points, const Lights& lights, const LightsOutputs& outputs,
-                   const LightsOptions& options) override;
+    Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
+                         const Visibility& visibility) override;
+    Statistics run_table(const Triangles& triangles, const Points& points, const Lights& lights,
+                         const LightsOutputs& outputs, const LightsOptions& options) override;
     Statistics classify_footprints(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
                                    const Light& light, const Visibility& answers) override;
     Statistics classify_parts(const Triangles& triangles, const Points& centres, const cl::Buffer& footprints,
@@ -31,13 +31,13 @@ public:
     Statistics trace_mixed(const Triangles& triangles, const Points& samples, const Light& light,
                            const Visibility& visibility) override;
     Statistics prepare(const Triangles& triangles, const Light& light) override;
-    void forget() override;
+    void release_prepared_light() override;
     void set(std::string_view name, std::string_view value) override;
     /// "decided": the provenance of each point. For any points, not only a camera's.
-    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
-                                       const Light& light) override;
+    std::vector<std::uint8_t> draw_diagnostic(std::string_view name, const Triangles& triangles, const Points& points,
+                                              const Light& light) override;
 
-    /// run() with a record of provenance: a PROVENANCE_... for each point.
+    /// run_light() with a record of provenance: a PROVENANCE_... for each point.
     std::vector<std::uint32_t> run_watched(const Triangles& triangles, const Points& points, const Light& light,
                                            const Visibility& visibility);
 
