@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The public functions: devices, and techniques by their names (techniques/registered.hpp lists them).
+// The public functions: devices, techniques by their names (techniques/registered.hpp lists them), and their runs.
 #include <gnomon.hpp>
 
 #include <functional>
@@ -7,11 +7,17 @@
 #include "api/inputs.hpp"
 #include "cl/session.hpp"
 #include "exact/self_check.hpp"
+#include "lights/many_lights.hpp"
+#include "receivers/given_sides.hpp"
 #include "techniques/registered.hpp"
 
 namespace gnomon {
 
-std::string_view version() { return GNOMON_VERSION; }
+#define GN_TEXT_OF(number) #number
+#define GN_VERSION_TEXT(major, minor, patch) GN_TEXT_OF(major) "." GN_TEXT_OF(minor) "." GN_TEXT_OF(patch)
+std::string_view version() { return GN_VERSION_TEXT(GNOMON_VERSION_MAJOR, GNOMON_VERSION_MINOR, GNOMON_VERSION_PATCH); }
+#undef GN_TEXT_OF
+#undef GN_VERSION_TEXT
 
 Device::Device(std::string_view selector, const DeviceOptions& options)
     : session_(open_checked(options, [found = cl::select_device(selector)](const DeviceOptions& chosen) {
@@ -52,12 +58,58 @@ Statistics Technique::prepare(const Triangles&, const Light& light) {
     return {};
 }
 
+namespace {
+
+void report(const Device& device, const RunOptions& options, double done) {
+    if (!options.progress) return;
+    device.finish();
+    if (!options.progress(done)) throw Cancelled("the run was cancelled");
+}
+
+}  // namespace
+
+Statistics Technique::run(const Triangles& triangles, const Points& points, const Light& light,
+                          const Visibility& visibility, const RunOptions& options) {
+    const GivenSides sides = given_sides(device(), triangles, points, options.facing);
+    require_apart(points, sides, visibility);
+    const Points seen = Internals::seen_from(points, sides.eye);
+    Statistics statistics = run_light(triangles, seen, light, visibility);
+    darken_backfacing(device(), triangles, points, sides, light, visibility);
+    report(device(), options, 1);
+    return statistics;
+}
+
+std::vector<Statistics> Technique::run_each_light(const Triangles& triangles, const Points& points,
+                                                  std::span<const Light> lights,
+                                                  std::span<const Visibility> visibilities, const RunOptions& options) {
+    const GivenSides sides = given_sides(device(), triangles, points, options.facing);
+    const Points seen = Internals::seen_from(points, sides.eye);
+    require_run_lights(triangles, seen, lights, visibilities);
+    for (const Visibility& visibility : visibilities) require_apart(points, sides, visibility);
+    return run_lights(triangles, seen, lights, visibilities, [&](std::size_t i) {
+        darken_backfacing(device(), triangles, points, sides, lights[i], visibilities[i]);
+        report(device(), options, double(i + 1) / double(lights.size()));
+    });
+}
+
+// The ways of a table that are not one light at a time know the other sides, and no fans.
+Statistics Technique::run_light_table(const Triangles& triangles, const Points& points, const Lights& lights,
+                                      const LightsOutputs& outputs, const RunOptions& options) {
+    const LightsOptions chosen{given_sides(device(), triangles, points, options.facing), outputs.cosines,
+                               options.progress};
+    const Points seen = Internals::seen_from(points, chosen.eye);
+    if (chosen.fans != nullptr) return Technique::run_table(triangles, seen, lights, outputs, chosen);
+    return run_table(triangles, seen, lights, outputs, chosen);
+}
+
 std::vector<Statistics> Technique::run_lights(const Triangles& triangles, const Points& points,
-                                              std::span<const Light> lights, std::span<const Visibility> visibilities) {
-    require_run_lights(triangles, points, lights, visibilities);
+                                              std::span<const Light> lights, std::span<const Visibility> visibilities,
+                                              const std::function<void(std::size_t)>& after_light) {
     std::vector<Statistics> statistics;
-    for (std::size_t i = 0; i < lights.size(); ++i)
-        statistics.push_back(run(triangles, points, lights[i], visibilities[i]));
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        statistics.push_back(run_light(triangles, points, lights[i], visibilities[i]));
+        after_light(i);
+    }
     return statistics;
 }
 
@@ -67,8 +119,14 @@ std::vector<TechniqueDescription> techniques() {
     return all;
 }
 
+std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles& triangles, const Points& points,
+                                              const Light& light, const Facing& facing) {
+    return draw_diagnostic(name, triangles, seen_from_eye(device(), points, facing), light);
+}
+
 // Presets have the diagnostics of their technique, which comes before them.
-std::vector<std::uint8_t> Technique::diagnose(std::string_view name, const Triangles&, const Points&, const Light&) {
+std::vector<std::uint8_t> Technique::draw_diagnostic(std::string_view name, const Triangles&, const Points&,
+                                                     const Light&) {
     std::string known, names;
     for (const TechniqueDescription& technique : techniques()) {
         names.clear();

@@ -46,7 +46,7 @@ gnomon_wing(exact wide soft_double accumulator det3 det3_lanes blocks cut_outs c
 gnomon_wing(lists append fill group_scan scan sort morton whole_to_float)
 gnomon_wing(api errors inputs light_and_camera parts settings_table statistics variants
             world_lattice world_lattice_mesh c_interface c_interface_lattice c_interface_lights c_interface_results c_interface_runs
-            library faults regressions leaves)
+            library faults regressions leaves waits)
 
 gnomon_wing(receivers frame_grid light_frame footprint block_bounds facing facing_cache facing_bounds facing_blocks
             facing_cpu facing_gpu given_sides vertex_fans

@@ -57,8 +57,14 @@ lines_matching "^(host|tests|tools)/.*$source" '\bstd::(ranges::)?views::' | com
 
 # One door to OpenCL.
 lines_matching "$source" '^\s*#\s*include\s*[<"]CL/' |
-    { grep -vE '^(host/(cl/|include/gnomon\.(hpp|h):)|tests/drivers/)' || true; } |
-    complain 'only host/cl, host/include/gnomon.hpp, gnomon.h and tests/drivers include OpenCL headers'
+    { grep -vE '^(host/(cl/|include/gnomon(\.h|/device\.hpp):)|tests/drivers/)' || true; } |
+    complain 'only host/cl, host/include/gnomon/device.hpp, gnomon.h and tests/drivers include OpenCL headers'
+
+# One place that waits for the device: GNOMON_TRACE marks its calls, and tests/api/waits_test.cpp counts them. (The
+# other file tries once whether a driver keeps its binaries.)
+lines_matching "^host/.*$source" '\bclFinish\s*\(|\bclWaitForEvents\s*\(|clEnqueue\w+\([^;]*CL_TRUE' |
+    { grep -vE '^host/cl/(session|program|opencl)\.[ch]pp:' || true; } |
+    complain 'only host/cl/session.cpp waits for the device'
 
 # What stands at the top is fixed, so a stray copy of a folder shows.
 printf '%s\n' "${all_files[@]}" | sed -n 's|/.*||p' | sort -u |

@@ -10,7 +10,7 @@ install(TARGETS gnomon EXPORT gnomonTargets
         LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
         RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}"
         INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
-install(FILES "${PROJECT_SOURCE_DIR}/host/include/gnomon.hpp" "${PROJECT_SOURCE_DIR}/host/include/gnomon.h" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/host/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
 install(EXPORT gnomonTargets NAMESPACE gnomon:: DESTINATION "${package_dir}")
 
 configure_package_config_file("${CMAKE_CURRENT_LIST_DIR}/gnomonConfig.cmake.in" "${PROJECT_BINARY_DIR}/gnomonConfig.cmake"

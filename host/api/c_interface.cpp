@@ -28,16 +28,12 @@ gnomon_status failed(gnomon_status status, std::string_view text, cl_int opencl_
 }
 
 DeviceOptions options_of(const gnomon_device_options* options) {
-    if (options == nullptr) return {};
-    if (options->struct_size != sizeof(gnomon_device_options))
-        throw InvalidArgument("options.struct_size is " + std::to_string(options->struct_size) +
-                              ", and this library's " + "is " + std::to_string(sizeof(gnomon_device_options)) +
-                              ": begin with GNOMON_DEVICE_OPTIONS_INIT of the gnomon.h that belongs to the library");
-    return {.profile = options->profile,
-            .memory_limit_bytes = options->memory_limit_bytes,
-            .hide_fp64 = options->hide_fp64,
-            .work_group_size = options->work_group_size,
-            .gpu_kernels = options->gpu_kernels};
+    const gnomon_device_options& from = sized_or(options, "options", GNOMON_DEVICE_OPTIONS_INIT);
+    return {.profile = from.profile,
+            .memory_limit_bytes = from.memory_limit_bytes,
+            .hide_fp64 = from.hide_fp64,
+            .work_group_size = from.work_group_size,
+            .gpu_kernels = from.gpu_kernels};
 }
 
 gnomon_device* new_device(const Device& device) {
@@ -78,6 +74,49 @@ void refuse_null(const char* argument) {
     throw InvalidArgument("the argument " + std::string(argument) + " must not be null");
 }
 
+void refuse_size(const char* argument, std::size_t given, std::size_t own) {
+    throw InvalidArgument(std::string(argument) + ".struct_size is " + std::to_string(given) +
+                          ", and this library's is " + std::to_string(own) +
+                          ": begin with the GNOMON_..._INIT of the gnomon.h that belongs to the library");
+}
+
+namespace {
+
+Facing facing_of(const gnomon_facing& from, const Points& points) {
+    switch (from.kind) {
+        case GNOMON_FACING_AUTOMATIC:
+            return Facing::automatic();
+        case GNOMON_FACING_NONE:
+            return Facing::none();
+        case GNOMON_FACING_EYE:
+            return Facing::eye(float3_at(from.eye, "facing.eye"));
+        case GNOMON_FACING_NORMALS:
+            if (from.normals != nullptr)
+                return Facing::normals(array(from.normals, points.count(), 3, "facing.normals"));
+            if (from.normals_buffer == nullptr && points.count() != 0) refuse_null("facing.normals_buffer");
+            return Facing::normals(from.normals_buffer, layout_or_packed(from.normals_layout));
+        case GNOMON_FACING_WINDING:
+            return Facing::winding();
+        case GNOMON_FACING_FANS:
+            return Facing::fans(at(from.fans, "facing.fans").fans,
+                                from.up == nullptr ? std::nullopt : std::optional(float3_at(from.up, "facing.up")));
+        default:
+            throw InvalidArgument("facing.kind is none of GNOMON_FACING_...: " + std::to_string(from.kind));
+    }
+}
+
+}  // namespace
+
+RunOptions run_options_at(const gnomon_run_options* options, const Points& points) {
+    const gnomon_run_options& from = sized_or(options, "options", GNOMON_RUN_OPTIONS_INIT);
+    RunOptions made{.facing = facing_of(from.facing, points)};
+    if (from.progress != nullptr)
+        made.progress = [progress = from.progress, user_data = from.user_data](double done) {
+            return progress(done, user_data) == 0;
+        };
+    return made;
+}
+
 Camera camera_at(const gnomon_camera* camera) {
     const gnomon_camera& from = at(camera, "camera");
     return {.eye = float3_at(from.eye, "eye"),
@@ -90,6 +129,7 @@ Camera camera_at(const gnomon_camera* camera) {
 std::vector<CutOutMaterial> materials_at(const gnomon_cut_out_material* materials, std::size_t count) {
     std::vector<CutOutMaterial> all;
     for (const gnomon_cut_out_material& from : array(materials, count, 1, "materials")) {
+        sized_at(&from, "materials[i]");
         if (std::max(from.wrap_u, from.wrap_v) > GNOMON_WRAP_CLAMP || from.filter > GNOMON_FILTER_LINEAR)
             throw InvalidArgument("materials[" + std::to_string(all.size()) +
                                   "] has a wrap or a filter that is none: begin with GNOMON_CUT_OUT_MATERIAL_INIT");
@@ -101,6 +141,7 @@ std::vector<CutOutMaterial> materials_at(const gnomon_cut_out_material* material
 
 CutOutsArgument::CutOutsArgument(const gnomon_cut_outs* from, std::size_t count) : is_given_(from != nullptr) {
     if (!is_given_) return;
+    sized_at(from, "cut_outs");
     materials_ = materials_at(from->materials, from->material_count);
     for (const gnomon_alpha_texture& texture : array(from->textures, from->texture_count, 1, "textures"))
         textures_.push_back({texture.width,
@@ -113,11 +154,11 @@ CutOutsArgument::CutOutsArgument(const gnomon_cut_outs* from, std::size_t count)
                  optional(from->texture_coordinates, 6), optional(from->corner_alphas, 3), materials_, textures_};
 }
 
-std::vector<Visibility> visibilities_at(const gnomon_visibility* const* visibilities, std::size_t count) {
-    std::vector<Visibility> all;
-    for (const gnomon_visibility* one : array(visibilities, count, 1, "visibilities"))
-        all.push_back(at(one, "visibilities[i]").visibility);
-    return all;
+LightVisibilities::LightVisibilities(const gnomon_light_visibility* pairs, std::size_t count) {
+    for (const gnomon_light_visibility& pair : array(pairs, count, 1, "lights")) {
+        lights.push_back(light_of(pair.light));
+        visibilities.push_back(at(pair.visibility, "lights[i].visibility").visibility);
+    }
 }
 
 std::vector<Light> lights_at(const gnomon_light* lights, std::size_t count) {
@@ -173,9 +214,9 @@ gnomon_status gnomon_light_directional(const float direction[3], gnomon_light* l
     });
 }
 
-gnomon_status gnomon_light_positional(const float position[3], gnomon_light* light_out) {
+gnomon_status gnomon_light_point(const float position[3], gnomon_light* light_out) {
     return guarded([&] {
-        const Light light = Light::positional(float3_at(position, "position"));
+        const Light light = Light::point(float3_at(position, "position"));
         std::copy_n(light.xyzw.begin(), 4, at(light_out, "light_out").xyzw);
     });
 }
@@ -196,7 +237,7 @@ gnomon_status gnomon_camera_look_at(const float eye[3], const float target[3], c
 
 // ---- Devices --------------------------------------------------------------------------------------------------------
 
-gnomon_status gnomon_load_opencl(const char* library) {
+gnomon_status gnomon_opencl_load(const char* library) {
     return guarded([&] { load_opencl(library == nullptr ? "" : library); });
 }
 
@@ -259,7 +300,7 @@ gnomon_status gnomon_triangles_share(const gnomon_device* device, const float* v
                 [&](const Device& on) { return Triangles::share(on, array(vertices, count, 9, "vertices")); });
 }
 
-gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t first_float, size_t count,
+gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t count, size_t first_float,
                                     gnomon_triangles** triangles_out) {
     return made(device, triangles_out, "triangles_out",
                 [&](const Device& on) { return Triangles::wrap(on, vertices, count, first_float); });
@@ -276,20 +317,19 @@ gnomon_status gnomon_triangles_upload_cut_outs(const gnomon_device* device, cons
     });
 }
 
-gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem vertices, size_t first_float,
-                                             size_t count, const gnomon_cut_out_buffers* cut_outs,
+gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem vertices, size_t count,
+                                             size_t first_float, const gnomon_cut_out_buffers* cut_outs,
                                              gnomon_triangles** triangles_out) {
     return made(device, triangles_out, "triangles_out", [&](const Device& on) {
         at(vertices, "vertices");
-        const gnomon_cut_out_buffers& from = at(cut_outs, "cut_outs");
+        const gnomon_cut_out_buffers& from = sized_at(cut_outs, "cut_outs");
         const std::vector<CutOutMaterial> materials = materials_at(from.materials, from.material_count);
         std::vector<CutOutBuffers::Texture> textures;
         for (const gnomon_alpha_texture_buffer& texture : array(from.textures, from.texture_count, 1, "textures"))
             textures.push_back({texture.width, texture.height, &at(texture.alpha, "textures[i].alpha")});
         return Triangles::copy(
-            on, vertices, count,
-            {from.material_of_triangle, from.texture_coordinates, from.corner_alphas, materials, textures},
-            first_float);
+            on, vertices, count, first_float,
+            {from.material_of_triangle, from.texture_coordinates, from.corner_alphas, materials, textures});
     });
 }
 
@@ -309,10 +349,6 @@ gnomon_status gnomon_triangles_keep_clusters(gnomon_triangles* triangles, cl_eve
     });
 }
 
-gnomon_status gnomon_triangles_forget_clusters(gnomon_triangles* triangles) {
-    return guarded([&] { at(triangles, "triangles").triangles.forget_clusters(); });
-}
-
 gnomon_status gnomon_triangles_count(const gnomon_triangles* triangles, size_t* count_out) {
     return guarded([&] { at(count_out, "count_out") = at(triangles, "triangles").triangles.count(); });
 }
@@ -327,16 +363,16 @@ gnomon_status gnomon_triangles_buffer(const gnomon_triangles* triangles, cl_mem*
 
 // ---- Points ---------------------------------------------------------------------------------------------------------
 
-gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, const uint32_t* receivers,
-                                   size_t count, gnomon_points** points_out) {
+gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, size_t count,
+                                   const uint32_t* receivers, gnomon_points** points_out) {
     return made(device, points_out, "points_out", [&](const Device& on) {
         const auto ids = array(receivers, receivers == nullptr ? 0 : count, 1, "receivers");
         return Points::upload(on, array(positions, count, 3, "positions"), ids);
     });
 }
 
-gnomon_status gnomon_points_share(const gnomon_device* device, const float* positions, const uint32_t* receivers,
-                                  size_t count, gnomon_points** points_out) {
+gnomon_status gnomon_points_share(const gnomon_device* device, const float* positions, size_t count,
+                                  const uint32_t* receivers, gnomon_points** points_out) {
     return made(device, points_out, "points_out", [&](const Device& on) {
         const auto ids = array(receivers, receivers == nullptr ? 0 : count, 1, "receivers");
         return Points::share(on, array(positions, count, 3, "positions"), ids);
@@ -344,7 +380,7 @@ gnomon_status gnomon_points_share(const gnomon_device* device, const float* posi
 }
 
 gnomon_status gnomon_points_wrap(const gnomon_device* device, cl_mem positions, const gnomon_point_layout* layout,
-                                 cl_mem receivers, size_t count, gnomon_points** points_out) {
+                                 size_t count, cl_mem receivers, gnomon_points** points_out) {
     return made(device, points_out, "points_out", [&](const Device& on) {
         return Points::wrap(on, positions, layout_or_packed(layout), count, receivers);
     });
@@ -352,17 +388,16 @@ gnomon_status gnomon_points_wrap(const gnomon_device* device, cl_mem positions, 
 
 void gnomon_points_destroy(gnomon_points* points) { delete points; }
 
-gnomon_status gnomon_points_set_eye(gnomon_points* points, const float eye[3]) {
-    return guarded([&] { at(points, "points").points.set_eye(float3_at(eye, "eye")); });
-}
-
 gnomon_status gnomon_points_set_camera(gnomon_points* points, const gnomon_camera* camera, uint32_t width,
                                        uint32_t height) {
     return guarded([&] { at(points, "points").points.set_camera(camera_at(camera), width, height); });
 }
 
-gnomon_status gnomon_points_set_lifted_off(gnomon_points* points, const gnomon_triangles* triangles) {
-    return guarded([&] { at(points, "points").points.set_lifted_off(at(triangles, "triangles").triangles); });
+gnomon_status gnomon_points_set_lifted_off(gnomon_points* points, const gnomon_triangles* triangles,
+                                           const float eye[3]) {
+    return guarded([&] {
+        at(points, "points").points.set_lifted_off(at(triangles, "triangles").triangles, float3_at(eye, "eye"));
+    });
 }
 
 gnomon_status gnomon_points_count(const gnomon_points* points, size_t* count_out) {
@@ -386,14 +421,14 @@ gnomon_status gnomon_points_receivers(const gnomon_points* points, cl_mem* buffe
 gnomon_status gnomon_points_read(const gnomon_points* points, float* positions_out, uint32_t* receivers_out) {
     return guarded([&] {
         const gnomon_points& from = at(points, "points");
-        const PointsOnHost host = read(from.device, from.points);
+        const PointsOnHost host = from.points.read(from.device);
         if (positions_out != nullptr) std::copy(host.position.begin(), host.position.end(), positions_out);
         if (receivers_out != nullptr) std::copy(host.receiver.begin(), host.receiver.end(), receivers_out);
     });
 }
 
-gnomon_status gnomon_lift(const gnomon_triangles* triangles, const gnomon_points* points, const float eye[3],
-                          gnomon_points** lifted_out, cl_event* event_out) {
+gnomon_status gnomon_points_lift(const gnomon_points* points, const gnomon_triangles* triangles, const float eye[3],
+                                 gnomon_points** lifted_out, cl_event* event_out) {
     return guarded([&] {
         WorkResults results(event_out);
         gnomon_points*& out = result_at(lifted_out, "lifted_out");
@@ -412,10 +447,10 @@ gnomon_status gnomon_visibility_create(const gnomon_device* device, size_t count
     return made(device, visibility_out, "visibility_out", [&](const Device& on) { return Visibility(on, count); });
 }
 
-gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer, size_t first_float, size_t count,
+gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer, size_t count, size_t first_float,
                                      gnomon_visibility** visibility_out) {
     return made(device, visibility_out, "visibility_out",
-                [&](const Device& on) { return Visibility(on, buffer, count, first_float); });
+                [&](const Device& on) { return Visibility::wrap(on, buffer, count, first_float); });
 }
 
 gnomon_status gnomon_visibility_share(const gnomon_device* device, float* values, size_t count,

@@ -116,6 +116,22 @@ std::array<T, size> values_at(const T* values, const char* argument) {
 }
 inline Float3 float3_at(const float* values, const char* argument) { return values_at<float, 3>(values, argument); }
 
+[[noreturn]] void refuse_size(const char* argument, std::size_t given, std::size_t own);
+
+/// A struct that begins with its size.
+template <typename T>
+const T& sized_at(const T* given, const char* argument) {
+    if (at(given, argument).struct_size != sizeof(T)) refuse_size(argument, given->struct_size, sizeof(T));
+    return *given;
+}
+/// The same where NULL stands for the defaults.
+template <typename T>
+T sized_or(const T* given, const char* argument, const T& defaults) {
+    return given == nullptr ? defaults : sized_at(given, argument);
+}
+
+RunOptions run_options_at(const gnomon_run_options* options, const Points& points);
+
 std::vector<CutOutMaterial> materials_at(const gnomon_cut_out_material* materials, std::size_t count);
 
 /// The cut-outs of `count` triangles in the caller's arrays; none if `from` is null.
@@ -133,6 +149,19 @@ private:
     CutOuts cut_outs_;
 };
 
+/// A scene in the caller's arrays.
+class HostSceneArgument {
+public:
+    explicit HostSceneArgument(const gnomon_host_scene* scene)
+        : vertices_(array(sized_at(scene, "scene").vertices, scene->count, 9, "scene.vertices")),
+          cut_outs_(scene->cut_outs, scene->count) {}
+    SceneOnHost get() const { return {vertices_, cut_outs_.get()}; }
+
+private:
+    std::span<const float> vertices_;
+    CutOutsArgument cut_outs_;
+};
+
 inline Light light_of(const gnomon_light& light) { return {values_at<float, 4>(light.xyzw, "light")}; }
 inline PointLayout layout_or_packed(const gnomon_point_layout* layout) {
     if (layout == nullptr) return {};
@@ -140,9 +169,14 @@ inline PointLayout layout_or_packed(const gnomon_point_layout* layout) {
 }
 Camera camera_at(const gnomon_camera* camera);
 
-/// The objects behind an array of handles.
-std::vector<Visibility> visibilities_at(const gnomon_visibility* const* visibilities, std::size_t count);
 std::vector<Light> lights_at(const gnomon_light* lights, std::size_t count);
+
+/// An array of pairs, as two.
+struct LightVisibilities {
+    LightVisibilities(const gnomon_light_visibility* pairs, std::size_t count);
+    std::vector<Light> lights;
+    std::vector<Visibility> visibilities;
+};
 
 gnomon_device_description description_of(const DeviceDescription& description);
 

@@ -18,19 +18,6 @@ gnomon_status made_lights(gnomon_lights** lights_out, const Make& make) {
 
 const Lights& table_at(const gnomon_lights* lights) { return at(lights, "lights").table; }
 
-LightsOptions options_of(const gnomon_lights_options* options) {
-    if (options == nullptr) return {};
-    LightsOptions made{.front = options->front,
-                       .normals = options->normals,
-                       .normals_layout = layout_or_packed(options->normals_layout),
-                       .cosines = options->cosines};
-    if (options->progress != nullptr)
-        made.progress = [progress = options->progress, user_data = options->user_data](double done) {
-            return progress(done, user_data) == 0;
-        };
-    return made;
-}
-
 template <typename T>
 void copy(const std::vector<T>& from, T* to) {
     if (to != nullptr) std::copy(from.begin(), from.end(), to);
@@ -89,38 +76,42 @@ gnomon_status gnomon_lights_rounding(const gnomon_lights* lights, int32_t* expon
     });
 }
 
-gnomon_status gnomon_technique_run_table(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                         const gnomon_points* points, const gnomon_lights* lights,
-                                         const gnomon_lights_buffers* outputs, const gnomon_lights_options* options,
-                                         const gnomon_statistics** statistics_out) {
+gnomon_status gnomon_technique_run_light_table(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                               const gnomon_points* points, const gnomon_lights* lights,
+                                               const gnomon_light_table_buffers* outputs,
+                                               const gnomon_run_options* options,
+                                               const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(nullptr, statistics_out);
         const gnomon_technique& with = at(technique, "technique");
-        const gnomon_lights_buffers& to = at(outputs, "outputs");
-        results.finish(
-            with.device,
-            with.technique->run(at(triangles, "triangles").triangles, at(points, "points").points, table_at(lights),
-                                {to.bits, to.counts, to.sums, to.first_lit, to.last_lit}, options_of(options)));
+        const gnomon_light_table_buffers& to = sized_at(outputs, "outputs");
+        const Points& of = at(points, "points").points;
+        results.finish(with.device, with.technique->run_light_table(
+                                        at(triangles, "triangles").triangles, of, table_at(lights),
+                                        {to.bits, to.counts, to.sums, to.first_lit, to.last_lit, to.cosines},
+                                        run_options_at(options, of)));
     });
 }
 
-gnomon_status gnomon_technique_run_table_to_host(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                                 const gnomon_points* points, const gnomon_lights* lights,
-                                                 const gnomon_lights_arrays* outputs,
-                                                 const gnomon_lights_options* options,
-                                                 const gnomon_statistics** statistics_out) {
+gnomon_status gnomon_technique_run_light_table_to_host(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                                       const gnomon_points* points, const gnomon_lights* lights,
+                                                       const gnomon_light_table_arrays* outputs,
+                                                       const gnomon_run_options* options,
+                                                       const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(nullptr, statistics_out);
         const gnomon_technique& with = at(technique, "technique");
-        const gnomon_lights_arrays& to = at(outputs, "outputs");
-        LightsOnHost found = run_lights_to_host(*with.technique, at(triangles, "triangles").triangles,
-                                                at(points, "points").points, table_at(lights),
-                                                {.bits = to.bits != nullptr,
-                                                 .counts = to.counts != nullptr,
-                                                 .sums = to.sums != nullptr,
-                                                 .first_lit = to.first_lit != nullptr,
-                                                 .last_lit = to.last_lit != nullptr},
-                                                options_of(options));
+        const gnomon_light_table_arrays& to = sized_at(outputs, "outputs");
+        const Points& of = at(points, "points").points;
+        LightsOnHost found =
+            run_light_table_to_host(*with.technique, at(triangles, "triangles").triangles, of, table_at(lights),
+                                    {.bits = to.bits != nullptr,
+                                     .counts = to.counts != nullptr,
+                                     .sums = to.sums != nullptr,
+                                     .first_lit = to.first_lit != nullptr,
+                                     .last_lit = to.last_lit != nullptr,
+                                     .cosines = to.cosines},
+                                    run_options_at(options, of));
         results.finish(with.device, std::move(found.statistics));
         copy(found.bits, to.bits);
         copy(found.counts, to.counts);
@@ -132,13 +123,14 @@ gnomon_status gnomon_technique_run_table_to_host(gnomon_technique* technique, co
 
 gnomon_status gnomon_technique_run_mean(gnomon_technique* technique, const gnomon_triangles* triangles,
                                         const gnomon_points* points, const gnomon_lights* lights,
-                                        const gnomon_visibility* mean, const gnomon_lights_options* options,
+                                        const gnomon_visibility* mean, const gnomon_run_options* options,
                                         cl_event* event_out, const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
         const gnomon_technique& with = at(technique, "technique");
+        const Points& of = at(points, "points").points;
         results.finish(with.device,
-                       run_mean(*with.technique, at(triangles, "triangles").triangles, at(points, "points").points,
-                                table_at(lights), at(mean, "mean").visibility, options_of(options)));
+                       run_mean(*with.technique, at(triangles, "triangles").triangles, of, table_at(lights),
+                                at(mean, "mean").visibility, run_options_at(options, of)));
     });
 }

@@ -162,13 +162,13 @@ void gnomon_statistics_destroy(const gnomon_statistics* statistics) {
     delete static_cast<const OwnedStatistics*>(statistics);
 }
 
-gnomon_status gnomon_devices(const gnomon_device_list** list_out) {
+gnomon_status gnomon_devices_list(const gnomon_device_list** list_out) {
     return result_of(list_out, "list_out", [&] { return new OwnedDevices; });
 }
 
 void gnomon_device_list_destroy(const gnomon_device_list* list) { delete static_cast<const OwnedDevices*>(list); }
 
-gnomon_status gnomon_techniques(const gnomon_technique_list** list_out) {
+gnomon_status gnomon_techniques_list(const gnomon_technique_list** list_out) {
     return result_of(list_out, "list_out", [&] { return new OwnedTechniques; });
 }
 
@@ -176,12 +176,13 @@ void gnomon_technique_list_destroy(const gnomon_technique_list* list) {
     delete static_cast<const OwnedTechniques*>(list);
 }
 
-gnomon_status gnomon_explain(const gnomon_triangles* triangles, const gnomon_points* points, size_t index,
-                             gnomon_light light, const gnomon_explanation** explanation_out) {
+gnomon_status gnomon_points_explain(const gnomon_points* points, const gnomon_triangles* triangles, size_t index,
+                                    gnomon_light light, const gnomon_run_options* options,
+                                    const gnomon_explanation** explanation_out) {
     return result_of(explanation_out, "explanation_out", [&] {
         const gnomon_points& of = at(points, "points");
-        return new OwnedExplanation(
-            explain(of.device, at(triangles, "triangles").triangles, of.points, index, light_of(light)));
+        return new OwnedExplanation(explain(of.device, at(triangles, "triangles").triangles, of.points, index,
+                                            light_of(light), run_options_at(options, of.points).facing));
     });
 }
 
@@ -189,14 +190,13 @@ void gnomon_explanation_destroy(const gnomon_explanation* explanation) {
     delete static_cast<const OwnedExplanation*>(explanation);
 }
 
-gnomon_status gnomon_look_in_parts(const gnomon_device* device, const float* vertices, size_t count,
-                                   const gnomon_cut_outs* cut_outs, const gnomon_camera* camera, uint32_t width,
-                                   uint32_t height, const gnomon_view_of_parts** view_out) {
+gnomon_status gnomon_host_scene_look(const gnomon_device* device, const gnomon_host_scene* scene,
+                                     const gnomon_camera* camera, uint32_t width, uint32_t height,
+                                     const gnomon_view_of_parts** view_out) {
     return result_of(view_out, "view_out", [&] {
         const Device& on = at(device, "device").device;
-        const CutOutsArgument masks(cut_outs, count);
-        return new OwnedViewOfParts(on, look_in_parts(on, array(vertices, count, 9, "vertices"), camera_at(camera),
-                                                      width, height, masks.get()));
+        const HostSceneArgument on_host(scene);
+        return new OwnedViewOfParts(on, look_in_parts(on, on_host.get(), camera_at(camera), width, height));
     });
 }
 

@@ -54,25 +54,30 @@ gnomon_status gnomon_technique_set(gnomon_technique* technique, const char* name
 
 gnomon_status gnomon_technique_run(gnomon_technique* technique, const gnomon_triangles* triangles,
                                    const gnomon_points* points, gnomon_light light, const gnomon_visibility* visibility,
-                                   cl_event* event_out, const gnomon_statistics** statistics_out) {
+                                   const gnomon_run_options* options, cl_event* event_out,
+                                   const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
-        results.finish(at(technique, "technique").device,
-                       technique_at(technique).run(at(triangles, "triangles").triangles, at(points, "points").points,
-                                                   light_of(light), at(visibility, "visibility").visibility));
+        Technique& with = technique_at(technique);
+        const Points& of = at(points, "points").points;
+        results.finish(technique->device,
+                       with.run(at(triangles, "triangles").triangles, of, light_of(light),
+                                at(visibility, "visibility").visibility, run_options_at(options, of)));
     });
 }
 
-gnomon_status gnomon_technique_run_lights(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                          const gnomon_points* points, const gnomon_light* lights,
-                                          const gnomon_visibility* const* visibilities, size_t count,
-                                          cl_event* event_out, const gnomon_statistics** statistics_out) {
+gnomon_status gnomon_technique_run_each_light(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                              const gnomon_points* points, const gnomon_light_visibility* lights,
+                                              size_t count, const gnomon_run_options* options, cl_event* event_out,
+                                              const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(event_out);
         if (statistics_out != nullptr) std::fill_n(statistics_out, count, nullptr);
-        std::vector<Statistics> statistics =
-            technique_at(technique).run_lights(at(triangles, "triangles").triangles, at(points, "points").points,
-                                               lights_at(lights, count), visibilities_at(visibilities, count));
+        Technique& with = technique_at(technique);
+        const Points& of = at(points, "points").points;
+        const LightVisibilities pairs(lights, count);
+        std::vector<Statistics> statistics = with.run_each_light(at(triangles, "triangles").triangles, of, pairs.lights,
+                                                                 pairs.visibilities, run_options_at(options, of));
         std::vector<StatisticsPointer> shown;
         if (statistics_out != nullptr)
             for (Statistics& one : statistics) shown.emplace_back(new_statistics(std::move(one)));
@@ -91,55 +96,23 @@ gnomon_status gnomon_technique_prepare(gnomon_technique* technique, const gnomon
     });
 }
 
-gnomon_status gnomon_technique_forget(gnomon_technique* technique) {
-    return guarded([&] { technique_at(technique).forget(); });
+gnomon_status gnomon_technique_release_prepared_light(gnomon_technique* technique) {
+    return guarded([&] { technique_at(technique).release_prepared_light(); });
 }
 
 gnomon_status gnomon_technique_diagnose(gnomon_technique* technique, const char* name,
                                         const gnomon_triangles* triangles, const gnomon_points* points,
-                                        gnomon_light light, uint8_t* rgba_out) {
+                                        gnomon_light light, const gnomon_run_options* options, uint8_t* rgba_out) {
     return guarded([&] {
-        const std::vector<std::uint8_t> drawn = technique_at(technique).diagnose(
-            &at(name, "name"), at(triangles, "triangles").triangles, at(points, "points").points, light_of(light));
+        Technique& with = technique_at(technique);
+        const Points& of = at(points, "points").points;
+        const std::vector<std::uint8_t> drawn = with.diagnose(&at(name, "name"), at(triangles, "triangles").triangles,
+                                                              of, light_of(light), run_options_at(options, of).facing);
         std::copy(drawn.begin(), drawn.end(), &at(rgba_out, "rgba_out"));
     });
 }
 
-// ---- Facing by a side that the caller gives -------------------------------------------------------------------------
-
-gnomon_status gnomon_face_by_normals(const gnomon_points* points, const float* normals, gnomon_light light,
-                                     const gnomon_visibility* visibility, cl_event* event_out) {
-    return guarded([&] {
-        WorkResults results(event_out);
-        const gnomon_points& of = at(points, "points");
-        face_by_normals(of.device, of.points, array(normals, of.points.count(), 3, "normals"), light_of(light),
-                        at(visibility, "visibility").visibility);
-        results.finish(of.device);
-    });
-}
-
-gnomon_status gnomon_face_by_normals_buffer(const gnomon_points* points, cl_mem normals,
-                                            const gnomon_point_layout* layout, gnomon_light light,
-                                            const gnomon_visibility* visibility, cl_event* event_out) {
-    return guarded([&] {
-        WorkResults results(event_out);
-        const gnomon_points& of = at(points, "points");
-        face_by_normals(of.device, of.points, normals, layout_or_packed(layout), light_of(light),
-                        at(visibility, "visibility").visibility);
-        results.finish(of.device);
-    });
-}
-
-gnomon_status gnomon_face_by_winding(const gnomon_triangles* triangles, const gnomon_points* points, gnomon_light light,
-                                     const gnomon_visibility* visibility, cl_event* event_out) {
-    return guarded([&] {
-        WorkResults results(event_out);
-        const gnomon_points& of = at(points, "points");
-        face_by_winding(of.device, at(triangles, "triangles").triangles, of.points, light_of(light),
-                        at(visibility, "visibility").visibility);
-        results.finish(of.device);
-    });
-}
+// ---- Facing ---------------------------------------------------------------------------------------------------------
 
 gnomon_status gnomon_vertex_fans_find(const gnomon_device* device, const float* vertices, size_t triangle_count,
                                       const float* points, size_t count, gnomon_vertex_fans** fans_out) {
@@ -162,23 +135,11 @@ gnomon_status gnomon_vertex_fans_extended(const gnomon_vertex_fans* fans, uint64
     return guarded([&] { at(count_out, "count_out") = at(fans, "fans").fans.extended(); });
 }
 
-gnomon_status gnomon_face_by_fans(const gnomon_triangles* triangles, const gnomon_vertex_fans* fans, gnomon_light light,
-                                  const float* up, const gnomon_visibility* visibility, cl_event* event_out) {
-    return guarded([&] {
-        WorkResults results(event_out);
-        const gnomon_triangles& mesh = at(triangles, "triangles");
-        face_by_fans(mesh.device, mesh.triangles, at(fans, "fans").fans, light_of(light),
-                     at(visibility, "visibility").visibility,
-                     up == nullptr ? std::nullopt : std::optional(float3_at(up, "up")));
-        results.finish(mesh.device);
-    });
-}
-
 // ---- Views ----------------------------------------------------------------------------------------------------------
 
-gnomon_status gnomon_look(const gnomon_device* device, const gnomon_triangles* triangles, const gnomon_camera* camera,
-                          uint32_t width, uint32_t height, gnomon_view** view_out, cl_event* event_out,
-                          const gnomon_statistics** statistics_out) {
+gnomon_status gnomon_view_look(const gnomon_device* device, const gnomon_triangles* triangles,
+                               const gnomon_camera* camera, uint32_t width, uint32_t height, gnomon_view** view_out,
+                               cl_event* event_out, const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
         gnomon_view*& out = result_at(view_out, "view_out");
@@ -197,26 +158,26 @@ gnomon_status gnomon_view_read(const gnomon_view* view, const gnomon_triangles* 
                                float* normals_out, uint32_t* receivers_out) {
     return guarded([&] {
         const gnomon_view& of = at(view, "view");
-        const ViewOnHost host = read(of.device, at(triangles, "triangles").triangles, of.view);
+        const ViewOnHost host = of.view.read(of.device, at(triangles, "triangles").triangles);
         if (positions_out != nullptr) std::copy(host.position.begin(), host.position.end(), positions_out);
         if (normals_out != nullptr) std::copy(host.normal.begin(), host.normal.end(), normals_out);
         if (receivers_out != nullptr) std::copy(host.receiver.begin(), host.receiver.end(), receivers_out);
     });
 }
 
-gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles* triangles, const gnomon_light* lights,
-                                const gnomon_visibility* const* visibilities, size_t light_count,
+gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles* triangles,
+                                const gnomon_light_visibility* lights, size_t light_count,
                                 const gnomon_materials* materials, uint8_t* rgba_out) {
     return guarded([&] {
         const gnomon_view& of = at(view, "view");
-        const gnomon_materials& from = at(materials, "materials");
+        const gnomon_materials& from = sized_at(materials, "materials");
         const auto ids = array(from.triangle_material, from.triangle_count, 1, "materials.triangle_material");
         const auto colors = array(from.base_color, from.material_count, 3, "materials.base_color");
         Materials copied{{ids.begin(), ids.end()}, std::vector<Float3>(from.material_count)};
         for (std::size_t i = 0; i < colors.size(); ++i) copied.base_color[i / 3][i % 3] = colors[i];
+        const LightVisibilities pairs(lights, light_count);
         const std::vector<std::uint8_t> picture =
-            shade(of.device, at(triangles, "triangles").triangles, of.view, visibilities_at(visibilities, light_count),
-                  copied, lights_at(lights, light_count));
+            shade(of.device, at(triangles, "triangles").triangles, of.view, pairs.visibilities, copied, pairs.lights);
         std::copy(picture.begin(), picture.end(), &at(rgba_out, "rgba_out"));
     });
 }
@@ -251,40 +212,43 @@ gnomon_status gnomon_sample_pattern(uint32_t samples, gnomon_sample_offset* offs
     });
 }
 
-gnomon_status gnomon_run_samples(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                 const gnomon_view* view, gnomon_light light, uint32_t samples,
-                                 const gnomon_visibility* mean, gnomon_sample_sink sink, void* user_data,
-                                 cl_event* event_out, const gnomon_statistics** statistics_out) {
+gnomon_status gnomon_technique_run_samples(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                           const gnomon_view* view, gnomon_light light, const gnomon_visibility* mean,
+                                           const gnomon_samples_options* options, cl_event* event_out,
+                                           const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(event_out, statistics_out);
+        const gnomon_samples_options& chosen = sized_or(options, "options", GNOMON_SAMPLES_OPTIONS_INIT);
         Technique& with = technique_at(technique);
         const Device& on = technique->device;
         SampleSink forward;
-        if (sink != nullptr)
+        if (chosen.sink != nullptr)
             forward = [&](const Points& points) {
                 const gnomon_points shown{on, points};
-                if (sink(&shown, user_data) != 0) throw Stopped();
+                if (chosen.sink(&shown, chosen.user_data) != 0) throw Stopped();
             };
-        results.finish(on, run_samples(with, on, at(triangles, "triangles").triangles, at(view, "view").view,
-                                       light_of(light), samples, at(mean, "mean").visibility, forward));
+        results.finish(on, run_samples(with, at(triangles, "triangles").triangles, at(view, "view").view,
+                                       light_of(light), chosen.samples, at(mean, "mean").visibility, forward));
     });
 }
 
 // ---- Scenes larger than the device's memory -------------------------------------------------------------------------
 
-gnomon_status gnomon_run_in_parts(const gnomon_device* device, const char* technique, const gnomon_setting* settings,
-                                  size_t setting_count, const float* vertices, size_t count,
-                                  const gnomon_cut_outs* cut_outs, const gnomon_points* points, const uint32_t* ids,
-                                  size_t id_count, gnomon_light light, const gnomon_visibility* visibility,
-                                  const gnomon_statistics** statistics_out) {
+gnomon_status gnomon_host_scene_run(const gnomon_device* device, const gnomon_host_scene* scene,
+                                    const gnomon_points* points, gnomon_light light,
+                                    const gnomon_visibility* visibility, const gnomon_host_scene_options* options,
+                                    const gnomon_statistics** statistics_out) {
     return guarded([&] {
         WorkResults results(nullptr, statistics_out);
         const Device& on = at(device, "device").device;
-        const auto chosen = array(settings, setting_count, 1, "settings");
-        const CutOutsArgument masks(cut_outs, count);
-        results.finish(on, run_in_parts([&] { return make_with_settings(on, technique, chosen); }, on,
-                                        array(vertices, count, 9, "vertices"), at(points, "points").points,
-                                        array(ids, ids == nullptr ? 0 : id_count, 1, "ids"), light_of(light),
-                                        at(visibility, "visibility").visibility, masks.get()));
+        const Points& of = at(points, "points").points;
+        const gnomon_host_scene_options& chosen = sized_or(options, "options", GNOMON_HOST_SCENE_OPTIONS_INIT);
+        const char* name = chosen.technique != nullptr ? chosen.technique : "frustum-traced";
+        const auto settings = array(chosen.settings, chosen.setting_count, 1, "settings");
+        const HostSceneArgument on_host(scene);
+        results.finish(
+            on, run_in_parts([&] { return make_with_settings(on, name, settings); }, on, on_host.get(), of,
+                             array(chosen.ids, chosen.ids == nullptr ? 0 : chosen.id_count, 1, "ids"), light_of(light),
+                             at(visibility, "visibility").visibility, run_options_at(chosen.run, of)));
     });
 }

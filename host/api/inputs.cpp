@@ -51,10 +51,7 @@ std::vector<Value> values_of(const Device& device, cl_mem memory, std::size_t co
     require_context(device, memory, what);
     require_values<Value>(memory, count, what, first);
     std::vector<Value> values(count);
-    if (count != 0)
-        cl::check(clEnqueueReadBuffer(device.queue(), memory, CL_TRUE, first * sizeof(Value), count * sizeof(Value),
-                                      values.data(), 0, nullptr, nullptr),
-                  std::string("reading the ") + what + " buffer");
+    session_of(device).read(memory, values.data(), count * sizeof(Value), first * sizeof(Value));
     return values;
 }
 
@@ -173,8 +170,8 @@ Triangles Triangles::upload(const Device& device, std::span<const float> vertice
     return triangles;
 }
 
-Triangles Triangles::copy(const Device& device, cl_mem vertices, std::size_t count, const CutOutBuffers& cut_outs,
-                          std::size_t first_float) {
+Triangles Triangles::copy(const Device& device, cl_mem vertices, std::size_t count, std::size_t first_float,
+                          const CutOutBuffers& cut_outs) {
     require_count(count, "triangles");
     const auto materials = values_of<std::uint32_t>(device, cut_outs.material_of_triangle, count, "material");
     const auto coordinates = values_of<float>(device, cut_outs.texture_coordinates, 6 * count, "texture coordinate");
@@ -235,15 +232,16 @@ Points Points::share(const Device& device, std::span<const float> positions, std
                      : upload(device, positions, receivers);
 }
 
-void Points::set_lifted_off(const Triangles& triangles) {
+void Points::set_lifted_off(const Triangles& triangles, const Float3& eye) {
     lifted_off_ = triangles.buffer_;
     lifted_off_first_float_ = triangles.first_float();
+    lifted_towards_ = eye;
 }
 
-bool Points::is_lifted_off(const Triangles& triangles) const {
+bool Points::is_lifted_off(const Triangles& triangles, const Float3& eye) const {
     const std::shared_ptr<void> buffer = lifted_off_.lock();
-    return eye_ && buffer != nullptr && buffer.get() == triangles.buffer() &&
-           lifted_off_first_float_ == triangles.first_float();
+    return buffer != nullptr && buffer.get() == triangles.buffer() &&
+           lifted_off_first_float_ == triangles.first_float() && lifted_towards_ == eye;
 }
 
 Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& layout, std::size_t count,
@@ -266,17 +264,15 @@ Points Points::wrap(const Device& device, cl_mem positions, const PointLayout& l
 cl_mem Points::positions() const { return static_cast<cl_mem>(positions_.get()); }
 cl_mem Points::receivers() const { return static_cast<cl_mem>(receivers_.get()); }
 
-PointsOnHost read(const Device& device, const Points& points) {
+PointsOnHost Points::read(const Device& device) const {
     cl::Session& session = session_of(device);
-    const std::size_t count = points.count();
-    PointsOnHost host{std::vector<float>(3 * count), std::vector<std::uint32_t>(count, no_receiver)};
-    if (count == 0) return host;
-    const PointLayout& at = points.layout();
-    const auto floats = session.read_values<float>(points.positions(), end_of(at, count));
-    for (std::size_t i = 0; i < count; ++i)
+    PointsOnHost host{std::vector<float>(3 * count_), std::vector<std::uint32_t>(count_, no_receiver)};
+    if (count_ == 0) return host;
+    const auto floats = session.read_values<float>(positions(), end_of(layout_, count_));
+    for (std::size_t i = 0; i < count_; ++i)
         for (std::size_t c = 0; c < 3; ++c)
-            host.position[3 * i + c] = floats[at.first + i * at.point_stride + c * at.coordinate_stride];
-    if (points.receivers() != nullptr) host.receiver = session.read_values<cl_uint>(points.receivers(), count);
+            host.position[3 * i + c] = floats[layout_.first + i * layout_.point_stride + c * layout_.coordinate_stride];
+    if (receivers() != nullptr) host.receiver = session.read_values<cl_uint>(receivers(), count_);
     return host;
 }
 
@@ -287,16 +283,20 @@ Visibility::Visibility(const Device& device, std::size_t count)
       buffer_(shared_buffer(device, cl::Buffer(session_of(device), count * sizeof(float)))),
       count_(count) {}
 
-Visibility::Visibility(const Device& device, cl_mem buffer, std::size_t count, std::size_t first_float)
-    : device_(device), buffer_(retained(device, buffer, "visibility")), count_(count) {
+Visibility::Visibility(const Device& device, std::shared_ptr<void> buffer, std::size_t count)
+    : device_(device), buffer_(std::move(buffer)), count_(count) {}
+
+Visibility Visibility::wrap(const Device& device, cl_mem buffer, std::size_t count, std::size_t first_float) {
+    std::shared_ptr<void> kept = retained(device, buffer, "visibility");
     require_values(buffer, count, "visibility", first_float);
-    if (first_float != 0 && count != 0) buffer_ = retained_part(device, buffer, first_float, count);
+    if (first_float != 0 && count != 0) kept = retained_part(device, buffer, first_float, count);
+    return Visibility(device, std::move(kept), count);
 }
 
 Visibility Visibility::share(const Device& device, std::span<float> values) {
     const SharedMemory shared(device, values.data(), values.size_bytes(), CL_MEM_READ_WRITE);
     Visibility made =
-        shared.get() != nullptr ? Visibility(device, shared.get(), values.size()) : Visibility(device, values.size());
+        shared.get() != nullptr ? wrap(device, shared.get(), values.size()) : Visibility(device, values.size());
     made.shared_ = values.data();
     return made;
 }
@@ -316,6 +316,112 @@ void Visibility::fetch() const {
 cl_mem Visibility::buffer() const { return static_cast<cl_mem>(buffer_.get()); }
 
 std::vector<float> Visibility::read() const { return session_of(device_).read_values<float>(buffer(), count_); }
+
+// ---- Facing ---------------------------------------------------------------------------------------------------------
+
+Facing Facing::eye(const Float3& eye) {
+    Facing facing(Kind::eye);
+    facing.eye_ = eye;
+    return facing;
+}
+
+Facing Facing::normals(std::span<const float> normals) {
+    Facing facing(Kind::normals_on_host);
+    facing.host_normals_ = normals;
+    return facing;
+}
+
+Facing Facing::normals(cl_mem normals, const PointLayout& layout) {
+    Facing facing(Kind::normals);
+    facing.normals_ = normals;
+    facing.normals_layout_ = layout;
+    return facing;
+}
+
+Facing Facing::fans(const VertexFans& fans, const std::optional<Float3>& up) {
+    Facing facing(Kind::fans);
+    facing.fans_ = &fans;
+    facing.up_ = up;
+    return facing;
+}
+
+namespace {
+
+void require_fans(const Triangles& triangles, const Points& points, const VertexFans& fans,
+                  const std::optional<Float3>& up) {
+    if (fans.count() != points.count())
+        throw InvalidArgument("the fans are of " + std::to_string(fans.count()) + " points, and the run has " +
+                              std::to_string(points.count()));
+    const std::size_t triangle_count = Internals::on_device(fans).triangle_count;
+    if (triangles.count() != triangle_count)
+        throw InvalidArgument("the fans were found among " + std::to_string(triangle_count) + " triangles, not " +
+                              std::to_string(triangles.count()));
+    if (up && (!is_finite(*up) || *up == Float3{}))
+        throw InvalidArgument("the direction `up` must be finite and not zero");
+}
+
+Points uploaded_normals(const Device& device, const Points& points, std::span<const float> normals) {
+    if (normals.size() / 3 < points.count())
+        throw InvalidArgument("there are normals for " + std::to_string(normals.size() / 3) + " of " +
+                              std::to_string(points.count()) + " points: give three floats each");
+    return Points::upload(device, normals.first(3 * points.count()));
+}
+
+}  // namespace
+
+GivenSides Internals::given_sides(const Device& device, const Points& points, const Facing& facing) {
+    GivenSides sides;
+    switch (facing.kind_) {
+        case Facing::Kind::automatic:
+            if (points.camera()) sides.eye = points.camera()->camera.eye;
+            break;
+        case Facing::Kind::none:
+            break;
+        case Facing::Kind::eye:
+            sides.eye = facing.eye_;
+            break;
+        case Facing::Kind::normals_on_host:
+            sides.uploaded = uploaded_normals(device, points, facing.host_normals_);
+            sides.normals = sides.uploaded->positions();
+            break;
+        case Facing::Kind::normals:
+            Points::wrap(device, facing.normals_, facing.normals_layout_, points.count());  // checks the buffer
+            sides.normals = facing.normals_;
+            sides.normals_layout = facing.normals_layout_;
+            break;
+        case Facing::Kind::winding:
+            sides.front = true;
+            break;
+        case Facing::Kind::fans:
+            sides.fans = facing.fans_;
+            sides.up = facing.up_;
+            break;
+    }
+    return sides;
+}
+
+GivenSides given_sides(const Device& device, const Triangles& triangles, const Points& points, const Facing& facing) {
+    GivenSides sides = Internals::given_sides(device, points, facing);
+    if (sides.fans != nullptr) require_fans(triangles, points, *sides.fans, sides.up);
+    return sides;
+}
+
+Points seen_from_eye(const Device& device, const Points& points, const Facing& facing) {
+    if (!Internals::is_by_eye(facing))
+        throw InvalidArgument(
+            "explain() and diagnose() take points that face by an eye or by nothing: normals, winding and fans decide "
+            "after the technique");
+    return Internals::seen_from(points, Internals::given_sides(device, points, facing).eye);
+}
+
+void require_apart(const Points& points, const GivenSides& sides, const Visibility& visibility) {
+    if (sides.normals == nullptr || points.count() == 0) return;
+    if (overlap(extent_of(visibility.buffer(), 0, points.count()),
+                extent_of(sides.normals, sides.normals_layout.first, end_of(sides.normals_layout, points.count()))))
+        throw InvalidArgument(
+            "the visibility buffer overlaps the normals, which the run reads after it writes: give visibility memory "
+            "of its own");
+}
 
 // ---- For the stages -------------------------------------------------------------------------------------------------
 
@@ -350,7 +456,7 @@ void require_light(const Light& light) {
 }
 
 void require_eye(const Points& points) {
-    if (points.eye() && !is_finite(*points.eye()))
+    if (Internals::eye(points) && !is_finite(*Internals::eye(points)))
         throw InvalidArgument("the eye of the points must be finite numbers");
 }
 
@@ -412,9 +518,10 @@ PointInputs point_inputs(const Points& points, bool is_lifted) {
     layout.coordinate_stride = static_cast<cl_uint>(points.layout().coordinate_stride);
     layout.count = static_cast<cl_uint>(points.count());
     layout.has_receivers = points.receivers() != nullptr;
-    layout.has_eye = points.eye().has_value();
+    const std::optional<Float3>& eye = Internals::eye(points);
+    layout.has_eye = eye.has_value();
     layout.is_lifted = is_lifted;
-    if (points.eye()) std::copy(points.eye()->begin(), points.eye()->end(), layout.eye);
+    if (eye) std::copy(eye->begin(), eye->end(), layout.eye);
     if (const auto& picture = points.camera())
         if (picture->width % 4 == 0 && points.count() % (std::size_t(picture->width) * 4) == 0)
             layout.picture_width = picture->width;

@@ -10,11 +10,51 @@ namespace gnomon {
 
 inline float4 float4_of(const std::array<float, 4>& v) { return {{v[0], v[1], v[2], v[3]}}; }
 
+/// A run's facing as the stages take it: at most one of eye, front, normals and fans is given.
+struct GivenSides {
+    std::optional<Float3> eye{};
+    bool front = false;
+    cl_mem normals = nullptr;
+    PointLayout normals_layout{};
+    const VertexFans* fans = nullptr;
+    std::optional<Float3> up{};        ///< of the fans
+    std::optional<Points> uploaded{};  ///< owns the normals that lay on the host
+};
+/// What `facing` says for these points. Throws InvalidArgument if it does not fit them, or fans not the triangles.
+GivenSides given_sides(const Device& device, const Triangles& triangles, const Points& points, const Facing& facing);
+/// The points with the eye that `facing` names. Throws InvalidArgument if it decides by anything else.
+Points seen_from_eye(const Device& device, const Points& points, const Facing& facing);
+/// Throws InvalidArgument if the visibility lies in the memory of normals.
+void require_apart(const Points& points, const GivenSides& sides, const Visibility& visibility);
+
+/// The buffers of fans (kernels/receivers/given_sides.h), and the number of triangles that they were found among.
+struct FansOnDevice {
+    cl_mem fans, corners, extended;
+    std::size_t triangle_count;
+};
+
 /// Opens to the library what the public types keep private.
 struct Internals {
     static cl::Session& session(const Device& device) { return *device.session_; }
     static const Clusters* clusters(const Triangles& triangles) { return triangles.clusters_.get(); }
     static const std::shared_ptr<void>& receivers(const Points& points) { return points.receivers_; }
+    /// Points as a technique takes them: with the eye by which they face, if any.
+    static Points seen_from(Points points, const std::optional<Float3>& eye) {
+        points.eye_ = eye;
+        return points;
+    }
+    static const std::optional<Float3>& eye(const Points& points) { return points.eye_; }
+    static GivenSides given_sides(const Device& device, const Points& points, const Facing& facing);
+    static bool is_by_eye(const Facing& facing) { return facing.kind_ <= Facing::Kind::eye; }
+    static FansOnDevice on_device(const VertexFans& fans) {
+        const auto buffer = [](const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); };
+        return {buffer(fans.fans_), buffer(fans.corners_), buffer(fans.extended_), fans.triangles_};
+    }
+    /// One light by a technique. The points have their eye; facing by normals, winding or fans is the caller's.
+    static Statistics run_light(Technique& technique, const Triangles& triangles, const Points& points,
+                                const Light& light, const Visibility& visibility) {
+        return technique.run_light(triangles, points, light, visibility);
+    }
     /// Makes points; their buffers live as long as these points, or copies of them, do.
     static Points make_points(std::shared_ptr<void> positions, const PointLayout& layout, std::size_t count,
                               std::shared_ptr<void> receivers) {
@@ -53,7 +93,7 @@ bool overlap(cl_mem a, std::size_t floats_a, cl_mem b, std::size_t floats_b);
 /// that is large enough and overlaps no input. Every technique's run begins with it.
 void require_run(const Triangles& triangles, const Points& points, const Light& light, const Visibility& visibility);
 
-/// The same for Technique::run_lights(), which also needs a visibility of its own for each light.
+/// The same for Technique::run_each_light(), which also needs a visibility of its own for each light.
 void require_run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
                         std::span<const Visibility> visibilities);
 
@@ -84,7 +124,12 @@ struct PointInputs {
     std::size_t expected_footprints = 0;  ///< about as many as there are, and the same number in each run
     bool face_light = false;              ///< all points are known to face the light, and not to shadow themselves
 };
-/// `is_lifted`: the points are known to be lifted off the triangles of the run (PointsLayout::is_lifted).
+/// The points are known to be lifted off these triangles, towards the eye by which they face.
+inline bool are_lifted_off(const Triangles& triangles, const Points& points) {
+    const auto& eye = Internals::eye(points);
+    return eye && points.is_lifted_off(triangles, *eye);
+}
+/// `is_lifted`: are_lifted_off() the triangles of the run (PointsLayout::is_lifted).
 PointInputs point_inputs(const Points& points, bool is_lifted = false);
 
 /// The rays of a camera, and where in a pixel its samples lie.

@@ -14,7 +14,7 @@ Light Light::directional(const Float3& direction) {
     return {{-direction[0], -direction[1], -direction[2], 0.0f}};
 }
 
-Light Light::positional(const Float3& position) {
+Light Light::point(const Float3& position) {
     if (!is_finite(position)) throw InvalidArgument("the light's position must be finite numbers");
     return {{position[0], position[1], position[2], 1.0f}};
 }

@@ -36,9 +36,9 @@ std::vector<float> gathered(std::span<const float> vertices, std::span<const std
 }
 
 /// The triangles `ids` on the device, with their cut-outs if there are any.
-Triangles upload_gathered(const Device& device, std::span<const float> vertices, const CutOuts* cut_outs,
-                          const Ids& ids) {
-    const std::vector<float> part = gathered(vertices, ids);
+Triangles upload_gathered(const Device& device, const SceneOnHost& scene, const Ids& ids) {
+    const std::vector<float> part = gathered(scene.vertices, ids);
+    const CutOuts* cut_outs = scene.cut_outs;
     if (cut_outs == nullptr) return Triangles::upload(device, part);
     CutOuts of_part = *cut_outs;
     Ids materials;
@@ -70,15 +70,19 @@ Ids seen_of(const Device& device, const View& view, const Ids& ids) {
 /// Points that no part so far has put into shadow.
 struct OpenPoints {
     std::vector<float> positions;  ///< 3 each
+    std::vector<float> normals;    ///< 3 each where these decide facing, else empty
     Ids receivers;                 ///< positions in the whole scene, or no_receiver
     Ids indices;                   ///< the points' indices in `visibility`
 
     std::size_t count() const { return indices.size(); }
 };
 
-OpenPoints all_open(const Device& device, const Points& points, std::span<const std::uint32_t> ids) {
-    PointsOnHost host = read(device, points);
-    OpenPoints open{std::move(host.position), std::move(host.receiver), Ids(points.count())};
+OpenPoints all_open(const Device& device, const Points& points, std::span<const std::uint32_t> ids,
+                    const GivenSides& sides) {
+    PointsOnHost host = points.read(device);
+    OpenPoints open{std::move(host.position), {}, std::move(host.receiver), Ids(points.count())};
+    if (sides.normals != nullptr)
+        open.normals = Points::wrap(device, sides.normals, sides.normals_layout, points.count()).read(device).position;
     if (!ids.empty())
         for (std::uint32_t& receiver : open.receivers) receiver = receiver < ids.size() ? ids[receiver] : no_receiver;
     std::iota(open.indices.begin(), open.indices.end(), 0u);
@@ -91,9 +95,15 @@ struct Part {
     std::size_t first;  ///< id of its first triangle in the whole scene
 };
 
+Triangles uploaded_part(const Device& device, const SceneOnHost& scene, std::size_t first, std::size_t count) {
+    const auto vertices = scene.vertices.subspan(9 * first, 9 * count);
+    return scene.cut_outs != nullptr ? Triangles::upload(device, vertices, scene.cut_outs->part(first, count))
+                                     : Triangles::upload(device, vertices);
+}
+
 /// Visibility of the open points [first, first + count) by one part.
 std::vector<float> visible(const Device& device, Technique& technique, const Part& part, const OpenPoints& open,
-                           std::size_t first, std::size_t count, const std::optional<Float3>& eye, const Light& light,
+                           std::size_t first, std::size_t count, const GivenSides& sides, const Light& light,
                            Statistics& statistics) {
     Ids receivers(open.receivers.begin() + std::ptrdiff_t(first),
                   open.receivers.begin() + std::ptrdiff_t(first + count));
@@ -101,10 +111,14 @@ std::vector<float> visible(const Device& device, Technique& technique, const Par
         const bool is_here = receiver >= part.first && receiver - part.first < part.triangles.count();
         receiver = is_here ? std::uint32_t(receiver - part.first) : no_receiver;
     }
-    Points points = Points::upload(device, std::span(open.positions).subspan(3 * first, 3 * count), receivers);
-    if (eye) points.set_eye(*eye);
+    const Points points = Points::upload(device, std::span(open.positions).subspan(3 * first, 3 * count), receivers);
     const Visibility visibility(device, count);
-    const Statistics run = technique.run(part.triangles, points, light, visibility);
+    const Facing facing = sides.eye     ? Facing::eye(*sides.eye)
+                          : sides.front ? Facing::winding()
+                          : sides.normals == nullptr
+                              ? Facing::none()
+                              : Facing::normals(std::span(open.normals).subspan(3 * first, 3 * count));
+    const Statistics run = technique.run(part.triangles, points, light, visibility, {.facing = facing});
     statistics.device_memory_bytes = std::max(statistics.device_memory_bytes, run.device_memory_bytes);
     add_stages(statistics, run);
     return visibility.read();
@@ -117,27 +131,29 @@ void close_points(OpenPoints& open, std::span<const float> answers, std::vector<
         visibility[open.indices[i]] = std::min(visibility[open.indices[i]], answers[i]);
         if (answers[i] == 0) continue;
         std::copy_n(&open.positions[3 * i], 3, &open.positions[3 * kept]);
+        if (!open.normals.empty()) std::copy_n(&open.normals[3 * i], 3, &open.normals[3 * kept]);
         open.receivers[kept] = open.receivers[i];
         open.indices[kept++] = open.indices[i];
     }
     open.positions.resize(3 * kept);
+    if (!open.normals.empty()) open.normals.resize(3 * kept);
     open.receivers.resize(kept);
     open.indices.resize(kept);
 }
 
 }  // namespace
 
-ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices, const Camera& camera,
-                          std::uint32_t width, std::uint32_t height, const CutOuts* cut_outs) {
-    require_whole_triangles(vertices);
-    const std::size_t total = vertices.size() / 9;
+ViewOfParts look_in_parts(const Device& device, const SceneOnHost& scene, const Camera& camera, std::uint32_t width,
+                          std::uint32_t height) {
+    require_whole_triangles(scene.vertices);
+    const std::size_t total = scene.vertices.size() / 9;
     Ids seen;  // of the triangles before `first`
     for (std::size_t first = 0, part = total;;) {
         const std::size_t count = std::min(part, total - first);
         Ids ids = seen;
         for (std::size_t id = first; id < first + count; ++id) ids.push_back(std::uint32_t(id));
         try {
-            Triangles triangles = upload_gathered(device, vertices, cut_outs, ids);
+            Triangles triangles = upload_gathered(device, scene, ids);
             View view = look(device, triangles, camera, width, height);
             first += count;
             if (first == total) return {std::move(view), std::move(triangles), std::move(ids)};
@@ -150,34 +166,35 @@ ViewOfParts look_in_parts(const Device& device, std::span<const float> vertices,
 }
 
 Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
-                        std::span<const float> vertices, const Points& points, std::span<const std::uint32_t> ids,
-                        const Light& light, const Visibility& visibility, const CutOuts* cut_outs) {
-    require_whole_triangles(vertices);
+                        const SceneOnHost& scene, const Points& points, std::span<const std::uint32_t> ids,
+                        const Light& light, const Visibility& visibility, const RunOptions& options) {
+    require_whole_triangles(scene.vertices);
     const auto start = cl::Clock::now();
-    require_run(Triangles(), points, light, visibility);
+    const GivenSides sides = Internals::given_sides(device, points, options.facing);
+    if (sides.fans != nullptr)
+        throw InvalidArgument("fans need all triangles at once: a run in parts has no facing by fans");
+    require_run(Triangles(), Internals::seen_from(points, sides.eye), light, visibility);
     Statistics statistics;
-    OpenPoints open = all_open(device, points, ids);
+    OpenPoints open = all_open(device, points, ids, sides);
     std::vector<float> answers(points.count(), 1.0f);
     std::unique_ptr<Technique> technique = make();
-    const std::size_t total = vertices.size() / 9;
+    const std::size_t total = scene.vertices.size() / 9;
     std::size_t triangle_part = total, point_part = std::max<std::size_t>(open.count(), 1), parts = 0;
     for (std::size_t first = 0; first < total;) {
         const std::size_t count = std::min(triangle_part, total - first);
         try {
-            const auto of_part = vertices.subspan(9 * first, 9 * count);
-            const Part part{cut_outs != nullptr ? Triangles::upload(device, of_part, cut_outs->part(first, count))
-                                                : Triangles::upload(device, of_part),
-                            first};
+            const Part part{uploaded_part(device, scene, first, count), first};
             std::vector<float> found;
             while (found.size() < open.count()) {
                 const std::size_t some = std::min(point_part, open.count() - found.size());
-                const auto more =
-                    visible(device, *technique, part, open, found.size(), some, points.eye(), light, statistics);
+                const auto more = visible(device, *technique, part, open, found.size(), some, sides, light, statistics);
                 found.insert(found.end(), more.begin(), more.end());
             }
             close_points(open, found, answers);
             first += count;
             ++parts;
+            if (options.progress && !options.progress(double(first) / double(total)))
+                throw Cancelled("the run in parts was cancelled");
         } catch (const OutOfDeviceMemory&) {
             if (std::max(count, point_part) <= smallest_part) throw;
             (count >= point_part ? triangle_part : point_part) = (std::max(count, point_part) + 1) / 2;

@@ -41,19 +41,19 @@ std::vector<HardCase> hard_cases() {
     const Light oblique = Light::directional({-1, -2, 3}), axis = Light::directional({0, -1, 0}),
                 diagonal = Light::directional({-1, -1, -1});
     return {
-        made("exact ties", 1, 0x6a3784794a851028, {axis, diagonal, oblique, Light::positional({3, 3, 3})},
+        made("exact ties", 1, 0x6a3784794a851028, {axis, diagonal, oblique, Light::point({3, 3, 3})},
              [](Numbers& n, int) { return n.below(7); }),
         made("exact ties far from the origin", 2, 0x931b4afd48a8e028,
-             {axis, diagonal, Light::positional({8388611, 8388611, 8388611})},
+             {axis, diagonal, Light::point({8388611, 8388611, 8388611})},
              [](Numbers& n, int) { return 8388608 + n.below(7); }),
         made("denormal heights", 3, 0x575195ff0cb62728, {axis, oblique, Light::directional({-1, -denormal, -1})},
              [](Numbers& n, int c) { return c == 1 ? denormal * n.below(40) : n.unit(); }),
-        made("denormal widths", 4, 0xc5a6d22ee2485918, {axis, diagonal, Light::positional({0, 0, 0})},
+        made("denormal widths", 4, 0xc5a6d22ee2485918, {axis, diagonal, Light::point({0, 0, 0})},
              [](Numbers& n, int c) { return c == 1 ? n.unit() : denormal * n.below(40); }),
         made("nothing but denormals", 5, 0x3c2ebd2d2ad58d38,
-             {axis, oblique, Light::positional({denormal, denormal, 2 * denormal})},
+             {axis, oblique, Light::point({denormal, denormal, 2 * denormal})},
              [](Numbers& n, int) { return denormal * n.below(40); }),
-        made("giants and specks", 6, 0xd286b9de35a0f805, {axis, oblique, Light::positional({0, 0, 0})},
+        made("giants and specks", 6, 0xd286b9de35a0f805, {axis, oblique, Light::point({0, 0, 0})},
              [](Numbers& n, int) { return n.unit() * n.power_of_two(-30, 60); }),
         made("nearly in one plane", 7, 0x07e8a9afa3db06c5, {axis, oblique, Light::directional({-1, -0x1p-20f, 0})},
              [](Numbers& n, int c) { return c == 1 ? 1 + n.below(4) * 0x1p-23f : n.unit(); }),
@@ -62,7 +62,7 @@ std::vector<HardCase> hard_cases() {
 
 std::vector<KnownView> known_views(const Light& sun) {
     return {{"sundial under its sun", sun, 0xae56b7bbbf29ee88},
-            {"sundial under a point light", Light::positional({-1, 1.6f, 0.8f}), 0x06c1151e0f182ca8}};
+            {"sundial under a point light", Light::point({-1, 1.6f, 0.8f}), 0x06c1151e0f182ca8}};
 }
 
 std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t hash) {

@@ -49,7 +49,7 @@ void check_views(const Device& device, const scene::Scene& scene, Findings& find
         Triangles triangles = Triangles::upload(device, scene.triangles);
         if (way.has_clusters) triangles.keep_clusters(device);
         const View view = look(device, triangles, scene.cameras.front().camera, known_width, known_height);
-        const ViewOnHost host = gnomon::read(device, triangles, view);
+        const ViewOnHost host = view.read(device, triangles);
         findings.add("camera" + std::string(way.name), host.receiver.size(),
                      hash_of(bytes_of(host.receiver), hash_of(bytes_of(host.position))) == known_camera);
         for (const KnownView& known : known_views(scene.lights.front().light)) {

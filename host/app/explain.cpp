@@ -26,9 +26,7 @@ Points given_point(const ExplainOptions& options, const Device& device, std::siz
         throw Error(formatted("--receiver %u is no triangle: the scene has %zu, counted from 0", *options.receiver,
                               triangle_count));
     const std::array receiver{options.receiver.value_or(no_receiver)};
-    Points points = Points::upload(device, *options.point, receiver);
-    if (options.eye) points.set_eye(*options.eye);
-    return points;
+    return Points::upload(device, *options.point, receiver);
 }
 
 /// One sample of the pixel, among all points of that sample's batch, in render's order.
@@ -44,7 +42,7 @@ Explanation explain_sample(const ExplainOptions& options, const Device& device, 
             explanation = gnomon::explain(device, triangles, points, (options.sample - first) * pixels + pixel, light);
         first += count;
     };
-    run_samples(*technique, device, triangles, view, light, options.samples, Visibility(device, pixels), sink);
+    run_samples(*technique, triangles, view, light, options.samples, Visibility(device, pixels), sink);
     return explanation;
 }
 
@@ -54,7 +52,8 @@ Explained explain_in(const ExplainOptions& options, const Device& device, const 
     const Triangles triangles = upload_triangles(device, scene);
     if (options.point) {
         const Points points = given_point(options, device, triangles.count());
-        explained.explanation = gnomon::explain(device, triangles, points, 0, light);
+        const Facing facing = options.eye ? Facing::eye(*options.eye) : Facing::none();
+        explained.explanation = gnomon::explain(device, triangles, points, 0, light, facing);
         return explained;
     }
     const auto [width, height] = options.size;

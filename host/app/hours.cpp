@@ -79,8 +79,9 @@ Computed compute(const HoursOptions& options, Technique& technique, const Triang
                  const SunTable& table, cl_mem normals) {
     const ProgressLine progress(grouped(points.count()) + " points x " + grouped(table.suns.size()) + " suns",
                                 !options.quiet);
-    LightsOnHost found = run_lights_to_host(technique, triangles, points, table.lights(), {.sums = true},
-                                            {.normals = normals, .cosines = options.cosines});
+    LightsOnHost found = run_light_table_to_host(
+        technique, triangles, points, table.lights(), {.sums = true, .cosines = options.cosines},
+        {.facing = normals != nullptr ? Facing::normals(normals) : Facing::automatic()});
     return {std::move(found.sums), std::move(found.statistics)};
 }
 
@@ -143,7 +144,7 @@ Computed hours_of_picture(const HoursOptions& options, const Device& device, Tec
                           Outputs& outputs) {
     const auto [width, height] = options.size;
     const View seen = look(device, triangles, choose_camera(options, scene).camera, width, height);
-    const ViewOnHost view = read(device, triangles, seen);
+    const ViewOnHost view = seen.read(device, triangles);
     Points points = seen.points;
     Points normals;
     if (options.cosines) {

@@ -162,7 +162,7 @@ Visibility uploaded(const Device& device, std::vector<float> values) {
     const std::size_t count = values.size();
     values.resize((count + 2) / 3 * 3);  // whole points
     const Points holder = Points::upload(device, values);
-    return {device, holder.positions(), count};
+    return Visibility::wrap(device, holder.positions(), count);
 }
 
 /// The mask is the share of the area light that reaches a pixel; what is shaded is how bright it shines on it.
@@ -171,9 +171,9 @@ Seen see_area_light(Report& report, const Device& device, Technique& technique, 
     const AreaLight& source = *report.lights.front().chosen.area;
     const Lights lights = area_light(source.corner, source.edge_a, source.edge_b,
                                      report.options.area_samples.value_or(default_area_samples));
-    const LightsOnHost found = run_lights_to_host(technique, triangles, view.points, lights, {.bits = true});
+    const LightsOnHost found = run_light_table_to_host(technique, triangles, view.points, lights, {.bits = true});
     report.lights.front().statistics = found.statistics;
-    ReceivedLight light = received_light(source, lights, read(device, triangles, view), found.bits);
+    ReceivedLight light = received_light(source, lights, view.read(device, triangles), found.bits);
     return {triangles,
             view,
             {uploaded(device, std::move(light.brightness))},
@@ -194,7 +194,7 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
                                 [&] { return look(device, triangles, report.camera.camera, width, height); });
     report.camera_statistics = view.statistics;
     if (report.options.area_light) {
-        if (point_dump) write_points(*point_dump, read(device, view.points));
+        if (point_dump) write_points(*point_dump, view.points.read(device));
         return steps.run("shadow", "shadows (compiles kernels the first time)",
                          [&] { return see_area_light(report, device, technique, triangles, view); });
     }
@@ -202,7 +202,7 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
     std::vector<std::vector<float>> visible = steps.run("shadow", "shadows (compiles kernels the first time)", [&] {
         bool is_dumped = false;  // every light has the same points
         const SampleSink dump = [&](const Points& points) {
-            if (point_dump && !is_dumped) write_points(*point_dump, read(device, points));
+            if (point_dump && !is_dumped) write_points(*point_dump, points.read(device));
         };
         if (report.options.sun_angle_degrees) {
             dump(view.points);
@@ -212,13 +212,13 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
                              sun_of(report.options, report.lights[i].chosen, default_sun_samples), visibilities[i]);
         } else if (report.options.samples == 1) {
             dump(view.points);
-            const auto statistics = technique.run_lights(triangles, view.points, lights_of(report), visibilities);
+            const auto statistics = technique.run_each_light(triangles, view.points, lights_of(report), visibilities);
             for (std::size_t i = 0; i < statistics.size(); ++i) report.lights[i].statistics = statistics[i];
         } else {
             for (std::size_t i = 0; i < visibilities.size(); ++i) {
                 LightReport& light = report.lights[i];
-                light.statistics = run_samples(technique, device, triangles, view, light.chosen.light,
-                                               report.options.samples, visibilities[i], dump);
+                light.statistics = run_samples(technique, triangles, view, light.chosen.light, report.options.samples,
+                                               visibilities[i], dump);
                 is_dumped = true;
             }
         }
@@ -229,19 +229,18 @@ Seen see(Steps& steps, Report& report, const Device& device, Technique& techniqu
 
 /// The same bits with the triangles on the host, for a scene that the device cannot hold at once.
 Seen see_in_parts(Steps& steps, Report& report, const Device& device, const scene::Scene& scene) {
-    const std::span<const float> vertices = scene.triangles;
     const scene::CutOutsView cut_outs(scene);
+    const SceneOnHost on_host{scene.triangles, cut_outs.get()};
     const auto [width, height] = report.options.size;
-    ViewOfParts looked = steps.run("camera_in_parts", "camera, in parts", [&] {
-        return look_in_parts(device, vertices, report.camera.camera, width, height, cut_outs.get());
-    });
+    ViewOfParts looked = steps.run("camera_in_parts", "camera, in parts",
+                                   [&] { return look_in_parts(device, on_host, report.camera.camera, width, height); });
     report.camera_statistics = looked.view.statistics;
     std::vector<Visibility> visibilities = visibilities_for(device, looked.view, report);
     const auto make = [&] { return make_technique(device, report.options.technique, report.options.settings); };
     std::vector<std::vector<float>> visible = steps.run("shadow_in_parts", "shadows, in parts", [&] {
         for (std::size_t i = 0; i < visibilities.size(); ++i)
-            report.lights[i].statistics = run_in_parts(make, device, vertices, looked.view.points, looked.ids,
-                                                       report.lights[i].chosen.light, visibilities[i], cut_outs.get());
+            report.lights[i].statistics = run_in_parts(make, device, on_host, looked.view.points, looked.ids,
+                                                       report.lights[i].chosen.light, visibilities[i]);
         return read_all(visibilities);
     });
     return {looked.triangles, looked.view, std::move(visibilities), std::move(visible), std::move(looked.ids)};
@@ -331,10 +330,11 @@ Lights sky_of(std::uint32_t division) {
 std::vector<float> sky_shares_of(const Device& device, Technique& technique, const Seen& seen, const Surfaces& surfaces,
                                  std::uint32_t division) {
     const Points& of = seen.view.points;
-    // Without the eye: the shading normals decide the side.
+    // The shading normals decide the side.
     const Points points = Points::wrap(device, of.positions(), of.layout(), of.count(), of.receivers());
-    const LightsOnHost found = run_lights_to_host(technique, seen.triangles, points, sky_of(division), {.sums = true},
-                                                  {.normals = surfaces.normals(), .cosines = true});
+    const LightsOnHost found =
+        run_light_table_to_host(technique, seen.triangles, points, sky_of(division), {.sums = true, .cosines = true},
+                                {.facing = Facing::normals(surfaces.normals())});
     return {found.sums.begin(), found.sums.end()};
 }
 
@@ -346,7 +346,7 @@ std::optional<double> exposure_of(const RenderOptions& options, std::size_t ligh
 }
 
 ViewOnHost view_of(const Device& device, const Seen& seen) {
-    ViewOnHost view = read(device, seen.triangles, seen.view);
+    ViewOnHost view = seen.view.read(device, seen.triangles);
     if (seen.ids.empty()) return view;
     for (std::uint32_t& receiver : view.receiver)
         if (receiver != no_receiver) receiver = seen.ids[receiver];

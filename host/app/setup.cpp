@@ -128,10 +128,10 @@ ChosenCamera choose_camera(const ViewOptions& options, const scene::Scene& scene
 
 ChosenLight choose_light(const ViewOptions& options, const scene::Scene& scene) {
     if (options.light_direction) return {Light::directional(*options.light_direction), "--light-direction"};
-    if (options.light_position) return {Light::positional(*options.light_position), "--light-position"};
+    if (options.light_position) return {Light::point(*options.light_position), "--light-position"};
     if (options.area_light) {
         options.area_light->require_area();
-        return {Light::positional(options.area_light->centre()), "--area-light", options.area_light};
+        return {Light::point(options.area_light->centre()), "--area-light", options.area_light};
     }
     if (options.light) {
         const scene::NamedLight& found = find_named(scene.lights, *options.light, "light");

@@ -357,7 +357,7 @@ View CameraPass::look(const Triangles& triangles, const Camera& camera, std::uin
     state_->stage.aim(triangles, camera, width, height, centre);
     state_->stage.run({}, nullptr, {view.points.positions(), view.points.receivers(), 0, pixels}, measured.stages);
     view.points.set_camera(camera, width, height);
-    view.points.set_lifted_off(triangles);
+    view.points.set_lifted_off(triangles, camera.eye);
     session.finish();
     view.statistics = measured.finish();
     return view;
@@ -383,10 +383,8 @@ Points lift(const Device& device, const Triangles& triangles, const Points& poin
                                   .eye = {eye[0], eye[1], eye[2]},
                                   .triangle_count = inputs.count},
                        inputs.vertices, at.positions, at.receivers, positions);
-    Points lifted = Internals::make_points(shared_buffer(device, std::move(positions)), {}, points.count(),
-                                           Internals::receivers(points));
-    lifted.set_eye(eye);
-    return lifted;
+    return Internals::make_points(shared_buffer(device, std::move(positions)), {}, points.count(),
+                                  Internals::receivers(points));
 }
 
 cl::Buffer camera_normals(const Device& device, const Triangles& triangles, const View& view) {
@@ -395,7 +393,7 @@ cl::Buffer camera_normals(const Device& device, const Triangles& triangles, cons
     cl::Buffer normals(session, view.points.count() * 3 * sizeof(float));
     CameraParams params{};
     params.triangles = inputs;
-    std::copy_n(view.points.eye()->begin(), 3, params.eye);
+    std::copy_n(view.points.camera()->camera.eye.begin(), 3, params.eye);
     params.width = view.width;
     params.height = view.height;
     session.launch("camera/camera.cl", "camera_normals", cl::Range::items(view.points.count()), params, inputs.vertices,
@@ -403,10 +401,10 @@ cl::Buffer camera_normals(const Device& device, const Triangles& triangles, cons
     return normals;
 }
 
-ViewOnHost read(const Device& device, const Triangles& triangles, const View& view) {
-    PointsOnHost points = read(device, view.points);
-    ViewOnHost host{std::move(points.position), {}, std::move(points.receiver)};
-    const cl::Buffer normals = camera_normals(device, triangles, view);
+ViewOnHost View::read(const Device& device, const Triangles& triangles) const {
+    PointsOnHost on_host = points.read(device);
+    ViewOnHost host{std::move(on_host.position), {}, std::move(on_host.receiver)};
+    const cl::Buffer normals = camera_normals(device, triangles, *this);
     host.normal.resize(host.position.size());
     session_of(device).read(normals.get(), host.normal.data(), host.normal.size() * sizeof(float));
     for (std::size_t i = 0; i < host.receiver.size(); ++i)

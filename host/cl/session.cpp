@@ -78,6 +78,7 @@ void Session::ask_for_large_pages([[maybe_unused]] cl_mem memory, [[maybe_unused
     constexpr std::size_t page = std::size_t{1} << 21;
     if (bytes < 2 * page) return;
     cl_int code;
+    if (traces_) std::fprintf(stderr, "gnomon: trace: mapping a buffer of %zu bytes for large pages, waits\n", bytes);
     void* const mapped = clEnqueueMapBuffer(queue_, memory, CL_TRUE, CL_MAP_WRITE_INVALIDATE_REGION, 0, bytes, 0,
                                             nullptr, nullptr, &code);
     if (mapped == nullptr) return;
@@ -246,7 +247,7 @@ void Session::enqueue(const BuiltKernel& kernel, const char* name, Range range) 
     if (before != nullptr && profiles_) clRetainEvent(event);
     if (profiles_) events_.push_back(event);
     if (traces_) {
-        finish();
+        check(clFinish(queue_), "waiting for the device");  // for the trace alone
         std::fprintf(stderr, "gnomon: trace: %-28s %9zu x %-4zu %10.3f ms\n", name, global / local, local,
                      ms_since(start));
     }
@@ -281,19 +282,20 @@ void Session::copy(const Buffer& from, std::size_t from_first, const Buffer& to,
 
 void Session::write(cl_mem buffer, const void* data, std::size_t bytes, std::size_t first) {
     if (bytes == 0) return;
-    if (traces_) std::fprintf(stderr, "gnomon: trace: writing %zu bytes to the device\n", bytes);
+    if (traces_) std::fprintf(stderr, "gnomon: trace: writing %zu bytes to the device, waits\n", bytes);
     attempt("writing to the device",
             [&] { return clEnqueueWriteBuffer(queue_, buffer, CL_TRUE, first, bytes, data, 0, nullptr, nullptr); });
 }
 
 void Session::read(cl_mem buffer, void* data, std::size_t bytes, std::size_t first) {
     if (bytes == 0) return;
-    if (traces_) std::fprintf(stderr, "gnomon: trace: reading %zu bytes from the device\n", bytes);
+    if (traces_) std::fprintf(stderr, "gnomon: trace: reading %zu bytes from the device, waits\n", bytes);
     attempt("reading from the device",
             [&] { return clEnqueueReadBuffer(queue_, buffer, CL_TRUE, first, bytes, data, 0, nullptr, nullptr); });
 }
 
 void Session::bring_to_host(cl_mem buffer, std::size_t bytes) {
+    if (traces_) std::fprintf(stderr, "gnomon: trace: mapping a buffer of %zu bytes, waits\n", bytes);
     void* mapped = nullptr;
     attempt("mapping a buffer", [&] {
         cl_int code;
@@ -304,6 +306,7 @@ void Session::bring_to_host(cl_mem buffer, std::size_t bytes) {
 }
 
 void Session::finish() {
+    if (traces_) std::fprintf(stderr, "gnomon: trace: finishing the queue, waits\n");
     attempt("waiting for the device", [&] { return clFinish(queue_); });
 }
 

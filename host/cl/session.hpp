@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // OpenCL plumbing: one device, its in-order queue, buffers with accounting, kernels by name, and the one place where
-// kernels are launched (argument counts checked, times taken, launches printed under GNOMON_TRACE).
+// kernels are launched (argument counts checked, times taken, launches printed under GNOMON_TRACE). All that blocks
+// until the device is done is here, too; the trace marks it with "waits".
 #pragma once
 
 #include <chrono>

@@ -2,12 +2,12 @@
 // gnomon: exact hard shadows as OpenCL kernels. The library's C interface (C11 and C++); gnomon.hpp is the same in C++.
 //
 //   gnomon_device_wrap(context, queue, NULL, &device);                       // your own, or gnomon_device_open()
-//   gnomon_triangles_wrap(device, vertices, 0, triangle_count, &triangles);  // your cl_mem, or ..._upload()
-//   gnomon_points_wrap(device, positions, NULL, NULL, point_count, &points);
-//   gnomon_visibility_wrap(device, result, 0, point_count, &visibility);
+//   gnomon_triangles_wrap(device, vertices, triangle_count, 0, &triangles);  // your cl_mem, or ..._upload()
+//   gnomon_points_wrap(device, positions, NULL, point_count, NULL, &points);
+//   gnomon_visibility_wrap(device, result, point_count, 0, &visibility);
 //   gnomon_technique_create(device, "frustum-traced", &technique);
 //   gnomon_light_directional(down, &light);
-//   gnomon_technique_run(technique, triangles, points, light, visibility, &event, NULL);
+//   gnomon_technique_run(technique, triangles, points, light, visibility, NULL, &event, NULL);
 //
 // A point is "in shadow" by the visibility contract of docs/numerics.md, which is decided in exact real arithmetic on
 // the float32 inputs: the same bits on every device, and the same as from C++.
@@ -33,6 +33,53 @@
 //   when the results of the call are there. To wait for it in another queue, call clFlush() on the device's queue
 //   first. For inputs that another queue writes, enqueue clEnqueueBarrierWithWaitList() with its events on the device's
 //   queue.
+// Waits. As in gnomon.hpp, whose table says it of the same functions: `always`, a call waits for the queue, and so for
+//   all that was enqueued before; `large`, only where it makes a buffer of 4 MiB or more for a CPU; `never`. What is
+//   not in the table never waits, but gnomon_device_kernel_builds() after a first launch, gnomon_device_wrap() as
+//   gnomon_device_open(), and the gnomon_*_share() as gnomon_*_upload() where the device has memory of its own.
+// WAITS
+//   gnomon_device_open                       always
+//   gnomon_device_finish                     always
+//   gnomon_triangles_upload                  always
+//   gnomon_triangles_wrap                    never
+//   gnomon_triangles_upload_cut_outs         always
+//   gnomon_triangles_copy_cut_outs           always
+//   gnomon_triangles_keep_clusters           always
+//   gnomon_points_upload                     always
+//   gnomon_points_wrap                       never
+//   gnomon_points_read                       always
+//   gnomon_points_lift                       large
+//   gnomon_points_explain                    always
+//   gnomon_visibility_create                 large
+//   gnomon_visibility_wrap                   never
+//   gnomon_visibility_fetch                  always
+//   gnomon_visibility_read                   always
+//   gnomon_vertex_fans_find                  always
+//   gnomon_vertex_fans_extended              always
+//   gnomon_technique_create                  never
+//   gnomon_technique_set                     never
+//   gnomon_technique_run                     always
+//   gnomon_technique_run_each_light          always
+//   gnomon_technique_run_light_table         always
+//   gnomon_technique_run_light_table_to_host always
+//   gnomon_technique_run_mean                always
+//   gnomon_technique_run_samples             always
+//   gnomon_technique_prepare                 always
+//   gnomon_technique_release_prepared_light  never
+//   gnomon_technique_diagnose                always
+//   gnomon_view_look                         always
+//   gnomon_camera_pass_look                  always
+//   gnomon_view_read                         always
+//   gnomon_view_shade                        always
+//   gnomon_host_scene_look                   always
+//   gnomon_host_scene_run                    always
+// END OF WAITS
+// Options and other structs that the caller fills and passes by pointer begin with their size: set them to
+//   GNOMON_..._INIT, then change members. A struct of another size than the library's is refused. NULL for options:
+//   GNOMON_..._INIT. Small values (gnomon_light, gnomon_camera, gnomon_point_layout, ...) have no size and stay as they
+//   are. Enumerations are integers of a fixed width.
+// Order. The object that a function's name begins with comes first, results last. A part of a buffer is given as
+//   (buffer, count, first_float), as in gnomon.hpp.
 // Strings are UTF-8 and end with 0. Sizes of arrays and buffers are numbers of elements, not bytes.
 #ifndef GNOMON_H
 #define GNOMON_H
@@ -46,6 +93,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <gnomon/version.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -53,18 +102,13 @@ extern "C" {
 #pragma GCC visibility push(default)
 #endif
 
-/// The version that this header belongs to. Before 1.0 every minor version may change the interface.
-#define GNOMON_C_VERSION_MAJOR 0
-#define GNOMON_C_VERSION_MINOR 1
-#define GNOMON_C_VERSION_PATCH 0
-#define GNOMON_C_VERSION (GNOMON_C_VERSION_MAJOR * 10000 + GNOMON_C_VERSION_MINOR * 100 + GNOMON_C_VERSION_PATCH)
-
-/// "MAJOR.MINOR.PATCH" of the library that the program runs with.
+/// "MAJOR.MINOR.PATCH" of the library that the program runs with (GNOMON_VERSION is that of the headers).
 const char* gnomon_version(void);
 
 // ---- Status ---------------------------------------------------------------------------------------------------------
 
-typedef enum gnomon_status {
+typedef int32_t gnomon_status;
+enum {
     GNOMON_SUCCESS = 0,
     GNOMON_INVALID_ARGUMENT = 1,      ///< an argument outside its stated range, an unknown technique or setting
     GNOMON_DEVICE_NOT_FOUND = 2,      ///< no device fits, or the named one lacks a feature that gnomon needs
@@ -73,7 +117,7 @@ typedef enum gnomon_status {
     GNOMON_OPENCL_ERROR = 5,     ///< an OpenCL call failed: gnomon_last_opencl_error() has its code
     GNOMON_STOPPED = 6,          ///< the caller's gnomon_sample_sink or gnomon_progress stopped the run
     GNOMON_UNEXPECTED_ERROR = 7  ///< anything else; the text says what
-} gnomon_status;
+};
 
 /// "GNOMON_SUCCESS" and so on; "an unknown status" for another number.
 const char* gnomon_status_name(gnomon_status status);
@@ -96,7 +140,7 @@ typedef struct gnomon_light {
 /// A light that travels along `direction` (need not have unit length). Fails if it is 0,0,0 or not finite.
 gnomon_status gnomon_light_directional(const float direction[3], gnomon_light* light_out);
 /// A point light, in the scene's unit. Fails if it is not finite.
-gnomon_status gnomon_light_positional(const float position[3], gnomon_light* light_out);
+gnomon_status gnomon_light_point(const float position[3], gnomon_light* light_out);
 
 /// A pinhole camera. Pixel (x, y), row 0 on top, looks along
 ///   forward + (2 (x + 0.5) / width - 1) aspect t right + (1 - 2 (y + 0.5) / height) t up,  t = tan(fov_y_radians / 2).
@@ -202,7 +246,7 @@ void gnomon_statistics_destroy(const gnomon_statistics* statistics);
 /// GNOMON_OPENCL_LIBRARY names, else `library`, else the library that the program itself links, else the system's
 /// libOpenCL.so.1. Only programs that must choose the file call this; after the first success it does nothing. NULL: no
 /// file of the caller's. Fails with GNOMON_DEVICE_NOT_FOUND.
-gnomon_status gnomon_load_opencl(const char* library);
+gnomon_status gnomon_opencl_load(const char* library);
 
 /// One OpenCL device of this machine.
 typedef struct gnomon_device_description {
@@ -232,12 +276,12 @@ typedef struct gnomon_device_list {
 } gnomon_device_list;
 
 /// All devices of all platforms; an empty list if there is no OpenCL at all.
-gnomon_status gnomon_devices(const gnomon_device_list** list_out);
+gnomon_status gnomon_devices_list(const gnomon_device_list** list_out);
 void gnomon_device_list_destroy(const gnomon_device_list* list);
 
-/// How a device is opened. Begin with GNOMON_DEVICE_OPTIONS_INIT, then change members.
+/// How a device is opened.
 typedef struct gnomon_device_options {
-    size_t struct_size;           ///< sizeof(gnomon_device_options) as the program was compiled
+    size_t struct_size;
     uint64_t memory_limit_bytes;  ///< refuse to allocate more than this on the device; 0: no limit
     uint32_t work_group_size;     ///< of every kernel, 0: chosen per device. Same bits for every size
     bool profile;                 ///< time kernels by events. A wrapped queue decides that itself. Slows small launches
@@ -295,7 +339,7 @@ gnomon_status gnomon_triangles_share(const gnomon_device* device, const float* v
                                      gnomon_triangles** triangles_out);
 /// Uses 9 * count floats of the caller's buffer (retained) from `first_float` on. The caller must not write them during
 /// a run. Fails if the buffer is smaller or belongs to another context.
-gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t first_float, size_t count,
+gnomon_status gnomon_triangles_wrap(const gnomon_device* device, cl_mem vertices, size_t count, size_t first_float,
                                     gnomon_triangles** triangles_out);
 void gnomon_triangles_destroy(gnomon_triangles* triangles);
 
@@ -316,14 +360,18 @@ enum { GNOMON_FILTER_NEAREST = 0, GNOMON_FILTER_LINEAR = 1 };
 /// corners at X is at least the cutoff: texel(X) >= 255 cutoff / alpha_factor, which is rounded once to a multiple of
 /// 2^-16. A cutoff up to 0: everywhere; a cutoff above 1, or a factor up to 0: nowhere.
 typedef struct gnomon_cut_out_material {
+    size_t struct_size;
     uint32_t texture;  ///< an index, or GNOMON_NO_TEXTURE: 255
     gnomon_texture_wrap wrap_u, wrap_v;
     gnomon_texture_filter filter;
     float cutoff, alpha_factor;
 } gnomon_cut_out_material;
 /// glTF's defaults: no texture, repeat, linear, cutoff .5, factor 1.
-#define GNOMON_CUT_OUT_MATERIAL_INIT \
-    { GNOMON_NO_TEXTURE, GNOMON_WRAP_REPEAT, GNOMON_WRAP_REPEAT, GNOMON_FILTER_LINEAR, 0.5f, 1.0f }
+#define GNOMON_CUT_OUT_MATERIAL_INIT                                                                \
+    {                                                                                               \
+        sizeof(gnomon_cut_out_material), GNOMON_NO_TEXTURE, GNOMON_WRAP_REPEAT, GNOMON_WRAP_REPEAT, \
+            GNOMON_FILTER_LINEAR, 0.5f, 1.0f                                                        \
+    }
 
 /// width * height alphas, row by row; the first texel is at (u, v) = (0, 0). Sides from 1 to 32768.
 typedef struct gnomon_alpha_texture {
@@ -337,6 +385,7 @@ typedef struct gnomon_alpha_texture_buffer {
 
 /// The cut-outs of `count` triangles.
 typedef struct gnomon_cut_outs {
+    size_t struct_size;
     const uint32_t* material_of_triangle;  ///< count: an index of materials, or GNOMON_NO_CUT_OUT
     const float* texture_coordinates;      ///< 6 * count: u, v of each corner. NULL: no texture is used
     const float* corner_alphas;            ///< 3 * count, 0 to 1. NULL: 1
@@ -345,14 +394,19 @@ typedef struct gnomon_cut_outs {
     const gnomon_alpha_texture* textures;
     size_t texture_count;
 } gnomon_cut_outs;
+#define GNOMON_CUT_OUTS_INIT \
+    { sizeof(gnomon_cut_outs), NULL, NULL, NULL, NULL, 0, NULL, 0 }
 /// The same in buffers of the device's context, each from its beginning.
 typedef struct gnomon_cut_out_buffers {
+    size_t struct_size;
     cl_mem material_of_triangle, texture_coordinates, corner_alphas;
     const gnomon_cut_out_material* materials;
     size_t material_count;
     const gnomon_alpha_texture_buffer* textures;
     size_t texture_count;
 } gnomon_cut_out_buffers;
+#define GNOMON_CUT_OUT_BUFFERS_INIT \
+    { sizeof(gnomon_cut_out_buffers), NULL, NULL, NULL, NULL, 0, NULL, 0 }
 
 /// What became of the triangles that have a material: masked + opaque + clear is their number.
 typedef struct gnomon_cut_out_counts {
@@ -368,16 +422,15 @@ gnomon_status gnomon_triangles_upload_cut_outs(const gnomon_device* device, cons
                                                const gnomon_cut_outs* cut_outs, gnomon_triangles** triangles_out);
 /// The same from buffers, of which all is copied: 9 * count floats of `vertices` from `first_float` on, and the
 /// cut-outs. Waits for the queue, since the host finds the triangles that are opaque or clear all over.
-gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem vertices, size_t first_float,
-                                             size_t count, const gnomon_cut_out_buffers* cut_outs,
+gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem vertices, size_t count,
+                                             size_t first_float, const gnomon_cut_out_buffers* cut_outs,
                                              gnomon_triangles** triangles_out);
 gnomon_status gnomon_triangles_cut_out_counts(const gnomon_triangles* triangles, gnomon_cut_out_counts* counts_out);
 
 /// For a mesh that does not change: builds boxes around clusters of triangles on the device, so that stages skip
 /// clusters. Same bits. Worth it from about two views or lights on. The caller promises not to write the vertices from
-/// now on; after a change, call this again. gnomon_triangles_forget_clusters() restores the state from before.
+/// now on; after a change, call this again.
 gnomon_status gnomon_triangles_keep_clusters(gnomon_triangles* triangles, cl_event* event_out);
-gnomon_status gnomon_triangles_forget_clusters(gnomon_triangles* triangles);
 
 gnomon_status gnomon_triangles_count(const gnomon_triangles* triangles, size_t* count_out);
 /// The buffer, and the float in it where the triangles begin.
@@ -387,34 +440,31 @@ gnomon_status gnomon_triangles_buffer(const gnomon_triangles* triangles, cl_mem*
 
 /// Shading points on the device: position, and optionally the id of the triangle that the point lies on (its receiver,
 /// which never shadows it). A point with a NaN or infinite coordinate is absent: visibility 1, no work. A receiver
-/// alone darkens no point: that a point faces away from the light needs a side, from gnomon_points_set_eye(),
-/// gnomon_face_by_normals() or gnomon_face_by_winding().
+/// alone darkens no point: that a point faces away from the light is decided by the run's gnomon_facing.
 typedef struct gnomon_points gnomon_points;
 
 /// Copies 3 * count floats, and `count` receivers (NULL: no point has one) to the device. `positions` may be NULL if
 /// count is 0.
-gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, const uint32_t* receivers,
-                                   size_t count, gnomon_points** points_out);
+gnomon_status gnomon_points_upload(const gnomon_device* device, const float* positions, size_t count,
+                                   const uint32_t* receivers, gnomon_points** points_out);
 /// As gnomon_triangles_share(), for both arrays.
-gnomon_status gnomon_points_share(const gnomon_device* device, const float* positions, const uint32_t* receivers,
-                                  size_t count, gnomon_points** points_out);
+gnomon_status gnomon_points_share(const gnomon_device* device, const float* positions, size_t count,
+                                  const uint32_t* receivers, gnomon_points** points_out);
 /// Uses the caller's buffers (retained). `layout` NULL: packed xyz triples from the buffer's beginning. `receivers`:
 /// `count` uint32 from the buffer's beginning (a sub-buffer for another place), or NULL: no point has one. Fails if a
 /// buffer is smaller than that or belongs to another context.
 gnomon_status gnomon_points_wrap(const gnomon_device* device, cl_mem positions, const gnomon_point_layout* layout,
-                                 cl_mem receivers, size_t count, gnomon_points** points_out);
+                                 size_t count, cl_mem receivers, gnomon_points** points_out);
 void gnomon_points_destroy(gnomon_points* points);
 
-/// From here on, a point is backfacing, and its visibility 0, if its receiver's plane separates the light from this eye
-/// or contains the light.
-gnomon_status gnomon_points_set_eye(gnomon_points* points, const float eye[3]);
-/// Sets the camera of the picture of width x height pixels that the points belong to, and the eye. Shadow maps that are
-/// fitted to the view need it. A view's points have it set.
+/// Sets the camera of the picture of width x height pixels that the points belong to. GNOMON_FACING_AUTOMATIC takes its
+/// eye, and shadow maps that are fitted to the view need it. A view's points have it set.
 gnomon_status gnomon_points_set_camera(gnomon_points* points, const gnomon_camera* camera, uint32_t width,
                                        uint32_t height);
-/// The caller promises that no point lies on the far side of its receiver, a triangle of `triangles`, as the eye sees
-/// it. Saves time; lasts until an eye or a camera is set. A view's points have it set.
-gnomon_status gnomon_points_set_lifted_off(gnomon_points* points, const gnomon_triangles* triangles);
+/// The caller promises that no point lies on the far side of its receiver, a triangle of `triangles`, as `eye` sees it.
+/// Saves runs whose points face by this eye time; lasts until a camera is set. A view's points have it set.
+gnomon_status gnomon_points_set_lifted_off(gnomon_points* points, const gnomon_triangles* triangles,
+                                           const float eye[3]);
 
 gnomon_status gnomon_points_count(const gnomon_points* points, size_t* count_out);
 gnomon_status gnomon_points_positions(const gnomon_points* points, cl_mem* buffer_out, gnomon_point_layout* layout_out);
@@ -424,10 +474,9 @@ gnomon_status gnomon_points_receivers(const gnomon_points* points, cl_mem* buffe
 gnomon_status gnomon_points_read(const gnomon_points* points, float* positions_out, uint32_t* receivers_out);
 
 /// Lifts the points off their receivers as a view's points are: along the receiver's normal towards `eye`, by a proven
-/// bound of a few float32 ulps (docs/numerics.md, 9). The result shares the receivers and has the eye set. Fails if
-/// there are no receivers.
-gnomon_status gnomon_lift(const gnomon_triangles* triangles, const gnomon_points* points, const float eye[3],
-                          gnomon_points** lifted_out, cl_event* event_out);
+/// bound of a few float32 ulps (docs/numerics.md, 9). The result shares the receivers. Fails if there are no receivers.
+gnomon_status gnomon_points_lift(const gnomon_points* points, const gnomon_triangles* triangles, const float eye[3],
+                                 gnomon_points** lifted_out, cl_event* event_out);
 
 // ---- Visibility -----------------------------------------------------------------------------------------------------
 
@@ -438,7 +487,7 @@ gnomon_status gnomon_visibility_create(const gnomon_device* device, size_t count
 /// Uses `count` floats of the caller's buffer (retained) from `first_float` on: the device writes the result there.
 /// first_float * 4 must be a multiple of the device's CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8 (gnomon makes a sub-buffer).
 /// Fails if it is not, or if the buffer is smaller or belongs to another context.
-gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer, size_t first_float, size_t count,
+gnomon_status gnomon_visibility_wrap(const gnomon_device* device, cl_mem buffer, size_t count, size_t first_float,
                                      gnomon_visibility** visibility_out);
 /// The results' place is the caller's `values`, which must be kept until the visibility is destroyed. They are there
 /// after gnomon_visibility_fetch(), from then on until the next run; where device and host share memory, nothing is
@@ -453,6 +502,77 @@ gnomon_status gnomon_visibility_count(const gnomon_visibility* visibility, size_
 gnomon_status gnomon_visibility_buffer(const gnomon_visibility* visibility, cl_mem* buffer_out);
 /// Waits for the queue and copies `count` floats to the host.
 gnomon_status gnomon_visibility_read(const gnomon_visibility* visibility, float* values_out);
+
+// ---- Facing ---------------------------------------------------------------------------------------------------------
+
+/// Points that are vertices of a mesh, and the fan of each: the triangles that have the point as a corner. By contract
+/// none of these shadows the point, and GNOMON_FACING_FANS decides facing.
+typedef struct gnomon_vertex_fans gnomon_vertex_fans;
+
+/// Finds the fans of `count` points (3 floats each) among triangles (9 floats each), by equal coordinates. Triangles
+/// with a vertex that is not finite are left out.
+gnomon_status gnomon_vertex_fans_find(const gnomon_device* device, const float* vertices, size_t triangle_count,
+                                      const float* points, size_t count, gnomon_vertex_fans** fans_out);
+void gnomon_vertex_fans_destroy(gnomon_vertex_fans* fans);
+/// The points that no triangle has as a corner, ascending: they face every light. The array is the fans'.
+gnomon_status gnomon_vertex_fans_alone(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out);
+/// The points with triangles that do not close around them, ascending: at a border or a hole, or where windings
+/// disagree or more than two triangles share an edge. The array is the fans'.
+gnomon_status gnomon_vertex_fans_open(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out);
+/// The number of points for which the last run that faced by these fans used the extension (of several lights: the last
+/// light).
+gnomon_status gnomon_vertex_fans_extended(const gnomon_vertex_fans* fans, uint64_t* count_out);
+
+/// By what a run decides that a point faces away from a light, so that its visibility is 0. All is decided exactly.
+/// Without facing, a point behind its own surface may be lit.
+typedef uint32_t gnomon_facing_kind;
+enum {
+    GNOMON_FACING_AUTOMATIC = 0,  ///< by the eye of the camera that the points came from, else none
+    GNOMON_FACING_NONE = 1,
+    GNOMON_FACING_EYE = 2,      ///< dark unless eye and light are strictly on one side of the point's receiver
+    GNOMON_FACING_NORMALS = 3,  ///< dark unless the light is strictly on the side of the point's normal
+    GNOMON_FACING_WINDING =
+        4,                  ///< dark unless the light is strictly in front of the receiver: counter-clockwise corners
+    GNOMON_FACING_FANS = 5  ///< dark unless the light is strictly in front of the vertex's fan (docs/numerics.md, 14)
+};
+/// Without a receiver, and with a normal that is not finite, a point faces every light. The members that the kind does
+/// not name are not read. What a facing points to must be there until the run has returned.
+typedef struct gnomon_facing {
+    gnomon_facing_kind kind;
+    float eye[3];                               ///< EYE
+    const float* normals;                       ///< NORMALS: 3 floats a point, of any length; or NULL, and in a buffer:
+    cl_mem normals_buffer;                      ///< NORMALS
+    const gnomon_point_layout* normals_layout;  ///< of the buffer; NULL: packed xyz triples from its beginning
+    /// FANS: of the run's points, found among its triangles; their front is where corners run counter-clockwise, and
+    /// the extension for an open fan is: in front of the planes of all its triangles.
+    const gnomon_vertex_fans* fans;
+    /// FANS: NULL, or 3 floats: the mesh is a height field in this direction, whatever its winding. The light must be
+    /// strictly above the one or two triangles over which the ray leaves; the extension where it leaves over none:
+    /// above the planes of all.
+    const float* up;
+} gnomon_facing;
+
+/// Called now and then with the part that is done, 0 to 1, after the device has finished it; a run of one light calls
+/// it once, with 1. A result other than 0 stops the run (GNOMON_STOPPED); the outputs' contents are then not defined.
+typedef int (*gnomon_progress)(double done, void* user_data);
+
+/// How a run goes, for one light or many.
+typedef struct gnomon_run_options {
+    size_t struct_size;
+    gnomon_facing facing;
+    gnomon_progress progress;  ///< NULL: none
+    void* user_data;           ///< for `progress`
+} gnomon_run_options;
+#define GNOMON_FACING_INIT \
+    { GNOMON_FACING_AUTOMATIC, {0, 0, 0}, NULL, NULL, NULL, NULL, NULL }
+#define GNOMON_RUN_OPTIONS_INIT \
+    { sizeof(gnomon_run_options), GNOMON_FACING_INIT, NULL, NULL }
+
+/// A light and the visibility that belongs to it.
+typedef struct gnomon_light_visibility {
+    gnomon_light light;
+    const gnomon_visibility* visibility;
+} gnomon_light_visibility;
 
 // ---- Techniques -----------------------------------------------------------------------------------------------------
 
@@ -483,7 +603,7 @@ typedef struct gnomon_technique_list {
 } gnomon_technique_list;
 
 /// Every technique of this build; the first is the default, "frustum-traced".
-gnomon_status gnomon_techniques(const gnomon_technique_list** list_out);
+gnomon_status gnomon_techniques_list(const gnomon_technique_list** list_out);
 void gnomon_technique_list_destroy(const gnomon_technique_list* list);
 
 /// One way to compute visibility.
@@ -495,72 +615,34 @@ void gnomon_technique_destroy(gnomon_technique* technique);
 /// Changes a setting. Fails with the setting and its range.
 gnomon_status gnomon_technique_set(gnomon_technique* technique, const char* name, const char* value);
 
-/// Enqueues a run: writes the visibility of every point. Waits only where a buffer must grow. Fails if visibility has
-/// fewer entries than there are points or overlaps an input, or if the light is none that its makers could have made.
+/// Writes the visibility of every point. Fails if visibility has fewer entries than there are points or overlaps an
+/// input, if the light is none that its makers could have made, or if the facing does not fit the points.
 gnomon_status gnomon_technique_run(gnomon_technique* technique, const gnomon_triangles* triangles,
                                    const gnomon_points* points, gnomon_light light, const gnomon_visibility* visibility,
-                                   cl_event* event_out, const gnomon_statistics** statistics_out);
-/// gnomon_technique_run() for `count` lights and the same points: visibilities[i] belongs to lights[i] and has the same
-/// bits as from a run of its own; work that all lights share is done once. statistics_out: NULL, or an array of `count`
-/// pointers, each to be destroyed. Fails also if two visibilities overlap.
-gnomon_status gnomon_technique_run_lights(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                          const gnomon_points* points, const gnomon_light* lights,
-                                          const gnomon_visibility* const* visibilities, size_t count,
-                                          cl_event* event_out, const gnomon_statistics** statistics_out);
+                                   const gnomon_run_options* options, cl_event* event_out,
+                                   const gnomon_statistics** statistics_out);
+/// gnomon_technique_run() for `count` lights and the same points: each visibility has the same bits as from a run of
+/// its own; work that all lights share is done once. statistics_out: NULL, or an array of `count` pointers, each to be
+/// destroyed. Fails also if two visibilities overlap.
+gnomon_status gnomon_technique_run_each_light(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                              const gnomon_points* points, const gnomon_light_visibility* lights,
+                                              size_t count, const gnomon_run_options* options, cl_event* event_out,
+                                              const gnomon_statistics** statistics_out);
 /// Prepares the light: stores what depends on these triangles and this light alone, so that later runs with both do
-/// less work. Same bits. The caller promises not to change the triangles' buffer until gnomon_technique_forget(),
-/// gnomon_technique_set(), another prepare or the technique's end; each of these frees the memory.
+/// less work. Same bits. The caller promises not to change the triangles' buffer until
+/// gnomon_technique_release_prepared_light(), gnomon_technique_set(), another prepare or the technique's end; each of
+/// these frees the memory.
 gnomon_status gnomon_technique_prepare(gnomon_technique* technique, const gnomon_triangles* triangles,
                                        gnomon_light light, cl_event* event_out,
                                        const gnomon_statistics** statistics_out);
-gnomon_status gnomon_technique_forget(gnomon_technique* technique);
-/// Draws how the technique works for each point: 4 bytes (sRGB and alpha) per point to the host. Waits for the queue.
-/// Fails if there is no diagnostic of this name, or if it needs points that a camera made.
+/// Frees the prepared light, and all else that the technique keeps of earlier runs.
+gnomon_status gnomon_technique_release_prepared_light(gnomon_technique* technique);
+/// Draws how the technique works for each point: 4 bytes (sRGB and alpha) per point to the host. Of the options it
+/// takes a facing by an eye, or none. Fails if there is no diagnostic of this name, or if it needs points that a camera
+/// made.
 gnomon_status gnomon_technique_diagnose(gnomon_technique* technique, const char* name,
                                         const gnomon_triangles* triangles, const gnomon_points* points,
-                                        gnomon_light light, uint8_t* rgba_out);
-
-// ---- Facing by a side that the caller gives -------------------------------------------------------------------------
-
-/// For points whose side the caller knows by a normal (3 floats each, of any length): a point whose normal n and light
-/// are not strictly on one side, n . D <= 0 with D towards the light, is backfacing, and its visibility becomes 0.
-/// Decided exactly. All other values stay, also those of points whose normal has a NaN or infinite coordinate. Call it
-/// after a technique's run with the same points and light. Fails as gnomon_technique_run() does.
-gnomon_status gnomon_face_by_normals(const gnomon_points* points, const float* normals, gnomon_light light,
-                                     const gnomon_visibility* visibility, cl_event* event_out);
-/// The same for normals in a buffer of the caller's. `layout` NULL: packed xyz triples from the buffer's beginning.
-gnomon_status gnomon_face_by_normals_buffer(const gnomon_points* points, cl_mem normals,
-                                            const gnomon_point_layout* layout, gnomon_light light,
-                                            const gnomon_visibility* visibility, cl_event* event_out);
-/// The same where the counter-clockwise side of each triangle is its front: a point is backfacing unless the light is
-/// strictly in front of its receiver. Points without a receiver keep their visibility.
-gnomon_status gnomon_face_by_winding(const gnomon_triangles* triangles, const gnomon_points* points, gnomon_light light,
-                                     const gnomon_visibility* visibility, cl_event* event_out);
-
-/// Points that are vertices of a mesh, and the fan of each: the triangles that have the point as a corner. By contract
-/// none of these shadows the point, and gnomon_face_by_fans() decides facing.
-typedef struct gnomon_vertex_fans gnomon_vertex_fans;
-
-/// Finds the fans of `count` points (3 floats each) among triangles (9 floats each), by equal coordinates. Triangles
-/// with a vertex that is not finite are left out.
-gnomon_status gnomon_vertex_fans_find(const gnomon_device* device, const float* vertices, size_t triangle_count,
-                                      const float* points, size_t count, gnomon_vertex_fans** fans_out);
-void gnomon_vertex_fans_destroy(gnomon_vertex_fans* fans);
-/// The points that no triangle has as a corner, ascending: facing leaves their visibility. The array is the fans'.
-gnomon_status gnomon_vertex_fans_alone(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out);
-/// The points with triangles that do not close around them, ascending: at a border or a hole, or where windings
-/// disagree or more than two triangles share an edge. The array is the fans'.
-gnomon_status gnomon_vertex_fans_open(const gnomon_vertex_fans* fans, const uint32_t** points_out, size_t* count_out);
-/// The number of points for which the last gnomon_face_by_fans() used the extension. Waits for the queue.
-gnomon_status gnomon_vertex_fans_extended(const gnomon_vertex_fans* fans, uint64_t* count_out);
-/// A point becomes dark if the light, seen from the vertex, is not strictly in front of its fan, whose front is where
-/// corners run counter-clockwise; the extension for an open fan: in front of the planes of all its triangles. With `up`
-/// (3 floats, else NULL) the mesh is a height field in that direction, whatever its winding: the light must be strictly
-/// above the one or two triangles over which the ray leaves; the extension where it leaves over none: above the planes
-/// of all. Decided exactly (docs/numerics.md, 14). `triangles` are those that the fans were found among. Call it after
-/// a technique's run for the same points and light.
-gnomon_status gnomon_face_by_fans(const gnomon_triangles* triangles, const gnomon_vertex_fans* fans, gnomon_light light,
-                                  const float* up, const gnomon_visibility* visibility, cl_event* event_out);
+                                        gnomon_light light, const gnomon_run_options* options, uint8_t* rgba_out);
 
 // ---- Many lights at once --------------------------------------------------------------------------------------------
 
@@ -599,55 +681,47 @@ gnomon_status gnomon_lights_rounding(const gnomon_lights* lights, int32_t* expon
 
 /// What a run over m lights writes for n points; one that is NULL is not written. Buffers of the caller's, from their
 /// beginning on.
-typedef struct gnomon_lights_buffers {
+typedef struct gnomon_light_table_buffers {
+    size_t struct_size;
     cl_mem bits;       ///< uint32, n rows of (m + 31) / 32: light l is bit l % 32 of word l / 32; 1 lit
     cl_mem counts;     ///< uint32, n: the number of lights that reach the point
     cl_mem sums;       ///< double, n: the sum of their weights, exact before this one rounding
     cl_mem first_lit;  ///< uint32, n: the smallest index of these, or GNOMON_NO_LIGHT
     cl_mem last_lit;   ///< uint32, n: the largest
-} gnomon_lights_buffers;
+    bool cosines;      ///< sums add each weight times max(0, n . l): needs GNOMON_FACING_NORMALS, directional lights
+} gnomon_light_table_buffers;
+#define GNOMON_LIGHT_TABLE_BUFFERS_INIT \
+    { sizeof(gnomon_light_table_buffers), NULL, NULL, NULL, NULL, NULL, false }
 /// The same in arrays on the host.
-typedef struct gnomon_lights_arrays {
+typedef struct gnomon_light_table_arrays {
+    size_t struct_size;
     uint32_t* bits;
     uint32_t* counts;
     double* sums;
     uint32_t* first_lit;
     uint32_t* last_lit;
-} gnomon_lights_arrays;
-
-/// Called now and then with the part that is done, 0 to 1. A result other than 0 stops the run (GNOMON_STOPPED); the
-/// outputs' contents are then not defined.
-typedef int (*gnomon_progress)(double done, void* user_data);
-
-/// Zeros are the defaults. A point that has a side of a surface is backfacing for each light that is not strictly on
-/// it, decided exactly: the side of the points' eye or, where given, of its normal, or the front of its receiver; at
-/// most one of the three may be given. A receiver alone only excludes its triangle: without a side, a point behind its
-/// surface may be lit.
-typedef struct gnomon_lights_options {
-    bool front;      ///< counter-clockwise corners show a receiver's front (as gnomon_face_by_winding())
-    bool cosines;    ///< sums add each weight times max(0, n . l): needs normals and directional lights
-    cl_mem normals;  ///< a normal per point, NULL: none
-    const gnomon_point_layout* normals_layout;  ///< NULL: packed xyz triples from the buffer's beginning
-    gnomon_progress progress;                   ///< NULL: none
-    void* user_data;                            ///< for `progress`
-} gnomon_lights_options;
+    bool cosines;
+} gnomon_light_table_arrays;
+#define GNOMON_LIGHT_TABLE_ARRAYS_INIT \
+    { sizeof(gnomon_light_table_arrays), NULL, NULL, NULL, NULL, NULL, false }
 
 /// Decides all pairs of a point and a light: bit for bit what a run with one light after the other gives, and sums that
-/// depend on no order. Nothing of the size points x lights is held unless `bits` is wanted. Waits for the queue.
-/// `options` may be NULL. Fails as gnomon_technique_run() does, or if a buffer is too small or overlaps an input.
-gnomon_status gnomon_technique_run_table(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                         const gnomon_points* points, const gnomon_lights* lights,
-                                         const gnomon_lights_buffers* outputs, const gnomon_lights_options* options,
-                                         const gnomon_statistics** statistics_out);
-gnomon_status gnomon_technique_run_table_to_host(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                                 const gnomon_points* points, const gnomon_lights* lights,
-                                                 const gnomon_lights_arrays* outputs,
-                                                 const gnomon_lights_options* options,
-                                                 const gnomon_statistics** statistics_out);
+/// depend on no order. Nothing of the size points x lights is held unless `bits` is wanted. Fails as
+/// gnomon_technique_run() does, or if a buffer is too small or overlaps an input.
+gnomon_status gnomon_technique_run_light_table(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                               const gnomon_points* points, const gnomon_lights* lights,
+                                               const gnomon_light_table_buffers* outputs,
+                                               const gnomon_run_options* options,
+                                               const gnomon_statistics** statistics_out);
+gnomon_status gnomon_technique_run_light_table_to_host(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                                       const gnomon_points* points, const gnomon_lights* lights,
+                                                       const gnomon_light_table_arrays* outputs,
+                                                       const gnomon_run_options* options,
+                                                       const gnomon_statistics** statistics_out);
 /// Soft shadows: writes to `mean` the share of the lights that reach each point, rounded once; weights are not read.
 gnomon_status gnomon_technique_run_mean(gnomon_technique* technique, const gnomon_triangles* triangles,
                                         const gnomon_points* points, const gnomon_lights* lights,
-                                        const gnomon_visibility* mean, const gnomon_lights_options* options,
+                                        const gnomon_visibility* mean, const gnomon_run_options* options,
                                         cl_event* event_out, const gnomon_statistics** statistics_out);
 
 // ---- Views ----------------------------------------------------------------------------------------------------------
@@ -655,10 +729,10 @@ gnomon_status gnomon_technique_run_mean(gnomon_technique* technique, const gnomo
 /// The view of a camera: per pixel (row by row from the top) the nearest triangle and the shading point on it.
 typedef struct gnomon_view gnomon_view;
 
-/// Enqueues the camera stages. Fails if width or height is 0 or over 16384, or if the camera breaks its rules.
-gnomon_status gnomon_look(const gnomon_device* device, const gnomon_triangles* triangles, const gnomon_camera* camera,
-                          uint32_t width, uint32_t height, gnomon_view** view_out, cl_event* event_out,
-                          const gnomon_statistics** statistics_out);
+/// Runs the camera stages. Fails if width or height is 0 or over 16384, or if the camera breaks its rules.
+gnomon_status gnomon_view_look(const gnomon_device* device, const gnomon_triangles* triangles,
+                               const gnomon_camera* camera, uint32_t width, uint32_t height, gnomon_view** view_out,
+                               cl_event* event_out, const gnomon_statistics** statistics_out);
 void gnomon_view_destroy(gnomon_view* view);
 /// The view's width * height points; absent (NaN) where the pixel shows the sky. They belong to the view: valid until
 /// it is destroyed.
@@ -670,18 +744,21 @@ gnomon_status gnomon_view_read(const gnomon_view* view, const gnomon_triangles* 
 
 /// Base colours: one material id per triangle, and 3 floats of linear RGB per material.
 typedef struct gnomon_materials {
+    size_t struct_size;
     const uint32_t* triangle_material;
     size_t triangle_count;
     const float* base_color;
     size_t material_count;
 } gnomon_materials;
+#define GNOMON_MATERIALS_INIT \
+    { sizeof(gnomon_materials), NULL, 0, NULL, 0 }
 /// Shades the view: the sum of the lights' Lambert terms with visibility, plus ambient, as 4 bytes (8-bit sRGB and
-/// alpha) per pixel on the host. visibilities[i] belongs to lights[i]. Waits for the queue.
-gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles* triangles, const gnomon_light* lights,
-                                const gnomon_visibility* const* visibilities, size_t light_count,
+/// alpha) per pixel on the host.
+gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles* triangles,
+                                const gnomon_light_visibility* lights, size_t light_count,
                                 const gnomon_materials* materials, uint8_t* rgba_out);
 
-/// gnomon_look() for picture after picture: keeps lists and buffers, so that the next picture of the same size
+/// gnomon_view_look() for picture after picture: keeps lists and buffers, so that the next picture of the same size
 /// allocates nothing. Same bits. A view's buffers are used again when it is destroyed.
 typedef struct gnomon_camera_pass gnomon_camera_pass;
 gnomon_status gnomon_camera_pass_create(const gnomon_device* device, gnomon_camera_pass** pass_out);
@@ -703,12 +780,20 @@ gnomon_status gnomon_sample_pattern(uint32_t samples, gnomon_sample_offset* offs
 /// Receives the points of some samples before their visibility is computed: sample by sample in the pattern's order,
 /// each pixel by pixel. The points are valid during the call. A result other than 0 stops the run (GNOMON_STOPPED).
 typedef int (*gnomon_sample_sink)(const gnomon_points* points, void* user_data);
-/// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. `sink` may be NULL. Fails as
-/// gnomon_technique_run() and gnomon_sample_pattern() do.
-gnomon_status gnomon_run_samples(gnomon_technique* technique, const gnomon_triangles* triangles,
-                                 const gnomon_view* view, gnomon_light light, uint32_t samples,
-                                 const gnomon_visibility* mean, gnomon_sample_sink sink, void* user_data,
-                                 cl_event* event_out, const gnomon_statistics** statistics_out);
+typedef struct gnomon_samples_options {
+    size_t struct_size;
+    uint32_t samples;         ///< per pixel, as gnomon_sample_pattern() takes them
+    gnomon_sample_sink sink;  ///< NULL: none
+    void* user_data;          ///< for `sink`
+} gnomon_samples_options;
+#define GNOMON_SAMPLES_OPTIONS_INIT \
+    { sizeof(gnomon_samples_options), 4, NULL, NULL }
+/// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. Points face by the view's eye.
+/// Fails as gnomon_technique_run() and gnomon_sample_pattern() do.
+gnomon_status gnomon_technique_run_samples(gnomon_technique* technique, const gnomon_triangles* triangles,
+                                           const gnomon_view* view, gnomon_light light, const gnomon_visibility* mean,
+                                           const gnomon_samples_options* options, cl_event* event_out,
+                                           const gnomon_statistics** statistics_out);
 
 // ---- Why a point is lit or in shadow --------------------------------------------------------------------------------
 
@@ -743,12 +828,24 @@ typedef struct gnomon_explanation {
     size_t clear_hit_count;
 } gnomon_explanation;
 
-/// Explains the point at `index`. Runs "frustum-traced" on all points, and waits. Fails if there is no such point.
-gnomon_status gnomon_explain(const gnomon_triangles* triangles, const gnomon_points* points, size_t index,
-                             gnomon_light light, const gnomon_explanation** explanation_out);
+/// Explains the point at `index`. Runs "frustum-traced" on all points. Of the options it takes a facing by an eye, or
+/// none. Fails if there is no such point.
+gnomon_status gnomon_points_explain(const gnomon_points* points, const gnomon_triangles* triangles, size_t index,
+                                    gnomon_light light, const gnomon_run_options* options,
+                                    const gnomon_explanation** explanation_out);
 void gnomon_explanation_destroy(const gnomon_explanation* explanation);
 
 // ---- Scenes larger than the device's memory -------------------------------------------------------------------------
+
+/// A scene that stays on the host: the device stores as many of its triangles at a time as fit.
+typedef struct gnomon_host_scene {
+    size_t struct_size;
+    const float* vertices;  ///< 9 * count
+    size_t count;
+    const gnomon_cut_outs* cut_outs;  ///< of all these triangles; NULL: none
+} gnomon_host_scene;
+#define GNOMON_HOST_SCENE_INIT \
+    { sizeof(gnomon_host_scene), NULL, 0, NULL }
 
 /// The view of a scene that stays on the host. The whole belongs to gnomon_view_of_parts_destroy().
 typedef struct gnomon_view_of_parts {
@@ -758,26 +855,33 @@ typedef struct gnomon_view_of_parts {
     size_t id_count;
 } gnomon_view_of_parts;
 
-/// gnomon_look() for 9 * count floats on the host, same bits: the device stores as many triangles at a time as fit.
-/// `cut_outs`, of all these triangles, may be NULL.
-gnomon_status gnomon_look_in_parts(const gnomon_device* device, const float* vertices, size_t count,
-                                   const gnomon_cut_outs* cut_outs, const gnomon_camera* camera, uint32_t width,
-                                   uint32_t height, const gnomon_view_of_parts** view_out);
+/// gnomon_view_look() for such a scene, same bits.
+gnomon_status gnomon_host_scene_look(const gnomon_device* device, const gnomon_host_scene* scene,
+                                     const gnomon_camera* camera, uint32_t width, uint32_t height,
+                                     const gnomon_view_of_parts** view_out);
 void gnomon_view_of_parts_destroy(const gnomon_view_of_parts* view);
 
 typedef struct gnomon_setting {
     const char* name;
     const char* value;
 } gnomon_setting;
-/// A run of the technique of this name and settings for 9 * count floats on the host: the device stores as many
-/// triangles, and as many points, at a time as fit. Same bits for an exact technique. A receiver r of the points is
-/// triangle ids[r] of `vertices`, or r if `ids` is NULL. `cut_outs` may be NULL. The visibility is there when the
-/// function returns.
-gnomon_status gnomon_run_in_parts(const gnomon_device* device, const char* technique, const gnomon_setting* settings,
-                                  size_t setting_count, const float* vertices, size_t count,
-                                  const gnomon_cut_outs* cut_outs, const gnomon_points* points, const uint32_t* ids,
-                                  size_t id_count, gnomon_light light, const gnomon_visibility* visibility,
-                                  const gnomon_statistics** statistics_out);
+typedef struct gnomon_host_scene_options {
+    size_t struct_size;
+    const char* technique;  ///< NULL: "frustum-traced"
+    const gnomon_setting* settings;
+    size_t setting_count;
+    const uint32_t* ids;  ///< a receiver r of the points is triangle ids[r] of the scene; NULL: triangle r
+    size_t id_count;
+    const gnomon_run_options* run;  ///< NULL: GNOMON_RUN_OPTIONS_INIT; no GNOMON_FACING_FANS. Progress counts triangles
+} gnomon_host_scene_options;
+#define GNOMON_HOST_SCENE_OPTIONS_INIT \
+    { sizeof(gnomon_host_scene_options), NULL, NULL, 0, NULL, 0, NULL }
+/// gnomon_technique_run() for such a scene; as many points at a time as fit, too. Same bits for an exact technique. The
+/// visibility is there when the function returns.
+gnomon_status gnomon_host_scene_run(const gnomon_device* device, const gnomon_host_scene* scene,
+                                    const gnomon_points* points, gnomon_light light,
+                                    const gnomon_visibility* visibility, const gnomon_host_scene_options* options,
+                                    const gnomon_statistics** statistics_out);
 
 #ifdef __GNUC__
 #pragma GCC visibility pop

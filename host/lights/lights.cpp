@@ -95,7 +95,7 @@ Lights area_light(const Float3& corner, const Float3& edge_a, const Float3& edge
         const double a = (i + 0.5) / samples, b = van_der_corput(i);
         Float3 at{};
         for (int c = 0; c < 3; ++c) at[c] = static_cast<float>(corner[c] + a * edge_a[c] + b * edge_b[c]);
-        lights.push_back(Light::positional(at));
+        lights.push_back(Light::point(at));
     }
     return Lights(std::move(lights));
 }

@@ -8,6 +8,7 @@
 #include "api/statistics.hpp"
 #include "cl/opencl.hpp"
 #include "lights/lights_method.hpp"
+#include "receivers/given_sides.hpp"
 
 namespace gnomon {
 namespace {
@@ -35,11 +36,8 @@ std::array<Output, 5> outputs_of(const LightsOutputs& outputs, std::size_t point
 
 void run_light(Technique& technique, const Triangles& triangles, const Points& points, const Light& light,
                const LightsOptions& options, const Visibility& visibility, Statistics& total) {
-    add_stages(total, technique.run(triangles, points, light, visibility));
-    if (options.normals != nullptr)
-        face_by_normals(technique.device(), points, options.normals, options.normals_layout, light, visibility);
-    else if (options.front)
-        face_by_winding(technique.device(), triangles, points, light, visibility);
+    add_stages(total, Internals::run_light(technique, triangles, points, light, visibility));
+    darken_backfacing(technique.device(), triangles, points, options, light, visibility);
 }
 
 }  // namespace
@@ -60,11 +58,8 @@ void require_lights_run(const LightsRun& run) {
         for (const Output& other : written) require_own_memory(output, other);
         written.push_back(output);
     }
-    if (options.normals != nullptr) Points::wrap(device, options.normals, options.normals_layout, points.count());
-    if (int(options.front) + int(options.normals != nullptr) + int(points.eye().has_value()) > 1)
-        throw InvalidArgument("the side of points is given twice: choose the eye, `front` or `normals`");
     if (!options.cosines) return;
-    if (options.normals == nullptr) throw InvalidArgument("cosines need a normal per point");
+    if (options.normals == nullptr) throw InvalidArgument("cosines need points that face by normals");
     if (!std::ranges::all_of(lights.lights(), &Light::is_directional))
         throw InvalidArgument("cosines need directional lights");
 }
@@ -91,7 +86,7 @@ double time_of_one_light(Technique& technique, const LightsRun& run, const Sorte
     const Light& middle = run.lights.lights()[run.lights.count() / 2];
     const auto timed_ms = [&] {
         const double builds_ms = session.build_ms();
-        return technique.run(run.triangles, ordered, middle, visibility).total_wall_ms -
+        return Internals::run_light(technique, run.triangles, ordered, middle, visibility).total_wall_ms -
                (session.build_ms() - builds_ms);
     };
     const double first_ms = timed_ms();
@@ -138,9 +133,9 @@ void run_one_by_one(Technique& technique, const LightsRun& run, const SortedPoin
 
 // Points in any order are sorted once for all lights: a technique's blocks of neighbouring points are then neighbours
 // in space (Sponza, a million points at random: 164 -> 76 ms of two cores per light). The points of a picture are
-// in order, and some techniques need its camera.
-Statistics Technique::run(const Triangles& triangles, const Points& points, const Lights& lights,
-                          const LightsOutputs& outputs, const LightsOptions& options) {
+// in order, and some techniques need its camera; fans are in the order of the points.
+Statistics Technique::run_table(const Triangles& triangles, const Points& points, const Lights& lights,
+                                const LightsOutputs& outputs, const LightsOptions& options) {
     const bool are_many = lights.count() > 1 && points.count() != 0;
     std::uint64_t kept = 0;
     MeasuredRun measured(session_of(device()), kept);
@@ -148,17 +143,18 @@ Statistics Technique::run(const Triangles& triangles, const Points& points, cons
     const LightsRun run{device(), clustered, points, lights, outputs, options};
     require_lights_run(run);
     std::optional<SortedPoints> sorted;
-    if (are_many && !points.camera()) sorted.emplace(sorted_points(run));
+    if (are_many && !points.camera() && options.fans == nullptr) sorted.emplace(sorted_points(run));
     run_one_by_one(*this, run, sorted ? &*sorted : nullptr, measured.stages);
     return measured.finish({{"points", points.count()}, {"lights", lights.count()}});
 }
 
 Statistics run_mean(Technique& technique, const Triangles& triangles, const Points& points, const Lights& lights,
-                    const Visibility& mean, const LightsOptions& options) {
+                    const Visibility& mean, const RunOptions& options) {
     require_run(triangles, points, Light::directional({0, -1, 0}), mean);
     cl::Session& session = session_of(technique.device());
     const cl::Buffer counts(session, points.count() * sizeof(cl_uint));
-    const Statistics statistics = technique.run(triangles, points, lights, {.counts = counts.get()}, options);
+    const Statistics statistics =
+        technique.run_light_table(triangles, points, lights, {.counts = counts.get()}, options);
     std::vector<float> shares(lights.count() + 1);
     for (std::size_t i = 1; i < shares.size(); ++i) shares[i] = static_cast<float>(double(i) / double(lights.count()));
     const cl::Buffer shares_on_device(session, shares.size() * sizeof(float));
@@ -169,8 +165,8 @@ Statistics run_mean(Technique& technique, const Triangles& triangles, const Poin
     return statistics;
 }
 
-LightsOnHost run_lights_to_host(Technique& technique, const Triangles& triangles, const Points& points,
-                                const Lights& lights, const LightsWanted& wanted, const LightsOptions& options) {
+LightsOnHost run_light_table_to_host(Technique& technique, const Triangles& triangles, const Points& points,
+                                     const Lights& lights, const LightsWanted& wanted, const RunOptions& options) {
     cl::Session& session = session_of(technique.device());
     const std::size_t count = points.count();
     std::array<cl::Buffer, 5> buffers;
@@ -179,9 +175,10 @@ LightsOnHost run_lights_to_host(Technique& technique, const Triangles& triangles
     for (std::size_t i = 0; i < buffers.size(); ++i)
         if (wants[i]) buffers[i].reserve(session, described[i].bytes);
     LightsOnHost made;
-    made.statistics = technique.run(
+    made.statistics = technique.run_light_table(
         triangles, points, lights,
-        {buffers[0].get(), buffers[1].get(), buffers[2].get(), buffers[3].get(), buffers[4].get()}, options);
+        {buffers[0].get(), buffers[1].get(), buffers[2].get(), buffers[3].get(), buffers[4].get(), wanted.cosines},
+        options);
     const auto read = [&]<typename T>(std::size_t i, std::vector<T>& to) {
         if (!wants[i]) return;
         to.resize(described[i].bytes / sizeof(T));

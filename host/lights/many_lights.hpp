@@ -9,6 +9,12 @@
 
 namespace gnomon {
 
+/// How a run over many lights goes, in the technique's own terms.
+struct LightsOptions : GivenSides {
+    bool cosines = false;  ///< as in LightsOutputs
+    std::function<bool(double)> progress{};
+};
+
 struct LightsRun {
     const Device& device;
     const Triangles& triangles;

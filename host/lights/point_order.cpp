@@ -112,10 +112,9 @@ void SortedPoints::sort(cl::Session& session, const PointOrderParams& params, co
 
 Points SortedPoints::as_points(const Device& device, const Points& given) const {
     const bool has_receivers = given.receivers() != nullptr;
-    Points points =
-        Points::wrap(device, positions_.get(), {}, layout_.count, has_receivers ? receivers_.get() : nullptr);
-    if (given.eye()) points.set_eye(*given.eye());
-    return points;
+    return Internals::seen_from(
+        Points::wrap(device, positions_.get(), {}, layout_.count, has_receivers ? receivers_.get() : nullptr),
+        Internals::eye(given));
 }
 
 PointsLayout SortedPoints::part(std::size_t first, std::size_t count) const {

@@ -187,14 +187,13 @@ void bind_inputs(nb::module_& m) {
                std::size_t count, std::uintptr_t receivers) {
                 return Points::wrap(device, handle_of<cl_mem>(positions), layout, count, handle_of<cl_mem>(receivers));
             },
-            Released())
-        .def("set_eye", &Points::set_eye);
+            Released());
     nb::class_<gnomon::Visibility>(m, "Visibility")
         .def(nb::init<const gnomon::Device&, std::size_t>(), Released())
         .def_static(
             "wrap",
             [](const gnomon::Device& device, std::uintptr_t buffer, std::size_t count, std::size_t first_float) {
-                return gnomon::Visibility(device, handle_of<cl_mem>(buffer), count, first_float);
+                return gnomon::Visibility::wrap(device, handle_of<cl_mem>(buffer), count, first_float);
             },
             Released())
         .def("read", [](const gnomon::Visibility& v) {
@@ -227,8 +226,9 @@ void bind_techniques(nb::module_& m) {
         .def(
             "run",
             [](Technique& technique, const gnomon::Triangles& triangles, const gnomon::Points& points,
-               const std::array<float, 4>& light,
-               const gnomon::Visibility& visibility) { technique.run(triangles, points, light_of(light), visibility); },
+               const std::array<float, 4>& light, const gnomon::Visibility& visibility, const gnomon::Facing& facing) {
+                technique.run(triangles, points, light_of(light), visibility, {.facing = facing});
+            },
             Released())
         .def(
             "prepare",
@@ -237,27 +237,41 @@ void bind_techniques(nb::module_& m) {
             },
             Released());
     m.def("make_technique", &gnomon::make_technique, "name"_a, "device"_a, Released());
-    m.def(
-        "face_by_normals",
-        [](const gnomon::Device& device, const gnomon::Points& points, const Floats& normals,
-           const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
-            gnomon::face_by_normals(device, points, span_of(normals), light_of(light), visibility);
-        },
-        Released());
-    m.def(
-        "face_by_normals",
-        [](const gnomon::Device& device, const gnomon::Points& points, std::uintptr_t normals,
-           const gnomon::PointLayout& layout, const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
-            gnomon::face_by_normals(device, points, handle_of<cl_mem>(normals), layout, light_of(light), visibility);
-        },
-        Released());
-    m.def(
-        "face_by_winding",
-        [](const gnomon::Device& device, const gnomon::Triangles& triangles, const gnomon::Points& points,
-           const std::array<float, 4>& light, const gnomon::Visibility& visibility) {
-            gnomon::face_by_winding(device, triangles, points, light_of(light), visibility);
-        },
-        Released());
+}
+
+// A facing refers to the arrays and fans that it is made of, and keeps them alive. An array is taken as it is, since a
+// copy would be gone when the run reads it.
+void bind_facing(nb::module_& m) {
+    using gnomon::Facing;
+    using gnomon::VertexFans;
+    nb::class_<VertexFans>(m, "VertexFans")
+        .def_static(
+            "find",
+            [](const gnomon::Device& device, const Floats& vertices, const Floats& points) {
+                return VertexFans::find(device, span_of(vertices), span_of(points));
+            },
+            Released())
+        .def("alone", [](const VertexFans& fans) { return ids_of(fans.alone()); })
+        .def("open", [](const VertexFans& fans) { return ids_of(fans.open()); })
+        .def("extended", &VertexFans::extended, Released());
+    nb::class_<Facing>(m, "Facing")
+        .def_static("automatic", &Facing::automatic)
+        .def_static("none", &Facing::none)
+        .def_static("eye", &Facing::eye, "eye"_a)
+        .def_static(
+            "normals", [](const Floats& normals) { return Facing::normals(span_of(normals)); }, "normals"_a.noconvert(),
+            nb::keep_alive<0, 1>())
+        .def_static(
+            "normals_in_buffer",
+            [](std::uintptr_t normals, const gnomon::PointLayout& layout) {
+                return Facing::normals(handle_of<cl_mem>(normals), layout);
+            },
+            "normals"_a, "layout"_a)
+        .def_static("winding", &Facing::winding)
+        .def_static(
+            "fans",
+            [](const VertexFans& fans, const std::optional<gnomon::Float3>& up) { return Facing::fans(fans, up); },
+            "fans"_a, "up"_a.none(), nb::keep_alive<0, 1>());
 }
 
 // Calls a Python function with the part that is done; an exception in it, such as Ctrl-C's, ends the run. The calling
@@ -287,49 +301,21 @@ void bind_many_lights(nb::module_& m) {
         .def_prop_ro("exponent", &Lights::exponent)
         .def_prop_ro("largest_rounding", &Lights::largest_rounding);
     m.def(
-        "run_lights",
+        "run_light_table",
         [](gnomon::Technique& technique, const gnomon::Triangles& triangles, const gnomon::Points& points,
-           const Lights& lights, const Floats& normals, bool front, bool cosines, bool wants_bits,
+           const Lights& lights, const gnomon::Facing& facing, bool cosines, bool wants_bits,
            const std::optional<nb::callable>& progress) {
-            const gnomon::LightsWanted wanted{wants_bits, true, true, true, true};
-            gnomon::LightsOptions options{.front = front, .cosines = cosines, .progress = progress_of(progress)};
-            gnomon::LightsOnHost answers = released([&] {
-                std::optional<gnomon::Points> vectors;
-                if (normals.size() != 0) {
-                    vectors = gnomon::Points::upload(technique.device(), span_of(normals));
-                    options.normals = vectors->positions();
-                }
-                return gnomon::run_lights_to_host(technique, triangles, points, lights, wanted, options);
-            });
+            const gnomon::LightsWanted wanted{wants_bits, true, true, true, true, cosines};
+            const gnomon::RunOptions options{.facing = facing, .progress = progress_of(progress)};
+            gnomon::LightsOnHost answers = released(
+                [&] { return gnomon::run_light_table_to_host(technique, triangles, points, lights, wanted, options); });
             const std::size_t count = answers.counts.size(), words = (lights.count() + 31) / 32;
             return nb::make_tuple(numpy_of(std::move(answers.sums), {count}), ids_of(std::move(answers.counts)),
                                   ids_of(std::move(answers.first_lit)), ids_of(std::move(answers.last_lit)),
                                   numpy_of(std::move(answers.bits), {wants_bits ? count : 0, words}));
         },
-        "technique"_a, "triangles"_a, "points"_a, "lights"_a, "normals"_a, "front"_a, "cosines"_a, "wants_bits"_a,
+        "technique"_a, "triangles"_a, "points"_a, "lights"_a, "facing"_a, "cosines"_a, "wants_bits"_a,
         "progress"_a.none());
-}
-
-void bind_fans(nb::module_& m) {
-    using gnomon::VertexFans;
-    nb::class_<VertexFans>(m, "VertexFans")
-        .def_static(
-            "find",
-            [](const gnomon::Device& device, const Floats& vertices, const Floats& points) {
-                return VertexFans::find(device, span_of(vertices), span_of(points));
-            },
-            Released())
-        .def("alone", [](const VertexFans& fans) { return ids_of(fans.alone()); })
-        .def("open", [](const VertexFans& fans) { return ids_of(fans.open()); })
-        .def("extended", &VertexFans::extended, Released());
-    m.def(
-        "face_by_fans",
-        [](const gnomon::Device& device, const gnomon::Triangles& triangles, const VertexFans& fans,
-           const std::array<float, 4>& light, const gnomon::Visibility& visibility,
-           const std::optional<gnomon::Float3>& up) {
-            gnomon::face_by_fans(device, triangles, fans, light_of(light), visibility, up);
-        },
-        "device"_a, "triangles"_a, "fans"_a, "light"_a, "visibility"_a, "up"_a.none(), Released());
 }
 
 // Positions as an array (N, 3).
@@ -387,7 +373,7 @@ void bind_views(nb::module_& m) {
     nb::class_<View>(m, "View").def_ro("points", &View::points);
     m.def("look", &gnomon::look, Released());
     m.def("read_view", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view) {
-        gnomon::ViewOnHost host = released([&] { return gnomon::read(device, triangles, view); });
+        gnomon::ViewOnHost host = released([&] { return view.read(device, triangles); });
         const std::size_t height = view.height, width = view.width;
         return nb::make_tuple(numpy_of(std::move(host.position), {height, width, 3}),
                               numpy_of(std::move(host.normal), {height, width, 3}),
@@ -395,9 +381,9 @@ void bind_views(nb::module_& m) {
     });
     m.def(
         "run_samples",
-        [](gnomon::Technique& technique, const gnomon::Device& device, const gnomon::Triangles& triangles,
-           const View& view, const std::array<float, 4>& light, std::uint32_t samples, const gnomon::Visibility& mean) {
-            gnomon::run_samples(technique, device, triangles, view, light_of(light), samples, mean);
+        [](gnomon::Technique& technique, const gnomon::Triangles& triangles, const View& view,
+           const std::array<float, 4>& light, std::uint32_t samples, const gnomon::Visibility& mean) {
+            gnomon::run_samples(technique, triangles, view, light_of(light), samples, mean);
         },
         Released());
     m.def("shade", [](const gnomon::Device& device, const gnomon::Triangles& triangles, const View& view,
@@ -494,6 +480,7 @@ void bind_scenes(nb::module_&) {}
 void bind_errors(nb::module_& m) {
     // Translators run newest first, so the base class comes first.
     nb::exception<gnomon::OpenClError>(m, "OpenCLError", PyExc_RuntimeError);
+    nb::exception<gnomon::Cancelled>(m, "Cancelled", PyExc_RuntimeError);
     nb::exception<gnomon::DeviceNotFound>(m, "DeviceNotFoundError", PyExc_OSError);
     nb::register_exception_translator([](const std::exception_ptr& p, void*) {
         try {
@@ -518,9 +505,9 @@ NB_MODULE(_gnomon, m) {
     bind_devices(m);
     bind_cut_outs(m);
     bind_inputs(m);
+    bind_facing(m);
     bind_techniques(m);
     bind_many_lights(m);
-    bind_fans(m);
     bind_lattice(m);
     bind_views(m);
     bind_scenes(m);

@@ -54,15 +54,16 @@ void face_points(cl::Session& session, const FacingParams& params, const Triangl
 
 }  // namespace
 
-const cl::Buffer& Facing::empty_cache(cl::Session& session, const TriangleInputs& triangles) {
+const cl::Buffer& FacingStage::empty_cache(cl::Session& session, const TriangleInputs& triangles) {
     const std::size_t bytes = (triangles.count / session.lanes() + 1) * sizeof(cl_uint);
     cache_.reserve(session, bytes);
     session.fill(cache_, 0, bytes);
     return cache_;
 }
 
-const cl::Buffer* Facing::make_cache(cl::Session& session, const FacingParams& params, const TriangleInputs& triangles,
-                                     const PointInputs& points, const cl::Buffer& counters) {
+const cl::Buffer* FacingStage::make_cache(cl::Session& session, const FacingParams& params,
+                                          const TriangleInputs& triangles, const PointInputs& points,
+                                          const cl::Buffer& counters) {
     if (!share_facing(points)) return nullptr;
     if (session.is_cpu()) return &empty_cache(session, triangles);
     // The kernel reads all triangles in order, but points' receivers from anywhere: with as many points as triangles
@@ -75,8 +76,8 @@ const cl::Buffer* Facing::make_cache(cl::Session& session, const FacingParams& p
     return &cache_;
 }
 
-void Facing::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
-                 const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
+void FacingStage::run(cl::Session& session, const LightFrame& light_frame, const TriangleInputs& triangles,
+                      const PointInputs& points, cl_mem visibility, const cl::Buffer& counters) {
     const std::size_t bytes = frame_count_of(light_frame) * sizeof(PointBounds);
     frame_bounds_.reserve(session, bytes);
     const bool filters = !session.is_cpu() && share_facing(points) && points.footprints == nullptr;

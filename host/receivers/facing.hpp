@@ -8,7 +8,7 @@
 
 namespace gnomon {
 
-class Facing {
+class FacingStage {
 public:
     /// Writes every point's visibility, frame_bounds(), and the points' counts in `counters` (FrameCounters, zeroed
     /// here).

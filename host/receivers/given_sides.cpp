@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Facing by a side that the caller gives: normals, or the winding of the receivers.
-#include "kernels/receivers/given_sides.h"
+#include "receivers/given_sides.hpp"
 
 #include <algorithm>
 
-#include "api/inputs.hpp"
+#include "kernels/receivers/given_sides.h"
 
 namespace gnomon {
 namespace {
@@ -16,41 +15,50 @@ GivenSidesParams params_of(const PointInputs& points, const Light& light) {
     return params;
 }
 
-}  // namespace
-
-void face_by_normals(const Device& device, const Points& points, cl_mem normals, const PointLayout& layout,
-                     const Light& light, const Visibility& visibility) {
-    // Points::wrap checks the buffer's context and its size, require_run that the visibility overlaps neither input.
-    const Points vectors = Points::wrap(device, normals, layout, points.count());
-    require_run(Triangles{}, points, light, visibility);
-    require_run(Triangles{}, vectors, light, visibility);
-    if (points.count() == 0) return;
+void darken_by_normals(cl::Session& session, const Device& device, const Points& points, const GivenSides& sides,
+                       const Light& light, const Visibility& visibility) {
     const PointInputs at = point_inputs(points);
     GivenSidesParams params = params_of(at, light);
-    params.normals = point_inputs(vectors).layout;
-    session_of(device).launch("receivers/given_sides.cl", "given_normals", cl::Range::items(points.count()), params,
-                              at.positions, normals, visibility.buffer());
+    params.normals = point_inputs(Points::wrap(device, sides.normals, sides.normals_layout, points.count())).layout;
+    session.launch("receivers/given_sides.cl", "given_normals", cl::Range::items(points.count()), params, at.positions,
+                   sides.normals, visibility.buffer());
 }
 
-void face_by_normals(const Device& device, const Points& points, std::span<const float> normals, const Light& light,
-                     const Visibility& visibility) {
-    if (normals.size() / 3 < points.count())
-        throw InvalidArgument("there are normals for " + std::to_string(normals.size() / 3) + " of " +
-                              std::to_string(points.count()) + " points: give three floats each");
-    const Points vectors = Points::upload(device, normals.first(3 * points.count()));
-    face_by_normals(device, points, vectors.positions(), {}, light, visibility);
-}
-
-void face_by_winding(const Device& device, const Triangles& triangles, const Points& points, const Light& light,
-                     const Visibility& visibility) {
-    require_run(triangles, points, light, visibility);
-    if (points.count() == 0 || points.receivers() == nullptr) return;
+void darken_by_winding(cl::Session& session, const Triangles& triangles, const Points& points, const Light& light,
+                       const Visibility& visibility) {
+    if (points.receivers() == nullptr) return;
     const TriangleInputs inputs = triangle_inputs(triangles);
     const PointInputs at = point_inputs(points);
     GivenSidesParams params = params_of(at, light);
     params.triangles = inputs;
-    session_of(device).launch("receivers/given_sides.cl", "given_winding", cl::Range::items(points.count()), params,
-                              inputs.vertices, at.positions, at.receivers, visibility.buffer());
+    session.launch("receivers/given_sides.cl", "given_winding", cl::Range::items(points.count()), params,
+                   inputs.vertices, at.positions, at.receivers, visibility.buffer());
+}
+
+void darken_by_fans(cl::Session& session, const Triangles& triangles, const GivenSides& sides, const Light& light,
+                    const Visibility& visibility) {
+    GivenFansParams params{};
+    const TriangleInputs inputs = triangle_inputs(triangles);
+    params.triangles = inputs;
+    params.count = static_cast<cl_uint>(sides.fans->count());
+    params.has_up = sides.up.has_value();
+    if (sides.up) std::copy(sides.up->begin(), sides.up->end(), params.up);
+    std::copy(light.xyzw.begin(), light.xyzw.end(), params.light);
+    const FansOnDevice fans = Internals::on_device(*sides.fans);
+    session.fill(fans.extended, 0, sizeof(std::uint32_t));
+    session.launch("receivers/given_sides.cl", "given_fans", cl::Range::items(sides.fans->count()), params,
+                   inputs.vertices, fans.fans, fans.corners, visibility.buffer(), fans.extended);
+}
+
+}  // namespace
+
+void darken_backfacing(const Device& device, const Triangles& triangles, const Points& points, const GivenSides& sides,
+                       const Light& light, const Visibility& visibility) {
+    if (points.count() == 0) return;
+    cl::Session& session = session_of(device);
+    if (sides.normals != nullptr) darken_by_normals(session, device, points, sides, light, visibility);
+    if (sides.front) darken_by_winding(session, triangles, points, light, visibility);
+    if (sides.fans != nullptr) darken_by_fans(session, triangles, sides, light, visibility);
 }
 
 }  // namespace gnomon

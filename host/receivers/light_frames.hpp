@@ -36,7 +36,7 @@ public:
     const cl::Buffer* blocks() const { return facing_.blocks(); }  ///< Facing::blocks()
 
 private:
-    Facing facing_;
+    FacingStage facing_;
     LightFrameFit light_frame_;
     ReceiverDepthPyramid receiver_depths_;
     cl::Buffer projection_;

@@ -122,30 +122,4 @@ std::uint64_t VertexFans::extended() const {
     return session_of(*device_).read_values<std::uint32_t>(static_cast<cl_mem>(extended_.get()), 1).front();
 }
 
-void face_by_fans(const Device& device, const Triangles& triangles, const VertexFans& fans, const Light& light,
-                  const Visibility& visibility, const std::optional<Float3>& up) {
-    require_run(triangles, Points{}, light, visibility);
-    if (visibility.count() < fans.count())
-        throw InvalidArgument("the visibility buffer holds " + std::to_string(visibility.count()) + " of " +
-                              std::to_string(fans.count()) + " points");
-    if (triangles.count() != fans.triangles_)
-        throw InvalidArgument("the fans were found among " + std::to_string(fans.triangles_) + " triangles, not " +
-                              std::to_string(triangles.count()));
-    if (up && (!is_finite(*up) || *up == Float3{}))
-        throw InvalidArgument("the direction `up` must be finite and not zero");
-    if (fans.count() == 0) return;
-    GivenFansParams params{};
-    const TriangleInputs inputs = triangle_inputs(triangles);
-    params.triangles = inputs;
-    params.count = static_cast<cl_uint>(fans.count());
-    params.has_up = up.has_value();
-    if (up) std::copy(up->begin(), up->end(), params.up);
-    std::copy(light.xyzw.begin(), light.xyzw.end(), params.light);
-    cl::Session& session = session_of(device);
-    const auto buffer = [](const std::shared_ptr<void>& memory) { return static_cast<cl_mem>(memory.get()); };
-    session.fill(buffer(fans.extended_), 0, sizeof(std::uint32_t));
-    session.launch("receivers/given_sides.cl", "given_fans", cl::Range::items(fans.count()), params, inputs.vertices,
-                   buffer(fans.fans_), buffer(fans.corners_), visibility.buffer(), buffer(fans.extended_));
-}
-
 }  // namespace gnomon

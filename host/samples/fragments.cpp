@@ -242,12 +242,11 @@ private:
 
     /// Of the fragments' footprints. The fragments' buffer begins with their receivers.
     Points centres() const {
-        Points centres =
-            Points::wrap(in_.device, kept_.centres.get(), {0, 1, batch_.slots}, used_slots(), kept_.fragments.get());
-        centres.set_eye(camera_.eye);
-        return centres;
+        return Internals::seen_from(
+            Points::wrap(in_.device, kept_.centres.get(), {0, 1, batch_.slots}, used_slots(), kept_.fragments.get()),
+            camera_.eye);
     }
-    Visibility classes() const { return Visibility(in_.device, kept_.classes.get(), used_slots()); }
+    Visibility classes() const { return Visibility::wrap(in_.device, kept_.classes.get(), used_slots()); }
 
     /// Adds up the decided samples of `count` fragments and lists the mixed ones; with `squares`, of the fragments of
     /// these squares' pixels.
@@ -294,10 +293,10 @@ private:
         const std::size_t most = std::min<std::size_t>(counted_.mixed_samples, points_at_once_);
         const std::size_t points = make_points(first, count, most);
         if (points == 0) return;
-        Points samples =
-            Points::wrap(in_.device, kept_.positions.get(), {0, 1, most}, points, kept_.point_receivers.get());
-        samples.set_eye(camera_.eye);
-        const Visibility visibility(in_.device, kept_.visibility.get(), points);
+        const Points samples = Internals::seen_from(
+            Points::wrap(in_.device, kept_.positions.get(), {0, 1, most}, points, kept_.point_receivers.get()),
+            camera_.eye);
+        const Visibility visibility = Visibility::wrap(in_.device, kept_.visibility.get(), points);
         add_run([&] { return footprint_session_.trace(samples, visibility); });
         run_stage("samples_count_lit", cl::Range::items(points), params_of(0, cl_uint(points)), kept_.point_samples,
                   kept_.visibility, kept_.fragments);

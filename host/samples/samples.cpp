@@ -107,8 +107,8 @@ std::span<const SampleOffset> sample_pattern(std::uint32_t samples) {
     throw InvalidArgument("a pixel has 1, 4, 8, 16 or 32 samples, not " + std::to_string(samples));
 }
 
-Statistics run_samples_in_batches(Technique& technique, const Device& device, const Triangles& triangles,
-                                  const View& view, const Light& light, std::uint32_t samples, const Visibility& mean,
+Statistics run_samples_in_batches(Technique& technique, const Triangles& triangles, const View& view,
+                                  const Light& light, std::uint32_t samples, const Visibility& mean,
                                   const SampleSink& sink, std::size_t points_at_once) {
     const std::span<const SampleOffset> pattern = sample_pattern(samples);
     if (!view.points.camera()) throw InvalidArgument("samples need a view that a camera has made");
@@ -118,7 +118,7 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
                               std::to_string(pixels) + " pixels");
     const auto start = cl::Clock::now();
     Statistics total;
-    const SampledView in{device, triangles, view, light, pattern, mean, points_at_once};
+    const SampledView in{technique.device(), triangles, view, light, pattern, mean, points_at_once};
     auto* by_fragments = dynamic_cast<TracesFragments*>(&technique);
     if (by_fragments != nullptr && samples > 1 && triangles.count() != 0) {
         if (sink) run_every_sample(nullptr, in, sink);
@@ -126,15 +126,15 @@ Statistics run_samples_in_batches(Technique& technique, const Device& device, co
     } else {
         total = run_every_sample(&technique, in, sink);
     }
-    session_of(device).finish();
+    session_of(technique.device()).finish();
     merge_stages(total);
     total.total_wall_ms = cl::ms_since(start);
     return total;
 }
 
-Statistics run_samples(Technique& technique, const Device& device, const Triangles& triangles, const View& view,
-                       const Light& light, std::uint32_t samples, const Visibility& mean, const SampleSink& sink) {
-    return run_samples_in_batches(technique, device, triangles, view, light, samples, mean, sink, largest_batch);
+Statistics run_samples(Technique& technique, const Triangles& triangles, const View& view, const Light& light,
+                       std::uint32_t samples, const Visibility& mean, const SampleSink& sink) {
+    return run_samples_in_batches(technique, triangles, view, light, samples, mean, sink, largest_batch);
 }
 
 }  // namespace gnomon

@@ -10,8 +10,8 @@
 namespace gnomon {
 
 /// As run_samples(), with at most `points_at_once` points on the device, but one sample of every pixel at least.
-Statistics run_samples_in_batches(Technique& technique, const Device& device, const Triangles& triangles,
-                                  const View& view, const Light& light, std::uint32_t samples, const Visibility& mean,
+Statistics run_samples_in_batches(Technique& technique, const Triangles& triangles, const View& view,
+                                  const Light& light, std::uint32_t samples, const Visibility& mean,
                                   const SampleSink& sink, std::size_t points_at_once);
 
 /// The inputs of a run of samples. There are about `points_at_once` points or fragments on the device.

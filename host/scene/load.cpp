@@ -290,7 +290,7 @@ private:
             work_.unusable.push_back("light " + in_quotes(named.name));
             return;
         }
-        named.light = is_directional ? Light::directional(v) : Light::positional(v);
+        named.light = is_directional ? Light::directional(v) : Light::point(v);
         work_.scene.lights.push_back(std::move(named));
     }
 

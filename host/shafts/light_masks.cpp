@@ -54,7 +54,7 @@ cl_uint LightMasks::side() const {
     if (run_.options.normals != nullptr) return SIDE_NORMALS;
     if (run_.points.receivers() == nullptr) return SIDE_NONE;
     if (run_.options.front) return SIDE_WINDING;
-    return run_.points.eye() ? SIDE_EYE : SIDE_NONE;
+    return Internals::eye(run_.points) ? SIDE_EYE : SIDE_NONE;
 }
 
 void LightMasks::face(const PointPart& part) {

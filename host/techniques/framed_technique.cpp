@@ -69,8 +69,8 @@ void FramedTechnique::list_triangles(Run& run, bool for_map) {
     }
 }
 
-Statistics FramedTechnique::run(const Triangles& triangles, const Points& points, const Light& light,
-                                const Visibility& visibility) {
+Statistics FramedTechnique::run_light(const Triangles& triangles, const Points& points, const Light& light,
+                                      const Visibility& visibility) {
     require_run(triangles, points, light, visibility);
     MeasuredRun measured(session_, kept_bytes_);
     Run run{{triangle_inputs(triangles), point_inputs(points), make_light_frame(light, grid()), visibility.buffer()}};

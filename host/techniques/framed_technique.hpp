@@ -23,8 +23,8 @@ struct FramedSettings {
 class FramedTechnique : public Technique {
 public:
     const Device& device() const final { return device_; }
-    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
-                   const Visibility& visibility) final;
+    Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
+                         const Visibility& visibility) final;
     void set(std::string_view name, std::string_view value) final;
 
 protected:

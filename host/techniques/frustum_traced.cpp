@@ -53,19 +53,19 @@ public:
     explicit FrustumTraced(const Device& device) : device_(device) {}
     const Device& device() const override { return device_; }
 
-    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
-                   const Visibility& visibility) override {
+    Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
+                         const Visibility& visibility) override {
         require_run(triangles, points, light, visibility);
-        return prepared_.run(triangles, point_inputs(points, points.is_lifted_off(triangles)), light,
+        return prepared_.run(triangles, point_inputs(points, are_lifted_off(triangles, points)), light,
                              visibility.buffer());
     }
 
-    Statistics run(const Triangles& triangles, const Points& points, const Lights& lights, const LightsOutputs& outputs,
-                   const LightsOptions& options) override {
+    Statistics run_table(const Triangles& triangles, const Points& points, const Lights& lights,
+                         const LightsOutputs& outputs, const LightsOptions& options) override {
         const bool is_empty = triangles.count() == 0 || points.count() == 0 || lights.count() == 0;
         if (is_empty || settings_.many_lights == LightsMethod::one_by_one ||
             (settings_.many_lights == LightsMethod::automatic && lights.count() < lights_tuning.min_shared_lights))
-            return Technique::run(triangles, points, lights, outputs, options);
+            return Technique::run_table(triangles, points, lights, outputs, options);
         return light_tables_.run(*this, {device_, triangles, points, lights, outputs, options}, settings_.many_lights,
                                  settings_.bundle_lights);
     }
@@ -77,26 +77,26 @@ public:
 
     Statistics prepare(const Triangles& triangles, const Light& light) override {
         require_light(light);
-        forget();
+        release_prepared_light();
         return triangles.count() != 0 ? prepared_.prepare(triangles, light) : Statistics{};
     }
 
-    void forget() override {
+    void release_prepared_light() override {
         const MeasuredRun freed(session_of(device_), tracer_.kept_bytes());
         prepared_.release();
         light_tables_.release();
     }
 
     void set(std::string_view name, std::string_view value) override {
-        forget();
+        release_prepared_light();
         settings_table().set(settings_, "frustum-traced", name, value);
         tracer_.set(settings_);
     }
 
     /// "decided": the provenance of each point. For any points, not only a camera's.
-    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
-                                       const Light& light) override {
-        if (name != "decided") return Technique::diagnose(name, triangles, points, light);
+    std::vector<std::uint8_t> draw_diagnostic(std::string_view name, const Triangles& triangles, const Points& points,
+                                              const Light& light) override {
+        if (name != "decided") return Technique::draw_diagnostic(name, triangles, points, light);
         const Visibility visibility(device_, points.count());
         const std::vector<std::uint32_t> provenance = tracer_.run_watched(triangles, points, light, visibility);
         return provenance_colors(provenance, visibility.read());

@@ -56,8 +56,8 @@ public:
 
     /// Throws InvalidArgument unless the points are a picture's (Points::set_camera): volumes are counted along the
     /// rays of pixels.
-    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
-                   const Visibility& visibility) override {
+    Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
+                         const Visibility& visibility) override {
         require_run(triangles, points, light, visibility);
         if (points.count() == 0) return {};
         const TriangleInputs triangle_data = triangle_inputs(triangles);

@@ -110,13 +110,14 @@ Explanation explain_signs(const Device& device, const Triangles& triangles, cons
 }  // namespace
 
 Explanation explain(const Device& device, const Triangles& triangles, const Points& points, std::size_t index,
-                    const Light& light) {
+                    const Light& light, const Facing& facing) {
     if (index >= points.count())
         throw InvalidArgument("there is no point " + std::to_string(index) + " to explain: there are " +
                               std::to_string(points.count()));
+    const Points seen = seen_from_eye(device, points, facing);
     const Visibility visibility(device, points.count());
-    const std::uint32_t provenance = FrustumTracer(device).run_watched(triangles, points, light, visibility)[index];
-    Explanation explanation = explain_signs(device, triangles, points, index, light);
+    const std::uint32_t provenance = FrustumTracer(device).run_watched(triangles, seen, light, visibility)[index];
+    Explanation explanation = explain_signs(device, triangles, seen, index, light);
     explanation.visibility = visibility.read()[index];
     explanation.stage = decided_by[provenance].stage;
     // The level of facing is the level of the receiver's determinants, which are known.

@@ -211,7 +211,7 @@ std::vector<std::uint32_t> FrustumTracer::run_watched(const Triangles& triangles
         std::optional<Provenance>& provenance_;
     } const watch(provenance_);
     require_run(triangles, points, light, visibility);
-    run(triangles, point_inputs(points, points.is_lifted_off(triangles)), light, visibility.buffer());
+    run(triangles, point_inputs(points, are_lifted_off(triangles, points)), light, visibility.buffer());
     if (points.count() == 0) return {};
     return provenance_->read(session_, points.count());
 }

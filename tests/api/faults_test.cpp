@@ -86,12 +86,12 @@ Bits frame(const Device& device, gnomon::Technique& technique, const Light& ligh
         technique.run(triangles, points, light, scattered);
         bits.scattered = scattered.read();
         const gnomon::Visibility mean(device, view.points.count());
-        bits.samples_bytes = run_samples(technique, device, triangles, view, light, 4, mean).device_memory_bytes;
+        bits.samples_bytes = run_samples(technique, triangles, view, light, 4, mean).device_memory_bytes;
         bits.mean = mean.read();
     }
     gnomon::Materials materials{std::vector<std::uint32_t>(triangles.count(), 0), {{1, 0.5f, 0.25f}}};
     bits.picture = shade(device, triangles, view, visibility, materials, light);
-    bits.view = read(device, triangles, view);
+    bits.view = view.read(device, triangles);
     return bits;
 }
 
@@ -130,7 +130,7 @@ class EveryCall : public testing::TestWithParam<Case> {};
 
 TEST_P(EveryCall, FailsOnceWithAClearErrorAndNothingIsLost) {
     const auto& [description, has_point_light] = GetParam();
-    const Light light = has_point_light ? Light::positional({0.1f, 1.5f, 0.2f}) : Light::directional({0.2f, -1, 0.1f});
+    const Light light = has_point_light ? Light::point({0.1f, 1.5f, 0.2f}) : Light::directional({0.2f, -1, 0.1f});
     const bool is_for_anything = description.name == "frustum-traced";
     const Device device;
     gnomon::cl::Session& session = session_of(device);

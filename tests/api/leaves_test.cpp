@@ -73,7 +73,7 @@ struct Answers {
 const reference::PinholeCamera views[] = {{{3.5f, 3.25f, 5.5f}, {0, 1.25f, 0}, {0, 1, 0}, 50, width, height},
                                           {{0.75f, 0.5f, 1.25f}, {-0.5f, 2.5f, -0.5f}, {0, 1, 0}, 70, width, height}};
 const Light lights[] = {Light::directional({-0.5f, -1, -0.25f}), Light::directional({0, -1, 0}),
-                        Light::positional({0, 3.5f, 0.25f})};
+                        Light::point({0, 3.5f, 0.25f})};
 const Lights& suns() {
     static const Lights all = sun_disk({-0.5f, -1, -0.25f}, 5, 40);
     return all;
@@ -88,7 +88,7 @@ Answers answers_of(const Device& device, const scene::Scene& scene, const refere
     Answers answers;
     const Triangles triangles = scene::upload(device, scene);
     const View seen = look(device, triangles, camera_of(view), width, height);
-    const ViewOnHost host = read(device, triangles, seen);
+    const ViewOnHost host = seen.read(device, triangles);
     answers.receiver = host.receiver;
     answers.position = host.position;
     answers.normal = host.normal;
@@ -104,9 +104,10 @@ Answers answers_of(const Device& device, const scene::Scene& scene, const refere
     answers.clustered = run(clustered);
     for (const char* const way : {"shafts", "one-by-one"}) {
         technique->set("many-lights", way);
-        answers.sun_bits[way] = run_lights_to_host(*technique, triangles, seen.points, suns(), {.bits = true}).bits;
+        answers.sun_bits[way] =
+            run_light_table_to_host(*technique, triangles, seen.points, suns(), {.bits = true}).bits;
     }
-    run_samples(*technique, device, triangles, seen, light, 8, visibility);
+    run_samples(*technique, triangles, seen, light, 8, visibility);
     answers.mean = visibility.read();
     technique->set("map-size", "128");  // clearing the map of a larger grid would take most of the time
     technique->prepare(triangles, light);
@@ -144,17 +145,16 @@ void expect_samples_and_suns(const Device& device, const reference::PinholeCamer
     const View seen = look(device, triangles, camera_of(view), width, height);
     Floats mean(seen.points.count());
     const Visibility means(device, mean.size());
-    run_samples(*support::technique_with(device, {}), device, triangles, seen, light, 8, means,
-                [&](const Points& samples) {
-                    const Floats one = truth_of(read(device, samples), light, samples.eye());
-                    for (std::size_t i = 0; i < one.size(); ++i) mean[i % mean.size()] += one[i] / 8;
-                });
+    run_samples(*support::technique_with(device, {}), triangles, seen, light, 8, means, [&](const Points& samples) {
+        const Floats one = truth_of(samples.read(device), light, view.eye);
+        for (std::size_t i = 0; i < one.size(); ++i) mean[i % mean.size()] += one[i] / 8;
+    });
     EXPECT_EQ(answers.mean, mean);
-    const PointsOnHost points = read(device, seen.points);
+    const PointsOnHost points = seen.points.read(device);
     const std::size_t words = (suns().count() + 31) / 32;
     EXPECT_EQ(answers.sun_bits.at("shafts"), answers.sun_bits.at("one-by-one"));
     for (const std::size_t sun : {0u, 17u, 39u}) {
-        const Floats truth = truth_of(points, suns().lights()[sun], seen.points.eye());
+        const Floats truth = truth_of(points, suns().lights()[sun], view.eye);
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < truth.size(); ++i)
             wrong += (answers.sun_bits.at("shafts")[i * words + sun / 32] >> sun % 32 & 1u) != (truth[i] == 1);
@@ -248,19 +248,20 @@ Seen seen_whole(const scene::Scene& scene, const Light& light) {
     const View view = look(device, triangles, camera_of(views[0]), width, height);
     const Visibility visibility(device, view.points.count());
     technique_for_parts(device)->run(triangles, view.points, light, visibility);
-    return {read(device, triangles, view).receiver, visibility.read(), device.peak_memory_bytes()};
+    return {view.read(device, triangles).receiver, visibility.read(), device.peak_memory_bytes()};
 }
 
 Seen seen_in_parts(const scene::Scene& scene, const Light& light, std::uint64_t limit) {
     const Device device({}, {.memory_limit_bytes = limit});
     const scene::CutOutsView cut_outs(scene);
-    const ViewOfParts view = look_in_parts(device, scene.triangles, camera_of(views[0]), width, height, cut_outs.get());
-    Seen seen{read(device, view.triangles, view.view).receiver, {}};
+    const SceneOnHost on_host{scene.triangles, cut_outs.get()};
+    const ViewOfParts view = look_in_parts(device, on_host, camera_of(views[0]), width, height);
+    Seen seen{view.view.read(device, view.triangles).receiver, {}};
     for (std::uint32_t& id : seen.receiver)
         if (id != no_receiver) id = view.ids.at(id);
     const Visibility visibility(device, view.view.points.count());
-    const Statistics run = run_in_parts([&] { return technique_for_parts(device); }, device, scene.triangles,
-                                        view.view.points, view.ids, light, visibility, cut_outs.get());
+    const Statistics run = run_in_parts([&] { return technique_for_parts(device); }, device, on_host, view.view.points,
+                                        view.ids, light, visibility);
     seen.parts = run.count("parts");
     seen.visibility = visibility.read();
     return seen;

@@ -144,7 +144,7 @@ TEST_F(Embedder, OwnContextQueueAndBuffersWithoutATripThroughTheHost) {
     const cl_mem result = buffer(Floats(100, 42));
     const auto triangles = Triangles::wrap(device, buffer(padded), 2, 5);
     const auto points = Points::wrap(device, buffer(ground()), {}, 81);
-    const Visibility visibility(device, result, 81);
+    const Visibility visibility = Visibility::wrap(device, result, 81);
     EXPECT_EQ(visibility.buffer(), result);
     gnomon::make_technique("frustum-traced", device)->run(triangles, points, noon, visibility);
     Floats wanted = ground_truth();
@@ -200,12 +200,13 @@ TEST_F(Embedder, VisibilityInAPartOfABuffer) {
     clGetDeviceInfo(device_, CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof(align_bits), &align_bits, nullptr);
     const std::size_t step = std::max<std::size_t>(align_bits / 8 / sizeof(float), 128);
     const cl_mem whole = buffer(Floats(3 * step, 42));
-    const std::vector<Visibility> parts{Visibility(device, whole, 81, step), Visibility(device, whole, 81, 2 * step)};
+    const std::vector<Visibility> parts{Visibility::wrap(device, whole, 81, step),
+                                        Visibility::wrap(device, whole, 81, 2 * step)};
     const auto triangles = Triangles::upload(device, roof);
     const auto points = Points::upload(device, ground());
     const std::vector<gnomon::Light> lights{noon, gnomon::Light::directional({0, 1, 0})};
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    technique->run_lights(triangles, points, lights, parts);
+    technique->run_each_light(triangles, points, lights, parts);
     Floats wanted(3 * step, 42);
     const Floats truth = ground_truth();
     std::copy(truth.begin(), truth.end(), wanted.begin() + std::ptrdiff_t(step));
@@ -214,13 +215,15 @@ TEST_F(Embedder, VisibilityInAPartOfABuffer) {
     EXPECT_EQ(parts[0].read(), truth);
 
     using gnomon::InvalidArgument;
-    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility(device, whole, 81, 1); }, {"first float 1", "multiple of"}));
-    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility(device, whole, step + 1, 2 * step); }, {"buffer holds"}));
-    const std::vector<Visibility> meeting{Visibility(device, whole, 2 * step, 0), parts[0]};
-    EXPECT_NO_THROW(technique->run_lights(triangles, points, lights, meeting)) << "81 of the first are written";
+    EXPECT_TRUE(
+        throws<InvalidArgument>([&] { Visibility::wrap(device, whole, 81, 1); }, {"first float 1", "multiple of"}));
+    EXPECT_TRUE(
+        throws<InvalidArgument>([&] { Visibility::wrap(device, whole, step + 1, 2 * step); }, {"buffer holds"}));
+    const std::vector<Visibility> meeting{Visibility::wrap(device, whole, 2 * step, 0), parts[0]};
+    EXPECT_NO_THROW(technique->run_each_light(triangles, points, lights, meeting)) << "81 of the first are written";
     const auto many = Points::upload(device, Floats(3 * (step + 1)));
-    const std::vector<Visibility> both{meeting[0], Visibility(device, whole, 2 * step, step)};
-    EXPECT_TRUE(throws<InvalidArgument>([&] { technique->run_lights(triangles, many, lights, both); },
+    const std::vector<Visibility> both{meeting[0], Visibility::wrap(device, whole, 2 * step, step)};
+    EXPECT_TRUE(throws<InvalidArgument>([&] { technique->run_each_light(triangles, many, lights, both); },
                                         {"lights 0 and 1", "its own"}));
 }
 
@@ -230,7 +233,7 @@ TEST_F(Embedder, BuffersThatAreNullOrTooSmall) {
     using gnomon::InvalidArgument;
     EXPECT_TRUE(throws<InvalidArgument>([&] { Triangles::wrap(device, nullptr, 1); }, {"triangle buffer", "null"}));
     EXPECT_TRUE(throws<InvalidArgument>([&] { Points::wrap(device, nullptr, {}, 1); }, {"point buffer", "null"}));
-    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility(device, nullptr, 1); }, {"visibility buffer", "null"}));
+    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility::wrap(device, nullptr, 1); }, {"visibility buffer", "null"}));
     EXPECT_TRUE(throws<InvalidArgument>([&] { Triangles::wrap(device, small, 2); },
                                         {"triangle buffer holds 68 bytes", "the 72 its"}));
     EXPECT_TRUE(throws<InvalidArgument>([&] { Triangles::wrap(device, small, 1, 9); }, {"triangle buffer"}));
@@ -242,8 +245,8 @@ TEST_F(Embedder, BuffersThatAreNullOrTooSmall) {
     EXPECT_TRUE(throws<InvalidArgument>([&] { Triangles::wrap(device, small, 1ull << 32); }, {"too many"}));
     EXPECT_TRUE(throws<InvalidArgument>([&] { Points::wrap(device, small, {}, 5, buffer(std::vector<cl_uint>(4))); },
                                         {"receiver buffer"}));
-    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility(device, small, 18); }, {"visibility buffer"}));
-    EXPECT_NO_THROW(Visibility(device, small, 17));
+    EXPECT_TRUE(throws<InvalidArgument>([&] { Visibility::wrap(device, small, 18); }, {"visibility buffer"}));
+    EXPECT_NO_THROW(Visibility::wrap(device, small, 17));
     EXPECT_NO_THROW(Points::wrap(device, small, {}, 5));
     EXPECT_NO_THROW(Triangles::wrap(device, small, 1, 8));
 }
@@ -362,10 +365,10 @@ TEST(Arguments, LightsThatAreNone) {
     EXPECT_TRUE(throws<InvalidArgument>([] { Light::directional({0, -0.0f, 0}); }, {"direction", "0,0,0"}));
     EXPECT_TRUE(throws<InvalidArgument>([] { Light::directional({0, not_a_number, 1}); }, {"direction", "finite"}));
     EXPECT_TRUE(throws<InvalidArgument>([] { Light::directional({0, 0, -infinity}); }, {"direction", "finite"}));
-    EXPECT_TRUE(throws<InvalidArgument>([] { Light::positional({infinity, 0, 0}); }, {"position", "finite"}));
-    EXPECT_TRUE(throws<InvalidArgument>([] { Light::positional({0, 0, not_a_number}); }, {"position", "finite"}));
+    EXPECT_TRUE(throws<InvalidArgument>([] { Light::point({infinity, 0, 0}); }, {"position", "finite"}));
+    EXPECT_TRUE(throws<InvalidArgument>([] { Light::point({0, 0, not_a_number}); }, {"position", "finite"}));
     EXPECT_EQ(Light::directional({1, -2, 3}).xyzw, (std::array<float, 4>{-1, 2, -3, 0}));
-    EXPECT_EQ(Light::positional({1, -2, 3}).xyzw, (std::array<float, 4>{1, -2, 3, 1}));
+    EXPECT_EQ(Light::point({1, -2, 3}).xyzw, (std::array<float, 4>{1, -2, 3, 1}));
     EXPECT_TRUE(Light::directional({1e-45f, 0, 0}).is_directional());
 }
 
@@ -460,14 +463,14 @@ TEST(Lights, RunTogetherGiveWhatEachGivesAlone) {
     const Floats soup = support::soup(200, 0.5f, 3), places = support::random_points(500, -2, 2, 4);
     const auto triangles = Triangles::upload(device, soup);
     const auto points = Points::upload(device, places);
-    const std::vector<gnomon::Light> lights{noon, gnomon::Light::positional({0.1f, 3, 0.2f}),
+    const std::vector<gnomon::Light> lights{noon, gnomon::Light::point({0.1f, 3, 0.2f}),
                                             gnomon::Light::directional({1, -1, 0.5f})};
     for (const char* name : {"frustum-traced", "virtual-shadow-map", "shadow-map"}) {
         SCOPED_TRACE(name);
         const auto technique = gnomon::make_technique(name, device);
         std::vector<Visibility> together;
         for (std::size_t i = 0; i < lights.size(); ++i) together.emplace_back(device, points.count());
-        const auto statistics = technique->run_lights(triangles, points, lights, together);
+        const auto statistics = technique->run_each_light(triangles, points, lights, together);
         ASSERT_EQ(statistics.size(), lights.size());
         for (std::size_t i = 0; i < lights.size(); ++i) {
             const Visibility alone(device, points.count());
@@ -476,13 +479,13 @@ TEST(Lights, RunTogetherGiveWhatEachGivesAlone) {
             EXPECT_EQ(statistics[i].count("points"), points.count());
         }
         EXPECT_NE(together[0].read(), together[1].read());
-        EXPECT_TRUE(technique->run_lights(triangles, points, {}, {}).empty());
+        EXPECT_TRUE(technique->run_each_light(triangles, points, {}, {}).empty());
         EXPECT_TRUE(throws<gnomon::InvalidArgument>(
-            [&] { technique->run_lights(triangles, points, lights, std::span(together).first(2)); },
+            [&] { technique->run_each_light(triangles, points, lights, std::span(together).first(2)); },
             {"3 lights", "2 visibilities"}));
         together[2] = together[0];
-        EXPECT_TRUE(throws<gnomon::InvalidArgument>([&] { technique->run_lights(triangles, points, lights, together); },
-                                                    {"lights 0 and 2", "its own"}));
+        EXPECT_TRUE(throws<gnomon::InvalidArgument>(
+            [&] { technique->run_each_light(triangles, points, lights, together); }, {"lights 0 and 2", "its own"}));
     }
 }
 
@@ -561,8 +564,8 @@ TEST(Devices, NeitherCameraNorShadowsNeedDoublePrecision) {
     const auto camera = gnomon::Camera::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, 1}, 50);
     const Device full;
     EXPECT_EQ(
-        read(device, triangles, look(device, triangles, camera, 8, 8)).position,
-        read(full, Triangles::upload(full, roof), look(full, Triangles::upload(full, roof), camera, 8, 8)).position);
+        look(device, triangles, camera, 8, 8).read(device, triangles).position,
+        look(full, Triangles::upload(full, roof), camera, 8, 8).read(full, Triangles::upload(full, roof)).position);
     EXPECT_EQ(trace(device, triangles, Points::upload(device, ground())), ground_truth());
 }
 
@@ -572,12 +575,11 @@ std::pair<std::vector<float>, std::vector<float>> with_and_without_picture(const
                                                                            const Points& points,
                                                                            gnomon::Technique& technique) {
     const auto positions = static_cast<cl_mem>(points.positions());
-    Points list = Points::wrap(device, positions, points.layout(), points.count(), points.receivers());
-    if (points.eye()) list.set_eye(*points.eye());
+    const Points list = Points::wrap(device, positions, points.layout(), points.count(), points.receivers());
     const Visibility picture(device, points.count()), plain(device, points.count());
     const gnomon::Light slanted = gnomon::Light::directional({0.3f, -1, 0.2f});
     technique.run(triangles, points, slanted, picture);
-    technique.run(triangles, list, slanted, plain);
+    technique.run(triangles, list, slanted, plain, {.facing = gnomon::Facing::eye(points.camera()->camera.eye)});
     return {picture.read(), plain.read()};
 }
 
@@ -633,7 +635,7 @@ TEST(Reuse, ScenesOfEverySizeInAnyOrderGiveWhatAFreshObjectGives) {
         for (const std::size_t count : {1u, 5000u, 0u, 100u}) {
             const auto triangles = Triangles::upload(device, support::soup(size, 0.3f, size));
             const auto points = Points::upload(device, support::random_points(count, -1, 1, count));
-            for (const gnomon::Light& light : {noon, gnomon::Light::positional({0, 2, 0})}) {
+            for (const gnomon::Light& light : {noon, gnomon::Light::point({0, 2, 0})}) {
                 const Visibility visibility(device, count), fresh(device, count);
                 reused->run(triangles, points, light, visibility);
                 gnomon::make_technique("frustum-traced", device)->run(triangles, points, light, fresh);
@@ -676,7 +678,7 @@ TEST(Memory, WhatWasTakenIsGivenBack) {
 // much is enough.
 TEST(Memory, ALimitGivesAClearErrorAndLeavesTheObjectsUsable) {
     const Floats scene = support::soup(2000, 0.3f, 5), places = support::random_points(6000, -1, 1, 6);
-    const gnomon::Light point_light = gnomon::Light::positional({0.1f, 1.5f, 0.2f});
+    const gnomon::Light point_light = gnomon::Light::point({0.1f, 1.5f, 0.2f});
     const auto technique_with_map = [](const Device& device) {
         auto technique = gnomon::make_technique("frustum-traced", device);
         technique->set("map-size", "1024");
@@ -877,16 +879,16 @@ TEST(Statistics, CountEveryPointOnce) {
     for (std::size_t i = 0; i < receivers.size(); i += 3) receivers[i] = static_cast<std::uint32_t>(i % 420);
     for (std::size_t i = 0; i < places.size(); i += 300) places[i] = infinity;
     const auto triangles = Triangles::upload(device, scene);
-    Points points = Points::upload(device, places, receivers);
-    points.set_eye({0.3f, 5, 0.4f});
-    for (const gnomon::Light& light : {noon, gnomon::Light::positional({0.2f, 0.3f, 0.1f})})
+    const Points points = Points::upload(device, places, receivers);
+    const gnomon::RunOptions options_of_run{.facing = gnomon::Facing::eye({0.3f, 5, 0.4f})};
+    for (const gnomon::Light& light : {noon, gnomon::Light::point({0.2f, 0.3f, 0.1f})})
         for (const char* map : {"on", "off"})
             for (const char* capacity : {"262144", "1"}) {
                 const auto technique = gnomon::make_technique("frustum-traced", device);
                 technique->set("conservative-map", map);
                 technique->set("first-capacity", capacity);
                 const Visibility visibility(device, points.count());
-                const gnomon::Statistics s = technique->run(triangles, points, light, visibility);
+                const gnomon::Statistics s = technique->run(triangles, points, light, visibility, options_of_run);
                 const Floats values = visibility.read();
                 const auto in_shadow = std::uint64_t(std::count(values.begin(), values.end(), 0.0f));
                 const std::string what = std::string(map) + " " + capacity;
@@ -971,7 +973,7 @@ TEST(HandMadeCamera, NeedNotBeOrthogonal) {
     constexpr int side = 64;
     const std::vector<float> t{-0.3f, -0.3f, -1, 0.4f, -0.2f, -1, 0.1f, 0.45f, -1};
     const auto triangles = gnomon::Triangles::upload(device, t);
-    const auto host = gnomon::read(device, triangles, gnomon::look(device, triangles, camera, side, side));
+    const auto host = gnomon::look(device, triangles, camera, side, side).read(device, triangles);
     const Double3 a{t[0], t[1], t[2]}, b{t[3], t[4], t[5]}, c{t[6], t[7], t[8]};
     const double pixel = std::tan(camera.fov_y_radians / 2) / (side / 2.0);
     int covered = 0, wrong = 0;

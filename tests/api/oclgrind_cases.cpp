@@ -41,14 +41,15 @@ void trace(const gnomon::Device& device, const LightScene& scene, const Settings
     const auto technique = gnomon::make_technique("frustum-traced", device);
     for (const auto& [name, value] : settings) technique->set(name, value);
     const gnomon::Light light{scene.light};
-    const gnomon::Statistics statistics = technique->run(triangles, points, light, visibility);
+    const gnomon::Statistics statistics =
+        technique->run(triangles, points, light, visibility, {.facing = facing_of(scene.eye)});
     const std::vector<float> got = visibility.read(), truth = truth_of(scene);
     const std::size_t wrong = differences(got, truth);
     const auto dark = static_cast<std::size_t>(std::ranges::count(truth, 0.0f));
     require(wrong == 0, scene.name + ": " + std::to_string(wrong) + " points");
     require(dark > 0 && dark < got.size(), scene.name + ": both answers must occur");
     if (is_watched)
-        require(technique->diagnose("decided", triangles, points, light).size() == 4 * got.size(),
+        require(technique->diagnose("decided", triangles, points, light, facing_of(scene.eye)).size() == 4 * got.size(),
                 scene.name + ": what decided each point");
     std::printf("%s: %zu points, %zu in shadow, %llu by the map, %llu uncertain pairs\n", scene.name.c_str(),
                 got.size(), dark, static_cast<unsigned long long>(statistics.count("points_decided_by_map")),
@@ -62,10 +63,11 @@ void prepare(const gnomon::Device& device, const gnomon::Triangles& triangles, c
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("map-size", "32");
     technique->prepare(triangles, gnomon::Light{light});
-    const gnomon::PointsOnHost host = gnomon::read(device, view.points);
-    const std::vector<float> truth = truth_of({"", scene, host.position, light, host.receiver, view.points.eye()});
+    const gnomon::PointsOnHost host = view.points.read(device);
+    const std::vector<float> truth =
+        truth_of({"", scene, host.position, light, host.receiver, view.points.camera()->camera.eye});
     gnomon::Points unlifted = view.points;
-    unlifted.set_eye(*view.points.eye());
+    unlifted.set_camera(view.points.camera()->camera, view.width, view.height);
     for (const gnomon::Points& points : {view.points, unlifted}) {
         const gnomon::Statistics statistics = technique->run(triangles, points, gnomon::Light{light}, visibility);
         const std::size_t wrong = differences(visibility.read(), truth);
@@ -81,13 +83,14 @@ void sample(const gnomon::Device& device, const gnomon::Triangles& triangles, co
     const gnomon::Visibility mean(device, pixels);
     std::vector<int> lit(pixels, 0);
     const auto judge = [&](const gnomon::Points& points) {
-        const gnomon::PointsOnHost host = gnomon::read(device, points);
-        const auto shadowed = reference::shadowed(scene, host.position, host.receiver, light, points.eye());
+        const gnomon::PointsOnHost host = points.read(device);
+        const gnomon::Float3 eye = points.camera()->camera.eye;
+        const auto shadowed = reference::shadowed(scene, host.position, host.receiver, light, eye);
         for (std::size_t i = 0; i < shadowed.size(); ++i) lit[i % pixels] += shadowed[i] == 0;
-        require(gnomon::lift(device, triangles, points, *points.eye()).count() == points.count(), "lifted points");
+        require(gnomon::lift(device, triangles, points, eye).count() == points.count(), "lifted points");
     };
-    gnomon::run_samples(*gnomon::make_technique("frustum-traced", device), device, triangles, view,
-                        gnomon::Light{light}, 4, mean, judge);
+    gnomon::run_samples(*gnomon::make_technique("frustum-traced", device), triangles, view, gnomon::Light{light}, 4,
+                        mean, judge);
     const std::vector<float> got = mean.read();
     std::size_t wrong = 0, partly = 0;
     for (std::size_t i = 0; i < pixels; ++i) {
@@ -106,7 +109,7 @@ void look(const gnomon::Device& device, const Floats& scene, std::uint32_t size)
     const gnomon::Visibility visibility(device, view.points.count());
     const Light light = along(-0.3f, -1, 0.2f);
     gnomon::make_technique("frustum-traced", device)->run(triangles, view.points, gnomon::Light{light}, visibility);
-    gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
+    gnomon::ViewOnHost host = view.read(device, triangles);
     const std::vector<float> got = visibility.read();
     const auto shadowed = reference::shadowed(scene, host.position, host.receiver, light, camera.eye);
     std::size_t seen = 0, wrong = 0, dark = 0;
@@ -144,7 +147,7 @@ void approximate(const gnomon::Device& device, const Floats& scene, const Approx
     const auto technique = gnomon::make_technique(a.technique, device);
     for (const auto& [name, value] : a.settings) technique->set(name, value);
     technique->run(triangles, view.points, gnomon::Light{a.light}, visibility);
-    const gnomon::PointsOnHost host = gnomon::read(device, view.points);
+    const gnomon::PointsOnHost host = view.points.read(device);
     const std::vector<float> got = visibility.read();
     const auto shadowed = reference::shadowed(scene, host.position, host.receiver, a.light, camera.eye);
     double error = 0;
@@ -188,7 +191,7 @@ void cut_out(const gnomon::Device& device, bool is_second) {
     technique->set("map-size", "32");
     for (const Light& light : {along(-0.3f, -1, 0.2f), at(0.5f, 2, 0.5f)}) {
         const gnomon::Light as_given{light};
-        const auto truth = truth_of(scene, data.masks(), gnomon::read(device, view.points), light, view.points.eye());
+        const auto truth = truth_of(scene, data.masks(), view.points.read(device), light, camera.eye);
         for (const bool is_prepared : {false, true}) {
             if (is_prepared) technique->prepare(triangles, as_given);
             technique->run(triangles, view.points, as_given, visibility);
@@ -196,15 +199,15 @@ void cut_out(const gnomon::Device& device, bool is_second) {
             require(wrong == 0, "cut-outs: " + std::to_string(wrong) + " pixels");
         }
         technique->set("many-lights", light[3] != 0 ? "one-by-one" : is_second ? "rays" : "shafts");
-        const auto bits = gnomon::run_lights_to_host(*technique, triangles, view.points,
-                                                     gnomon::Lights({as_given, as_given}), {.bits = true})
+        const auto bits = gnomon::run_light_table_to_host(*technique, triangles, view.points,
+                                                          gnomon::Lights({as_given, as_given}), {.bits = true})
                               .bits;
         std::size_t wrong = 0;
         for (std::size_t i = 0; i < truth.size(); ++i) wrong += bits[i] != (truth[i] == 1 ? 3u : 0u);
         require(wrong == 0, "cut-outs, many lights: " + std::to_string(wrong) + " pixels");
         std::printf("cut-outs: %zu points, %td lit\n", truth.size(), std::ranges::count(truth, 1.0f));
         if (is_second) continue;
-        gnomon::run_samples(*technique, device, triangles, view, as_given, 4, visibility);
+        gnomon::run_samples(*technique, triangles, view, as_given, 4, visibility);
         for (const auto& [name, size] : {std::pair("sub-pixel", "map-size"), std::pair("shadow-map", "size")}) {
             const auto map = gnomon::make_technique(name, device);
             map->set(size, "32");
@@ -226,8 +229,8 @@ void meet_horizons(const gnomon::Device& device) {
         lights.push_back(gnomon::Light::directional({1, -float(i % 20) / 8 - 0.1f, i < 20 ? 0.0f : 0.75f}));
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("many-lights", "horizons");
-    const auto answers = gnomon::run_lights_to_host(*technique, triangles, gnomon::Points::upload(device, positions),
-                                                    gnomon::Lights(lights), {.counts = true});
+    const auto answers = gnomon::run_light_table_to_host(
+        *technique, triangles, gnomon::Points::upload(device, positions), gnomon::Lights(lights), {.counts = true});
     std::vector<std::uint32_t> counts(positions.size() / 3);
     for (const gnomon::Light& light : lights) {
         const auto shadowed = reference::shadowed(scene, positions, {}, light.xyzw);

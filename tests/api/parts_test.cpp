@@ -27,7 +27,7 @@ const Floats& places() {
     return points;
 }
 const gnomon::Camera camera = gnomon::Camera::look_at({0.3f, 1, 4}, {0, 0, 0}, {0, 1, 0}, 40);
-const Light lights[] = {Light::directional({0.2f, -1, 0.1f}), Light::positional({0.1f, 0.2f, 0.3f})};
+const Light lights[] = {Light::directional({0.2f, -1, 0.1f}), Light::point({0.1f, 0.2f, 0.3f})};
 
 Device limited_to(std::uint64_t bytes) {
     gnomon::DeviceOptions options;
@@ -64,7 +64,7 @@ Bits whole(const Device& device, const gnomon::CutOuts* cut_outs = nullptr) {
     const auto triangles = cut_outs != nullptr ? gnomon::Triangles::upload(device, vertices(), *cut_outs)
                                                : gnomon::Triangles::upload(device, vertices());
     const gnomon::View view = look(device, triangles, camera, width, height);
-    bits.view = read(device, triangles, view);
+    bits.view = view.read(device, triangles);
     const auto points = gnomon::Points::upload(device, places());
     const gnomon::Visibility seen(device, view.points.count()), scattered(device, points.count());
     const auto technique = made(device);
@@ -82,8 +82,8 @@ Bits whole(const Device& device, const gnomon::CutOuts* cut_outs = nullptr) {
 
 Bits in_parts(const Device& device, std::uint64_t& most_parts, const gnomon::CutOuts* cut_outs = nullptr) {
     Bits bits;
-    const gnomon::ViewOfParts looked = look_in_parts(device, vertices(), camera, width, height, cut_outs);
-    bits.view = read(device, looked.triangles, looked.view);
+    const gnomon::ViewOfParts looked = look_in_parts(device, {vertices(), cut_outs}, camera, width, height);
+    bits.view = looked.view.read(device, looked.triangles);
     for (std::uint32_t& receiver : bits.view.receiver)
         if (receiver != gnomon::no_receiver) receiver = looked.ids.at(receiver);
     const auto points = gnomon::Points::upload(device, places());
@@ -92,8 +92,8 @@ Bits in_parts(const Device& device, std::uint64_t& most_parts, const gnomon::Cut
     most_parts = 0;
     for (int i = 0; i < 2; ++i) {
         for (const gnomon::Statistics& run :
-             {run_in_parts(make, device, vertices(), points, {}, lights[i], scattered, cut_outs),
-              run_in_parts(make, device, vertices(), looked.view.points, looked.ids, lights[i], seen, cut_outs)})
+             {run_in_parts(make, device, {vertices(), cut_outs}, points, {}, lights[i], scattered),
+              run_in_parts(make, device, {vertices(), cut_outs}, looked.view.points, looked.ids, lights[i], seen)})
             most_parts = std::max(most_parts, run.count("parts"));
         bits.scattered[i] = scattered.read();
         bits.seen[i] = seen.read();
@@ -149,7 +149,7 @@ TEST(Parts, HonourCutOuts) {
 TEST(Parts, WhatFitsInNoPartIsAClearError) {
     const Device device = limited_to(400000);
     try {
-        look_in_parts(device, vertices(), camera, width * 4, height * 4);
+        look_in_parts(device, {vertices()}, camera, width * 4, height * 4);
         ADD_FAILURE() << "a picture that does not fit";
     } catch (const gnomon::OutOfDeviceMemory& error) {
         EXPECT_NE(std::string(error.what()).find("limit of 400000"), std::string::npos) << error.what();
@@ -157,22 +157,72 @@ TEST(Parts, WhatFitsInNoPartIsAClearError) {
     {
         const auto points = gnomon::Points::upload(device, Floats(3 * 20000, 0.0f));
         const gnomon::Visibility visibility(device, points.count());
-        EXPECT_THROW(run_in_parts([&] { return made(device); }, device, vertices(), points, {}, lights[0], visibility),
-                     gnomon::OutOfDeviceMemory);
+        EXPECT_THROW(
+            run_in_parts([&] { return made(device); }, device, {vertices()}, points, {}, lights[0], visibility),
+            gnomon::OutOfDeviceMemory);
     }
     EXPECT_EQ(device.memory_bytes(), 0u);
 }
 
+/// Points on triangles, and normals that have nothing to do with these.
+struct Faced {
+    gnomon::Points points, normals;
+
+    explicit Faced(const Device& device) {
+        std::vector<std::uint32_t> receivers(point_count);
+        for (std::size_t i = 0; i < receivers.size(); ++i) receivers[i] = std::uint32_t(7 * i % triangle_count);
+        points = gnomon::Points::upload(device, places(), receivers);
+        normals = gnomon::Points::upload(device, support::random_points(point_count, -1, 1, 3));
+    }
+    std::vector<gnomon::Facing> facings(const Floats& on_host) const {
+        return {gnomon::Facing::none(), gnomon::Facing::eye({0, 9, 4}), gnomon::Facing::winding(),
+                gnomon::Facing::normals(on_host), gnomon::Facing::normals(normals.positions())};
+    }
+};
+
+// By what is decided part by part: the same bits as of the whole. Not vacuous: each facing darkens points.
+TEST(Parts, FaceAsTheWholeDoes) {
+    const Device plenty;
+    const Faced faced(plenty);
+    const Floats on_host = faced.normals.read(plenty).position;
+    std::vector<Floats> wanted;
+    {
+        const auto triangles = gnomon::Triangles::upload(plenty, vertices());
+        const gnomon::Visibility visibility(plenty, point_count);
+        for (const gnomon::Facing& facing : faced.facings(on_host)) {
+            made(plenty)->run(triangles, faced.points, lights[0], visibility, {.facing = facing});
+            wanted.push_back(visibility.read());
+            EXPECT_EQ(wanted.back() == wanted.front(), wanted.size() == 1);
+        }
+    }
+    const Device device = limited_to(plenty.peak_memory_bytes() / 2);
+    const Faced in_parts(device);
+    const gnomon::Visibility visibility(device, point_count);
+    const auto make = [&] { return made(device); };
+    std::size_t i = 0;
+    for (const gnomon::Facing& facing : in_parts.facings(on_host)) {
+        const auto run =
+            run_in_parts(make, device, {vertices()}, in_parts.points, {}, lights[0], visibility, {.facing = facing});
+        EXPECT_GT(run.count("parts"), 1u);
+        EXPECT_EQ(visibility.read(), wanted[i++]);
+    }
+    const auto fans = gnomon::VertexFans::find(device, std::span(vertices()).first(9), places());
+    EXPECT_THROW(run_in_parts(make, device, {vertices()}, in_parts.points, {}, lights[0], visibility,
+                              {.facing = gnomon::Facing::fans(fans)}),
+                 gnomon::InvalidArgument);
+}
+
 TEST(Parts, WithoutTrianglesEverythingIsLit) {
     const Device device;
-    const gnomon::ViewOfParts looked = look_in_parts(device, {}, camera, 4, 3);
+    const gnomon::ViewOfParts looked = look_in_parts(device, gnomon::SceneOnHost{}, camera, 4, 3);
     EXPECT_TRUE(looked.ids.empty());
     const gnomon::Visibility visibility(device, 12);
-    const auto run =
-        run_in_parts([&] { return made(device); }, device, {}, looked.view.points, looked.ids, lights[0], visibility);
+    const auto run = run_in_parts([&] { return made(device); }, device, gnomon::SceneOnHost{}, looked.view.points,
+                                  looked.ids, lights[0], visibility);
     EXPECT_EQ(run.count("parts"), 0u);
     EXPECT_EQ(visibility.read(), Floats(12, 1.0f));
-    EXPECT_THROW(look_in_parts(device, Floats(8), camera, 4, 3), gnomon::InvalidArgument);
+    const Floats eight(8);
+    EXPECT_THROW(look_in_parts(device, {eight}, camera, 4, 3), gnomon::InvalidArgument);
 }
 
 }  // namespace

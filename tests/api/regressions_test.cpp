@@ -197,7 +197,7 @@ TEST(Regressions, TrianglesThatTouchTheEyeButForDenormalsAreSeen) {
         const auto eye_view = gnomon::Camera::look_at(camera.eye, camera.target, camera.up, camera.fov_y_degrees);
         const auto uploaded = gnomon::Triangles::upload(device(), triangles);
         const gnomon::View view = gnomon::look(device(), uploaded, eye_view, camera.width, camera.height);
-        const gnomon::ViewOnHost claim = gnomon::read(device(), uploaded, view);
+        const gnomon::ViewOnHost claim = view.read(device(), uploaded);
         const reference::ViewReport report =
             reference::judge_view(triangles, camera, std::nullopt, {claim.position, claim.normal, claim.receiver, {}});
         wrong += report.wrong();

@@ -23,7 +23,9 @@ make_good_tree() {
     printf '%s\n' "$licence" '// A stage.' '#include "trace/trace.h"' 'float half_width, nomad(int);' \
         >"$tree/kernels/trace/trace.cl"
     printf '%s\n' "$licence" '// The door.' '#include <CL/cl.h>' >"$tree/host/cl/session.cpp"
-    printf '%s\n' "$licence" '// The face.' '#include <CL/cl.h>' >"$tree/host/include/gnomon.hpp"
+    mkdir -p "$tree/host/include/gnomon"
+    printf '%s\n' "$licence" '// The face.' '#include <gnomon/device.hpp>' >"$tree/host/include/gnomon.hpp"
+    printf '%s\n' "$licence" '// Devices.' '#include <CL/cl.h>' >"$tree/host/include/gnomon/device.hpp"
     printf '%s\n' "$licence" '// In C.' >"$tree/host/include/gnomon.h"
     printf '%s\n' "$licence" '#include "kernels/trace/trace.h"' '#include "cl/session.hpp"' >"$tree/host/trace/trace.hpp"
     printf '%s\n' "$licence" '#include <gnomon.hpp>' '#include "trace/trace.hpp"' >"$tree/host/gnomon.cpp"
@@ -81,6 +83,11 @@ must_catch host/cl/session.cpp 'const char* options = "-cl-unsafe-math-optimizat
 must_catch host/options.cmake 'add_compile_options(-ffast-math)'
 must_catch host/trace/stage.cpp '#include <CL/cl.h>'
 must_accept host/include/gnomon.h '#include <CL/cl.h>'
+must_catch host/include/gnomon.hpp '#include <CL/cl.h>'
+must_accept host/cl/session.cpp 'void f() { clFinish(queue); }'
+must_catch host/trace/trace.hpp 'void f() { clFinish(queue); }'
+must_catch host/trace/trace.hpp 'void f() { clWaitForEvents(1, &event); }'
+must_catch host/trace/trace.hpp 'void f() { clEnqueueReadBuffer(queue, buffer, CL_TRUE, 0, 4, to, 0, 0, 0); }'
 must_catch tests/trace/stage_test.cpp '#  include <CL/opencl.hpp>'
 must_catch kernels/trace/trace.cl '#include <gnomon.hpp>'
 must_catch kernels/trace/trace.cl '#include "missing.h"'

@@ -56,7 +56,7 @@ expect("${build}/failures" "InvalidArgument\nDeviceNotFound\nOutOfDeviceMemory\n
 if(WAY STREQUAL "installed_shared")
   file(GLOB_RECURSE library "${prefix}/libgnomon.so")
   if(NM)
-    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${library}" "${prefix}/include/gnomon.hpp"
+    run("${CMAKE_CURRENT_LIST_DIR}/exported_symbols.sh" "${NM}" "${library}" "${prefix}/include"
         "${CMAKE_CURRENT_LIST_DIR}/c_symbols.txt")
   else()
     message("NOT TESTED: there is no nm to list the exported symbols")

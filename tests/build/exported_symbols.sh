@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 # Fails if a shared library shows a symbol that the public headers do not declare, or lacks one that other programs
 # need to catch its exceptions; and if the functions of gnomon.h that it shows are not exactly those of the list: a
-# program that was linked with this version needs each. usage: exported_symbols.sh NM LIBRARY HEADER LIST
+# program that was linked with this version needs each. usage: exported_symbols.sh NM LIBRARY HEADERS LIST
 #
 # What the compiler made of the standard library's templates for types that the header declares is weak, and shown.
 set -euo pipefail
-nm=$1 library=$2 header=$3 list=$4
+nm=$1 library=$2 headers=$3 list=$4
 
 wanted=$(grep -v '^#' "$list")
 if ! diff <(sort <<<"$wanted") <("$nm" -D --defined-only "$library" | awk '$3 ~ /^gnomon_/ { print $3 }' | sort); then
@@ -15,8 +15,8 @@ if ! diff <(sort <<<"$wanted") <("$nm" -D --defined-only "$library" | awk '$3 ~ 
 fi
 
 # At the start of a line, so at the namespace's level: members are indented.
-declared=$(sed -n '/visibility push/,/visibility pop/p' "$header" |
-    sed -nE 's/^(class|struct) (\w+) .*\{$/\2/p; s/^[A-Za-z][^(]* (\w+)\(.*/\1/p; s/^inline constexpr [^=]* (\w+) = .*/\1/p')
+declared=$(sed -s -n '/visibility push/,/visibility pop/p' "$headers"/gnomon/*.hpp |
+    sed -nE 's/^(class|struct) (\w+)( .*\{|;.*)$/\2/p; s/^[A-Za-z][^(]* (\w+)\(.*/\1/p; s/^inline constexpr [^=]* (\w+) = .*/\1/p')
 shown=$("$nm" -DC --defined-only "$library" | sed -E 's/^[0-9a-f]+ //')  # the symbol's kind, a letter, and its name
 
 awk -v declared="$declared" -v in_c="$wanted" '

@@ -173,7 +173,7 @@ TEST(Shade, EachPixelHasItsOwnMaterialNormalAndLights) {
     for (const auto& [width, height] : {std::pair(48u, 40u), std::pair(47u, 33u), std::pair(3u, 5u)}) {
         const Camera camera = Camera::look_at({0, 2, 4}, {0, 0.5f, 0}, {0, 1, 0}, 90);
         const View view = look(device, triangles, camera, width, height);
-        const ViewOnHost seen = read(device, triangles, view);
+        const ViewOnHost seen = view.read(device, triangles);
         std::vector<Visibility> visibilities;
         std::vector<std::vector<float>> masks;
         for (const Light& light : lights) {

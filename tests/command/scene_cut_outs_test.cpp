@@ -43,7 +43,7 @@ TEST(SceneCutOuts, SponzaEqualsReference) {
     const reference::PinholeCamera views[] = {{{-1000, 150, -40}, {200, 200, -30}, {0, 1, 0}, 60, width, height},
                                               {{800, 600, -35}, {-300, 120, -40}, {0, 1, 0}, 65, width, height}};
     const Light lights[] = {Light::directional({0.12f, -1, 0.06f}), Light::directional({-0.45f, -0.9f, 0.06f}),
-                            Light::directional({0.35f, -1, -0.004f}), Light::positional({0, 600, -40})};
+                            Light::directional({0.35f, -1, -0.004f}), Light::point({0, 600, -40})};
     for (const bool gpu_kernels : {false, true}) {
         const Device device({}, {.gpu_kernels = gpu_kernels});
         Triangles triangles = Triangles::upload(device, scene.triangles, *cut_outs.get());
@@ -57,7 +57,7 @@ TEST(SceneCutOuts, SponzaEqualsReference) {
         for (const auto& view : views) {
             const auto camera = Camera::look_at(view.eye, view.target, view.up, view.fov_y_degrees);
             const View looked = look(device, triangles, camera, width, height);
-            const ViewOnHost host = read(device, triangles, looked);
+            const ViewOnHost host = looked.read(device, triangles);
             for (const Light& light : lights) {
                 const Visibility visibility(device, host.receiver.size());
                 technique->run(triangles, looked.points, light, visibility);

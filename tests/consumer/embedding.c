@@ -47,7 +47,7 @@ static void done(gnomon_status status) {
 static cl_device_id default_device(void) {
     const gnomon_device_list* list;
     cl_device_id chosen = NULL;
-    done(gnomon_devices(&list));
+    done(gnomon_devices_list(&list));
     for (size_t i = 0; i < list->count; ++i)
         if (list->devices[i].is_default) chosen = list->devices[i].device_id;
     gnomon_device_list_destroy(list);
@@ -89,12 +89,12 @@ static cl_event cast_shadows(cl_context context, cl_command_queue queue, cl_mem 
     gnomon_light sun;
     cl_event event;
     done(gnomon_device_wrap(context, queue, NULL, &device));
-    done(gnomon_triangles_wrap(device, vertices, 0, triangles_count, &triangles));
-    done(gnomon_points_wrap(device, positions, &layout, NULL, cells, &points));
-    done(gnomon_visibility_wrap(device, visibility, 0, cells, &result));
+    done(gnomon_triangles_wrap(device, vertices, triangles_count, 0, &triangles));
+    done(gnomon_points_wrap(device, positions, &layout, cells, NULL, &points));
+    done(gnomon_visibility_wrap(device, visibility, cells, 0, &result));
     done(gnomon_technique_create(device, "frustum-traced", &technique));
     done(gnomon_light_directional(down, &sun));
-    done(gnomon_technique_run(technique, triangles, points, sun, result, &event, NULL));
+    done(gnomon_technique_run(technique, triangles, points, sun, result, NULL, &event, NULL));
     // README ends
     gnomon_technique_destroy(technique);
     gnomon_visibility_destroy(result);

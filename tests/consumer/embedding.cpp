@@ -66,7 +66,7 @@ int main() try {
         const auto technique = gnomon::make_technique("frustum-traced", own);
         technique->run(gnomon::Triangles::wrap(own, vertices, roof.size() / 9),
                        gnomon::Points::wrap(own, positions, gnomon::PointLayout{0, 1, count}, count),
-                       gnomon::Light::directional({0, -1, 0}), gnomon::Visibility(own, visibility, count));
+                       gnomon::Light::directional({0, -1, 0}), gnomon::Visibility::wrap(own, visibility, count));
     }
 
     // On the same queue, so after gnomon's last kernel.

@@ -28,7 +28,7 @@ std::vector<Family> open_families() {
 }
 const std::vector<gnomon::Light> lights = {
     gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::directional({0, 0, -1}),
-    gnomon::Light::positional({0.2f, 3, 0.1f}), gnomon::Light::positional({0.2f, 0.1f, 0.1f})};
+    gnomon::Light::point({0.2f, 3, 0.1f}), gnomon::Light::point({0.2f, 0.1f, 0.1f})};
 
 Floats small_scene() {
     Floats all = soup(60, 0.6f, 1);
@@ -127,8 +127,8 @@ TEST(CutOuts, AllClearAndAllOpaqueAreAsAbsentAndPlain) {
         for (const gnomon::Light& light : lights)
             expect_same(run(device, given, at, light), run(device, plain, at, light), name);
         const auto camera = gnomon::Camera::look_at({0.3f, 1.4f, 3.0f}, {0, 0, 0}, {0, 1, 0}, 45);
-        EXPECT_EQ(gnomon::read(device, given, gnomon::look(device, given, camera, 96, 64)).receiver,
-                  gnomon::read(device, plain, gnomon::look(device, plain, camera, 96, 64)).receiver);
+        EXPECT_EQ(gnomon::look(device, given, camera, 96, 64).read(device, given).receiver,
+                  gnomon::look(device, plain, camera, 96, 64).read(device, plain).receiver);
     }
 }
 
@@ -143,11 +143,11 @@ TEST(CutOuts, ACameraSeesThroughHoles) {
             const Device& device = family.device;
             Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
             const Triangles plain = Triangles::upload(device, scene);
-            const auto opaque = gnomon::read(device, plain, gnomon::look(device, plain, camera, 96, 64));
+            const auto opaque = gnomon::look(device, plain, camera, 96, 64).read(device, plain);
             for (const bool clusters : {false, true}) {
                 if (clusters) triangles.keep_clusters(device);
                 const gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
-                const auto seen = gnomon::read(device, triangles, view);
+                const auto seen = view.read(device, triangles);
                 std::size_t differ = 0;
                 for (std::size_t i = 0; i < seen.receiver.size(); ++i) differ += seen.receiver[i] != opaque.receiver[i];
                 EXPECT_GT(differ, 500u);
@@ -163,8 +163,8 @@ TEST(CutOuts, ACameraSeesThroughHoles) {
                                 std::string(family.name) + " prepared");
                 }
                 const gnomon::CutOuts cut_outs = data.cut_outs();
-                const auto parts = gnomon::look_in_parts(device, scene, camera, 96, 64, &cut_outs);
-                EXPECT_EQ(gnomon::read(device, parts.triangles, parts.view).receiver, seen.receiver);
+                const auto parts = gnomon::look_in_parts(device, {scene, &cut_outs}, camera, 96, 64);
+                EXPECT_EQ(parts.view.read(device, parts.triangles).receiver, seen.receiver);
             }
         }
     }
@@ -182,14 +182,13 @@ TEST(CutOuts, FootprintsAreAsSampleBySample) {
         for (const gnomon::Light& light : lights) {
             std::vector<float> mean(view.points.count());
             const gnomon::Visibility means(device, mean.size());
-            gnomon::run_samples(*technique, device, triangles, view, light, 8, means, [&](const Points& samples) {
-                const auto host = gnomon::read(device, samples);
-                const auto one =
-                    truth_of_points(scene, data.masks(), host.position, host.receiver, light, samples.eye());
+            gnomon::run_samples(*technique, triangles, view, light, 8, means, [&](const Points& samples) {
+                const auto host = samples.read(device);
+                const auto one = truth_of_points(scene, data.masks(), host.position, host.receiver, light, camera.eye);
                 for (std::size_t i = 0; i < one.size(); ++i) mean[i % mean.size()] += one[i] / 8;
             });
             expect_same(means.read(), mean, std::string(family.name) + " one by one");
-            gnomon::run_samples(*technique, device, triangles, view, light, 8, means);
+            gnomon::run_samples(*technique, triangles, view, light, 8, means);
             expect_same(means.read(), mean, std::string(family.name) + " footprints");
         }
     }
@@ -204,8 +203,8 @@ void expect_shafts_and_explain_honour_masks(const std::vector<Family>& families)
         const Points given = Points::upload(device, points);
         const Triangles triangles = Triangles::upload(device, scene, data.cut_outs());
         const auto bits_of = [&](const char* how, const Triangles& of, const gnomon::Lights& table) {
-            return gnomon::run_lights_to_host(*technique_with(device, {{"many-lights", how}}), of, given, table,
-                                              {.bits = true})
+            return gnomon::run_light_table_to_host(*technique_with(device, {{"many-lights", how}}), of, given, table,
+                                                   {.bits = true})
                 .bits;
         };
         for (const gnomon::Lights& table : {suns, lamp}) {

@@ -233,7 +233,7 @@ gnomon::Light choose_light(Choices& choices) {
         succeeds_unless(!is_finite(v) || is_zero, "a directional light",
                         [&] { light = gnomon::Light::directional(v); });
     else
-        succeeds_unless(!is_finite(v), "a positional light", [&] { light = gnomon::Light::positional(v); });
+        succeeds_unless(!is_finite(v), "a positional light", [&] { light = gnomon::Light::point(v); });
     return light;
 }
 
@@ -318,7 +318,8 @@ void run_points(Choices& choices, Scene& scene) {
     Places places;
     if (!choose_points(choices, scene.triangles->count(), places)) return;
     std::optional<Float3> eye;
-    if (choices.once_in(4)) places.points->set_eye(*(eye = choices.vector()));
+    if (choices.once_in(4)) eye = choices.vector();
+    const gnomon::Facing facing = eye ? gnomon::Facing::eye(*eye) : gnomon::Facing::none();
     Output output;
     choose_output(choices, scene, places, output);
     gnomon::TechniqueDescription description;
@@ -330,7 +331,7 @@ void run_points(Choices& choices, Scene& scene) {
         const bool wrong = !is_light(light) || output.visibility->count() < places.points->count() || output.overlaps ||
                            (eye && !is_finite(*eye));
         try {
-            technique->run(*scene.triangles, *places.points, light, *output.visibility);
+            technique->run(*scene.triangles, *places.points, light, *output.visibility, {.facing = facing});
             require(!wrong, "a wrong run is refused");
         } catch (const gnomon::InvalidArgument&) {
             require(wrong || !takes_any_points, "a run");
@@ -383,7 +384,7 @@ void run_view(Choices& choices, Scene& scene) {
         return;
     }
     require(width != 0 && height != 0, "a picture without pixels is refused");
-    const gnomon::ViewOnHost host = read(device(), *scene.triangles, view);
+    const gnomon::ViewOnHost host = view.read(device(), *scene.triangles);
     check_view(scene, host);
     const gnomon::Light light = choose_light(choices);
     if (!is_light(light)) return;
@@ -394,7 +395,7 @@ void run_view(Choices& choices, Scene& scene) {
     Floats positions = host.position;
     for (std::size_t i = 0; i < host.receiver.size(); ++i)
         if (host.receiver[i] == gnomon::no_receiver) positions[3 * i] = NAN;
-    if (description.exact) check_answer(scene, positions, host.receiver, view.points.eye(), light, visibility.read());
+    if (description.exact) check_answer(scene, positions, host.receiver, camera.eye, light, visibility.read());
     gnomon::Materials materials;
     const std::uint32_t colors = choices.below(3), ids_below = 1 + choices.below(3);
     for (std::uint32_t i = 0; i < colors; ++i) materials.base_color.push_back(choices.vector());

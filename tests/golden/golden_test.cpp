@@ -140,7 +140,7 @@ Question question_of(const Line& line, const gnomon::scene::Scene& scene) {
     if (const std::string light = taken("--light"); !light.empty())
         question.light = named(scene.lights, light).light;
     else if (const std::string position = taken("--light-position"); !position.empty())
-        question.light = gnomon::Light::positional(vector_of(position));
+        question.light = gnomon::Light::point(vector_of(position));
     else
         question.light = gnomon::Light::directional(vector_of(taken("--light-direction")));
     if (!options.empty()) throw std::runtime_error("the golden record does not know " + options.begin()->first);
@@ -235,17 +235,17 @@ std::vector<float> mean_of(gnomon::Technique& technique, const gnomon::Device& d
                            const gnomon::Triangles& triangles, const gnomon::View& view,
                            const gnomon::scene::Scene& scene, const Question& question, bool ask_oracle) {
     const gnomon::Visibility mean(device, view.points.count());
-    gnomon::run_samples(technique, device, triangles, view, question.light, question.samples, mean);
+    gnomon::run_samples(technique, triangles, view, question.light, question.samples, mean);
     const std::vector<float> found = mean.read();
     if (!ask_oracle) return found;
     std::vector<std::uint32_t> lit(found.size());
     std::size_t samples = 0;
     const auto judge = [&](const gnomon::Points& points) {
-        const auto truth = shadowed(scene, question, gnomon::read(device, points));
+        const auto truth = shadowed(scene, question, points.read(device));
         for (std::size_t i = 0; i < truth.size(); ++i) lit[(samples + i) % lit.size()] += truth[i] == 0;
         samples += truth.size();
     };
-    gnomon::run_samples(technique, device, triangles, view, question.light, question.samples, mean, judge);
+    gnomon::run_samples(technique, triangles, view, question.light, question.samples, mean, judge);
     EXPECT_EQ(samples, found.size() * question.samples);
     EXPECT_EQ(mean.read(), found) << "handing out the samples changed the answer";
     std::size_t wrong = 0;
@@ -269,7 +269,7 @@ std::string findings_of(const gnomon::Device& device, const gnomon::scene::Scene
     const gnomon::Statistics statistics = technique->run(triangles, view.points, question.light, result);
     const std::vector<float> visibility = result.read();
     // Sky has the position 0 here, whatever NaN the device wrote.
-    const gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
+    const gnomon::ViewOnHost host = view.read(device, triangles);
 
     std::uint64_t dark = 0;
     for (const float value : visibility) dark += value == 0;
@@ -284,7 +284,7 @@ std::string findings_of(const gnomon::Device& device, const gnomon::scene::Scene
         const auto mean = mean_of(*technique, device, triangles, view, scene, question, ask_oracle);
         text << " mean " << Hash().add(mean).text();
     }
-    if (ask_oracle) expect_oracle(scene, question, gnomon::read(device, view.points), visibility);
+    if (ask_oracle) expect_oracle(scene, question, view.points.read(device), visibility);
     return text.str();
 }
 

@@ -73,7 +73,7 @@ Decided expect_decisions(const gnomon::Device& device, LightScene scene, const g
     const gnomon::BuiltHeightField field(device, triangles);
     EXPECT_TRUE(field.is_field());
     if (!field.is_field()) return {};
-    const gnomon::Points points = upload_points(device, scene);
+    const gnomon::Points points = gnomon::Internals::seen_from(upload_points(device, scene), scene.eye);
     const gnomon::LightsOutputs outputs;
     const gnomon::LightsOptions options;
     const gnomon::LightsRun run{device, triangles, points, lights, outputs, options};

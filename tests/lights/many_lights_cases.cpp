@@ -20,11 +20,12 @@ constexpr gnomon::LightsWanted EVERYTHING{true, true, true, true, true};
 constexpr const char* WAYS[] = {"one-by-one", "shafts", "point-shafts", "rays", "auto"};
 
 gnomon::LightsOnHost run(const gnomon::Device& device, const LightScene& scene, const Lights& lights,
-                         const std::string& way, const gnomon::LightsOptions& options = {}) {
+                         const std::string& way, gnomon::RunOptions options = {}) {
+    if (scene.eye) options.facing = gnomon::Facing::eye(*scene.eye);
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("many-lights", way);
-    return gnomon::run_lights_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
-                                      upload_points(device, scene), lights, EVERYTHING, options);
+    return gnomon::run_light_table_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
+                                           upload_points(device, scene), lights, EVERYTHING, options);
 }
 
 bool is_lit(const gnomon::LightsOnHost& answers, std::size_t lights, std::size_t point, std::size_t light) {
@@ -180,8 +181,7 @@ TEST(ManyLightsCases, SunsBelowTheHorizon) {
     }
     const Lights lights = lattice_lights(2, true);
     const gnomon::Device device = device_with();
-    gnomon::LightsOptions front;
-    front.front = true;
+    const gnomon::RunOptions front{.facing = gnomon::Facing::winding()};
     for (const char* way : WAYS) {
         const auto answers = run(device, scene, lights, way, front), sideless = run(device, scene, lights, way);
         for (std::size_t p = 0; p < 40; ++p)

@@ -17,16 +17,18 @@ namespace {
 using namespace support;
 using gnomon::Lights;
 
-constexpr gnomon::LightsWanted EVERYTHING{true, true, true, true, true};
+constexpr gnomon::LightsWanted EVERYTHING{true, true, true, true, true},
+    WITH_COSINES{true, true, true, true, true, true};
 
 gnomon::LightsOnHost run(const gnomon::Device& device, const LightScene& scene, const Lights& lights,
-                         const std::string& way, const gnomon::LightsOptions& options = {},
-                         const std::string& bundle_lights = "32") {
+                         const std::string& way, gnomon::RunOptions options = {},
+                         const std::string& bundle_lights = "32", const gnomon::LightsWanted& wanted = EVERYTHING) {
+    if (scene.eye) options.facing = gnomon::Facing::eye(*scene.eye);
     const auto technique = gnomon::make_technique("frustum-traced", device);
     technique->set("many-lights", way);
     technique->set("bundle-lights", bundle_lights);
-    return gnomon::run_lights_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
-                                      upload_points(device, scene), lights, EVERYTHING, options);
+    return gnomon::run_light_table_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
+                                           upload_points(device, scene), lights, wanted, options);
 }
 
 bool is_lit(const gnomon::LightsOnHost& answers, std::size_t lights, std::size_t point, std::size_t light) {
@@ -175,11 +177,11 @@ TEST(ManyLights, SidesAreThoseOfOneLight) {
     const gnomon::Points normals = gnomon::Points::upload(device, scene.normals);
     for (int side = 0; side < 4; ++side) {
         SCOPED_TRACE("side " + std::to_string(side));
-        gnomon::LightsOptions options;
+        gnomon::RunOptions options;
         scene.eye.reset();
         if (side == 1) scene.eye = Float3{20.5f, 31, -7};
-        if (side == 2) options.front = true;
-        if (side == 3) options.normals = normals.positions();
+        if (side == 2) options.facing = gnomon::Facing::winding();
+        if (side == 3) options.facing = gnomon::Facing::normals(normals.positions());
         const auto one = run(device, scene, lights, "one-by-one", options);
         const auto shafts = run(device, scene, lights, "shafts", options);
         EXPECT_EQ(one.bits, shafts.bits);
@@ -307,12 +309,10 @@ TEST(ManyLights, CosinesFollowTheirStatedArithmetic) {
         for (int c = 0; c < 3; ++c) scene.normals[i + c] = float(scene.normals[i + c] / length);
     }
     const gnomon::Points normals = gnomon::Points::upload(device, scene.normals);
-    gnomon::LightsOptions options;
-    options.normals = normals.positions();
-    options.cosines = true;
+    const gnomon::RunOptions options{.facing = gnomon::Facing::normals(normals.positions())};
     const Lights lights = table_around({"", {}, {}, along(-0.3f, -1, 0.2f)}, 60, 9);
-    const auto shafts = run(device, scene, lights, "shafts", options);
-    EXPECT_EQ(run(device, scene, lights, "one-by-one", options).sums, shafts.sums);
+    const auto shafts = run(device, scene, lights, "shafts", options, "32", WITH_COSINES);
+    EXPECT_EQ(run(device, scene, lights, "one-by-one", options, "32", WITH_COSINES).sums, shafts.sums);
     for (std::size_t p = 0; p < scene.receivers.size(); ++p) {
         const float* n = scene.normals.data() + 3 * p;
         std::int64_t whole = 0;
@@ -366,10 +366,10 @@ TEST(ManyLights, HorizonsChangeNoBitWhateverTheSideAndTheDeviceExhaustive) {
         const gnomon::Device device({}, device_options);
         for (int side = 0; side < 3; ++side) {
             SCOPED_TRACE("device " + std::to_string(kind) + ", side " + std::to_string(side));
-            gnomon::LightsOptions options;
+            gnomon::RunOptions options;
             scene.eye.reset();
             if (side == 1) scene.eye = Float3{3, 300, -7};
-            if (side == 2) options.front = true;
+            if (side == 2) options.facing = gnomon::Facing::winding();
             const auto one = run(device, scene, lights, "one-by-one", options);
             const auto horizons = run(device, scene, lights, "horizons", options, side == 0 ? "32" : "7");
             EXPECT_EQ(one.bits, horizons.bits);
@@ -399,9 +399,11 @@ TEST(ManyLights, AWayOnceMeasuredServesTheNextRunsOfTheSameLights) {
     const gnomon::View view = gnomon::look(device, triangles, camera, 256, 64);
     const Lights lights = lights_all_around(70, 6), others = lights_all_around(70, 7);
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    const auto bits = gnomon::run_lights_to_host(*technique, triangles, view.points, lights, {.bits = true}, {}).bits;
+    const auto bits =
+        gnomon::run_light_table_to_host(*technique, triangles, view.points, lights, {.bits = true}, {}).bits;
     const auto measures = [&](const Lights& of) {
-        const auto answers = gnomon::run_lights_to_host(*technique, triangles, view.points, of, {.bits = true}, {});
+        const auto answers =
+            gnomon::run_light_table_to_host(*technique, triangles, view.points, of, {.bits = true}, {});
         EXPECT_EQ(answers.bits == bits, &of == &lights);
         std::size_t ways = 0;
         for (const auto& stage : answers.statistics.stages)
@@ -436,7 +438,7 @@ TEST(ManyLights, PicturesAreThoseOfOneLight) {
                 const auto technique = gnomon::make_technique("frustum-traced", device);
                 technique->set("many-lights", way);
                 bits.push_back(
-                    gnomon::run_lights_to_host(*technique, triangles, view.points, lights, {.bits = true}).bits);
+                    gnomon::run_light_table_to_host(*technique, triangles, view.points, lights, {.bits = true}).bits);
                 EXPECT_EQ(bits.front(), bits.back()) << way << ", " << width << " pixels wide";
             }
             EXPECT_NE(std::ranges::count(bits.front(), 0u), std::ptrdiff_t(bits.front().size()));
@@ -505,18 +507,16 @@ TEST(ManyLights, RefusesWhatHasNoMeaning) {
     EXPECT_NE(message_of([&] { Lights({sun, gnomon::Light{{nan, 0, 0, 0}}}); }).find("light 1: "), std::string::npos);
     EXPECT_EQ(message_of([&] { Lights({sun, sun}, {1}); }), "there are 1 weights for 2 lights");
     const FacedScene scene = boxes_on_floor(40, 2);
-    gnomon::LightsOptions options;
-    options.cosines = true;
-    EXPECT_EQ(message_of([&] { run(device, scene, Lights({sun}), "auto", options); }),
-              "cosines need a normal per point");
-    const gnomon::Light lamp = gnomon::Light::positional({1, 2, 3});
+    EXPECT_EQ(message_of([&] { run(device, scene, Lights({sun}), "auto", {}, "32", WITH_COSINES); }),
+              "cosines need points that face by normals");
+    const gnomon::Light lamp = gnomon::Light::point({1, 2, 3});
     for (const auto& [lights, way] : {std::pair(Lights({sun, lamp}), "shafts"),
                                       {Lights({lamp}), "horizons"},
-                                      {Lights({gnomon::Light::positional({1, 0x1p20f, 3})}), "point-shafts"}})
+                                      {Lights({gnomon::Light::point({1, 0x1p20f, 3})}), "point-shafts"}})
         EXPECT_NE(message_of([&] { run(device, scene, lights, way); }).find("many-lights=auto"), std::string::npos);
     EXPECT_NE(message_of([&] { run(device, scene, Lights({sun}), "horizons"); }).find("side by side over a plane"),
               std::string::npos);
-    options = {};
+    gnomon::RunOptions options;
     options.progress = [](double) { return false; };
     EXPECT_THROW(run(device, scene, Lights({sun}), "shafts", options), gnomon::Cancelled);
     EXPECT_THROW(run(device, scene, Lights({sun}), "one-by-one", options), gnomon::Cancelled);
@@ -546,10 +546,10 @@ Lights lamps_among(const FacedScene& scene, std::size_t count, std::uint64_t see
         Float3 at{};
         for (int c = 0; c < 3; ++c)
             at[c] = scene.points[p + c] + height * scene.normals[p + c] + off * scene.normals[p + (c + 1) % 3];
-        lights.push_back(gnomon::Light::positional(at));
+        lights.push_back(gnomon::Light::point(at));
         for (int i = 0; lights.size() % 8 == 0 && i < 5; ++i) {
             if (i != 0) at = nudged(random, at);
-            lights.push_back(gnomon::Light::positional(at));
+            lights.push_back(gnomon::Light::point(at));
         }
     }
     lights.resize(count);
@@ -569,10 +569,10 @@ TEST(ManyLights, PointLightsGiveTheBitsOfOneLight) {
         std::size_t queued = 0;
         for (int side = 0; side < 4; ++side) {
             scene.eye.reset();
-            gnomon::LightsOptions options;
+            gnomon::RunOptions options;
             if (side == 1) scene.eye = Float3{20.5f, 31, -7};
-            if (side == 2) options.front = true;
-            if (side == 3) options.normals = normals.positions();
+            if (side == 2) options.facing = gnomon::Facing::winding();
+            if (side == 3) options.facing = gnomon::Facing::normals(normals.positions());
             const Lights lights =
                 side == 1 ? gnomon::area_light({5, 14, 5}, {2, 0, 0}, {0, 0.5f, 2}, 40) : spread[side / 2 + side % 2];
             const auto one = run(device, scene, lights, "one-by-one", options);
@@ -612,7 +612,7 @@ TEST(ManyLights, LampsAndPointsBesideAPlane) {
         add(scene.points, place(i % 5 == 0 ? -2.0f : std::ldexp(i % 2 == 0 ? 1.0f : -1.0f, -22)));
     std::vector<gnomon::Light> lamps;
     for (int i = 0; i < 40; ++i)
-        lamps.push_back(gnomon::Light::positional(place(std::ldexp(i % 3 == 0 ? -1.0f : 1.0f, -21 - i % 4))));
+        lamps.push_back(gnomon::Light::point(place(std::ldexp(i % 3 == 0 ? -1.0f : 1.0f, -21 - i % 4))));
     const Lights lights(lamps);
     const auto truth = truth_of_each(scene, lights);
     for (const bool gpu_kernels : {false, true}) {
@@ -630,7 +630,7 @@ TEST(ManyLights, NoFiniteTriangleBlocksNothing) {
         add(scene.points, {random.between(-2, 2), random.between(-2, 2), random.between(-2, 2)});
     std::vector<gnomon::Light> lamps, suns;
     for (int i = 0; i < 5; ++i) {
-        lamps.push_back(gnomon::Light::positional({random.between(-2, 2), random.between(-2, 2), 1}));
+        lamps.push_back(gnomon::Light::point({random.between(-2, 2), random.between(-2, 2), 1}));
         suns.push_back(gnomon::Light::directional({random.between(-1, 1), 1, random.between(-1, 1)}));
     }
     for (const bool gpu_kernels : {false, true}) {
@@ -646,7 +646,7 @@ TEST(ManyLights, LargeNormalsDoNotDecideTheSideOfALamp) {
     const gnomon::Device device = device_with();
     const LightScene scene{"far", {50, 50, 50, 51, 50, 50, 50, 51, 50}, {0, 0, 0}, {}};
     const gnomon::Points normals = gnomon::Points::upload(device, Floats{0, -1e38f, 1e38f});
-    const Lights lamp({gnomon::Light::positional({0, 4.0001f, 4})});
+    const Lights lamp({gnomon::Light::point({0, 4.0001f, 4})});
     for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
         EXPECT_EQ(run(device, scene, lamp, way, {.normals = normals.positions()}).counts[0], 0u) << way;
 }
@@ -658,7 +658,7 @@ TEST(ManyLights, ATriangleBesideALampAmongItsPoints) {
     const float r = 8e-6f * 2.5f;
     LightScene scene{"beside a lamp", {0.4f, r, r, 0.4f, 1, r, 0.4f, 0.4f, 1}, {1, 1, 0.5f}, {}};
     for (int i = 0; i < 15; ++i) add(scene.points, {i % 2 == 0 ? -1.0f : 1.0f, i % 4 < 2 ? -1.0f : 1.0f, -2.5f});
-    const Lights lamp({gnomon::Light::positional({0, 0, 0})});
+    const Lights lamp({gnomon::Light::point({0, 0, 0})});
     const auto truth = truth_of_each(scene, lamp);
     EXPECT_EQ(truth[0][0], 0);
     for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
@@ -674,13 +674,109 @@ TEST(ManyLights, AreaLightsOfManySamplesAreDecidedTogether) {
     EXPECT_EQ(answers.statistics.count("bundles"), 2u);
 }
 
+/// Whether each light reaches each point, a light after the other.
+std::vector<std::vector<float>> one_by_one(gnomon::Technique& technique, const gnomon::Triangles& triangles,
+                                           const gnomon::Points& points, const Lights& lights,
+                                           const gnomon::RunOptions& options) {
+    const gnomon::Visibility visibility(technique.device(), points.count());
+    std::vector<std::vector<float>> all;
+    for (const gnomon::Light& light : lights.lights()) {
+        technique.run(triangles, points, light, visibility, options);
+        all.push_back(visibility.read());
+    }
+    return all;
+}
+
+// By every facing, one light alone, each light, and a table by every way have the same bits. Not vacuous: each facing
+// but none() darkens pairs.
+TEST(ManyLights, EveryFacingOfOneLightIsThatOfATable) {
+    const gnomon::Device device = device_with();
+    const FacedScene scene = boxes_on_floor(300, 17);
+    std::vector<float> corners;
+    for (std::size_t i = 0; i < 300; ++i) add(corners, vertex(scene.triangles, 5 * i % (scene.triangles.size() / 3)));
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::Points on_faces = upload_points(device, scene), at_corners = gnomon::Points::upload(device, corners),
+                         normals = gnomon::Points::upload(device, scene.normals);
+    const auto fans = gnomon::VertexFans::find(device, scene.triangles, corners);
+    const Float3 eye{20.5f, 31, -7};
+    const auto camera = gnomon::Camera::look_at(eye, {3, 0, 3}, {0, 1, 0}, 60);
+    const gnomon::Points seen = gnomon::look(device, triangles, camera, 20, 15).points;
+    using gnomon::Facing;
+    const struct {
+        const char* name;
+        const gnomon::Points& points;
+        Facing facing;
+    } cases[] = {{"automatic, of a view", seen, Facing::automatic()},
+                 {"none, of a view", seen, Facing::none()},
+                 {"eye", on_faces, Facing::eye(eye)},
+                 {"normals on the host", on_faces, Facing::normals(scene.normals)},
+                 {"normals on the device", on_faces, Facing::normals(normals.positions())},
+                 {"winding", on_faces, Facing::winding()},
+                 {"fans", at_corners, Facing::fans(fans)},
+                 {"fans of a height field", at_corners, Facing::fans(fans, Float3{0, 1, 0})}};
+    const Lights lights = lights_all_around(37, 18);
+    for (const auto& [name, points, facing] : cases) {
+        SCOPED_TRACE(name);
+        const auto technique = gnomon::make_technique("frustum-traced", device);
+        const auto truth = one_by_one(*technique, triangles, points, lights, {.facing = facing});
+        const auto faceless = one_by_one(*technique, triangles, points, lights, {.facing = Facing::none()});
+        EXPECT_EQ(truth == faceless, std::string(name).starts_with("none"));
+        std::vector<gnomon::Visibility> each;
+        for (std::size_t l = 0; l < lights.count(); ++l) each.emplace_back(device, points.count());
+        technique->run_each_light(triangles, points, lights.lights(), each, {.facing = facing});
+        for (std::size_t l = 0; l < lights.count(); ++l) ASSERT_EQ(each[l].read(), truth[l]) << "light " << l;
+        for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays", "auto"}) {
+            technique->set("many-lights", way);
+            const auto answers =
+                gnomon::run_light_table_to_host(*technique, triangles, points, lights, EVERYTHING, {.facing = facing});
+            expect_outputs(answers, truth, lights, way);
+        }
+    }
+}
+
+// A progress function that returns false ends every kind of run, and the technique stays usable.
+TEST(ManyLights, ProgressEndsEveryKindOfRun) {
+    const gnomon::Device device = device_with();
+    const FacedScene scene = boxes_on_floor(100, 19);
+    const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
+    const gnomon::Points points = upload_points(device, scene);
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const Lights lights = lights_all_around(3, 20);
+    std::vector<gnomon::Visibility> each;
+    for (std::size_t l = 0; l < lights.count(); ++l) each.emplace_back(device, points.count());
+    std::vector<double> done;
+    const gnomon::RunOptions going_on{.progress = [&](double part) {
+        done.push_back(part);
+        return true;
+    }};
+    technique->run(triangles, points, lights.lights()[0], each[0], going_on);
+    EXPECT_EQ(done, std::vector<double>{1});
+    done.clear();
+    technique->run_each_light(triangles, points, lights.lights(), each, going_on);
+    EXPECT_EQ(done, (std::vector<double>{1 / 3.0, 2 / 3.0, 1}));
+    int calls = 0;
+    const gnomon::RunOptions stopping{.progress = [&](double) {
+        ++calls;
+        return false;
+    }};
+    const auto make = [&] { return gnomon::make_technique("frustum-traced", device); };
+    EXPECT_THROW(technique->run(triangles, points, lights.lights()[0], each[0], stopping), gnomon::Cancelled);
+    EXPECT_THROW(technique->run_each_light(triangles, points, lights.lights(), each, stopping), gnomon::Cancelled);
+    EXPECT_THROW(gnomon::run_mean(*technique, triangles, points, lights, each[0], stopping), gnomon::Cancelled);
+    EXPECT_THROW(
+        gnomon::run_in_parts(make, device, {scene.triangles}, points, {}, lights.lights()[0], each[0], stopping),
+        gnomon::Cancelled);
+    EXPECT_EQ(calls, 4) << "each run ends at the first report";
+    technique->run(triangles, points, lights.lights()[0], each[0]);
+}
+
 TEST(ManyLights, OtherTechniquesGoOneByOne) {
     const gnomon::Device device = device_with();
     const FacedScene scene = boxes_on_floor(120, 2);
     const auto technique = gnomon::make_technique("izb", device);
     const Lights suns = gnomon::sun_disk({-0.3f, -1, 0.2f}, 20, 33);
-    const auto answers = gnomon::run_lights_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
-                                                    upload_points(device, scene), suns, EVERYTHING);
+    const auto answers = gnomon::run_light_table_to_host(*technique, gnomon::Triangles::upload(device, scene.triangles),
+                                                         upload_points(device, scene), suns, EVERYTHING);
     EXPECT_EQ(answers.counts.size(), 120u);
     EXPECT_GT(*std::ranges::max_element(answers.counts), 20u);
 }

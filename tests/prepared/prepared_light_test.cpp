@@ -218,7 +218,7 @@ TEST(PreparedLists, AreInOrderAndByTriangle) {
     if (!session.is_cpu()) GTEST_SKIP() << "a GPU's lists have another order (bins_test)";
     session.add_source("count_disorder.cl", disorder_source);
     const auto triangles = gnomon::Triangles::upload(device, soup(40'000, 0.3f, 21));
-    for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::positional({0.1f, 5, 0.2f})}) {
+    for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::point({0.1f, 5, 0.2f})}) {
         gnomon::Statistics statistics;
         const gnomon::PreparedLight prepared(session, statistics, triangles, light, {16, 2}, {}, 0);
         ASSERT_TRUE(prepared.is_usable());
@@ -264,8 +264,9 @@ TEST(Prepared, SameBitsAsUnpreparedOverAllScenesAndPointsEverywhere) {
         const Floats everywhere = points_everywhere(scene, ++seed);
         for (const Floats* positions : {&scene.points, &everywhere}) {
             const gnomon::Points points = upload_points(device, with_points(scene, *positions));
-            const Answer wanted = answer(device, *plain, triangles, points, Light{scene.light});
-            const Answer got = answer(device, *prepared, triangles, points, Light{scene.light});
+            const auto facing = facing_of(scene.eye);
+            const Answer wanted = answer(device, *plain, triangles, points, Light{scene.light}, facing);
+            const Answer got = answer(device, *prepared, triangles, points, Light{scene.light}, facing);
             ASSERT_EQ(got.visibility, wanted.visibility) << scene.name;
             const bool was_used = got.count("prepared") != 0;
             ASSERT_EQ(wanted.count("prepared"), 0u);
@@ -288,7 +289,7 @@ struct Still {
     Floats vertices = soup(300, 0.4f, 5);
     gnomon::Triangles triangles = gnomon::Triangles::upload(device, vertices);
     gnomon::Points points = gnomon::Points::upload(device, random_points(2000, -1, 1, 6));
-    Light sun = Light::directional({0.2f, -1, 0.1f}), point_light = Light::positional({0.1f, 3, 0.2f});
+    Light sun = Light::directional({0.2f, -1, 0.1f}), point_light = Light::point({0.1f, 3, 0.2f});
     std::unique_ptr<gnomon::Technique> technique = gnomon::make_technique("frustum-traced", device);
 
     Answer run(const gnomon::Triangles& of, const Light& light) {
@@ -333,7 +334,7 @@ TEST(Prepared, IsUsedForItsOwnTrianglesAndLightAlone) {
             expect(later, light, false);
             expect(still.triangles, other_light, false);
         }
-        still.technique->forget();
+        still.technique->release_prepared_light();
         expect(still.triangles, light, false);
     }
     still.technique->prepare(still.triangles, still.sun);
@@ -373,27 +374,26 @@ void check_eyes_and_lights_in_planes(const Device& device) {
     const auto plain = gnomon::make_technique("frustum-traced", device),
                prepared = gnomon::make_technique("frustum-traced", device);
     std::uint64_t dark = 0, away = 0, by_map = 0;
-    for (const Light& light :
-         {Light::directional({0, -1, 0}), Light::directional({-1, 0, -1}), Light::positional({3, 7, 1}),
-          Light::directional({-1, -3, -2}), Light::positional({-20, 1, 3})}) {
+    for (const Light& light : {Light::directional({0, -1, 0}), Light::directional({-1, 0, -1}), Light::point({3, 7, 1}),
+                               Light::directional({-1, -3, -2}), Light::point({-20, 1, 3})}) {
         prepared->prepare(triangles, light);
         for (const gnomon::Float3& eye : {gnomon::Float3{9, 3, 7}, gnomon::Float3{3, 12, 1}, gnomon::Float3{-8, 2, 2},
                                           gnomon::Float3{7.5f, 6.25f, 11}}) {
             const auto camera = gnomon::Camera::look_at(eye, {1.5f, 1.25f, 1.5f}, {0, 1, 0.01f}, 40);
             gnomon::View view = gnomon::look(device, triangles, camera, 96, 64);
-            ASSERT_TRUE(view.points.is_lifted_off(triangles));
+            ASSERT_TRUE(view.points.is_lifted_off(triangles, eye));
             const Answer asked = answer(device, *prepared, triangles, view.points, light);
             EXPECT_EQ(asked.count("prepared"), 1u);
-            const gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
-            const LightScene seen{"blocks",   blocks,        gnomon::read(device, view.points).position,
+            const gnomon::ViewOnHost host = view.read(device, triangles);
+            const LightScene seen{"blocks",   blocks,        view.points.read(device).position,
                                   light.xyzw, host.receiver, camera.eye};
             ASSERT_EQ(expect_equal(asked.visibility, truth_of(seen), seen, "prepared"), 0u);
             EXPECT_EQ(asked.visibility, answer(device, *plain, triangles, view.points, light).visibility);
             dark += asked.count("points_in_shadow");
             away += asked.count("points_facing_away");
             by_map += asked.count("points_decided_by_map");
-            view.points.set_eye(eye);
-            ASSERT_FALSE(view.points.is_lifted_off(triangles));
+            view.points.set_camera(camera, view.width, view.height);
+            ASSERT_FALSE(view.points.is_lifted_off(triangles, eye));
             EXPECT_EQ(asked.visibility, answer(device, *prepared, triangles, view.points, light).visibility);
         }
     }
@@ -428,7 +428,7 @@ TEST(Prepared, LiftedPointsAnywhere) {
     Random random(22);
     std::uint64_t used = 0, fallen_back = 0, dark = 0, lit = 0;
     for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::directional({1, -0.3f, 0.4f}),
-                               Light::directional({1, -0.01f, 0.1f}), Light::positional({0.1f, 3, 0.2f})}) {
+                               Light::directional({1, -0.01f, 0.1f}), Light::point({0.1f, 3, 0.2f})}) {
         prepared->prepare(triangles, light);
         for (const float reach : {0.9f, 1.5f, 10.0f}) {
             Floats positions;
@@ -445,11 +445,12 @@ TEST(Prepared, LiftedPointsAnywhere) {
             const bool in_rows = reach != 1.5f;
             gnomon::Points points = in_rows ? points_in_rows(device, positions, receivers)
                                             : gnomon::Points::upload(device, positions, receivers);
-            points.set_eye({0.5f, 9, 0.5f});
-            points.set_lifted_off(triangles);
-            const Answer asked = answer(device, *prepared, triangles, points, light);
-            EXPECT_EQ(asked.visibility, answer(device, *plain, triangles, points, light).visibility);
-            const LightScene lifted{"lifted", vertices, positions, light.xyzw, receivers, Float3{0.5f, 9, 0.5f}};
+            const Float3 eye{0.5f, 9, 0.5f};
+            const auto facing = gnomon::Facing::eye(eye);
+            points.set_lifted_off(triangles, eye);
+            const Answer asked = answer(device, *prepared, triangles, points, light, facing);
+            EXPECT_EQ(asked.visibility, answer(device, *plain, triangles, points, light, facing).visibility);
+            const LightScene lifted{"lifted", vertices, positions, light.xyzw, receivers, eye};
             ASSERT_EQ(expect_equal(asked.visibility, truth_of(lifted), lifted, "prepared"), 0u);
             used += asked.count("prepared");
             fallen_back += asked.count("prepared_fallback_points") != 0;
@@ -469,7 +470,7 @@ TEST(Prepared, BinsOfManyTriangles) {
     const auto triangles = gnomon::Triangles::upload(device, soup(530'000, 0.004f, 8));
     const gnomon::Points points = gnomon::Points::upload(device, random_points(20'000, -1, 1, 9));
     const auto technique = gnomon::make_technique("frustum-traced", device);
-    for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::positional({0.1f, 0.3f, 0.2f})}) {
+    for (const Light& light : {Light::directional({0.2f, -1, 0.1f}), Light::point({0.1f, 0.3f, 0.2f})}) {
         const Answer wanted = answer(device, *technique, triangles, points, light);
         technique->prepare(triangles, light);
         const Answer asked = answer(device, *technique, triangles, points, light);
@@ -505,7 +506,7 @@ TEST(Prepared, AnyTechniqueTakesIt) {
     const std::vector<float> before = answer(still.device, *other, still.triangles, still.points, still.sun).visibility;
     other->prepare(still.triangles, still.sun);
     EXPECT_EQ(answer(still.device, *other, still.triangles, still.points, still.sun).visibility, before);
-    other->forget();
+    other->release_prepared_light();
 }
 
 // ---- Memory and faults ----------------------------------------------------------------------------------------------
@@ -520,7 +521,7 @@ TEST(PreparedMemory, IsCountedAndFreed) {
         EXPECT_GT(kept, 10'000u);
         EXPECT_EQ(still.device.memory_bytes(), before + kept);
         EXPECT_EQ(still.run(still.triangles, light).statistics.device_memory_bytes, run_bytes + kept);
-        still.technique->forget();
+        still.technique->release_prepared_light();
         EXPECT_EQ(still.device.memory_bytes(), before);
         EXPECT_EQ(still.run(still.triangles, light).statistics.device_memory_bytes, run_bytes);
     }

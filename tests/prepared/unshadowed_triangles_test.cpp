@@ -80,12 +80,13 @@ TEST(UnshadowedTriangles, NothingShadowsThem) {
         if (scene.receivers.empty()) continue;
         const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
         gnomon::Points points = upload_points(device, scene);
-        points.set_lifted_off(triangles);
+        points.set_lifted_off(triangles, *scene.eye);
         const std::vector<float> truth = truth_of(scene);
         const std::uint32_t size = (&scene - scenes.data()) % 2 == 0 ? 16 : 256;
         technique->set("map-size", std::to_string(size));
         technique->prepare(triangles, {scene.light});
-        const Answer found_visibility = answer(device, *technique, triangles, points, {scene.light});
+        const Answer found_visibility =
+            answer(device, *technique, triangles, points, {scene.light}, facing_of(scene.eye));
         prepared += found_visibility.count("prepared");
         const std::vector<bool> lit = unshadowed_triangles(device, scene.triangles, scene.light, size);
         ASSERT_EQ(expect_equal(found_visibility.visibility, truth, scene, "prepared"), 0u);

@@ -47,12 +47,14 @@ def test_meshes(vertices, faces, text):
         ({"direction": (0, 0, 1), "receivers": [0]}, r"receivers: shape \(1,\) is not the points' \(2,\)"),
         ({"direction": (0, 0, 1), "receivers": [0, 7]}, "receivers: row 1 names triangle 7 of 1"),
         ({"direction": (0, 0, 1), "receivers": [0.5, 1]}, "receivers: must be integers"),
-        ({"direction": (0, 0, 1), "normals": [[0, 0, 1]]}, "normals: shape"),
-        ({"direction": (0, 0, 1), "normals": [[0, 0, 1], [0, 0, 0]]}, "normals: row 1 is zero"),
-        ({"direction": (0, 0, 1), "normals": [[0, 0, 1], [0, np.inf, 0]]}, "normals: row 1 .* not finite"),
-        ({"direction": (0, 0, 1), "side": "front"}, "side: needs receivers="),
-        ({"direction": (0, 0, 1), "eye": (0, 0, 1)}, "eye: needs receivers="),
-        ({"direction": (0, 0, 1), "side": "back", "receivers": [0, 0]}, "side: 'back'"),
+        ({"direction": (0, 0, 1), "side": gnomon.Side.normals([[0, 0, 1]])}, "normals: shape"),
+        ({"direction": (0, 0, 1), "side": gnomon.Side.normals([[0, 0, 1], [0, 0, 0]])}, "normals: row 1 is zero"),
+        (
+            {"direction": (0, 0, 1), "side": gnomon.Side.normals([[0, 0, 1], [0, np.inf, 0]])},
+            "normals: row 1 .* not finite",
+        ),
+        ({"direction": (0, 0, 1), "side": gnomon.Side.front()}, "side: Side.front.. needs receivers="),
+        ({"direction": (0, 0, 1), "side": gnomon.Side.eye((0, 0, 1))}, "side: Side.eye.. needs receivers="),
         ({"direction": (0, 0, 1), "nan": "ignore"}, "nan: 'ignore'"),
         ({"direction": (0, 0, 1), "out": np.zeros(2)}, "out: only for"),
     ],
@@ -60,6 +62,11 @@ def test_meshes(vertices, faces, text):
 def test_calls(scene, arguments, text):
     with pytest.raises(ValueError, match=text):
         scene.lit(POINTS, **arguments)
+
+
+def test_a_side_is_a_side(scene):
+    with pytest.raises(TypeError, match="side: must be a gnomon.Side"):
+        scene.lit(POINTS, direction=(0, 0, 1), side="front", receivers=[0, 0])
 
 
 @pytest.mark.parametrize(
@@ -81,7 +88,7 @@ def test_techniques_and_settings(scene):
     with pytest.raises(ValueError, match='no technique is named "radiosity"'):
         scene.visibility(POINTS, direction=(0, 0, 1), technique="radiosity")
     with pytest.raises(ValueError, match='no setting "map-size": it has size'):
-        scene.visibility(POINTS, direction=(0, 0, 1), technique="pcf", settings={"map-size": -3})
+        scene.visibility(POINTS, direction=(0, 0, 1), technique=gnomon.Technique("pcf", {"map-size": -3}))
 
 
 def test_a_closed_scene(scene):

@@ -143,7 +143,7 @@ def test_the_rounding_of_points_is_reported():
     assert scene.lattice.largest_move == scene.lattice.largest_move_of_points == 0
     scene.lit(np.array([[1, 1, 1], [1, 1 + STEP / 4, 1]]), direction=SUN)
     assert scene.lattice.largest_move_of_points == STEP / 4
-    scene.lit(np.array([[1, 1, 1 + STEP / 2]]), direction=SUN, normals=[[0, 0, 1]], lift=True)
+    scene.lit(np.array([[1, 1, 1 + STEP / 2]]), direction=SUN, side=gnomon.Side.normals([[0, 0, 1]]), lift=True)
     assert scene.lattice.largest_move_of_points == STEP / 2
 
 
@@ -158,7 +158,7 @@ def test_what_does_not_fit():
         gnomon.Scene(triangle, lattice=0.001)
     with pytest.raises(ValueError, match="lift: needs a lattice"):
         gnomon.Scene(np.float32(triangle)).lit(np.zeros((1, 3)), direction=SUN, lift=True)
-    with pytest.raises(ValueError, match="lift: needs normals="):
+    with pytest.raises(ValueError, match="lift: needs Side.normals"):
         scene.lit(np.zeros((1, 3)), direction=SUN, lift=True)
 
 
@@ -178,13 +178,14 @@ def test_a_flat_roof_does_not_shadow_its_points():
     suns = [(0, 0, -1), (0.9, 0.2, -0.2), (-1, 0.3, -0.375), (0.1, -1, -0.12)]
     dark = 0
     for sun in suns:
-        assert scene.lit(points, direction=sun, receivers=ids, side="front", lift=True).all()
+        assert scene.lit(points, direction=sun, receivers=ids, side=gnomon.Side.front(), lift=True).all()
         normals = np.tile([-0.37, -0.11, 1.0], (len(points), 1))
-        assert scene.lit(points, direction=sun, normals=normals, lift=True).all()
+        assert scene.lit(points, direction=sun, side=gnomon.Side.normals(normals), lift=True).all()
         dark += (~scene.lit(points, direction=sun, receivers=ids)).sum()
     assert dark > 100, "without the lift the neighbours shadow many points"
     for sun in [(0, 0, 1), (1, 0.3, 0.6)]:
-        assert not scene.lit(points, direction=sun, receivers=ids, side="front", lift=True).any(), "from below"
+        from_below = scene.lit(points, direction=sun, receivers=ids, side=gnomon.Side.front(), lift=True)
+        assert not from_below.any()
 
 
 def test_triangles_that_snapping_changes_are_named_and_never_silently_dark():
@@ -196,5 +197,5 @@ def test_triangles_that_snapping_changes_are_named_and_never_silently_dark():
     on = sliver.mean(axis=0, keepdims=True)
     # It faces up before snapping; a sun from above reaches it.
     assert np.cross(sliver[1] - sliver[0], sliver[2] - sliver[0])[2] > 0
-    assert scene.lit(on, direction=(0, 0, -1), receivers=[0], side="front", lift=True)[0]
-    assert not scene.lit(on, direction=(0, 0, 1), receivers=[0], side="front", lift=True)[0]
+    assert scene.lit(on, direction=(0, 0, -1), receivers=[0], side=gnomon.Side.front(), lift=True)[0]
+    assert not scene.lit(on, direction=(0, 0, 1), receivers=[0], side=gnomon.Side.front(), lift=True)[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Scene.many_lights(): each answer is lit()'s for the one light; sums are integers of the tests' own; bad rows."""
+"""Scene.lit_by(): each answer is lit()'s for the one light; sums are integers of the tests' own; bad rows."""
 
 import fractions
 
@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 DOWN = (0.25, 0.5, -1)
+ONE = gnomon.Lights.directions([DOWN])
 
 
 def town(seed=5, houses=12):
@@ -39,14 +40,12 @@ def test_each_bit_is_that_of_one_light(side):
     points, ids = on_faces(triangles, 300)
     normals = np.cross(triangles[ids, 1] - triangles[ids, 0], triangles[ids, 2] - triangles[ids, 0])
     directions, weights = suns(70), np.linspace(-2, 5, 70)
-    sides = {None: {}, "front": {"side": "front"}, "normals": {"normals": normals}}[side]
+    chosen = {None: None, "front": gnomon.Side.front(), "normals": gnomon.Side.normals(normals)}[side]
     seen = []
-    result = scene.many_lights(
-        points, directions=directions, weights=weights, receivers=ids, bits=True, progress=seen.append, **sides
-    )
-    one_by_one = np.stack([scene.lit(points, direction=d, receivers=ids, **sides) for d in directions], axis=1)
-    assert (result.lit()[:, :70] == one_by_one).all()
-    assert not result.lit()[:, 70:].any()
+    lights = gnomon.Lights.directions(directions, weights)
+    result = scene.lit_by(points, lights, receivers=ids, side=chosen, bits=True, progress=seen.append)
+    one_by_one = np.stack([scene.lit(points, direction=d, receivers=ids, side=chosen) for d in directions], axis=1)
+    assert (result.lit() == one_by_one).all()
     assert (result.counts == one_by_one.sum(axis=1)).all()
     assert 0.05 < one_by_one.mean() < 0.95
     for row, lit in enumerate(one_by_one):
@@ -63,53 +62,74 @@ def test_point_lights_shapes_and_a_lattice():
     scene = gnomon.Scene(triangles, lattice=2**-10)
     at = np.array([4.5e6 + 5, 6e6 + 7, 30.0])
     points = triangles[:6, 0].reshape(2, 3, 3) + (0, 0, 20)
-    result = scene.many_lights(points, positions=[at, at + 3], bits=True)
+    result = scene.lit_by(points, gnomon.Lights.positions([at, at + 3]), bits=True)
     assert result.sums.shape == result.counts.shape == (2, 3)
     for light, position in enumerate([at, at + 3]):
         assert (result.lit()[..., light] == scene.lit(points, position=position)).all()
-    with pytest.raises(ValueError, match="lattice give normals="):
-        scene.many_lights(points, directions=[DOWN], receivers=np.zeros((2, 3), int), side="front")
+    with pytest.raises(ValueError, match="lattice give Side.normals"):
+        scene.lit_by(points, ONE, receivers=np.zeros((2, 3), int), side=gnomon.Side.front())
+
+
+@pytest.mark.parametrize("count", [0, 1, 31, 32, 33])
+def test_as_many_columns_as_lights(count):
+    """Not a multiple of 32: a mean over the columns is a share of the lights."""
+    scene = gnomon.Scene(town())
+    at = np.float32([[[1, 1, 90], [5, 5, 90]]])  # above all
+    result = scene.lit_by(at, gnomon.Lights.directions(suns(count)), bits=True)
+    assert result.light_count == count
+    assert result.bits.shape == (1, 2, (count + 31) // 32)
+    assert result.lit().shape == (1, 2, count)
+    assert result.lit().all() and (result.counts == count).all()
 
 
 def test_nothing_at_all():
     scene = gnomon.Scene(town())
-    none = scene.many_lights(np.empty((0, 3), np.float32), directions=[DOWN])
+    none = scene.lit_by(np.empty((0, 3), np.float32), ONE)
     assert none.sums.shape == (0,)
-    dark = scene.many_lights(np.float32([[1, 1, 50]]), directions=np.empty((0, 3)))
+    dark = scene.lit_by(np.float32([[1, 1, 50]]), gnomon.Lights.directions(np.empty((0, 3))))
     assert (dark.counts[0], dark.sums[0], dark.first[0]) == (0, 0, -1)
 
 
 def test_cosines():
     scene = gnomon.Scene(town())
-    result = scene.many_lights(
-        np.float32([[1, 1, 90]]), directions=[(0, 0, -2), (0, -3, -4), (0, 0, 1)], weights=[2, 5, 9],
-        normals=[[0, 0, 1]], cosines=True,
-    )  # fmt: skip
+    lights = gnomon.Lights.directions([(0, 0, -2), (0, -3, -4), (0, 0, 1)], [2, 5, 9])
+    result = scene.lit_by(np.float32([[1, 1, 90]]), lights, side=gnomon.Side.normals([[0, 0, 1]]), cosines=True)
     assert result.sums[0] == pytest.approx(2 + 5 * 0.8, rel=1e-6)
     assert result.counts[0] == 2
     with pytest.raises(ValueError, match="normals: row 0"):
-        scene.many_lights([[1, 1, 90]], directions=[DOWN], normals=[[0, 0, 1e300]], cosines=True)
+        scene.lit_by([[1, 1, 90]], ONE, side=gnomon.Side.normals([[0, 0, 1e300]]), cosines=True)
 
 
 def test_bad_rows_are_named():
     scene = gnomon.Scene(town())
     at = np.float32([[1, 1, 50]])
-    for arguments, text in [
-        ({}, "directions= .* or positions="),
-        ({"directions": [DOWN, (0, 0, 0)]}, r"directions: row 1 \[0.0, 0.0, 0.0\] is zero"),
-        ({"directions": [DOWN, (0, np.nan, 0)]}, "directions: row 1 .* is not finite"),
-        ({"directions": [(1e300, 0, 0)]}, "directions: row 0 .* is not finite"),
-        ({"directions": DOWN}, r"directions: shape \(3,\)"),
-        ({"directions": [DOWN], "weights": [1, 2]}, r"weights: shape \(2,\) is not \(1,\)"),
-        ({"directions": [DOWN], "weights": [np.inf]}, "weights: row 0 inf"),
-        ({"directions": [DOWN], "cosines": True}, "cosines: needs normals="),
-        ({"directions": [DOWN], "side": "front"}, "side: needs receivers="),
+    directions = gnomon.Lights.directions
+    for lights, arguments, text in [
+        (directions([DOWN, (0, 0, 0)]), {}, r"directions: row 1 \[0.0, 0.0, 0.0\] is zero"),
+        (directions([DOWN, (0, np.nan, 0)]), {}, "directions: row 1 .* is not finite"),
+        (directions([(1e300, 0, 0)]), {}, "directions: row 0 .* is not finite"),
+        (directions(DOWN), {}, r"directions: shape \(3,\)"),
+        (gnomon.Lights.positions(DOWN), {}, r"positions: shape \(3,\)"),
+        (directions([DOWN], [1, 2]), {}, r"weights: shape \(2,\) is not \(1,\)"),
+        (directions([DOWN], [np.inf]), {}, "weights: row 0 inf"),
+        (ONE, {"cosines": True}, "cosines: needs side=Side.normals"),
+        (ONE, {"side": gnomon.Side.front()}, "side: Side.front.. needs receivers="),
+        (ONE, {"side": gnomon.Side.vertices()}, "side: Side.vertices.. is for lit"),
     ]:
         with pytest.raises(ValueError, match=text):
-            scene.many_lights(at, **arguments)
-    with pytest.raises(RuntimeError, match="cancelled"):
-        scene.many_lights(at, directions=[DOWN], progress=lambda done: False)
-    with pytest.raises(ZeroDivisionError):
-        scene.many_lights(at, directions=[DOWN], progress=lambda done: 1 / 0)
+            scene.lit_by(at, lights, **arguments)
+    with pytest.raises(TypeError, match="lights: must be"):
+        scene.lit_by(at, [DOWN])
     with pytest.raises(ValueError, match="bits=True"):
-        scene.many_lights(at, directions=[DOWN]).lit()
+        scene.lit_by(at, ONE).lit()
+
+
+def test_a_run_that_progress_ends_is_cancelled():
+    scene = gnomon.Scene(town())
+    at = np.float32([[1, 1, 50]])
+    with pytest.raises(gnomon.Cancelled, match="cancelled"):
+        scene.lit_by(at, ONE, progress=lambda done: False)
+    assert issubclass(gnomon.Cancelled, RuntimeError) and not issubclass(gnomon.OpenCLError, gnomon.Cancelled)
+    with pytest.raises(ZeroDivisionError):
+        scene.lit_by(at, ONE, progress=lambda done: 1 / 0)
+    assert scene.lit_by(at, ONE).counts.shape == (1,), "the scene stays usable"

@@ -41,21 +41,22 @@ def test_sides():
     on = np.float32([[0.6, 0.25, 1]])
     down, up, along = (0, 0, -1), (0, 0, 1), (1, 0, 0)
     assert scene.lit(on, direction=up)[0], "without a side the far side may be lit"
-    assert scene.lit(on, direction=down, receivers=[0], side="front")[0]
-    assert not scene.lit(on, direction=up, receivers=[0], side="front")[0]
-    assert not scene.lit(on, direction=along, receivers=[0], side="front")[0]
-    assert scene.lit(on, direction=down, normals=[[0, 0, 5]])[0]
-    assert not scene.lit(on, direction=up, normals=[[0, 0, 5]])[0]
-    assert not scene.lit(on, direction=along, normals=[[0, 0, 5]])[0]
-    assert scene.lit(on, direction=up, receivers=[0], eye=(0, 0, -9))[0]
-    assert not scene.lit(on, direction=up, receivers=[0], eye=(0, 0, 9))[0]
+    assert scene.lit(on, direction=down, receivers=[0], side=gnomon.Side.front())[0]
+    assert not scene.lit(on, direction=up, receivers=[0], side=gnomon.Side.front())[0]
+    assert not scene.lit(on, direction=along, receivers=[0], side=gnomon.Side.front())[0]
+    assert scene.lit(on, direction=down, side=gnomon.Side.normals([[0, 0, 5]]))[0]
+    assert not scene.lit(on, direction=up, side=gnomon.Side.normals([[0, 0, 5]]))[0]
+    assert not scene.lit(on, direction=along, side=gnomon.Side.normals([[0, 0, 5]]))[0]
+    assert scene.lit(on, direction=up, receivers=[0], side=gnomon.Side.eye((0, 0, -9)))[0]
+    assert not scene.lit(on, direction=up, receivers=[0], side=gnomon.Side.eye((0, 0, 9)))[0]
 
 
 def test_shapes_are_kept():
     scene = gnomon.Scene(SQUARE, SQUARE_FACES)
     grid = np.zeros((4, 5, 3), np.float32)
     grid[..., 0] = np.arange(5) / 2
-    lit = scene.lit(grid, direction=(0, 0, -1), normals=np.broadcast_to(np.float32([0, 0, 1]), grid.shape))
+    upwards = gnomon.Side.normals(np.broadcast_to(np.float32([0, 0, 1]), grid.shape))
+    lit = scene.lit(grid, direction=(0, 0, -1), side=upwards)
     assert lit.shape == (4, 5)
     assert lit[0].tolist() == [False, False, False, True, True]
     assert scene.lit(np.empty((0, 3)), direction=(0, 0, -1)).shape == (0,)
@@ -112,7 +113,7 @@ def test_prepared_lights_and_other_techniques():
     scene.prepare(direction=direction)
     assert (scene.lit(points, direction=direction) == before).all()
     assert (scene.visibility(points, direction=direction, technique="izb") == before).all()
-    soft = scene.visibility(points, direction=direction, technique="pcf", settings={"size": 64})
+    soft = scene.visibility(points, direction=direction, technique=gnomon.Technique("pcf", {"size": 64}))
     assert soft.dtype == np.float32 and soft.min() >= 0 and soft.max() <= 1
 
 
@@ -124,10 +125,12 @@ def test_random_triangles_equal_the_oracle(light):
     points = rng.random((150, 3), np.float32)
     normals = rng.normal(size=(150, 3)).astype(np.float32)
     scene = gnomon.Scene(triangles)
-    expected = oracle.lit(triangles, points, receivers=receivers, normals=normals, front=True, **light)
-    assert 0 < expected.sum() < 150
-    got = scene.lit(points, receivers=receivers, normals=normals, side="front", **light)
-    assert (got == expected).all()
+    by_normals = oracle.lit(triangles, points, receivers=receivers, normals=normals, **light)
+    in_front = oracle.lit(triangles, points, receivers=receivers, front=True, **light)
+    for side, expected in ((gnomon.Side.normals(normals), by_normals), (gnomon.Side.front(), in_front)):
+        assert 0 < expected.sum() < 150
+        assert (scene.lit(points, receivers=receivers, side=side, **light) == expected).all()
+    assert (by_normals != in_front).any()
 
 
 # Small whole numbers make ties: rays through corners and edges, points on planes, coplanar and zero-area triangles.

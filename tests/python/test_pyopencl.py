@@ -24,13 +24,15 @@ def made(count=200):
 def test_same_bits_as_from_the_host_and_no_copy(queue):
     triangles, points, receivers = made()
     normals = np.random.default_rng(4).normal(size=points.shape).astype(np.float32)
-    expected = gnomon.Scene(triangles).lit(points, direction=(0, -1, 0), receivers=receivers, normals=normals)
+    expected = gnomon.Scene(triangles).lit(
+        points, direction=(0, -1, 0), receivers=receivers, side=gnomon.Side.normals(normals)
+    )
     on_device = cl.array.to_device(queue, points)
     out = cl.array.empty(queue, len(points), np.float32)
     scene = gnomon.Scene(cl.array.to_device(queue, triangles))
     arguments = {
         "receivers": cl.array.to_device(queue, receivers.astype(np.uint32)),
-        "normals": cl.array.to_device(queue, normals),
+        "side": gnomon.Side.normals(cl.array.to_device(queue, normals)),
     }
     result = scene.lit(on_device, direction=(0, -1, 0), out=out, **arguments)
     assert result is out and result.base_data.int_ptr == out.base_data.int_ptr
@@ -68,7 +70,9 @@ def test_results_and_receivers_with_any_offset(queue, offset):
     scene = gnomon.Scene(
         cl.array.to_device(queue, np.concatenate([triangles[: offset % 30], triangles]))[offset % 30 :]
     )
-    expected = gnomon.Scene(triangles).lit(points, direction=(0, -1, 0), receivers=receivers, normals=normals)
+    expected = gnomon.Scene(triangles).lit(
+        points, direction=(0, -1, 0), receivers=receivers, side=gnomon.Side.normals(normals)
+    )
 
     def part(array, fill):
         whole = np.concatenate([np.full((offset, *array.shape[1:]), fill, array.dtype), array])
@@ -79,7 +83,7 @@ def test_results_and_receivers_with_any_offset(queue, offset):
     assert out.offset == 4 * offset
     result = scene.lit(
         part(points, 9), direction=(0, -1, 0), out=out, receivers=part(receivers.astype(np.uint32), 3),
-        normals=part(normals, 1),
+        side=gnomon.Side.normals(part(normals, 1)),
     )  # fmt: skip
     assert result is out
     after = kept.get()
@@ -97,10 +101,10 @@ def test_what_does_not_fit(queue):
         scene.lit(cl.array.to_device(queue, points.astype(np.float64)), direction=(0, 0, 1))
     with pytest.raises(ValueError, match="out: must be C-contiguous float32"):
         scene.lit(array, direction=(0, 0, 1), out=cl.array.empty(queue, 3, np.float32))
-    with pytest.raises(ValueError, match="receivers: .vertices. is only for points on the host"):
-        scene.lit(array, direction=(0, 0, 1), receivers="vertices")
+    with pytest.raises(ValueError, match="side: Side.vertices.. is only for points on the host"):
+        scene.lit(array, direction=(0, 0, 1), side=gnomon.Side.vertices())
     with pytest.raises(TypeError, match="normals: a pyopencl array does not fit"):
-        scene.lit(points, direction=(0, 0, 1), normals=array)
+        scene.lit(points, direction=(0, 0, 1), side=gnomon.Side.normals(array))
     with pytest.raises(ValueError, match="another OpenCL queue"):
         other = cl.CommandQueue(queue.context)
         gnomon.Scene(cl.array.to_device(queue, triangles)).lit(cl.array.to_device(other, points), direction=(0, 0, 1))
@@ -112,11 +116,12 @@ def test_a_side_of_triangles_that_snapping_changed_is_refused(queue):
     assert scene.lattice.is_changed.tolist() == [True, False]
     points = cl.array.to_device(queue, np.float32([[1, 1, 0]]))
     receivers = cl.array.to_device(queue, np.uint32([1]))
-    for side in {"side": "front"}, {"eye": (1, 1, 5)}:
+    for side in gnomon.Side.front(), gnomon.Side.eye((1, 1, 5)):
         with pytest.raises(ValueError, match="snapping changed triangle 0"):
-            scene.lit(points, direction=(0, 0, -1), receivers=receivers, **side)
+            scene.lit(points, direction=(0, 0, -1), receivers=receivers, side=side)
     normals = cl.array.to_device(queue, np.float32([[0, 0, 1]]))
-    assert scene.lit(points, direction=(0, 0, -1), receivers=receivers, normals=normals).get().tolist() == [1]
+    lit = scene.lit(points, direction=(0, 0, -1), receivers=receivers, side=gnomon.Side.normals(normals))
+    assert lit.get().tolist() == [1]
 
 
 def test_an_out_of_order_queue_is_refused(queue):

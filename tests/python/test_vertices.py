@@ -45,10 +45,11 @@ def test_height_fields_equal_the_oracle(heights):
     scene = gnomon.Scene(triangles)
     for sun in SUNS:
         expected, extended = oracle.lit_at_vertices(triangles, vertices, sun)
-        assert scene.lit(vertices, direction=sun, receivers="vertices", up=UP).tolist() == expected.tolist(), sun
-        assert scene.at_vertices.extended == extended
+        found = scene.lit(vertices, direction=sun, side=gnomon.Side.vertices(UP))
+        assert found.values.tolist() == expected.tolist(), sun
+        assert found.extended == extended
     if np.isnan(heights).any():
-        assert scene.at_vertices.open.size > 20
+        assert found.open.size > 20
 
 
 def test_a_slope_at_the_last_column_and_beside_nodata():
@@ -59,12 +60,12 @@ def test_a_slope_at_the_last_column_and_beside_nodata():
     scene = gnomon.Scene(triangles)
     from_behind = (-1, 0, -0.5)  # the sun stands at x = +infinity, lower than the slope
     assert scene.lit(vertices, direction=from_behind).all(), "no triangle blocks what lies on its plane"
-    assert not scene.lit(vertices, direction=from_behind, receivers="vertices", up=UP).any()
-    assert scene.at_vertices.extended > 0
-    assert scene.lit(vertices, direction=(1, 0, -0.5), receivers="vertices", up=UP).all()
+    behind = scene.lit(vertices, direction=from_behind, side=gnomon.Side.vertices(UP))
+    assert not behind.values.any() and behind.extended > 0
+    assert scene.lit(vertices, direction=(1, 0, -0.5), side=gnomon.Side.vertices(UP)).values.all()
     in_its_plane = (-1, 0, -1)
-    assert not scene.lit(vertices, direction=in_its_plane, receivers="vertices", up=UP).any()
-    assert scene.lit(vertices, direction=(-1, 0, -1.0000001), receivers="vertices", up=UP).all()
+    assert not scene.lit(vertices, direction=in_its_plane, side=gnomon.Side.vertices(UP)).values.any()
+    assert scene.lit(vertices, direction=(-1, 0, -1.0000001), side=gnomon.Side.vertices(UP)).values.all()
 
 
 @settings(max_examples=60, deadline=None)
@@ -76,13 +77,15 @@ def test_random_height_fields_equal_the_oracle(heights, sun):
     triangles, vertices = raster(np.array(heights, float).reshape(5, 5))
     scene = gnomon.Scene(triangles)
     expected, _ = oracle.lit_at_vertices(triangles, vertices, sun)
-    assert scene.lit(vertices, direction=sun, receivers="vertices", up=UP).tolist() == expected.tolist()
+    found = scene.lit(vertices, direction=sun, side=gnomon.Side.vertices(UP))
+    assert found.values.tolist() == expected.tolist()
     # Where the triangles close around a vertex, their winding says the same as the direction up.
-    inside = np.delete(np.arange(25), scene.at_vertices.open)
+    inside = np.delete(np.arange(25), found.open)
     assert inside.size == 9
-    assert scene.lit(vertices, direction=sun, receivers="vertices")[inside].tolist() == expected[inside].tolist()
+    by_winding = scene.lit(vertices, direction=sun, side=gnomon.Side.vertices()).values
+    assert by_winding[inside].tolist() == expected[inside].tolist()
     turned = gnomon.Scene(triangles[:, ::-1])
-    assert turned.lit(vertices, direction=sun, receivers="vertices", up=UP).tolist() == expected.tolist()
+    assert turned.lit(vertices, direction=sun, side=gnomon.Side.vertices(UP)).values.tolist() == expected.tolist()
 
 
 def test_solids():
@@ -90,15 +93,16 @@ def test_solids():
     triangles = np.concatenate([box(0, 0, 4, 4, 4), box(10, 0, 4, 4, 8)])
     corners = np.unique(triangles.reshape(-1, 3), axis=0)
     scene = gnomon.Scene(triangles)
-    low = scene.lit(corners, direction=(1, 2, -3), receivers="vertices")
+    low, opened, _, extended = scene.lit(corners, direction=(1, 2, -3), side=gnomon.Side.vertices())
     # From the faces that look at the sun (x = 0, y = 0, z = top), less those corners whose other faces hide it.
-    assert scene.at_vertices.open.size == 0 and scene.at_vertices.extended == 0
+    assert opened.size == 0 and extended == 0
     for corner, is_lit in zip(corners, low, strict=True):
         x, y, z = corner - (0 if corner[0] < 9 else 10, 0, 0)
         faces = [n for at, n in [(x == 0, (-1, 0, 0)), (x == 4, (1, 0, 0)), (y == 0, (0, -1, 0)), (y == 4, (0, 1, 0)),
                                  (z == 0, (0, 0, -1)), (z in (4, 8), (0, 0, 1))] if at]  # fmt: skip
         assert is_lit == any(np.dot(n, (-1, -2, 3)) > 0 for n in faces), corner  # convex: before any face
-    assert not gnomon.Scene(triangles[:, ::-1]).lit(corners[:1], direction=(-1, -1, -1), receivers="vertices")[0]
+    inside_out = gnomon.Scene(triangles[:, ::-1])
+    assert not inside_out.lit(corners[:1], direction=(-1, -1, -1), side=gnomon.Side.vertices()).values[0]
 
 
 def roofs():
@@ -128,13 +132,13 @@ def test_a_vertex_on_its_neighbours_edge_is_found_and_lifted():
     for sun in [(0, 0, -1), (1, -0.2, 0.05), (-1, -3, -1), (0.5, 2, -0.1), (0.5, -2, -0.1)]:
         above = np.dot((-0.37, 0, 1), sun) < 0
         for up in (None, UP):
-            lit = scene.lit(vertices, direction=sun, receivers="vertices", up=up)
-            assert (lit == above).all(), (sun, up)
-            assert vertices[scene.at_vertices.touching].tolist() == [[3.3, 0, 0.37 * 3.3]]
+            found = scene.lit(vertices, direction=sun, side=gnomon.Side.vertices(up))
+            assert (found.values == above).all(), (sun, up)
+            assert vertices[found.touching].tolist() == [[3.3, 0, 0.37 * 3.3]]
         turned = gnomon.Scene(triangles[:, ::-1], lattice=STEP)
-        assert (turned.lit(vertices, direction=sun, receivers="vertices", up=UP) == above).all()
+        assert (turned.lit(vertices, direction=sun, side=gnomon.Side.vertices(UP)).values == above).all()
     # Without the lift the neighbour's triangle shadows it.
-    at = vertices[scene.at_vertices.touching]
+    at = vertices[found.touching]
     assert not scene.lit(at, direction=(0.5, -2, -0.1))[0]
     assert not gnomon.Scene(roofs()[:2], lattice=STEP).lattice.touched.max() >= 0
 
@@ -154,9 +158,11 @@ def test_the_sliver_of_a_roof():
         is_up = np.cross(triangle[1] - triangle[0], triangle[2] - triangle[0])[2] > 0
         assert is_up
         for sun, expected in [((0, 0, -1), True), ((0, 0, 1), False)]:
-            for more in ({"side": "front"}, {"side": "front", "lift": True}, {"eye": (3, 3, 90)}):
+            front, eye = gnomon.Side.front(), gnomon.Side.eye((3, 3, 90))
+            for more in ({"side": front}, {"side": front, "lift": True}, {"side": eye}):
                 assert scene.lit(on, direction=sun, receivers=[id], **more)[0] == expected, (id, sun, more)
-        assert not scene.lit(on, direction=(0, 0, -1), receivers=[id], eye=(3, 3, -90))[0], "seen from below"
+        from_below = gnomon.Side.eye((3, 3, -90))
+        assert not scene.lit(on, direction=(0, 0, -1), receivers=[id], side=from_below)[0]
 
 
 def test_a_wall_that_stands_on_terrain():
@@ -165,11 +171,12 @@ def test_a_wall_that_stands_on_terrain():
     wall = np.array([[[0, 0, 0.1], [10, 0, 0.1], [10, 0, 4.1]], [[0, 0, 0.1], [10, 0, 4.1], [0, 0, 4.1]]])  # front: -y
     scene = gnomon.Scene(np.concatenate([ground, wall]), lattice=STEP)
     feet = wall[0, :2]
-    assert scene.lit(feet, direction=(0.2, 1, -1), receivers="vertices").all()
-    assert scene.at_vertices.touching.tolist() == [0, 1]
-    assert not scene.lit(feet, direction=(0.2, -1, -1), receivers="vertices").any()
-    assert not scene.lit(feet, direction=(0.2, 1, 1), receivers="vertices").any()
-    assert not scene.lit(feet, direction=(0.2, 1, 0), receivers="vertices").any(), "the sun lies in the ground's plane"
+    found = scene.lit(feet, direction=(0.2, 1, -1), side=gnomon.Side.vertices())
+    assert found.values.all() and found.touching.tolist() == [0, 1]
+    assert not scene.lit(feet, direction=(0.2, -1, -1), side=gnomon.Side.vertices()).values.any()
+    assert not scene.lit(feet, direction=(0.2, 1, 1), side=gnomon.Side.vertices()).values.any()
+    in_the_grounds_plane = (0.2, 1, 0)
+    assert not scene.lit(feet, direction=in_the_grounds_plane, side=gnomon.Side.vertices()).values.any()
 
 
 def test_touching_is_found_in_near_linear_time():
@@ -211,7 +218,7 @@ def city():
     triangles, vertices = scene_of_a_city()
     triangles, vertices = (np.floor(v / STEP + 0.5) * STEP for v in (triangles, vertices))
     answers = [
-        gnomon.Scene(triangles, lattice=STEP).lit(vertices, direction=s, receivers="vertices", up=UP)
+        gnomon.Scene(triangles, lattice=STEP).lit(vertices, direction=s, side=gnomon.Side.vertices(UP)).values
         for s in SUNS_OF_CITY
     ]
     assert all(100 < a.sum() < len(a) - 100 for a in answers)
@@ -221,9 +228,9 @@ def city():
 def test_the_oracle_decides_the_city(city):
     triangles, vertices, answers = city
     scene = gnomon.Scene(triangles, lattice=STEP)
-    kept = scene.lit(vertices, direction=SUNS_OF_CITY[0], receivers="vertices", up=UP)
-    touching = {*scene.at_vertices.touching.tolist()}
-    assert len(touching) > 20 and (kept == answers[0]).all()
+    kept = scene.lit(vertices, direction=SUNS_OF_CITY[0], side=gnomon.Side.vertices(UP))
+    touching = {*kept.touching.tolist()}
+    assert len(touching) > 20 and (kept.values == answers[0]).all()
     terrain = triangles[: 2 * 40 * 40]
     rows = [i for i in range(0, len(vertices), 211) if i not in touching]
     origin = scene.lattice.origin
@@ -242,7 +249,7 @@ def test_one_hash_when_moved_by_odd_numbers_of_steps(city, steps):
     triangles, vertices, answers = city
     move = FAR + np.array(steps) * STEP
     scene = gnomon.Scene(triangles + move, lattice=STEP)
-    moved = [scene.lit(vertices + move, direction=s, receivers="vertices", up=UP) for s in SUNS_OF_CITY]
+    moved = [scene.lit(vertices + move, direction=s, side=gnomon.Side.vertices(UP)).values for s in SUNS_OF_CITY]
     assert digest(*moved) == digest(*answers)
 
 
@@ -251,9 +258,8 @@ def test_one_hash_in_any_order(city, seed):
     triangles, vertices, answers = city
     order = np.random.default_rng(seed).permutation(len(triangles))
     scene = gnomon.Scene(triangles[order], lattice=STEP)
-    assert digest(*[scene.lit(vertices, direction=s, receivers="vertices", up=UP) for s in SUNS_OF_CITY]) == digest(
-        *answers
-    )
+    found = [scene.lit(vertices, direction=s, side=gnomon.Side.vertices(UP)).values for s in SUNS_OF_CITY]
+    assert digest(*found) == digest(*answers)
 
 
 @pytest.mark.parametrize("size", [200.0, 90.0, 55.0])
@@ -272,7 +278,7 @@ def test_one_hash_in_tiles(city, size):
             scene = gnomon.Scene(triangles[near] + FAR, lattice=STEP)
             origins.add(tuple(scene.lattice.origin))
             for answer, sun in zip(found, SUNS_OF_CITY, strict=True):
-                answer[inside] = scene.lit(vertices[inside] + FAR, direction=sun, receivers="vertices", up=UP)
+                answer[inside] = scene.lit(vertices[inside] + FAR, direction=sun, side=gnomon.Side.vertices(UP)).values
     assert len(origins) >= (1 if size == 200 else 4)
     assert digest(*found) == digest(*answers)
 
@@ -281,18 +287,16 @@ def test_what_does_not_fit():
     triangles, vertices = raster(PIT)
     scene = gnomon.Scene(triangles)
     for arguments, text in [
-        ({"receivers": "corners"}, "receivers: must be ids, or"),
-        ({"receivers": "vertices", "side": "front"}, "receivers: must be ids, or"),
-        ({"receivers": "vertices", "lift": True}, "receivers: must be ids, or"),
-        ({"receivers": "vertices", "up": (0, 0, 0)}, "up: must not be zero"),
-        ({"up": UP}, "up: only with receivers"),
+        ({"side": gnomon.Side.vertices(), "receivers": np.zeros(len(vertices), int)}, "takes no receivers="),
+        ({"side": gnomon.Side.vertices(), "lift": True}, "no lift="),
+        ({"side": gnomon.Side.vertices((0, 0, 0))}, "up: must not be zero"),
     ]:
         with pytest.raises(ValueError, match=text):
             scene.lit(vertices, direction=(0, 0, -1), **arguments)
     with pytest.raises(ValueError, match=r"points: row 1 \[0.5, 0.0, 3.0\] is no vertex"):
-        scene.lit([vertices[0], [0.5, 0, 3]], direction=(0, 0, -1), receivers="vertices")
+        scene.lit([vertices[0], [0.5, 0, 3]], direction=(0, 0, -1), side=gnomon.Side.vertices())
     absent = vertices.copy()
     absent[3] = np.nan
-    lit = scene.lit(absent, direction=(0, 0, -1), receivers="vertices", nan="absent")
+    lit = scene.lit(absent, direction=(0, 0, -1), side=gnomon.Side.vertices(), nan="absent").values
     assert lit.mask.tolist() == [i == 3 for i in range(25)] and not lit.data[3]
-    assert scene.lit(np.empty((0, 3)), direction=(0, 0, -1), receivers="vertices").shape == (0,)
+    assert scene.lit(np.empty((0, 3)), direction=(0, 0, -1), side=gnomon.Side.vertices()).values.shape == (0,)

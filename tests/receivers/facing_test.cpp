@@ -34,7 +34,7 @@ Answer run(const gnomon::Device& device, const LightScene& scene, bool is_lifted
     session.fill(inputs.counters, 0, sizeof(gnomon::FrameCounters));
     gnomon::PointInputs points = inputs.point_inputs();
     points.layout.is_lifted = is_lifted;
-    gnomon::Facing facing;
+    gnomon::FacingStage facing;
     facing.run(session, gnomon::make_light_frame(inputs.light, {64, 3}), inputs.triangle_inputs(), points,
                visibility.get(), inputs.counters);
     expect_canaries(session, visibility, count * sizeof(float), "visibility");
@@ -338,9 +338,9 @@ TEST(Facing, ReadsAnyLayout) {
             spread[first + i * point_stride + c * coordinate_stride] = scene.points[3 * i + c];
     const gnomon::cl::Buffer positions = uploaded(session, spread), receivers = uploaded(session, scene.receivers);
     UploadedScene inputs(device, scene);
-    inputs.points =
-        gnomon::Points::wrap(device, positions.get(), {first, point_stride, coordinate_stride}, count, receivers.get());
-    inputs.points.set_eye(*scene.eye);
+    inputs.points = gnomon::Internals::seen_from(
+        gnomon::Points::wrap(device, positions.get(), {first, point_stride, coordinate_stride}, count, receivers.get()),
+        scene.eye);
     session.fill(inputs.counters, 0, sizeof(gnomon::FrameCounters));
     inputs.facing.run(session, gnomon::make_light_frame(inputs.light, {64, 3}), inputs.triangle_inputs(),
                       inputs.point_inputs(), inputs.visibility.get(), inputs.counters);

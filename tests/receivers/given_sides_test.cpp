@@ -24,6 +24,12 @@ void fill(const gnomon::Device& device, const gnomon::Visibility& visibility, fl
     session_of(device).write(visibility.buffer(), values.data(), values.size() * sizeof(float));
 }
 
+/// The pass alone, as a run makes it after the technique.
+void darken(const gnomon::Device& device, const gnomon::Triangles& triangles, const gnomon::Points& points,
+            const gnomon::Facing& facing, const gnomon::Light& light, const gnomon::Visibility& visibility) {
+    darken_backfacing(device, triangles, points, given_sides(device, triangles, points, facing), light, visibility);
+}
+
 /// n . D > 0 in integers, where D is the direction towards the light.
 bool is_in_front(const Float3& n, const Float3& p, const gnomon::Light& light) {
     const Float3 l{light.xyzw[0], light.xyzw[1], light.xyzw[2]};
@@ -63,7 +69,7 @@ struct Cases {
 TEST(GivenSides, NormalsEqualTheIntegers) {
     const gnomon::Device device = device_with();
     for (const gnomon::Light& light :
-         {gnomon::Light::directional({-0.5f, -1, 0.25f}), gnomon::Light::positional({1.5f, 2.25f, -0.75f}),
+         {gnomon::Light::directional({-0.5f, -1, 0.25f}), gnomon::Light::point({1.5f, 2.25f, -0.75f}),
           gnomon::Light::directional({0x1p-130f, 0x1.8p-140f, -0x1p-149f}),
           gnomon::Light::directional({0x1p100f, -0x1.2p99f, 0x1p20f})}) {
         Cases cases(light, 3000);
@@ -72,7 +78,7 @@ TEST(GivenSides, NormalsEqualTheIntegers) {
         const gnomon::Points points = gnomon::Points::upload(device, cases.points);
         const gnomon::Visibility visibility(device, cases.count() + 2);
         fill(device, visibility, KEPT);
-        gnomon::face_by_normals(device, points, cases.normals, light, visibility);
+        darken(device, {}, points, gnomon::Facing::normals(cases.normals), light, visibility);
         const std::vector<float> after = visibility.read();
         std::size_t front = 0, edge = 0;
         for (std::size_t i = 2; i < cases.count(); ++i) {
@@ -104,8 +110,8 @@ TEST(GivenSides, StridesAndOffsetsOfACallersBuffer) {
     const gnomon::cl::Buffer normals = uploaded(session, std::vector<float>{9, 0, 0, 1, -1, 0, 0});
     const gnomon::Visibility visibility(device, 2);
     fill(device, visibility, 1);
-    gnomon::face_by_normals(device, gnomon::Points::upload(device, positions), normals.get(), {1, 1, 2},
-                            gnomon::Light::directional({0, -1, 0}), visibility);
+    darken(device, {}, gnomon::Points::upload(device, positions), gnomon::Facing::normals(normals.get(), {1, 1, 2}),
+           gnomon::Light::directional({0, -1, 0}), visibility);
     EXPECT_EQ(visibility.read(), (std::vector<float>{1, 0}));
 }
 
@@ -119,10 +125,10 @@ TEST(GivenSides, WindingEqualsTheIntegers) {
     const std::vector<float> positions(18, 0.125f);
     const std::vector<std::uint32_t> receivers{0, 1, 2, 3, gnomon::no_receiver, 4};
     const gnomon::Points points = gnomon::Points::upload(device, positions, receivers);
-    for (const gnomon::Light& light : {gnomon::Light::directional({0, -1, 0}), gnomon::Light::positional({0, 1, 0})}) {
+    for (const gnomon::Light& light : {gnomon::Light::directional({0, -1, 0}), gnomon::Light::point({0, 1, 0})}) {
         const gnomon::Visibility visibility(device, 6);
         fill(device, visibility, KEPT);
-        gnomon::face_by_winding(device, triangles, points, light, visibility);
+        darken(device, triangles, points, gnomon::Facing::winding(), light, visibility);
         EXPECT_EQ(visibility.read(), (std::vector<float>{KEPT, 0, 0, KEPT, KEPT, KEPT}));
     }
 }
@@ -132,12 +138,22 @@ TEST(GivenSides, RefusesWhatDoesNotFit) {
     const gnomon::Points points = gnomon::Points::upload(device, std::vector<float>(6));
     const gnomon::Light light = gnomon::Light::directional({0, -1, 0});
     const gnomon::Visibility visibility(device, 2), small(device, 1);
-    EXPECT_THROW(gnomon::face_by_normals(device, points, std::vector<float>(3), light, visibility),
+    const auto technique = gnomon::make_technique("frustum-traced", device);
+    const std::vector<float> one(3), both(6);
+    const auto run = [&](const gnomon::Facing& facing, const gnomon::Visibility& to) {
+        technique->run(gnomon::Triangles::upload(device, {}), points, light, to, {.facing = facing});
+    };
+    run(gnomon::Facing::normals(both), visibility);
+    EXPECT_THROW(run(gnomon::Facing::normals(one), visibility), gnomon::InvalidArgument);
+    EXPECT_THROW(run(gnomon::Facing::normals(both), small), gnomon::InvalidArgument);
+    EXPECT_THROW(run(gnomon::Facing::normals(both), gnomon::Visibility::wrap(device, points.positions(), 2)),
                  gnomon::InvalidArgument);
-    EXPECT_THROW(gnomon::face_by_normals(device, points, std::vector<float>(6), light, small), gnomon::InvalidArgument);
-    const gnomon::Visibility of_same_memory(device, points.positions(), 2);
-    EXPECT_THROW(gnomon::face_by_normals(device, points, std::vector<float>(6), light, of_same_memory),
-                 gnomon::InvalidArgument);
+    const gnomon::Points normals = gnomon::Points::upload(device, both);
+    run(gnomon::Facing::normals(normals.positions()), visibility);
+    EXPECT_THROW(run(gnomon::Facing::normals(normals.positions(), {3, 3, 1}), visibility), gnomon::InvalidArgument);
+    EXPECT_THROW(
+        run(gnomon::Facing::normals(normals.positions()), gnomon::Visibility::wrap(device, normals.positions(), 2)),
+        gnomon::InvalidArgument);
 }
 
 }  // namespace

@@ -156,7 +156,7 @@ std::vector<gnomon::Light> small_lights(Meshes& meshes, int directional, int pos
         --directional;
     }
     for (; positional > 0; --positional)
-        lights.push_back(gnomon::Light::positional({meshes.small(44), meshes.small(44), meshes.small(44)}));
+        lights.push_back(gnomon::Light::point({meshes.small(44), meshes.small(44), meshes.small(44)}));
     return lights;
 }
 
@@ -175,7 +175,10 @@ protected:
         const gnomon::Visibility visibility(device, fans.count() + 1);
         const std::vector<float> values(visibility.count(), KEPT);
         session_of(device).write(visibility.buffer(), values.data(), values.size() * sizeof(float));
-        gnomon::face_by_fans(device, gnomon::Triangles::upload(device, vertices), fans, light, visibility, up);
+        const auto triangles = gnomon::Triangles::upload(device, vertices);
+        const auto points = gnomon::Points::upload(device, std::vector<float>(3 * fans.count()));
+        const auto sides = given_sides(device, triangles, points, gnomon::Facing::fans(fans, up));
+        darken_backfacing(device, triangles, points, sides, light, visibility);
         std::vector<float> after = visibility.read();
         EXPECT_EQ(after.back(), KEPT) << "the pass wrote behind its points";
         after.pop_back();
@@ -379,15 +382,17 @@ TEST_F(VertexFans, SpecialPointsAndTriangles) {
     EXPECT_EQ(fans.extended(), 1u) << "the triangle without area";
     EXPECT_EQ(faced(vertices, fans, from_below, up), (std::vector<float>{0, 0, KEPT, KEPT, KEPT, KEPT}));
     EXPECT_EQ(faced(vertices, fans, from_below), (std::vector<float>{0, 0, KEPT, 0, KEPT, KEPT}));
-    EXPECT_EQ(faced(vertices, fans, gnomon::Light::positional({0, 0, 0}))[0], 0.0f) << "a light at the point";
+    EXPECT_EQ(faced(vertices, fans, gnomon::Light::point({0, 0, 0}))[0], 0.0f) << "a light at the point";
 
     EXPECT_THROW(gnomon::VertexFans::find(device, std::vector<float>(8), points), gnomon::InvalidArgument);
     EXPECT_THROW(gnomon::VertexFans::find(device, vertices, std::vector<float>(8)), gnomon::InvalidArgument);
     EXPECT_THROW(faced(vertices, fans, from_above, Float3{}), gnomon::InvalidArgument);
     EXPECT_THROW(faced(vertices, fans, from_above, Float3{0, nan, 0}), gnomon::InvalidArgument);
     EXPECT_THROW(faced(std::vector<float>(9), fans, from_above), gnomon::InvalidArgument);
-    EXPECT_THROW(gnomon::face_by_fans(device, gnomon::Triangles::upload(device, vertices), fans, from_above,
-                                      gnomon::Visibility(device, 5)),
+    const auto fewer_points = gnomon::Points::upload(device, std::vector<float>(15));
+    EXPECT_THROW(gnomon::make_technique("frustum-traced", device)
+                     ->run(gnomon::Triangles::upload(device, vertices), fewer_points, from_above,
+                           gnomon::Visibility(device, 5), {.facing = gnomon::Facing::fans(fans)}),
                  gnomon::InvalidArgument);
     EXPECT_EQ(gnomon::VertexFans::find(device, {}, {}).count(), 0u);
 }

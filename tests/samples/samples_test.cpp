@@ -49,7 +49,7 @@ Samples sampled(const gnomon::Device& device, const CameraScene& scene, const gn
     };
     const auto technique = gnomon::make_technique("frustum-traced", device);
     result.statistics =
-        gnomon::run_samples_in_batches(*technique, device, triangles, view, light, samples, mean, keep, points_at_once);
+        gnomon::run_samples_in_batches(*technique, triangles, view, light, samples, mean, keep, points_at_once);
     result.mean = mean.read();
     result.pixel_receiver = downloaded<std::uint32_t>(session_of(device), view.points.receivers(), view.points.count());
     return result;
@@ -250,7 +250,7 @@ TEST(Samples, MeanEqualsOracle) {
     std::size_t partly = 0, whole = 0;
     for (const CameraScene& scene : scenes())
         for (const gnomon::Light& light :
-             {gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::positional({1.5f, 2, 1.25f})})
+             {gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::point({1.5f, 2, 1.25f})})
             for (const std::uint32_t count : COUNTS) {
                 SCOPED_TRACE(scene.name + ", " + std::to_string(count) + " samples");
                 const Samples seen = sampled(device, scene, light, count);
@@ -300,9 +300,9 @@ void expect_same_means(const gnomon::Device& device, const CameraScene& scene, c
     technique->set("conservative-map", "on");  // auto means off for so few points; mean_equals_oracle uses auto
     technique->set("map-size", map_size);
     const gnomon::Statistics statistics =
-        gnomon::run_samples(*technique, device, triangles, view, light, samples, by_fragments);
+        gnomon::run_samples(*technique, triangles, view, light, samples, by_fragments);
     EverySample every(device);
-    gnomon::run_samples(every, device, triangles, view, light, samples, expected);
+    gnomon::run_samples(every, triangles, view, light, samples, expected);
     const std::vector<float> got = by_fragments.read(), wanted = expected.read();
     for (std::size_t pixel = 0; pixel < got.size(); ++pixel) {
         ASSERT_EQ(got[pixel], wanted[pixel]) << "pixel " << pixel;
@@ -329,7 +329,7 @@ void expect_not_vacuous(const Settled& sum) {
 /// Lights of both kinds, one of them grazing, one an exact diagonal of the lattices.
 std::vector<gnomon::Light> lights() {
     return {gnomon::Light::directional({0.3f, -1, 0.2f}), gnomon::Light::directional({1, -0.02f, 0.4f}),
-            gnomon::Light::directional({1, 0, -1}), gnomon::Light::positional({1.5f, 2, 1.25f})};
+            gnomon::Light::directional({1, 0, -1}), gnomon::Light::point({1.5f, 2, 1.25f})};
 }
 
 TEST(Samples, MeansByFragmentsEqualEverySample) {
@@ -363,9 +363,9 @@ TEST(Samples, PreparedLightsGiveTheSameMeans) {
                 technique->set("conservative-map", map);
                 technique->prepare(triangles, light);
                 EverySample every(device);
-                gnomon::run_samples(every, device, triangles, view, light, 8, expected);
+                gnomon::run_samples(every, triangles, view, light, 8, expected);
                 for (int run = 0; run < 2; ++run) {
-                    const auto found = gnomon::run_samples(*technique, device, triangles, view, light, 8, prepared);
+                    const auto found = gnomon::run_samples(*technique, triangles, view, light, 8, prepared);
                     ASSERT_EQ(prepared.read(), expected.read()) << "run " << run;
                     ASSERT_EQ(found.count("prepared"), 1u);
                     const auto bins = std::ranges::find(found.stages, "bins", &gnomon::StageStatistics::name);
@@ -445,7 +445,7 @@ TEST(Samples, FragmentsHoldEverySampleOnce) {
                     on_others += ids[i] != own[i % own.size()];
                 }
             };
-            gnomon::run_samples(by_fragments, device, triangles, view, lights()[0], samples, mean, keep);
+            gnomon::run_samples(by_fragments, triangles, view, lights()[0], samples, mean, keep);
             std::ranges::sort(expected);
             std::ranges::sort(by_fragments.points);
             ASSERT_EQ(by_fragments.points, expected);
@@ -536,8 +536,8 @@ TEST(Samples, MeansSurviveWhatHidesInAPixel) {
     }
     const gnomon::Light lights[] = {gnomon::Light::directional({1, 0, -1}),
                                     gnomon::Light::directional({0.3f, 0.2f, -1}),
-                                    gnomon::Light::directional({1, 0.3f, -0.01f}),
-                                    gnomon::Light::positional({3, -2, 9}), gnomon::Light::positional({-9, 4, 0.25f})};
+                                    gnomon::Light::directional({1, 0.3f, -0.01f}), gnomon::Light::point({3, -2, 9}),
+                                    gnomon::Light::point({-9, 4, 0.25f})};
     for (const CameraScene& scene : hard)
         for (const gnomon::Light& light : lights) expect_same_means(device, scene, light, 32, sum);
     expect_not_vacuous(sum);
@@ -591,7 +591,7 @@ TEST(Samples, FootprintsBelowAnEdgeAreInShadow) {
     CameraScene from_above = scene;
     from_above.fov_y_degrees = 2 * std::atan(4.0) * 180 / 3.14159265358979;  // as wide as from 32 units above
     for (const gnomon::Light& light :
-         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::positional({1.3f, 2.1f, 90})})
+         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::point({1.3f, 2.1f, 90})})
         EXPECT_LE(traced_samples(from_above, light), 4u * 9u * 32u);
 }
 
@@ -605,7 +605,7 @@ TEST(Samples, NeighboursInAPlaneLeaveFootprintsLit) {
     CameraScene scene = floor_scene("tilted", tilted, {-20, 5, 34});
     scene.triangles.resize(tilted.size());  // no other floor
     for (const gnomon::Light& light :
-         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::positional({3, -2, 39})})
+         {gnomon::Light::directional({0.11f, 0.05f, -1}), gnomon::Light::point({3, -2, 39})})
         EXPECT_EQ(traced_samples(scene, light), 0u);
 }
 
@@ -671,13 +671,13 @@ TEST(Samples, SurvivesDegenerates) {
     EXPECT_EQ(sampled(device, scene, light, 8).mean, std::vector<float>(std::size_t(scene.width) * scene.height, 1.0f));
     const auto nothing = gnomon::Triangles::upload(device, {});
     const gnomon::View view = gnomon::look(device, nothing, scene.camera(), 4, 4);
-    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, view, light, 4, gnomon::Visibility(device, 15)),
+    EXPECT_THROW(gnomon::run_samples(*technique, nothing, view, light, 4, gnomon::Visibility(device, 15)),
                  gnomon::InvalidArgument);
-    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, view, light, 5, gnomon::Visibility(device, 16)),
+    EXPECT_THROW(gnomon::run_samples(*technique, nothing, view, light, 5, gnomon::Visibility(device, 16)),
                  gnomon::InvalidArgument);
     gnomon::View by_hand;
     by_hand.points = gnomon::Points::upload(device, Floats{0, 0, 0});
-    EXPECT_THROW(gnomon::run_samples(*technique, device, nothing, by_hand, light, 4, gnomon::Visibility(device, 16)),
+    EXPECT_THROW(gnomon::run_samples(*technique, nothing, by_hand, light, 4, gnomon::Visibility(device, 16)),
                  gnomon::InvalidArgument);
 }
 

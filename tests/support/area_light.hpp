@@ -13,7 +13,7 @@ inline std::vector<gnomon::Light> square_light(const Float3& center, float side,
     const auto offset = [&](int i) { return side * ((float(i) + 0.5f) / float(samples) - 0.5f); };
     for (int i = 0; i < samples * samples; ++i)
         lights.push_back(
-            gnomon::Light::positional({center[0] + offset(i % samples), center[1], center[2] + offset(i / samples)}));
+            gnomon::Light::point({center[0] + offset(i % samples), center[1], center[2] + offset(i / samples)}));
     return lights;
 }
 

@@ -28,9 +28,9 @@ std::unique_ptr<gnomon::Technique> technique_with(const gnomon::Device& device, 
 }
 
 Answer answer(const gnomon::Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
-              const gnomon::Points& points, const gnomon::Light& light) {
+              const gnomon::Points& points, const gnomon::Light& light, const gnomon::Facing& facing) {
     const gnomon::Visibility visibility(device, points.count());
-    gnomon::Statistics statistics = technique.run(triangles, points, light, visibility);
+    gnomon::Statistics statistics = technique.run(triangles, points, light, visibility, {.facing = facing});
     return {visibility.read(), std::move(statistics)};
 }
 
@@ -41,7 +41,8 @@ Answer answer(const gnomon::Device& device, const LightScene& scene, const Setti
         if (text_of(settings).find("map-size") == std::string::npos) technique->set("map-size", "128");
         technique->prepare(triangles, gnomon::Light{scene.light});
     }
-    return answer(device, *technique, triangles, upload_points(device, scene), gnomon::Light{scene.light});
+    return answer(device, *technique, triangles, upload_points(device, scene), gnomon::Light{scene.light},
+                  facing_of(scene.eye));
 }
 
 std::size_t expect_equal(const std::vector<float>& got, const std::vector<float>& wanted, const LightScene& scene,

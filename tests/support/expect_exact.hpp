@@ -35,7 +35,7 @@ enum class Mode { animated, prepared };
 std::unique_ptr<gnomon::Technique> technique_with(const gnomon::Device& device, const Settings& settings,
                                                   const std::string& name = "frustum-traced");
 Answer answer(const gnomon::Device& device, gnomon::Technique& technique, const gnomon::Triangles& triangles,
-              const gnomon::Points& points, const gnomon::Light& light);
+              const gnomon::Points& points, const gnomon::Light& light, const gnomon::Facing& facing = {});
 /// Makes a new frustum-traced for the run. A prepared light gets a grid of 128 unless the settings name one: without
 /// this, clearing maps would take most of the time.
 Answer answer(const gnomon::Device& device, const LightScene& scene, const Settings& settings,

@@ -11,7 +11,7 @@ namespace support {
 inline const std::vector<gnomon::Light>& lights() {
     static const std::vector<gnomon::Light> all = {gnomon::Light::directional({-0.4f, -1, -0.3f}),
                                                    gnomon::Light::directional({1, -0.75f, 0.5f}),
-                                                   gnomon::Light::positional({0.5f, 3, 0.25f})};
+                                                   gnomon::Light::point({0.5f, 3, 0.25f})};
     return all;
 }
 

@@ -33,9 +33,11 @@ struct LightScene {
 };
 
 inline gnomon::Points upload_points(const gnomon::Device& device, const LightScene& scene) {
-    gnomon::Points points = gnomon::Points::upload(device, scene.points, scene.receivers);
-    if (scene.eye) points.set_eye(*scene.eye);
-    return points;
+    return gnomon::Points::upload(device, scene.points, scene.receivers);
+}
+
+inline gnomon::Facing facing_of(const std::optional<Float3>& eye) {
+    return eye ? gnomon::Facing::eye(*eye) : gnomon::Facing::none();
 }
 
 /// The oracle's visibility of each point: 1 lit, 0 in shadow.

@@ -106,7 +106,7 @@ std::vector<gnomon::LightFrame> light_frames(const gnomon::Light& light, const g
 
 UploadedScene::UploadedScene(const gnomon::Device& device, const LightScene& scene)
     : triangles(gnomon::Triangles::upload(device, scene.triangles)),
-      points(upload_points(device, scene)),
+      points(gnomon::Internals::seen_from(upload_points(device, scene), scene.eye)),
       light{scene.light},
       visibility(session_of(device), scene.points.size() / 3 * sizeof(float)),
       counters(session_of(device), sizeof(gnomon::FrameCounters)) {

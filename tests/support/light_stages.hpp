@@ -85,7 +85,7 @@ public:
     gnomon::Points points;
     gnomon::Light light;
     gnomon::cl::Buffer visibility, counters;
-    gnomon::Facing facing;
+    gnomon::FacingStage facing;
 };
 
 struct LightStages {

@@ -43,7 +43,7 @@ struct Scene {
 
     explicit Scene(const gnomon::Camera& from, const gnomon::Device& on = shared_device()) : device(on), camera(from) {
         view = gnomon::look(device, triangles, camera, 96, 64);
-        const gnomon::ViewOnHost host = gnomon::read(device, triangles, view);
+        const gnomon::ViewOnHost host = view.read(device, triangles);
         for (std::size_t i = 0; i < host.receiver.size(); ++i)
             if (host.receiver[i] != gnomon::no_receiver)
                 positions.insert(positions.end(), &host.position[3 * i], &host.position[3 * i] + 3);

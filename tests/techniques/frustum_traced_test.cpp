@@ -694,7 +694,7 @@ AnswerTally expect_exact_view(const Floats& triangles_on_host, const gnomon::Cam
     const Answer found = answer(device(), *technique, triangles, view.points, gnomon::Light{light});
     AnswerTally tally;
     tally.add(found.statistics);
-    const gnomon::ViewOnHost host = gnomon::read(device(), triangles, view);
+    const gnomon::ViewOnHost host = view.read(device(), triangles);
     LightScene question{what, triangles_on_host, host.position, light, host.receiver, camera.eye};
     for (std::size_t i = 0; i < host.receiver.size(); ++i)  // the sky is absent
         if (host.receiver[i] == gnomon::no_receiver) question.points[3 * i] = not_a_number;

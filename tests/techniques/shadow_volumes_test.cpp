@@ -41,7 +41,7 @@ std::vector<Scene> scenes() {
 const std::vector<gnomon::Light>& lights() {
     static const std::vector<gnomon::Light> all = {gnomon::Light::directional({-0.4f, -1, -0.3f}),
                                                    gnomon::Light::directional({0.25f, -1, 0.75f}),
-                                                   gnomon::Light::positional({1, 4, 0.5f})};
+                                                   gnomon::Light::point({1, 4, 0.5f})};
     return all;
 }
 

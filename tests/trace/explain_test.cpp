@@ -59,17 +59,18 @@ struct Scene {
 /// Up to four points of each provenance. `seen`: how many of each were explained.
 void expect_explained(const gnomon::Device& device, const Scene& scene, std::map<std::string, int>& seen) {
     const auto triangles = gnomon::Triangles::upload(device, scene.triangles);
-    gnomon::Points points = gnomon::Points::upload(device, scene.points, scene.receivers);
-    points.set_eye(scene.eye);
+    const gnomon::Points points = gnomon::Points::upload(device, scene.points, scene.receivers);
+    const auto facing = gnomon::Facing::eye(scene.eye);
+    const gnomon::Points seen_points = gnomon::Internals::seen_from(points, scene.eye);
     const gnomon::Light light{scene.light};
     const gnomon::Visibility visibility(device, points.count());
-    const auto provenance = gnomon::FrustumTracer(device).run_watched(triangles, points, light, visibility);
-    gnomon::make_technique("frustum-traced", device)->run(triangles, points, light, visibility);
+    const auto provenance = gnomon::FrustumTracer(device).run_watched(triangles, seen_points, light, visibility);
+    gnomon::make_technique("frustum-traced", device)->run(triangles, points, light, visibility, {.facing = facing});
     const std::vector<float> visible = visibility.read();
     std::map<std::uint32_t, int> explained;
     for (std::size_t i = 0; i < visible.size(); ++i) {
         if (++explained[2 * provenance[i] + (visible[i] == 1.0f)] > 4) continue;
-        const gnomon::Explanation e = gnomon::explain(device, triangles, points, i, light);
+        const gnomon::Explanation e = gnomon::explain(device, triangles, points, i, light, facing);
         SCOPED_TRACE(gnomon_test::rerun_command(scene.triangles, e.position, e.receiver, scene.light, scene.eye));
         EXPECT_EQ(e.visibility, visible[i]);
         EXPECT_TRUE(e.is_consistent());

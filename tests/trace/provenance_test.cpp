@@ -40,8 +40,9 @@ ColoredAnswer answer_with_colors(const gnomon::Device& device, const LightScene&
     const gnomon::Points points = upload_points(device, scene);
     const gnomon::Light light{scene.light};
     const auto watched = technique_with(device, settings);
-    ColoredAnswer found{answer(device, *technique_with(device, settings), triangles, points, light), {}};
-    const auto rgba = watched->diagnose("decided", triangles, points, light);
+    ColoredAnswer found{
+        answer(device, *technique_with(device, settings), triangles, points, light, facing_of(scene.eye)), {}};
+    const auto rgba = watched->diagnose("decided", triangles, points, light, facing_of(scene.eye));
     EXPECT_EQ(rgba.size(), 4 * points.count());
     for (std::size_t i = 0; i + 3 < rgba.size(); i += 4) {
         found.colors.push_back({rgba[i], rgba[i + 1], rgba[i + 2]});

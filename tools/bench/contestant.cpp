@@ -143,10 +143,10 @@ Statistics OwnContestant::run_shadows(const View& view) {
         place_.device.finish();
         return soft;
     }
-    Statistics statistics = configuration_.samples == 1
-                                ? technique_->run(triangles_, view.points, seen_.c.light, seen_.visibility)
-                                : run_samples(*technique_, place_.device, triangles_, view, seen_.c.light,
-                                              configuration_.samples, seen_.visibility);
+    Statistics statistics =
+        configuration_.samples == 1
+            ? technique_->run(triangles_, view.points, seen_.c.light, seen_.visibility)
+            : run_samples(*technique_, triangles_, view, seen_.c.light, configuration_.samples, seen_.visibility);
     place_.device.finish();
     return statistics;
 }
@@ -170,7 +170,7 @@ FrameTimes OwnContestant::run() {
 }
 
 void OwnContestant::require_same_points(const View& view) const {
-    const ViewOnHost host = read(place_.device, triangles_, view);
+    const ViewOnHost host = view.read(place_.device, triangles_);
     if (hash_of(std::span<const float>(host.position)) != seen_.row.points_hash || host.receiver != seen_.host.receiver)
         throw Error("the camera made other points than before");
 }

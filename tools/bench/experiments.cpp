@@ -97,7 +97,7 @@ std::vector<Block> techniques_and_settings(const SceneShelf& shelf, const Limits
     if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty() && limits.all_views) {
         add({sponza, "atrium_floor.noon_slant"});
         add({sponza, "atrium_floor.position"});
-        blocks.back().light = {"position", Light::positional({-100, 700, -30})};
+        blocks.back().light = {"position", Light::point({-100, 700, -30})};
     }
     add({made("city", 1'000'000, limits), "v1.sun"});
     if (limits.all_views) add({made("foliage", 1'000'000, limits), "v1.sun"});

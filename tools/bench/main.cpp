@@ -103,7 +103,7 @@ std::vector<Block> blocks_of_scenes(const Options& options) {
                                  options.sweep,       options.pixels, block.sizes.front()};
         }
         if (const auto& p = options.light_position; !p.empty())
-            block.light = {"position", gnomon::Light::positional({p[0], p[1], p[2]})};
+            block.light = {"position", gnomon::Light::point({p[0], p[1], p[2]})};
         block.stages = options.stages;
         block.peers = options.peers;
         block.errors = options.errors || options.sweep || options.oracle_points != 0 || options.sun_angle_degrees;

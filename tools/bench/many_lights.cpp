@@ -99,7 +99,7 @@ void points_of_pixels(LightsQuestion& question, const Place& place, const ManyLi
     if (found == cases.end())
         throw InvalidArgument(question.scene.name + " has no view \"" + asked.view + "\" for --pixels");
     question.picture = look(place.device, place.triangles, found->camera, asked.size.width, asked.size.height);
-    ViewOnHost host = read(place.device, place.triangles, *question.picture);
+    ViewOnHost host = question.picture->read(place.device, place.triangles);
     question.positions = std::move(host.position);
     question.normals = std::move(host.normal);
     question.receivers = std::move(host.receiver);
@@ -192,7 +192,7 @@ Lights lamps(const LightsQuestion& question, std::uint32_t count) {
     while (lights.size() < count) {
         const std::size_t i = 3 * random.below(question.count());
         const auto at = [&](std::size_t c) { return question.positions[i + c] + height * question.normals[i + c]; };
-        lights.push_back(Light::positional({at(0), at(1), at(2)}));
+        lights.push_back(Light::point({at(0), at(1), at(2)}));
     }
     return Lights(std::move(lights));
 }
@@ -272,12 +272,13 @@ public:
     }
 
     std::vector<std::uint32_t> bits() override {
-        return run_lights_to_host(*technique_, triangles_, points_, question_.lights, {.bits = true}, options()).bits;
+        return run_light_table_to_host(*technique_, triangles_, points_, question_.lights, {.bits = true}, options())
+            .bits;
     }
     RunTimes run() override {
         return time_run([&] {
-            statistics_ = technique_->run(triangles_, points_, question_.lights,
-                                          {.counts = counts_.buffer(), .sums = sums_.buffer()}, options());
+            statistics_ = technique_->run_light_table(triangles_, points_, question_.lights,
+                                                      {.counts = counts_.buffer(), .sums = sums_.buffer()}, options());
             place_.device.finish();
         });
     }
@@ -298,8 +299,10 @@ public:
     }
 
 private:
-    // A picture's points have the eye.
-    LightsOptions options() const { return {.normals = question_.picture ? nullptr : normals_.positions()}; }
+    // A picture's points face by their camera's eye.
+    RunOptions options() const {
+        return {.facing = question_.picture ? Facing::automatic() : Facing::normals(normals_.positions())};
+    }
 
     const LightsQuestion& question_;
     const Place& place_;

@@ -117,7 +117,7 @@ Runner::Runner(SceneShelf& shelf, RunOptions options, std::function<void(const R
 Seen Runner::look(const Place& place, const Block& block, const Case& c, Size size) const {
     const Times camera = place.time_camera(place.triangles, c, size);
     View view = gnomon::look(place.device, place.triangles, c.camera, size.width, size.height);
-    ViewOnHost host = read(place.device, place.triangles, view);
+    ViewOnHost host = view.read(place.device, place.triangles);
     Row row;
     row.experiment = block.experiment;
     row.scene = place.scene.name;
@@ -160,9 +160,9 @@ OracleVerdict Runner::judge_samples(const Block& block, const Place& place, cons
     AskedPoints points;
     PointsOnHost all;
     const auto technique = make(truth_configuration(), place.device);
-    run_samples(*technique, place.device, place.triangles, seen.view, seen.c.light, samples, seen.visibility,
+    run_samples(*technique, place.triangles, seen.view, seen.c.light, samples, seen.visibility,
                 [&](const Points& of_samples) {
-                    const PointsOnHost host = read(place.device, of_samples);
+                    const PointsOnHost host = of_samples.read(place.device);
                     const std::size_t pixels = mean.size();
                     all.position.insert(all.position.end(), host.position.begin(), host.position.end());
                     all.receiver.insert(all.receiver.end(), host.receiver.begin(), host.receiver.end());

@@ -220,12 +220,13 @@ void Judge::ask(const Question& question, const std::vector<std::pair<std::strin
     tally.triangles = std::max<std::uint64_t>(tally.triangles, question.triangles->size() / 9);
 
     Stopwatch gnomon_time;
-    gnomon::Points points = gnomon::Points::upload(device_, question.points, question.receivers);
-    if (question.eye) points.set_eye(*question.eye);
+    const gnomon::Points points = gnomon::Points::upload(device_, question.points, question.receivers);
+    const auto facing = question.eye ? gnomon::Facing::eye(*question.eye) : gnomon::Facing::none();
     const auto technique = gnomon::make_technique("frustum-traced", device_);
     for (const auto& [name, value] : settings) technique->set(name, value);
     const gnomon::Visibility visibility(device_, points.count());
-    add_counts(technique->run(trees_->triangles, points, gnomon::Light{question.light}, visibility), tally);
+    add_counts(technique->run(trees_->triangles, points, gnomon::Light{question.light}, visibility, {.facing = facing}),
+               tally);
     const std::vector<float> got = visibility.read();
     tally.gnomon_seconds += gnomon_time.seconds();
 

@@ -137,7 +137,7 @@ void add_view(const gnomon::Device& device, const Viewpoint& from, std::uint32_t
               Question& question) {
     const auto triangles = upload_triangles(device, question);
     const auto camera = gnomon::Camera::look_at(from.eye, from.target, from.up, from.fov_y_degrees);
-    auto view = gnomon::read(device, triangles, gnomon::look(device, triangles, camera, width, height));
+    auto view = gnomon::look(device, triangles, camera, width, height).read(device, triangles);
     for (std::size_t i = 0; i < view.receiver.size(); ++i)
         if (view.receiver[i] == gnomon::no_receiver)
             view.position[3 * i] = std::numeric_limits<float>::quiet_NaN();  // the sky is absent

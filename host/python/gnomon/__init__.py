@@ -9,12 +9,16 @@ tracing would give in exact arithmetic: the same bits on every device.
 
 Coordinates may be in any unit. float32 values are taken as they are, float64 values are snapped once to a lattice
 (Scene.lattice). See Scene.lit() for the contract.
+
+Every call that returns numpy arrays has waited for the device. A call with pyopencl arrays works on their queue, and
+waits for it, too (the table of waits in gnomon.hpp: Technique::run).
 """
 
 from . import _gnomon
 from ._cut_outs import CutOut, CutOutCounts, CutOuts
 from ._devices import Device, devices, use
 from ._gnomon import (
+    Cancelled,
     DeviceDescription,
     DeviceNotFoundError,
     OpenCLError,
@@ -23,13 +27,16 @@ from ._gnomon import (
     techniques,
 )
 from ._lattice import Lattice
-from ._lights import LightsResult
-from ._scene import Scene, VertexReport, View
+from ._lights import Lights, LightsResult
+from ._scene import AtVertices, Scene, View
+from ._side import Side, Technique, VertexSide
 from ._study import study
 
 __version__: str = _gnomon.__version__  # type: ignore[attr-defined]  # nanobind's stub leaves it out
 
 __all__ = [
+    "AtVertices",
+    "Cancelled",
     "CutOut",
     "CutOutCounts",
     "CutOuts",
@@ -37,12 +44,15 @@ __all__ = [
     "DeviceDescription",
     "DeviceNotFoundError",
     "Lattice",
+    "Lights",
     "LightsResult",
     "OpenCLError",
     "Scene",
     "SettingDescription",
+    "Side",
+    "Technique",
     "TechniqueDescription",
-    "VertexReport",
+    "VertexSide",
     "View",
     "__version__",
     "devices",

@@ -24,8 +24,8 @@ class Lattice:
     largest_move: the largest distance by which a coordinate of a vertex was rounded, at most half a step.
     largest_move_of_points: the same for the points of the last call, before any lift.
     zero_area, turned_over, tilted: ids of the triangles that snapping left without area, turned over, or tilted by
-        more than 1 degree. Facing of points on them (Scene.lit with side="front", eye= or lift=True) is decided by the
-        triangle before snapping.
+        more than 1 degree. Facing of points on them (Scene.lit with Side.front(), Side.eye() or lift=True) is decided
+        by the triangle before snapping.
     touched: (F, 3) for each corner the nearest triangle that it touches without being its corner, -1 for none: a
         triangle within a step of the corner (a T-junction, a wall that stands on terrain, tiles of two triangulations).
         Found at the first use of the property, in some seconds for a million triangles.

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,13 +15,37 @@ from ._lattice import snapped_triple
 NO_LIGHT = 0xFFFFFFFF
 
 
+@dataclass(frozen=True, eq=False)
+class Lights:
+    """A table of M lights, each with a weight. Make it by directions() or positions().
+
+    weights: (M,) float32, negative ones too; 1 each if not given. A weight is rounded once to a whole number times a
+        power of two that depends on the largest weight and M alone, so that sums do not depend on any order.
+    """
+
+    rows: Any
+    are_positions: bool
+    weights: Any = None
+
+    @staticmethod
+    def directions(directions: Any, weights: Any = None) -> Lights:
+        """(M, 3) along which directional lights travel, each rounded once to float32."""
+        return Lights(directions, False, weights)
+
+    @staticmethod
+    def positions(positions: Any, weights: Any = None) -> Lights:
+        """(M, 3) of point lights, in the scene's unit."""
+        return Lights(positions, True, weights)
+
+
 class LightsResult(NamedTuple):
-    """What Scene.many_lights() finds; each array has the points' shape.
+    """What Scene.lit_by() finds for M lights; each array has the points' shape.
 
     sums: float64, the weights of the lights that reach the point, added without rounding and then rounded once.
     counts: int64, the number of these lights.
     first, last: int64, the smallest and the largest row of these lights; -1 where none reaches the point.
     bits: uint32 (..., ceil(M / 32)), or None unless asked for: light l is bit l % 32 of word l // 32.
+    light_count: M.
     """
 
     sums: NDArray[np.float64]
@@ -28,25 +53,26 @@ class LightsResult(NamedTuple):
     first: NDArray[np.int64]
     last: NDArray[np.int64]
     bits: NDArray[np.uint32] | None
+    light_count: int
 
     def lit(self) -> NDArray[np.bool_]:
-        """(..., M') bool, M' the number of lights rounded up to a multiple of 32: the bits, one per element."""
+        """(..., M) bool: the bits, one per element."""
         if self.bits is None:
-            raise ValueError("lit: call Scene.many_lights() with bits=True")
-        as_bytes = self.bits.astype("<u4").view(np.uint8)
-        return np.unpackbits(as_bytes, axis=-1, bitorder="little").astype(bool)
+            raise ValueError("lit: call Scene.lit_by() with bits=True")
+        as_bytes = np.ascontiguousarray(self.bits, "<u4").view(np.uint8)
+        return np.unpackbits(as_bytes, axis=-1, count=self.light_count, bitorder="little").astype(bool)
 
 
-def lights_of(native: _gnomon.WorldLattice | None, directions: Any, positions: Any, weights: Any) -> _gnomon.Lights:
-    if (directions is None) == (positions is None):
-        raise ValueError("give either directions= (that the lights travel along) or positions= (of point lights)")
-    name = "directions" if positions is None else "positions"
-    rows = _arrays.rows_of_triples(directions if positions is None else positions, name)
+def table_of(native: _gnomon.WorldLattice | None, lights: Lights) -> _gnomon.Lights:
+    if not isinstance(lights, Lights):
+        raise TypeError(f"lights: must be gnomon.Lights.directions() or .positions(), not {type(lights).__name__}")
+    name = "positions" if lights.are_positions else "directions"
+    rows = _arrays.rows_of_triples(lights.rows, name)
     if rows.ndim != 2:
         raise ValueError(f"{name}: shape {rows.shape} is not (M, 3)")
     _arrays.require_finite(rows, name)
     xyzw = np.zeros((len(rows), 4), np.float32)
-    if positions is None:
+    if not lights.are_positions:
         with np.errstate(over="ignore"):
             xyzw[:, :3] = -rows.astype(np.float32)
         zero = _arrays.first_row((xyzw == 0).all(axis=1))
@@ -57,7 +83,7 @@ def lights_of(native: _gnomon.WorldLattice | None, directions: Any, positions: A
         xyzw[:, 3] = 1
         for row, position in enumerate(rows):
             xyzw[row, :3] = snapped_triple(native, position, f"positions: row {row}")
-    return _gnomon.Lights(xyzw, weights_of(weights, len(rows)))
+    return _gnomon.Lights(xyzw, weights_of(lights.weights, len(rows)))
 
 
 def weights_of(weights: Any, count: int) -> NDArray[np.float32]:
@@ -78,8 +104,6 @@ def weights_of(weights: Any, count: int) -> NDArray[np.float32]:
 
 def normals_for_cosines(normals: Any, shape: tuple[int, ...]) -> NDArray[np.float32]:
     """The normals as they are, rounded once: their lengths count."""
-    if normals is None:
-        raise ValueError("cosines: needs normals=")
     values = _arrays.rows_of_triples(normals, "normals")
     with np.errstate(over="ignore"):
         rounded = np.ascontiguousarray(np.broadcast_to(values, shape), np.float32).reshape(-1, 3)
@@ -87,7 +111,7 @@ def normals_for_cosines(normals: Any, shape: tuple[int, ...]) -> NDArray[np.floa
     return rounded
 
 
-def result_of(parts: list[tuple[Any, ...]], shape: tuple[int, ...], wants_bits: bool) -> LightsResult:
+def result_of(parts: list[tuple[Any, ...]], shape: tuple[int, ...], wants_bits: bool, light_count: int) -> LightsResult:
     sums, counts, first, last, bits = (np.concatenate([part[i] for part in parts]) for i in range(5))
 
     def rows(ids: NDArray[np.uint32]) -> NDArray[np.int64]:
@@ -99,4 +123,5 @@ def result_of(parts: list[tuple[Any, ...]], shape: tuple[int, ...], wants_bits: 
         rows(first),
         rows(last),
         bits.reshape((*shape, bits.shape[-1])) if wants_bits else None,
+        light_count,
     )

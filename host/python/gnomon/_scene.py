@@ -6,8 +6,9 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,10 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _arrays, _cut_outs, _gnomon, _lights
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
+from ._side import EXACT, Side, Technique, VertexSide
 
-Settings = Mapping[str, object]
-
-EXACT = "frustum-traced"
 #: Points of one run: more are computed in several runs, so that the device's memory is bounded.
 POINTS_AT_ONCE = 1 << 24
 GREY = (0.8, 0.8, 0.8)
@@ -33,45 +32,93 @@ class _OnDevice:
         self.triangles = triangles
         self._techniques: dict[tuple[str, tuple[tuple[str, str], ...]], _gnomon.Technique] = {}
 
-    def technique(self, name: str, settings: Settings | None) -> _gnomon.Technique:
+    def technique(self, which: Technique) -> _gnomon.Technique:
         """Call it in the device's thread."""
-        chosen = tuple(sorted((key, _setting_text(value)) for key, value in (settings or {}).items()))
-        if (name, chosen) not in self._techniques:
-            technique = _gnomon.make_technique(name, self.device.native)
+        chosen = tuple(sorted((key, _setting_text(value)) for key, value in which.settings.items()))
+        if (which.name, chosen) not in self._techniques:
+            technique = _gnomon.make_technique(which.name, self.device.native)
             for key, value in chosen:
                 technique.set(key, value)
-            self._techniques[name, chosen] = technique
-        return self._techniques[name, chosen]
+            self._techniques[which.name, chosen] = technique
+        return self._techniques[which.name, chosen]
 
 
-class _Sides(NamedTuple):
-    """What decides facing, as the library takes it: `normals` are the arguments of face_by_normals(), `fans` those of
-    face_by_fans()."""
+class AtVertices(NamedTuple):
+    """What a call with Side.vertices() finds. Rows count points, flattened.
 
-    eye: tuple[float, float, float] | None = None
-    normals: tuple[Any, ...] | None = None
-    is_front: bool = False
-    fans: _gnomon.VertexFans | None = None
-    up: tuple[float, float, float] | None = None
-
-
-class VertexReport(NamedTuple):
-    """What the last call with receivers="vertices" met: Scene.at_vertices. Rows count points, flattened.
-
+    values: what the call returns for any other side, one per point.
     open: rows of points whose triangles do not close around them: at a border or a hole of the mesh, or where windings
         disagree or more than two triangles share an edge.
-    touching: rows of points that touch a triangle which they are no corner of. They were lifted off that triangle, and
-        are also dark where the light is not strictly on its front.
-    extended: the number of points that an extension of the mesh decided (Scene.lit).
+    touching: rows of points that lie on a triangle of which they are not a corner (T-junctions). They were lifted off
+        that triangle, and are also dark where the light is not strictly on its front.
+    extended: the number of points that an extension of the mesh decided (Side.vertices()).
     """
 
+    values: NDArray[Any]
     open: NDArray[np.int64]
     touching: NDArray[np.int64]
     extended: int
 
 
+#: The facing of the points in a range of rows, as the library takes it.
+_FacingOf = Callable[[slice], _gnomon.Facing]
+
+
+def _no_facing(_: slice) -> _gnomon.Facing:
+    return _gnomon.Facing.none()
+
+
+def _facing_by(normals: NDArray[np.float32]) -> _FacingOf:
+    return lambda part: _gnomon.Facing.normals(normals[part])
+
+
+@dataclass(frozen=True)
+class _Query:
+    """Points of one call: their coordinates near the origin, receivers if there are any, and what decides facing."""
+
+    here: NDArray[np.float32]
+    ids: NDArray[np.uint32] | None = None
+    facing: _FacingOf = _no_facing
+
+    def part(self, first: int) -> tuple[NDArray[np.float32], NDArray[np.uint32], _gnomon.Facing]:
+        rows = slice(first, first + POINTS_AT_ONCE)
+        ids = np.empty(0, np.uint32) if self.ids is None else self.ids[rows]
+        return self.here[rows], ids, self.facing(rows)
+
+
+@dataclass(frozen=True)
+class _Engine:
+    """What answers: triangles on a device, a technique, and the light."""
+
+    upload: _OnDevice
+    technique: Technique
+    light: tuple[float, float, float, float]
+
+    def visibility(self, query: _Query, after_part: Callable[[int], None] = lambda _: None) -> NDArray[np.float32]:
+        """after_part is called with the first row of each part, in the device's thread."""
+        result = np.ones(len(query.here), np.float32)
+        for first in range(0, len(query.here), POINTS_AT_ONCE):
+            values = self.upload.device.call(self._of_part, query, first, after_part)
+            result[first : first + POINTS_AT_ONCE] = values
+        return result
+
+    def _of_part(self, query: _Query, first: int, after_part: Callable[[int], None]) -> NDArray[np.float32]:
+        device = self.upload.device.native
+        here, ids, facing = query.part(first)
+        points = _gnomon.Points.upload(device, here, ids)
+        visibility = _gnomon.Visibility(device, len(here))
+        self.run(points, visibility, facing)
+        after_part(first)
+        return visibility.read()
+
+    def run(self, points: _gnomon.Points, visibility: _gnomon.Visibility, facing: _gnomon.Facing) -> None:
+        """Call it in the device's thread."""
+        technique = self.upload.technique(self.technique)
+        technique.run(self.upload.triangles, points, self.light, visibility, facing)
+
+
 class _Vertices(NamedTuple):
-    """Points at vertices, ready for the device: lifted where they touch a triangle, along `normals`; NaN elsewhere."""
+    """Points at vertices, ready for the device: the rows `touching` are lifted off a triangle, along its `normals`."""
 
     world: NDArray[Any]
     up: tuple[float, float, float] | None
@@ -79,6 +126,10 @@ class _Vertices(NamedTuple):
     normals: NDArray[np.float32] | None
     touching: NDArray[np.int64]
     fans: list[_gnomon.VertexFans]  # of POINTS_AT_ONCE points each
+
+
+def _technique_of(technique: str | Technique) -> Technique:
+    return Technique(technique) if isinstance(technique, str) else technique
 
 
 def _setting_text(value: object) -> str:
@@ -102,6 +153,9 @@ def _mesh_of(vertices: Any, faces: Any) -> tuple[Any, Any]:
 
 class Scene:
     """A mesh of triangles that cast shadows.
+
+    The coordinates' axes are the caller's. from_gltf() gives them as glTF has them, with y up, and so does view() draw
+    them unless it is given another `up`; in gnomon.study() z is up, as on maps.
 
     vertices, faces: (V, 3) coordinates and (F, 3) indices; or vertices alone as triangles (F, 3, 3) or (F, 9); or a
         trimesh.Trimesh, or a pyvista mesh. Any unit. A triangle's id is its row. A pyopencl array of float32
@@ -138,8 +192,7 @@ class Scene:
         self.cameras: dict[str, _gnomon.Camera] = {}
         self.lights: dict[str, dict[str, tuple[float, float, float]]] = {}
         self.warnings: list[str] = []
-        self._vertices: _Vertices | None = None  # of the last points
-        self.at_vertices: VertexReport | None = None
+        self._vertices: _Vertices | None = None  # of the last points, to find them once
         self.animations: list[str] = []
         self._material: NDArray[np.uint32] | None = None
         self._base_color: list[tuple[float, float, float]] = [GREY]
@@ -311,21 +364,30 @@ class Scene:
 
     # ---- Points ------------------------------------------------------------------------------------------------------
 
+    @overload
+    def lit(
+        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
+        receivers: None = None, side: VertexSide, lift: Literal[False] = False,
+        nan: Literal["error", "absent"] = "error", out: None = None,
+    ) -> AtVertices: ...  # fmt: skip
+    @overload
+    def lit(
+        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
+        receivers: ArrayLike | None = None, side: Side | None = None, lift: bool = False,
+        nan: Literal["error", "absent"] = "error", out: Any = None,
+    ) -> NDArray[np.bool_]: ...  # fmt: skip
     def lit(
         self,
         points: ArrayLike,
         *,
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
-        receivers: ArrayLike | Literal["vertices"] | None = None,
-        normals: ArrayLike | None = None,
-        side: Literal["front"] | None = None,
-        eye: ArrayLike | None = None,
-        up: ArrayLike | None = None,
+        receivers: ArrayLike | None = None,
+        side: Side | None = None,
         lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         out: Any = None,
-    ) -> NDArray[np.bool_]:
+    ) -> NDArray[np.bool_] | AtVertices:
         """Whether the light reaches each point: what ray tracing would answer in exact arithmetic.
 
         points: (..., 3) coordinates in the scene's unit.
@@ -333,21 +395,11 @@ class Scene:
         position: (3,) of a point light.
         receivers: (...) ids of the triangles that the points lie on, negative for none. A receiver never shadows its
             own points; it excludes that triangle and does nothing else. A point exactly on a triangle's plane is not
-            shadowed by this triangle in any case. Or "vertices": each point is a vertex of the mesh, which no triangle
-            around it shadows. It is dark unless the light is strictly in front of these triangles (their corners run
-            counter-clockwise there); where they do not close around it, in front of the planes of all of them. On a
-            lattice, a vertex within a step of a triangle that lacks it as a corner is lifted off that triangle.
-            Scene.at_vertices says for which points what was done.
-        up: (3,) with receivers="vertices": the mesh is a height field in this direction. A point is dark unless the
-            light is strictly above the one or two triangles over which its ray leaves; where it leaves over none, at a
-            border or beside nodata, strictly above the planes of all triangles around the point.
-        A side decides facing, exactly. Without one a point on the far side of its own surface may be lit:
-        normals: (..., 3), of any length: a point is dark unless the light is strictly on the normal's side.
-        side: "front": dark unless the light is strictly on the side of the receiver from which its corners run
-            counter-clockwise. Needs receivers.
-        eye: (3,): dark unless eye and light are strictly on the same side of the receiver. Needs receivers.
-        lift: the points lie on surfaces, within 3/4 of a step: each is lifted along its normal, of `normals` or of the
-            receiver with side="front", by a little over 2.6 steps, so that a flat surface does not shadow it after
+            shadowed by this triangle in any case.
+        side: a gnomon.Side: none(), eye(), normals(), front() or vertices(). A point is dark unless the light is
+            strictly on that side, decided exactly; None: none(). With vertices() an AtVertices is returned.
+        lift: the points lie on surfaces, within 3/4 of a step: each is lifted along its normal, of Side.normals() or of
+            the receiver with Side.front(), by a little over 2.6 steps, so that a flat surface does not shadow it after
             snapping. Facing is decided by that normal, of the triangle before snapping. Needs a lattice.
         nan: "error": a point that is not finite is a ValueError. "absent": it is False, and masked in the result.
         out: a pyopencl array (N,) of float32 for the result, with pyopencl points only.
@@ -358,8 +410,8 @@ class Scene:
         Points in a pyopencl array (N, 3) of float32, relative to the lattice's origin if there is a lattice, are read
         where they lie, on that array's queue, and the result is a pyopencl array (N,) of float32, 1 lit and 0 not;
         receivers (uint32) and normals (float32) are pyopencl arrays, too. Nothing is checked there: a point that is not
-        finite is 1. side and eye read the triangles after snapping there, and are refused where Scene.lattice names
-        changed ones: give normals, or points on the host.
+        finite is 1. Side.front() and Side.eye() read the triangles after snapping there, and are refused where
+        Scene.lattice names changed ones: give normals, or points on the host.
 
         Raises ValueError with the argument's name and the first bad row, MemoryError, DeviceNotFoundError.
         """
@@ -367,225 +419,203 @@ class Scene:
             raise ValueError("out: only for points in a pyopencl array")
         if lift and _arrays.is_on_device(points):
             raise ValueError("lift: only for points on the host, in float64")
-        if isinstance(receivers, str) and _arrays.is_on_device(points):
-            raise ValueError('receivers: "vertices" is only for points on the host')
         if _arrays.is_on_device(points):
             light = _world.light_of(self._native_lattice, direction, position)
-            on_device: Any = self._lit_on_device(points, light, receivers, normals, side, eye, out)
+            on_device: Any = self._lit_on_device(points, light, receivers, side or Side.none(), out)
             return on_device  # type: ignore[no-any-return]
-        values = self.visibility(
-            points, direction=direction, position=position, receivers=receivers, normals=normals, side=side, eye=eye,
-            up=up, lift=lift, nan=nan,
-        )  # fmt: skip
-        if isinstance(values, np.ma.MaskedArray):
-            return np.ma.MaskedArray(values.data != 0, values.mask, fill_value=False)
-        return values != 0
+        found = self.visibility(
+            points, direction=direction, position=position, receivers=receivers, side=side, lift=lift, nan=nan
+        )
+        if isinstance(found, AtVertices):
+            return found._replace(values=_as_bool(found.values))
+        return _as_bool(found)
 
+    @overload
+    def visibility(
+        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
+        receivers: None = None, side: VertexSide, lift: Literal[False] = False,
+        nan: Literal["error", "absent"] = "error", technique: str | Technique = EXACT,
+    ) -> AtVertices: ...  # fmt: skip
+    @overload
+    def visibility(
+        self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
+        receivers: ArrayLike | None = None, side: Side | None = None, lift: bool = False,
+        nan: Literal["error", "absent"] = "error", technique: str | Technique = EXACT,
+    ) -> NDArray[np.float32]: ...  # fmt: skip
     def visibility(
         self,
         points: ArrayLike,
         *,
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
-        receivers: ArrayLike | Literal["vertices"] | None = None,
-        normals: ArrayLike | None = None,
-        side: Literal["front"] | None = None,
-        eye: ArrayLike | None = None,
-        up: ArrayLike | None = None,
+        receivers: ArrayLike | None = None,
+        side: Side | None = None,
         lift: bool = False,
         nan: Literal["error", "absent"] = "error",
-        technique: str = EXACT,
-        settings: Settings | None = None,
-    ) -> NDArray[np.float32]:
-        """lit() as float32 from 0 (in shadow) to 1, by any technique of gnomon.techniques() with its settings; filtered
-        shadow maps answer values between. Points on the host only. Raises ValueError for an unknown name."""
+        technique: str | Technique = EXACT,
+    ) -> NDArray[np.float32] | AtVertices:
+        """lit() as float32 from 0 (in shadow) to 1, by any technique of gnomon.techniques(), a name or a
+        gnomon.Technique with settings; filtered shadow maps answer values between. Points on the host only. Raises
+        ValueError for an unknown name."""
         if nan not in ("error", "absent"):
             raise ValueError(f"nan: {nan!r} is neither 'error' nor 'absent'")
         light = _world.light_of(self._native_lattice, direction, position)
         at = _arrays.rows_of_triples(points, "points")
-        shape = at.shape[:-1]
         flat = at.reshape(-1, 3)
         if nan == "error":
             _arrays.require_finite(flat, "points")
-        upload = self._on(self._device)
-        if isinstance(receivers, str):
-            if receivers != "vertices" or normals is not None or side is not None or eye is not None or lift:
-                raise ValueError('receivers: must be ids, or "vertices" without normals=, side=, eye= and lift=')
-            result = self._at_vertices(upload, flat, up, light, technique, settings)
-        elif up is not None:
-            raise ValueError('up: only with receivers="vertices"')
-        else:
-            ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
-            n = None if normals is None else _arrays.normals_of(normals, at.shape)
-            towards = self._eye_of(side, eye, ids is not None)
-            result = self._on_surfaces(upload, flat, ids, n, towards, side == "front", lift, light, technique, settings)
-        if nan == "absent":
-            absent = ~np.isfinite(flat).all(axis=1)
-            result[absent] = 0
-            return np.ma.MaskedArray(result.reshape(shape), absent.reshape(shape), fill_value=0)
-        return result.reshape(shape)
+        engine = _Engine(self._on(self._device), _technique_of(technique), light)
+        side = _side_of(side)
 
-    def many_lights(
+        def shaped(values: NDArray[np.float32]) -> NDArray[np.float32]:
+            if nan == "error":
+                return values.reshape(at.shape[:-1])
+            absent = ~np.isfinite(flat).all(axis=1)
+            values[absent] = 0
+            return np.ma.MaskedArray(values.reshape(at.shape[:-1]), absent.reshape(at.shape[:-1]), fill_value=0)
+
+        if isinstance(side, VertexSide):
+            if receivers is not None or lift:
+                raise ValueError("side: Side.vertices() takes no receivers= and no lift=")
+            found = self._at_vertices(engine, flat, side.value)
+            return found._replace(values=shaped(found.values))
+        ids = None if receivers is None else _arrays.receivers_of(receivers, at.shape[:-1], self._count)
+        return shaped(self._on_surfaces(engine, at, ids, side, lift))
+
+    def lit_by(
         self,
         points: ArrayLike,
+        lights: _lights.Lights,
         *,
-        directions: ArrayLike | None = None,
-        positions: ArrayLike | None = None,
-        weights: ArrayLike | None = None,
         receivers: ArrayLike | None = None,
-        normals: ArrayLike | None = None,
-        side: Literal["front"] | None = None,
-        eye: ArrayLike | None = None,
+        side: Side | None = None,
         bits: bool = False,
         cosines: bool = False,
         progress: Callable[[float], object] | None = None,
-        settings: Settings | None = None,
+        settings: Mapping[str, object] | None = None,
     ) -> _lights.LightsResult:
         """Which of many lights reach each point: hours of sun, soft shadows, shares of the sky. Each answer is that of
         lit() for the one light; work is shared between neighbouring points and lights, so it takes far less time.
 
-        points, receivers, normals, side, eye: as in lit(); on a scene with a lattice, a side is given by normals.
-        directions: (M, 3) along which directional lights travel, each rounded once to float32; or
-        positions: (M, 3) of point lights.
-        weights: (M,) float32, negative ones too; 1 each if not given. A weight is rounded once to a whole number times
-            a power of two that depends on the largest weight and M alone, so that sums do not depend on any order.
+        points, receivers, side: as in lit(), but no Side.vertices(); on a scene with a lattice, give Side.normals().
+        lights: gnomon.Lights.directions() or gnomon.Lights.positions(), M of them.
         bits: return each answer, too: one bit per point and light.
         cosines: each weight is multiplied by max(0, n . l), with l the light's unit direction and n the normal as it
-            is, in float32 (gnomon.hpp has the arithmetic). Needs normals and directions.
-        progress: called now and then with the part that is done, 0 to 1; if it returns False, RuntimeError is raised.
+            is, in float32 (gnomon/trace.hpp has the arithmetic). Needs Side.normals() and directions.
+        progress: called now and then with the part that is done, 0 to 1; if it returns False, gnomon.Cancelled is
+            raised.
+        settings: of the exact technique, by name.
 
         Returns a LightsResult: sums, counts, first and last lit light, bits. Raises ValueError with the argument's name
-        and the first bad row, MemoryError, DeviceNotFoundError.
+        and the first bad row, MemoryError, DeviceNotFoundError, Cancelled.
         """
-        table = _lights.lights_of(self._native_lattice, directions, positions, weights)
+        side = _side_of(side)
+        table = _lights.table_of(self._native_lattice, lights)
         at = _arrays.rows_of_triples(points, "points")
-        shape = at.shape[:-1]
         flat = at.reshape(-1, 3)
         _arrays.require_finite(flat, "points")
-        if self.lattice is not None and (side is not None or eye is not None):
-            raise ValueError("side, eye: on a scene with a lattice give normals= of the surfaces before snapping")
-        ids = None if receivers is None else _arrays.receivers_of(receivers, shape, self._count)
-        n32 = None if normals is None else _arrays.normals_of(normals, at.shape).astype(np.float32)
-        towards = self._eye_of(side, eye, ids is not None)
+        if side.kind == "vertices":
+            raise ValueError("side: Side.vertices() is for lit() and visibility()")
+        if self.lattice is not None and side.kind in ("front", "eye"):
+            raise ValueError("side: on a scene with a lattice give Side.normals() of the surfaces before snapping")
+        if cosines and side.kind != "normals":
+            raise ValueError("cosines: needs side=Side.normals()")
+        ids = None if receivers is None else _arrays.receivers_of(receivers, at.shape[:-1], self._count)
         if cosines:
-            n32 = _lights.normals_for_cosines(normals, at.shape)
+            facing = _facing_by(_lights.normals_for_cosines(side.value, at.shape))
+        elif side.kind == "normals":
+            facing = _facing_by(_arrays.normals_of(side.value, at.shape).astype(np.float32))
+        else:
+            facing = self._facing_of(side, ids)
         here = _arrays.float32_of(flat, "points") if self.lattice is None else self.lattice.snap(flat, "points")
+        query = _Query(here, ids, facing)
         upload = self._on(self._device)
         is_over = threading.Event()
 
         def report(done: float) -> bool:
             return not is_over.is_set() and (progress is None or progress(done) is not False)
 
-        parts: list[Any] = []
+        def of_part(first: int) -> tuple[Any, ...]:
+            technique = upload.technique(Technique(EXACT, settings or {}))
+            part, part_ids, part_facing = query.part(first)
+            points = _gnomon.Points.upload(upload.device.native, part, part_ids)
+            return _gnomon.run_light_table(
+                technique, upload.triangles, points, table, part_facing, cosines, bits, report
+            )
+
         try:
-            for first in range(0, max(len(flat), 1), POINTS_AT_ONCE):
-                part = slice(first, first + POINTS_AT_ONCE)
-                of_part = upload.device.call(
-                    _lights_of_part,
-                    upload, here[part], None if ids is None else ids[part], None if n32 is None else n32[part],
-                    towards, side == "front", table, cosines, bits, report, settings,
-                )  # fmt: skip
-                parts.append(of_part)
+            parts = [upload.device.call(of_part, first) for first in range(0, max(len(flat), 1), POINTS_AT_ONCE)]
         except BaseException:
             is_over.set()  # Ctrl-C: the device's thread stops at its next report
             raise
-        return _lights.result_of(parts, shape, bits)
+        return _lights.result_of(parts, at.shape[:-1], bits, len(table))
+
+    def _facing_of(self, side: Side, ids: NDArray[np.uint32] | None) -> _FacingOf:
+        """Facing by an eye, by the receivers' front, or none."""
+        if side.kind == "none":
+            return _no_facing
+        if ids is None:
+            raise ValueError(f"side: Side.{side.kind}() needs receivers=, the triangles that the points lie on")
+        if side.kind == "front":
+            return lambda _: _gnomon.Facing.winding()
+        eye = _world.snapped_triple(self._native_lattice, side.value, "eye")
+        return lambda _: _gnomon.Facing.eye(eye)
 
     def _on_surfaces(
-        self,
-        upload: _OnDevice,
-        flat: NDArray[Any],
-        ids: NDArray[np.uint32] | None,
-        n: NDArray[np.float64] | None,
-        towards: tuple[float, float, float] | None,
-        is_front: bool,
-        lift: bool,
-        light: tuple[float, float, float, float],
-        technique: str,
-        settings: Settings | None,
+        self, engine: _Engine, at: NDArray[Any], ids: NDArray[np.uint32] | None, side: Side, lift: bool
     ) -> NDArray[np.float32]:
+        flat = at.reshape(-1, 3)
+        normals = _arrays.normals_of(side.value, at.shape) if side.kind == "normals" else None
         if lift:
-            n = self._normals_to_lift_along(n, ids, is_front)
-            is_front = False  # the normals are those of the triangles before snapping
+            normals = self._normals_to_lift_along(normals, ids, side)
+        facing = self._facing_of(side, ids) if normals is None else _facing_by(normals.astype(np.float32))
         here = (
             _arrays.float32_of(flat, "points")
             if self.lattice is None
-            else self.lattice.snap(flat, "points", n if lift else None)
+            else self.lattice.snap(flat, "points", normals if lift else None)
         )
-        n32 = None if n is None else n.astype(np.float32)
-        result = np.ones(len(flat), np.float32)
-        for first in range(0, len(flat), POINTS_AT_ONCE):
-            part = slice(first, first + POINTS_AT_ONCE)
-            sides = _Sides(towards, None if n32 is None else (n32[part],), is_front)
-            result[part] = upload.device.call(
-                _visibility_of_part,
-                upload, here[part], None if ids is None else ids[part], sides, light, technique, settings,
-            )  # fmt: skip
-        if self.lattice is not None and ids is not None and (is_front or towards is not None):
-            self._face_changed(result, ids, towards, is_front, here, upload, light, technique, settings)
+        query = _Query(here, ids, facing)
+        result = engine.visibility(query)
+        if self.lattice is not None and ids is not None and normals is None and side.kind != "none":
+            self._face_changed(engine, query, side, result)
         return result
 
-    def _face_changed(
-        self,
-        result: NDArray[np.float32],
-        ids: NDArray[np.uint32],
-        towards: tuple[float, float, float] | None,
-        is_front: bool,
-        here: NDArray[np.float32],
-        upload: _OnDevice,
-        light: tuple[float, float, float, float],
-        technique: str,
-        settings: Settings | None,
-    ) -> None:
-        """Decides the points on triangles that snapping changes anew, by the triangles before snapping."""
-        assert self.lattice is not None
-        rows = np.flatnonzero(np.append(self.lattice.is_changed, False)[np.minimum(ids, self._count)])
+    def _face_changed(self, engine: _Engine, query: _Query, side: Side, result: NDArray[np.float32]) -> None:
+        """Decides the points on triangles that snapping changes once more, by the triangles before snapping."""
+        assert self.lattice is not None and query.ids is not None
+        rows = np.flatnonzero(np.append(self.lattice.is_changed, False)[np.minimum(query.ids, self._count)])
         if rows.size == 0:
             return
-        world = self.lattice.world[ids[rows]]
+        world = self.lattice.world[query.ids[rows]]
         normals = _arrays.scaled(_world.normals_of_triangles(world))
-        sides = [normals] if is_front else []
-        if towards is not None:
-            eye = np.array(self.lattice.native.world_of(towards))
+        if side.kind == "eye":
+            eye = np.array(self.lattice.native.world_of(_world.snapped_triple(self._native_lattice, side.value, "eye")))
             seen = np.sign(((eye - world[:, 0]) * normals).sum(axis=1, keepdims=True))
-            sides.append(normals * seen)  # an eye in the plane sees no side: a normal of zero faces no light
-        values = np.ones(len(rows), np.float32)
-        for side in sides:
-            faced = upload.device.call(
-                _visibility_of_part,
-                upload, here[rows], ids[rows], _Sides(normals=(side.astype(np.float32),)), light, technique, settings,
-            )  # fmt: skip
-            values = np.minimum(values, faced)
-        result[rows] = values
+            normals = normals * seen  # an eye in the plane sees no side: a normal of zero faces no light
+        facing = _facing_by(normals.astype(np.float32))
+        result[rows] = engine.visibility(_Query(query.here[rows], query.ids[rows], facing))
 
-    def _at_vertices(
-        self,
-        upload: _OnDevice,
-        flat: NDArray[Any],
-        up: Any,
-        light: tuple[float, float, float, float],
-        technique: str,
-        settings: Settings | None,
-    ) -> NDArray[np.float32]:
+    def _at_vertices(self, engine: _Engine, flat: NDArray[Any], up: Any) -> AtVertices:
         upwards = None if up is None else _arrays.triple(up, "up")
         if upwards is not None and not any(upwards):
             raise ValueError("up: must not be zero")
         kept = self._vertices
         if kept is None or kept.up != upwards or not np.array_equal(kept.world, flat, equal_nan=True):
-            kept = self._vertices = self._vertices_of(upload, flat, upwards)
-        result = np.ones(len(flat), np.float32)
-        extended = 0
-        for fans, first in zip(kept.fans, range(0, len(flat), POINTS_AT_ONCE), strict=True):
-            part = slice(first, first + POINTS_AT_ONCE)
-            normals = None if kept.normals is None else (kept.normals[part],)
-            sides = _Sides(normals=normals, fans=fans, up=upwards)
-            result[part] = upload.device.call(
-                _visibility_of_part, upload, kept.here[part], None, sides, light, technique, settings
-            )
-            extended += upload.device.call(fans.extended)
-        opened = [fans.open().astype(np.int64) + i * POINTS_AT_ONCE for i, fans in enumerate(kept.fans)]
-        self.at_vertices = VertexReport(np.concatenate([*opened, np.empty(0, np.int64)]), kept.touching, extended)
-        return result
+            kept = self._vertices = self._vertices_of(engine.upload, flat, upwards)
+        fans, here, extended = kept.fans, kept.here, 0
+
+        def count_extended(first: int) -> None:
+            nonlocal extended
+            extended += fans[first // POINTS_AT_ONCE].extended()
+
+        query = _Query(here, None, lambda part: _gnomon.Facing.fans(fans[part.start // POINTS_AT_ONCE], upwards))
+        result = engine.visibility(query, count_extended)
+        rows = kept.touching
+        if kept.normals is not None:  # a run faces its points by one thing: these face by their triangles, too
+            lifted = _Query(here[rows], None, _facing_by(kept.normals))
+            result[rows] = np.minimum(result[rows], engine.visibility(lifted))
+        opened = [one.open().astype(np.int64) + i * POINTS_AT_ONCE for i, one in enumerate(fans)]
+        return AtVertices(result, np.concatenate([*opened, np.empty(0, np.int64)]), rows, extended)
 
     def _vertices_of(self, upload: _OnDevice, flat: NDArray[Any], up: tuple[float, float, float] | None) -> _Vertices:
         triangles = self.triangles
@@ -604,19 +634,18 @@ class Scene:
             rows, along = upload.device.call(self.lattice.normals_where_touching, here, up)
             if rows.size:
                 here[rows] = _world.lifted(self.lattice.native, flat[rows].astype(np.float64), "points", along)
-                normals = np.full(here.shape, np.nan, np.float32)
-                normals[rows] = along
+                normals = along.astype(np.float32)
         return _Vertices(np.array(flat), up, here, normals, rows, fans)
 
     def _normals_to_lift_along(
-        self, normals: NDArray[np.float64] | None, ids: NDArray[np.uint32] | None, is_front: bool
+        self, normals: NDArray[np.float64] | None, ids: NDArray[np.uint32] | None, side: Side
     ) -> NDArray[np.float64]:
         if self.lattice is None:
             raise ValueError("lift: needs a lattice: make the scene with lattice=, a step such as 2**-10")
         if normals is not None:
             return normals
-        if not is_front or ids is None:
-            raise ValueError("lift: needs normals=, or receivers= and side='front': a side to lift to")
+        if side.kind != "front" or ids is None:
+            raise ValueError("lift: needs Side.normals(), or receivers= and Side.front(): a side to lift to")
         row = _arrays.first_row(ids == _arrays.NO_RECEIVER)
         if row is not None:
             raise ValueError(f"receivers: row {row} names no triangle to lift off")
@@ -626,40 +655,32 @@ class Scene:
             raise ValueError(f"receivers: row {row} names triangle {int(ids[row])}, which has no area")
         return found
 
-    def _eye_of(self, side: Any, eye: Any, has_receivers: bool) -> tuple[float, float, float] | None:
-        if side not in (None, "front"):
-            raise ValueError(f"side: {side!r} is not 'front'")
-        if (side is not None or eye is not None) and not has_receivers:
-            raise ValueError(
-                f"{'side' if eye is None else 'eye'}: needs receivers=, the triangles that the points lie on"
-            )
-        return None if eye is None else _world.snapped_triple(self._native_lattice, eye, "eye")
-
-    def _lit_on_device(
-        self, points: Any, light: Any, receivers: Any, normals: Any, side: Any, eye: Any, out: Any
-    ) -> Any:
+    def _lit_on_device(self, points: Any, light: Any, receivers: Any, side: Side, out: Any) -> Any:
         import pyopencl.array
 
+        side = _side_of(side)
         count = points.shape[0]
         _require_on_device(points, "points", (count, 3), np.float32)
+        if side.kind == "vertices":
+            raise ValueError("side: Side.vertices() is only for points on the host")
         if receivers is not None:
             _require_on_device(receivers, "receivers", (count,), np.uint32)
-        if normals is not None:
-            _require_on_device(normals, "normals", (count, 3), np.float32)
-        towards = self._eye_of(side, eye, receivers is not None)
-        if (side == "front" or towards is not None) and self.lattice is not None and self.lattice.is_changed.any():
-            raise ValueError(
-                f"{'side' if side == 'front' else 'eye'}: snapping changed triangle "
-                f"{int(np.flatnonzero(self.lattice.is_changed)[0])} (Scene.lattice names all), and points on the "
-                "device would be decided by the triangles after snapping: give normals=, or points on the host"
-            )
-        at_normals = None if normals is None else (normals.base_data.int_ptr, _packed_from(normals))
-        upload = self._on(device_of_queue(points.queue))
+        if side.kind == "normals":
+            _require_on_device(side.value, "normals", (count, 3), np.float32)
+            facing = _gnomon.Facing.normals_in_buffer(side.value.base_data.int_ptr, _packed_from(side.value))
+        else:
+            facing = self._facing_of(side, None if receivers is None else np.empty(0, np.uint32))(slice(None))
+            if side.kind != "none" and self.lattice is not None and self.lattice.is_changed.any():
+                raise ValueError(
+                    f"side: snapping changed triangle {int(np.flatnonzero(self.lattice.is_changed)[0])} (Scene.lattice "
+                    "names all), and points on the device would be decided by the triangles after snapping: give "
+                    "Side.normals(), or points on the host"
+                )
+        engine = _Engine(self._on(device_of_queue(points.queue)), Technique(), light)
         result = pyopencl.array.empty(points.queue, (count,), np.float32) if out is None else out
         _require_on_device(result, "out", (count,), np.float32)
         if count:
-            sides = _Sides(towards, at_normals, side == "front")
-            upload.device.call(_enqueue_on_device, upload, points, receivers, sides, light, result)
+            engine.upload.device.call(_enqueue_on_device, engine, points, receivers, facing, result)
         return result
 
     def prepare(self, *, direction: ArrayLike | None = None, position: ArrayLike | None = None) -> None:
@@ -667,7 +688,7 @@ class Scene:
         with the same bits. Worth it from some calls per light on. Preparing another light frees the memory."""
         light = _world.light_of(self._native_lattice, direction, position)
         upload = self._on(self._device)
-        upload.device.call(lambda: upload.technique(EXACT, None).prepare(upload.triangles, light))
+        upload.device.call(lambda: upload.technique(Technique()).prepare(upload.triangles, light))
 
     # ---- Views -------------------------------------------------------------------------------------------------------
 
@@ -726,79 +747,27 @@ def _require_on_device(array: Any, name: str, shape: tuple[int, ...], dtype: typ
         raise ValueError(f"{name}: must be C-contiguous {np.dtype(dtype)} of shape {shape}")
 
 
-def _run(
-    upload: _OnDevice,
-    points: _gnomon.Points,
-    visibility: _gnomon.Visibility,
-    sides: _Sides,
-    light: tuple[float, float, float, float],
-    technique: str = EXACT,
-    settings: Settings | None = None,
-) -> None:
-    """Computes the points' visibility, then darkens those whose given side is turned away from the light."""
-    device = upload.device.native
-    if sides.eye is not None:
-        points.set_eye(sides.eye)
-    upload.technique(technique, settings).run(upload.triangles, points, light, visibility)
-    if sides.normals is not None:
-        if len(sides.normals) == 1:
-            _gnomon.face_by_normals(device, points, sides.normals[0], light, visibility)
-        else:
-            _gnomon.face_by_normals(device, points, sides.normals[0], sides.normals[1], light, visibility)
-    if sides.is_front:
-        _gnomon.face_by_winding(device, upload.triangles, points, light, visibility)
-    if sides.fans is not None:
-        _gnomon.face_by_fans(device, upload.triangles, sides.fans, light, visibility, sides.up)
+def _side_of(side: Side | None) -> Side:
+    if side is not None and not isinstance(side, Side):
+        raise TypeError(f"side: must be a gnomon.Side, such as gnomon.Side.front(), not {side!r}")
+    return side or Side.none()
 
 
-def _visibility_of_part(
-    upload: _OnDevice,
-    flat: NDArray[np.float32],
-    ids: NDArray[np.uint32] | None,
-    sides: _Sides,
-    light: tuple[float, float, float, float],
-    technique: str,
-    settings: Settings | None,
-) -> NDArray[np.float32]:
-    device = upload.device.native
-    points = _gnomon.Points.upload(device, flat, ids if ids is not None else np.empty(0, np.uint32))
-    visibility = _gnomon.Visibility(device, len(flat))
-    _run(upload, points, visibility, sides, light, technique, settings)
-    return visibility.read()
+def _as_bool(values: NDArray[np.float32]) -> NDArray[np.bool_]:
+    if isinstance(values, np.ma.MaskedArray):
+        return np.ma.MaskedArray(values.data != 0, values.mask, fill_value=False)
+    return values != 0
 
 
-def _lights_of_part(
-    upload: _OnDevice,
-    flat: NDArray[np.float32],
-    ids: NDArray[np.uint32] | None,
-    normals: NDArray[np.float32] | None,
-    eye: tuple[float, float, float] | None,
-    is_front: bool,
-    table: _gnomon.Lights,
-    cosines: bool,
-    wants_bits: bool,
-    progress: Callable[[float], bool],
-    settings: Settings | None,
-) -> tuple[Any, ...]:
-    points = _gnomon.Points.upload(upload.device.native, flat, ids if ids is not None else np.empty(0, np.uint32))
-    if eye is not None:
-        points.set_eye(eye)
-    given = np.empty((0, 3), np.float32) if normals is None else normals
-    return _gnomon.run_lights(
-        upload.technique(EXACT, settings), upload.triangles, points, table, given, is_front, cosines, wants_bits,
-        progress,
-    )  # fmt: skip
-
-
-def _enqueue_on_device(upload: _OnDevice, at: Any, receivers: Any, sides: _Sides, light: Any, result: Any) -> None:
-    device = upload.device.native
+def _enqueue_on_device(engine: _Engine, at: Any, receivers: Any, facing: _gnomon.Facing, result: Any) -> None:
+    device = engine.upload.device.native
     ids = None if receivers is None else _from_the_beginning(receivers)
     points = _gnomon.Points.wrap(
         device, at.base_data.int_ptr, _packed_from(at), at.shape[0], 0 if ids is None else ids.base_data.int_ptr
     )
     whole = result if _is_aligned(result) else type(result)(result.queue, result.shape, result.dtype)
     visibility = _gnomon.Visibility.wrap(device, whole.base_data.int_ptr, at.shape[0], whole.offset // 4)
-    _run(upload, points, visibility, sides, light)
+    engine.run(points, visibility, facing)
     if whole is not result:
         _copy_on_device(whole, result)
 
@@ -875,18 +844,16 @@ class View:
         """(H, W) ids of the triangles; -1 where the sky is."""
         return self._read()[2]
 
-    def _values(self, light: Any, samples: int, technique: str, settings: Settings | None) -> _gnomon.Visibility:
+    def _values(self, light: Any, samples: int, technique: str | Technique) -> _gnomon.Visibility:
         upload = self._upload
 
         def run() -> _gnomon.Visibility:
             result = _gnomon.Visibility(upload.device.native, self.width * self.height)
-            chosen = upload.technique(technique, settings)
+            chosen = upload.technique(_technique_of(technique))
             if samples == 1:
-                chosen.run(upload.triangles, self._seen.points, light, result)
+                chosen.run(upload.triangles, self._seen.points, light, result, _gnomon.Facing.automatic())
             else:
-                _gnomon.run_samples(
-                    chosen, upload.device.native, upload.triangles, self._seen, light, int(samples), result
-                )
+                _gnomon.run_samples(chosen, upload.triangles, self._seen, light, int(samples), result)
             return result
 
         return upload.device.call(run)
@@ -897,12 +864,11 @@ class View:
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
         samples: int = 1,
-        technique: str = EXACT,
-        settings: Settings | None = None,
+        technique: str | Technique = EXACT,
     ) -> NDArray[np.float32]:
         """(H, W) float32: 1 where the light reaches the pixel's point, 0 in shadow or on a side that faces away; the
         sky is 1. samples: 1, 4, 8, 16 or 32 per pixel; the result is their mean."""
-        values = self._values(_world.light_of(self._origin, direction, position), samples, technique, settings)
+        values = self._values(_world.light_of(self._origin, direction, position), samples, technique)
         return self._upload.device.call(values.read).reshape(self.height, self.width)
 
     def image(
@@ -911,12 +877,11 @@ class View:
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
         samples: int = 1,
-        technique: str = EXACT,
-        settings: Settings | None = None,
+        technique: str | Technique = EXACT,
     ) -> NDArray[np.uint8]:
         """(H, W, 4) RGBA: Lambert's law with the shadows, and ambient light, in sRGB."""
         light = _world.light_of(self._origin, direction, position)
-        values = self._values(light, samples, technique, settings)
+        values = self._values(light, samples, technique)
         material = self._material if self._material is not None else np.zeros(self._count, np.uint32)
         upload = self._upload
         return upload.device.call(

@@ -121,8 +121,8 @@ public:
             throw_no_setting(name_, name, describe().settings);
     }
 
-    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
-                   const Visibility& visibility) override {
+    Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
+                         const Visibility& visibility) override {
         require_run(triangles, points, light, visibility);
         require_consistent();
         MeasuredRun measured(session_, kept_bytes_);
@@ -147,13 +147,13 @@ public:
                                 {"map_texels", map_views_.set.texels}});
     }
 
-    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
-                                       const Light& light) override {
+    std::vector<std::uint8_t> draw_diagnostic(std::string_view name, const Triangles& triangles, const Points& points,
+                                              const Light& light) override {
         const auto& all = map_diagnostics();
         const auto asked = std::find_if(all.begin(), all.end(), [&](const auto& d) { return d.name == name; });
-        if (asked == all.end()) return Technique::diagnose(name, triangles, points, light);
+        if (asked == all.end()) return Technique::draw_diagnostic(name, triangles, points, light);
         const Visibility visibility(device_, points.count());
-        run(triangles, points, light, visibility);  // leaves its views behind
+        run_light(triangles, points, light, visibility);  // leaves its views behind
         const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                                points.camera()};
         const auto diagnostic = static_cast<cl_uint>(asked - all.begin());

@@ -77,14 +77,16 @@ public:
         settings_table().set(settings_, "virtual-shadow-map", name, value);
     }
 
-    Statistics run(const Triangles& triangles, const Points& points, const Light& light,
-                   const Visibility& visibility) override {
-        return run_lights(triangles, points, std::span(&light, 1), std::span(&visibility, 1)).front();
+    Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
+                         const Visibility& visibility) override {
+        return run_lights(triangles, points, std::span(&light, 1), std::span(&visibility, 1), [](std::size_t) {})
+            .front();
     }
 
     /// All lights' pages lie in one pool, drawn in one pass.
     std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points, std::span<const Light> lights,
-                                       std::span<const Visibility> visibilities) override {
+                                       std::span<const Visibility> visibilities,
+                                       const std::function<void(std::size_t)>& after_light) override {
         require_run_lights(triangles, points, lights, visibilities);
         const MeasuredRun measured(session_, kept_bytes_);
         light_views_.resize(lights.size());
@@ -130,19 +132,20 @@ public:
             // Every light gets an even share of the time: most of the work serves all lights.
             s.total_wall_ms = total_ms / double(runs.size());
             all.push_back(std::move(s));
+            after_light(run.index);
         }
         return all;
     }
 
     /// "page": the page that serves each point. The points need not be a camera's.
-    std::vector<std::uint8_t> diagnose(std::string_view name, const Triangles& triangles, const Points& points,
-                                       const Light& light) override {
-        if (name != "page") return Technique::diagnose(name, triangles, points, light);
+    std::vector<std::uint8_t> draw_diagnostic(std::string_view name, const Triangles& triangles, const Points& points,
+                                              const Light& light) override {
+        if (name != "page") return Technique::draw_diagnostic(name, triangles, points, light);
         const std::size_t count = points.count();
         // Where no point faces the light the run requests no page.
         session_.reserve_filled(point_entries_, NO_PAGE, count * sizeof(cl_uint));
         const Visibility visibility(device_, count);
-        run(triangles, points, light, visibility);  // leaves its pages behind
+        run_light(triangles, points, light, visibility);  // leaves its pages behind
         const FitInputs inputs{triangle_inputs(triangles), point_inputs(points), visibility.buffer(), light,
                                points.camera()};
         const cl::Buffer colors(session_, 3 * count * sizeof(float));

@@ -70,7 +70,7 @@ def test_faces_equal_a_whole_scene(files, faces):
     lit = bits(faces)
     for sun in range(len(SUNS)):
         d = -faces.plan.suns.towards[0, sun]
-        expected = scene.lit(points[:, :3], direction=d, normals=points[:, 3:], lift=True)
+        expected = scene.lit(points[:, :3], direction=d, side=gnomon.Side.normals(points[:, 3:]), lift=True)
         assert (lit[sun] == expected).all(), sun
     assert 0.1 < lit.mean() < 0.9
 
@@ -140,7 +140,7 @@ def test_a_file_that_the_survey_cannot_read(files, faces, capsys):
 
 def test_houses_that_stand_on_a_raster(tmp_path):
     """A raster's vertices near walls that stand between them; those within a step of a wall are lifted off it as by
-    Scene.lit(receivers="vertices"). The same for other tiles."""
+    Scene.lit(side=Side.vertices()). The same for other tiles."""
     heights = np.zeros((24, 30))
     raster = write_raster(tmp_path / "flat.tif", heights, cell=2.0, west=1000.0, north=2000.0, crs=None)
     triangles, vertices = triangles_of(heights, 2.0, 1000.0, 2000.0)
@@ -162,10 +162,10 @@ def test_houses_that_stand_on_a_raster(tmp_path):
     inside = ((vertices[..., :2] > [1011, 1971]) & (vertices[..., :2] < [1021, 1979])).all(axis=2)
     for sun in range(len(SUNS)):
         d = -one.plan.suns.towards[0, sun]
-        expected = scene.lit(vertices, direction=d, receivers="vertices", up=(0, 0, 1))
-        assert (bits(one)[sun] == expected).all(), sun
+        expected = scene.lit(vertices, direction=d, side=gnomon.Side.vertices((0, 0, 1)))
+        assert (bits(one)[sun] == expected.values).all(), sun
         assert not bits(one)[sun][inside].any()
-    assert len(scene.at_vertices.touching) > 10
+    assert len(expected.touching) > 10
 
 
 def test_weights_and_a_year_of_irradiation(tmp_path):

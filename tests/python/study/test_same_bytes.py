@@ -50,7 +50,7 @@ def test_rational_arithmetic_agrees(whole):
 
 
 def test_a_whole_scene_agrees(whole):
-    """Scene.lit(receivers="vertices") on the raster as one mesh answers the same."""
+    """Scene.lit(side=Side.vertices()) on the raster as one mesh answers the same."""
     import gnomon
 
     heights = city()
@@ -60,7 +60,7 @@ def test_a_whole_scene_agrees(whole):
     lit = bits(whole)
     for sun in range(0, 40, 3):
         d = -whole.plan.suns.towards[0, sun]
-        expected = scene.lit(vertices[there], direction=d, receivers="vertices", up=(0, 0, 1))
+        expected = scene.lit(vertices[there], direction=d, side=gnomon.Side.vertices((0, 0, 1))).values
         assert (lit[sun][there] == expected).all(), sun
     assert not lit[:, ~there].any()
 

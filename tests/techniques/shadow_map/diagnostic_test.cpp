@@ -47,7 +47,7 @@ TEST(Diagnostic, AliasingErrorIsTheAnalyticFigure) {
     const Settings settings{{"fit", "casters"}};
     const MapView view = fit(scene, light, settings, size).views.at(0);
     const auto drawn = draw(scene, light, settings, DIAGNOSTIC_ALIASING, size);
-    const gnomon::ViewOnHost host = gnomon::read(scene.device, scene.triangles, scene.view);
+    const gnomon::ViewOnHost host = scene.view.read(scene.device, scene.triangles);
     const double step = 2 * scene.tangent_up() / 64;
     for (const std::uint32_t row : {2u, 20u, 40u, 61u}) {
         const std::size_t pixel = row * 96 + 48;
@@ -148,7 +148,7 @@ TEST(Diagnostic, WarpShowsEqualSharesOfTheMap) {
     const Settings settings{{"fit", "casters"}};
     const MapView view = fit(scene, light, settings, 512).views.at(0);
     const auto drawn = draw(scene, light, settings, DIAGNOSTIC_WARP, 512);
-    const gnomon::ViewOnHost host = gnomon::read(scene.device, scene.triangles, scene.view);
+    const gnomon::ViewOnHost host = scene.view.read(scene.device, scene.triangles);
     std::size_t dark = 0, light_ones = 0;
     for (std::size_t i = 0; i < drawn.texels_per_pixel.size(); ++i) {
         if (drawn.texels_per_pixel[i] == 0 || drawn.texels_per_pixel[i] > 4) continue;  // far less than a cell's 16

@@ -48,8 +48,8 @@ std::vector<std::pair<std::string, gnomon::Light>> lights() {
             {"side", gnomon::Light::directional({-1, -0.4f, 0.1f})},
             {"from behind", gnomon::Light::directional({0.1f, -0.3f, -1})},
             {"from ahead", gnomon::Light::directional({0.05f, -0.3f, 1})},
-            {"point light in view", gnomon::Light::positional({1, 6, 4})},
-            {"point light behind", gnomon::Light::positional({-8, 9, 45})}};
+            {"point light in view", gnomon::Light::point({1, 6, 4})},
+            {"point light behind", gnomon::Light::point({-8, 9, 45})}};
 }
 
 std::vector<Settings> compositions() {

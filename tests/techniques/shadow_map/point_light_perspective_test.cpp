@@ -58,7 +58,7 @@ Scene along_the_floor() {
 // A mast far down the floor: near the camera a pixel covers little floor, and the plain face's texels are wide there.
 TEST(PointLightPerspective, LessIsWrongWhereTheViewLooksAlongTheFloor) {
     const Scene scene = along_the_floor();
-    for (const auto& light : {gnomon::Light::positional({3, 60, -70}), gnomon::Light::positional({-30, 40, -120})}) {
+    for (const auto& light : {gnomon::Light::point({3, 60, -70}), gnomon::Light::point({-30, 40, -120})}) {
         for (const char* size : {"256", "1024"}) {
             const std::size_t plain = wrong_points(scene, light, "shadow-map", size),
                               warped = wrong_points(scene, light, "lispsm", size);
@@ -70,7 +70,7 @@ TEST(PointLightPerspective, LessIsWrongWhereTheViewLooksAlongTheFloor) {
 
 TEST(PointLightPerspective, ErrorFallsWithResolutionTowardsTheTruth) {
     const Scene scene = along_the_floor();
-    const auto light = gnomon::Light::positional({3, 60, -70});
+    const auto light = gnomon::Light::point({3, 60, -70});
     const std::size_t coarse = wrong_points(scene, light, "lispsm", "128"),
                       middle = wrong_points(scene, light, "lispsm", "512"),
                       fine = wrong_points(scene, light, "lispsm", "2048");
@@ -88,7 +88,7 @@ TEST(PointLightPerspective, APointLightAtTheEyeKeepsItsPlainFaces) {
     add(wall, {-60, -60, 0}, {60, 60, 0}, {-60, 60, 0});
     scene.triangles = gnomon::Triangles::upload(scene.device, wall);
     scene.view = gnomon::look(scene.device, scene.triangles, scene.camera, 96, 64);
-    const auto at_the_eye = gnomon::Light::positional({0, 0, 20}), aside = gnomon::Light::positional({60, 3, 2});
+    const auto at_the_eye = gnomon::Light::point({0, 0, 20}), aside = gnomon::Light::point({60, 3, 2});
     const Fitted plain = fit(scene, at_the_eye, {}), warped = fit(scene, at_the_eye, lispsm);
     ASSERT_EQ(warped.views.size(), plain.views.size());
     for (std::size_t face = 0; face < plain.views.size(); ++face)
@@ -113,11 +113,11 @@ int view_of(const std::uint8_t* color) {
 // A warped face's map reaches beyond the face; what lies there is another's all the same.
 TEST(PointLightPerspective, PointsAreServedByTheirOwnFace) {
     const Scene scene = along_the_floor();
-    const gnomon::ViewOnHost host = gnomon::read(scene.device, scene.triangles, scene.view);
+    const gnomon::ViewOnHost host = scene.view.read(scene.device, scene.triangles);
     const Double3 position{3, 60, -70};
     const auto technique = gnomon::make_technique("lispsm", scene.device);
     const std::vector<std::uint8_t> colors =
-        technique->diagnose("views", scene.triangles, scene.view.points, gnomon::Light::positional({3, 60, -70}));
+        technique->diagnose("views", scene.triangles, scene.view.points, gnomon::Light::point({3, 60, -70}));
     std::array<std::size_t, 6> served{}, astray{};
     for (std::size_t i = 0; i < host.receiver.size(); ++i) {
         if (host.receiver[i] == gnomon::no_receiver) continue;
@@ -139,7 +139,7 @@ TEST(PointLightPerspective, PointsAreServedByTheirOwnFace) {
 // Without a camera there is nothing to follow, and faces that are not fitted to receivers are plain.
 TEST(PointLightPerspective, WarpsOnlyWhatFollowsTheReceivers) {
     Scene scene;
-    const auto point_light = gnomon::Light::positional({1, 6, 4});
+    const auto point_light = gnomon::Light::point({1, 6, 4});
     EXPECT_GT(warped_faces(fit(scene, point_light, lispsm)), 0u);
     EXPECT_EQ(warped_faces(fit(scene, point_light, lispsm, 256, false)), 0u);
     EXPECT_EQ(warped_faces(fit(scene, point_light, {{"projection", "lispsm"}, {"fit", "frustum"}})), 0u);
@@ -151,7 +151,7 @@ TEST(PointLightPerspective, IsTheSameForEveryWorkGroupSize) {
     std::vector<MapView> first;
     for (const std::uint32_t work_group_size : FEW_WORK_GROUP_SIZES) {
         Scene scene(device_with(work_group_size));
-        const auto views = fit(scene, gnomon::Light::positional({1, 6, 4}), lispsm).views;
+        const auto views = fit(scene, gnomon::Light::point({1, 6, 4}), lispsm).views;
         if (first.empty()) first = views;
         for (std::size_t face = 0; face < first.size(); ++face)
             EXPECT_EQ(std::memcmp(&views[face], &first[face], sizeof(MapView)), 0) << face;

@@ -35,7 +35,7 @@ std::vector<float> visibility_of(const gnomon::Device& device, const LightScene&
     return answer(device, *technique_with(device, settings, technique), triangles, points, light).visibility;
 }
 
-const Light sun = Light::directional({-0.3f, -1, -0.2f}), point_light = Light::positional({0.3f, 3, 0.2f});
+const Light sun = Light::directional({-0.3f, -1, -0.2f}), point_light = Light::point({0.3f, 3, 0.2f});
 
 // The share of wrong points is that of texels on shadow edges: it falls as the texels' side.
 TEST(ShadowMap, ErrorFallsWithResolutionTowardsTheTruth) {

@@ -58,7 +58,7 @@ struct AreaLight {
 };
 
 std::vector<AreaLight> area_lights() {
-    return {{"point light", gnomon::Light::positional({0, 4, 0}), square_light({0, 4, 0}, 0.5f, samples), 0.5f, 4},
+    return {{"point light", gnomon::Light::point({0, 4, 0}), square_light({0, 4, 0}, 0.5f, samples), 0.5f, 4},
             {"sun", gnomon::Light::directional({0, -1, 0}), square_sun(0.25f, samples), 0.25f, INFINITY}};
 }
 

@@ -37,7 +37,7 @@ Floats floor_slabs_and_sheets() {
     return triangles;
 }
 
-const Light sun = Light::directional({-0.3f, -1, -0.2f}), point_light = Light::positional({0.3f, 3, 0.2f});
+const Light sun = Light::directional({-0.3f, -1, -0.2f}), point_light = Light::point({0.3f, 3, 0.2f});
 
 /// What a camera sees of the scene, with the camera known or not.
 class VirtualMap : public testing::Test {
@@ -214,8 +214,8 @@ TEST_F(VirtualMap, LightsInOnePoolAreAsEachAlone) {
     std::vector<gnomon::Visibility> together;
     for (std::size_t i = 0; i < lights.size(); ++i) together.emplace_back(device_, view.points.count());
     // Twice: what an earlier run of more or fewer lights leaves behind must not matter.
-    technique->run_lights(triangles, view.points, std::span(lights).first(2), std::span(together).first(2));
-    const auto statistics = technique->run_lights(triangles, view.points, lights, together);
+    technique->run_each_light(triangles, view.points, std::span(lights).first(2), std::span(together).first(2));
+    const auto statistics = technique->run_each_light(triangles, view.points, lights, together);
     ASSERT_EQ(statistics.size(), lights.size());
     for (std::size_t i = 0; i < lights.size(); ++i) {
         SCOPED_TRACE(i);
@@ -259,7 +259,7 @@ TEST_F(VirtualMap, PageDiagnosticShowsTheLevels) {
     const auto fine = drawn(view.points, {{"size", "4096"}}),
                coarse = drawn(view.points, {{"size", "4096"}, {"detail", "0.5"}});
     ASSERT_EQ(fine.size(), 4 * view.points.count());
-    const gnomon::PointsOnHost host = gnomon::read(device_, view.points);
+    const gnomon::PointsOnHost host = view.points.read(device_);
     std::array<std::size_t, 8> levels{};
     std::array<std::size_t, 2> pages{};
     for (std::size_t i = 0; i < view.points.count(); ++i) {

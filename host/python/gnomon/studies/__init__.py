@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,18 @@ from .runner import StudyStoppedError, run_study, workers_of
 from .settings import Settings, read_toml, settings_of
 from .verify import Verified, verify
 
-__all__ = ["Settings", "Study", "StudyStoppedError", "Verified", "open_study", "read_toml", "run", "study", "verify"]
+__all__ = [
+    "Execution",
+    "Settings",
+    "Study",
+    "StudyStoppedError",
+    "Verified",
+    "open_study",
+    "read_toml",
+    "run",
+    "study",
+    "verify",
+]
 
 
 class Study:
@@ -70,6 +82,19 @@ class Study:
         )
 
 
+@dataclass(frozen=True)
+class Execution:
+    """How a study is computed: study() has the meaning of each. It changes no answer."""
+
+    workers: int | str | Sequence[str] | None = None
+    client: Any = None
+    device: str | None = None
+    tiles: slice | None = None
+    restart: bool = False
+    check: bool = True
+    progress: bool = False
+
+
 def study(
     folder: str | os.PathLike[str],
     *,
@@ -98,23 +123,15 @@ def study(
     Raises ValueError with the setting's name, StudyStoppedError where the study cannot go on (a full disk, say): the
     same call then goes on from there.
     """
-    return run(Path(folder), settings_of(settings), workers, client, device, tiles, restart, check, progress)
+    how = Execution(workers, client, device, tiles, restart, check, progress)
+    return run(Path(folder), settings_of(settings), how)
 
 
-def run(
-    folder: Path,
-    settings: Settings,
-    workers: int | str | Sequence[str] | None = None,
-    client: Any = None,
-    device: str | None = None,
-    tiles: slice | None = None,
-    restart: bool = False,
-    check: bool = True,
-    progress: bool = False,
-) -> Study:
+def run(folder: Path, settings: Settings, how: Execution) -> Study:
     """study() with settings that are checked already."""
-    with workers_of(workers, client, device) as executor:
-        return Study(run_study(folder.absolute(), settings, executor, tiles, restart, check, progress))
+    with workers_of(how.workers, how.client, how.device) as executor:
+        plan = run_study(folder.absolute(), settings, executor, how.tiles, how.restart, how.check, how.progress)
+    return Study(plan)
 
 
 def open_study(folder: str | os.PathLike[str]) -> Study:

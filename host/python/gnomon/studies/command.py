@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import DeviceNotFoundError, OpenCLError
-from . import StudyStoppedError, open_study, read_toml, run
+from . import Execution, StudyStoppedError, open_study, read_toml, run
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -71,10 +71,15 @@ def _run(options: argparse.Namespace) -> int:
     if isinstance(workers, str) and workers.isdigit():
         workers = int(workers)
     device = options.device or of_run.get("device")
-    result = run(
-        folder, settings, workers, None, device, _tiles(options.tiles), options.restart, not options.no_check,
-        not options.quiet,
-    )  # fmt: skip
+    how = Execution(
+        workers=workers,
+        device=device,
+        tiles=_tiles(options.tiles),
+        restart=options.restart,
+        check=not options.no_check,
+        progress=not options.quiet,
+    )
+    result = run(folder, settings, how)
     record = result.record
     if not options.quiet:
         print(json.dumps({k: v for k, v in record.items() if k not in ("chunks", "settings", "versions")}, indent=1))

@@ -15,7 +15,9 @@ from .. import _gnomon
 from .._arrays import scaled
 from .._devices import Device, default_device, open_device
 from .._lattice import Lattice
+from .._lights import Lights
 from .._scene import Scene
+from .._side import Side
 from . import planes
 from .casters import LARGEST_SPAN, Casters, Survey
 from .facing import GridFacing
@@ -208,7 +210,7 @@ class Decider:
     ) -> NDArray[np.float64] | None:
         """(n, 3) normals to lift receivers along, NaN for those that are not lifted; None: no receiver is. Points on
         surfaces are lifted along their normals. A raster's vertex is lifted where a mesh passes within a step of it,
-        as by Scene.lit(receivers="vertices")."""
+        as by Scene.lit(side=Side.vertices())."""
         if part.normals is not None:
             return scaled(part.normals)
         low, high = at.min(axis=0) - self.pad, at.max(axis=0) + self.pad
@@ -262,9 +264,10 @@ class Decider:
             normals[lifted] = of_rows[lifted]
             world = np.ascontiguousarray(at[lifted if rows is None else rows[lifted]])
             here[lifted] = casters.lattice.lift(world, np.ascontiguousarray(normals[lifted]))
-        answer = casters.scene.many_lights(
-            here, directions=-towards[suns], normals=normals, bits=True, settings={"many-lights": "shafts"}
-        )
+        answer = casters.scene.lit_by(
+            here, Lights.directions(-towards[suns]), side=Side.normals(normals), bits=True,
+            settings={"many-lights": "shafts"},
+        )  # fmt: skip
         assert answer.bits is not None
         found = planes.transposed(answer.bits)
         if len(suns) < len(towards):

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// Pictures: the view of a camera, several samples per pixel, and scenes larger than the device's memory.
+#pragma once
+
+#include <gnomon/trace.hpp>
+
+#pragma GCC visibility push(default)
+
+namespace gnomon {
+
+/// The offset of a sample from its pixel's centre, in 1/64 pixel, x to the right and y down, each from -32 to 31.
+struct SampleOffset {
+    int x = 0, y = 0;
+};
+
+/// A view on the host, for pictures and files.
+struct ViewOnHost {
+    std::vector<float> position;          ///< 3 per pixel; sky: 0
+    std::vector<float> normal;            ///< 3 per pixel, unit geometric normal facing the camera; sky: 0
+    std::vector<std::uint32_t> receiver;  ///< sky: no_receiver
+};
+
+/// The view of a camera: per pixel (row by row from the top) the nearest triangle and the shading point on it.
+class View {
+public:
+    std::uint32_t width = 0, height = 0;
+    Points points;          ///< width * height; absent (NaN) where the pixel shows the sky
+    Statistics statistics;  ///< of the camera stages
+    /// Waits for the queue and copies to the host. `triangles` are those that look() saw.
+    ViewOnHost read(const Device& device, const Triangles& triangles) const;
+};
+
+/// Runs the camera stages: visibility buffer, then shading points, lifted off their receiver by a proven bound. Throws
+/// InvalidArgument if width or height is 0 or over 16384, or if the camera's members break its rules.
+View look(const Device& device, const Triangles& triangles, const Camera& camera, std::uint32_t width,
+          std::uint32_t height);
+
+/// look() for picture after picture. Keeps the lists and buffers of the last picture: the next one of this size
+/// allocates nothing, and repeats no stage because a list was too short. Same bits.
+class CameraPass {
+public:
+    explicit CameraPass(const Device& device);
+    ~CameraPass();
+    CameraPass(CameraPass&&) noexcept;
+    CameraPass& operator=(CameraPass&&) noexcept;
+    /// As look(). A view's buffers are used for a later picture only when no copy of its points is left.
+    /// Statistics::device_memory_bytes counts all that the pass keeps.
+    View look(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Lifts a caller's own points off their receivers as the camera stages do: each moves along its receiver's normal
+/// towards `eye` by 4 float32 ulps of the largest coordinate of point and eye, and is rounded up along it
+/// (docs/numerics.md, 9). If a point is an exact position on its receiver rounded to float32, the result is never below
+/// its plane, and at most 9 such ulps from the point. Absent points, and points on a receiver without a plane, do not
+/// move. The result shares the receivers; give runs Facing::eye(eye) with it. Throws InvalidArgument if there are no
+/// receivers.
+Points lift(const Device& device, const Triangles& triangles, const Points& points, const Float3& eye);
+
+/// The pattern of 1, 4, 8, 16 or 32 samples per pixel. 1: the centre. 4, 8, 16: Direct3D's standard patterns. 32:
+/// Hammersley's points in base 2, x = (i + 1/2) / 32 and y = (i's five bits in reverse + 1/2) / 32 from the pixel's
+/// upper left corner, i = 0 .. 31: every row, column and elementary rectangle of 1/32 of a pixel holds one. Throws
+/// InvalidArgument for another number.
+std::span<const SampleOffset> sample_pattern(std::uint32_t samples);
+
+/// Receives the points of some samples before their visibility is computed: sample by sample in the pattern's order,
+/// each pixel by pixel. The points are valid during the call.
+using SampleSink = std::function<void(const Points& points)>;
+
+/// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. Each sample is a point of its
+/// own with its own visibility. If the sample's ray meets the pixel's receiver, the point lies on that receiver, else
+/// on the first triangle that the ray meets (or creases would leak light); a sample without a triangle counts as lit.
+/// If an exact technique proves that all samples of a pixel on one receiver are in shadow, or lit, it does not make
+/// them one by one; same bits. Samples are processed in batches of bounded memory, which an exact technique frees at
+/// its end; times are sums over the batches. Points face by the view's eye. `view` must come from look(). Throws
+/// InvalidArgument like sample_pattern(), or if `mean` has fewer entries than the view has pixels.
+Statistics run_samples(Technique& technique, const Triangles& triangles, const View& view, const Light& light,
+                       std::uint32_t samples, const Visibility& mean, const SampleSink& sink = {});
+
+// ---- Scenes larger than the device's memory -------------------------------------------------------------------------
+
+/// A scene that stays on the host.
+struct SceneOnHost {
+    std::span<const float> vertices;    ///< 9 floats per triangle
+    const CutOuts* cut_outs = nullptr;  ///< of all these triangles; null: none
+};
+
+/// The view of a camera of a scene that stays on the host.
+struct ViewOfParts {
+    View view;                       ///< its receivers are indices in `ids`
+    Triangles triangles;             ///< the triangles of `ids`, on the device: for View::read() and shade()
+    std::vector<std::uint32_t> ids;  ///< ids in the whole scene, ascending: all seen triangles, and maybe more
+};
+/// look() for triangles on the host, same bits. The device stores as many triangles at a time as fit
+/// into its memory or under the limit given to Device. Throws OutOfDeviceMemory if the view itself does not fit.
+ViewOfParts look_in_parts(const Device& device, const SceneOnHost& scene, const Camera& camera, std::uint32_t width,
+                          std::uint32_t height);
+
+/// Technique::run() for triangles on the host: the device stores as many triangles, and as many points, at a time as
+/// fit. Same bits for an exact technique; for other techniques, each point gets the lowest visibility of its parts.
+/// `make` makes the technique, and makes it again after an attempt that did not fit. A receiver r of the points is
+/// triangle ids[r] of the scene, or r if `ids` is empty. Progress counts triangles. Throws OutOfDeviceMemory if even
+/// small parts do not fit, InvalidArgument for Facing::fans().
+Statistics run_in_parts(const std::function<std::unique_ptr<Technique>()>& make, const Device& device,
+                        const SceneOnHost& scene, const Points& points, std::span<const std::uint32_t> ids,
+                        const Light& light, const Visibility& visibility, const RunOptions& options = {});
+
+}  // namespace gnomon
+
+#pragma GCC visibility pop
