@@ -85,8 +85,8 @@ class OpenClError : public Error {
 public:
     /// what(): "CALL failed with NAME (CODE): REMEDY", then the build log.
     OpenClError(std::string_view call, cl_int code, std::string build_log = {}, std::string_view remedy = {});
-    cl_int code() const noexcept { return code_; }
-    const std::string& build_log() const noexcept { return build_log_; }
+    cl_int code() const noexcept { return code_; }                        ///< CL_INVALID_VALUE and so on
+    const std::string& build_log() const noexcept { return build_log_; }  ///< the compiler's; empty if no build failed
 
 private:
     cl_int code_;
@@ -97,6 +97,7 @@ private:
 /// given to Device). No object is left in a partial state: the library stays usable.
 class OutOfDeviceMemory : public OpenClError {
 public:
+    /// As OpenClError.
     OutOfDeviceMemory(std::string_view call, cl_int code, std::string_view remedy = "ask for fewer points at once")
         : OpenClError(call, code, {}, remedy) {}
 };
@@ -173,13 +174,14 @@ public:
     /// if the queue's device cannot be used.
     Device(cl_context context, cl_command_queue queue, const DeviceOptions& options = {});
 
-    const DeviceDescription& description() const;
-    cl_context context() const;
-    cl_command_queue queue() const;
+    const DeviceDescription& description() const;  ///< with what its start-up check found
+    cl_context context() const;                    ///< not retained for the caller
+    cl_command_queue queue() const;                ///< in-order; not retained for the caller
     /// Waits until the device has executed all that was enqueued.
     void finish() const;
     /// Bytes of device memory that gnomon's own buffers occupy now, and the largest number so far.
     std::uint64_t memory_bytes() const;
+    /// The largest memory_bytes() so far.
     std::uint64_t peak_memory_bytes() const;
     /// The builds since the device was opened. Waits for the queue if kernels were launched for the first time since
     /// the last call.
@@ -260,6 +262,7 @@ struct CutOuts {
 
 /// The same in buffers of the device's context: one value per element from the beginning, as in CutOuts.
 struct CutOutBuffers {
+    /// AlphaTexture in a buffer.
     struct Texture {
         std::uint32_t width = 0, height = 0;
         cl_mem alpha = nullptr;  ///< width * height bytes
@@ -312,11 +315,11 @@ public:
     /// Frees the clusters: the state is that from before keep_clusters().
     void forget_clusters() { clusters_.reset(); }
 
-    std::size_t count() const { return count_; }
-    cl_mem buffer() const;
-    std::size_t first_float() const { return first_float_; }
-    const CutOutCounts& cut_out_counts() const { return cut_out_counts_; }
-    bool is_same_as(const Triangles& other) const;  ///< of the same part of the same buffer
+    std::size_t count() const { return count_; }              ///< of triangles
+    cl_mem buffer() const;                                    ///< of the vertices; not retained for the caller
+    std::size_t first_float() const { return first_float_; }  ///< where the first vertex begins in buffer()
+    const CutOutCounts& cut_out_counts() const { return cut_out_counts_; }  ///< zeros without cut-outs
+    bool is_same_as(const Triangles& other) const;                          ///< of the same part of the same buffer
 
 private:
     friend struct Internals;
@@ -358,7 +361,7 @@ public:
         eye_ = eye;
         lifted_off_.reset();
     }
-    const std::optional<Float3>& eye() const { return eye_; }
+    const std::optional<Float3>& eye() const { return eye_; }  ///< none until one is set
     /// Sets the camera of the picture of width x height pixels that these points belong to, and the eye. Shadow maps
     /// that are split or warped along the view need the camera; without it they fit the points alone. Views made by
     /// look() have it set.
@@ -366,17 +369,17 @@ public:
         camera_ = PointsCamera{camera, width, height};
         set_eye(camera.eye);
     }
-    const std::optional<PointsCamera>& camera() const { return camera_; }
+    const std::optional<PointsCamera>& camera() const { return camera_; }  ///< none until one is set
     /// The caller promises that no point lies on the far side of its receiver as the eye sees it; receivers are ids in
     /// `triangles`. Some tests of receivers are then skipped, which saves time. Views made by look() have this set; it
     /// lasts until an eye or a camera is set. After a change of the triangles, call look() again.
     void set_lifted_off(const Triangles& triangles);
-    bool is_lifted_off(const Triangles& triangles) const;
+    bool is_lifted_off(const Triangles& triangles) const;  ///< set_lifted_off() was called with these triangles
 
-    std::size_t count() const { return count_; }
-    cl_mem positions() const;
-    cl_mem receivers() const;  ///< null if no point has a receiver
-    const PointLayout& layout() const { return layout_; }
+    std::size_t count() const { return count_; }           ///< of points
+    cl_mem positions() const;                              ///< as layout() describes
+    cl_mem receivers() const;                              ///< null if no point has a receiver
+    const PointLayout& layout() const { return layout_; }  ///< of positions()
 
 private:
     friend struct Internals;
@@ -396,12 +399,12 @@ struct PointsOnHost {
     std::vector<float> position;          ///< 3 per point
     std::vector<std::uint32_t> receiver;  ///< one per point; no_receiver if the points have none
 };
-PointsOnHost read(const Device& device, const Points& points);
+PointsOnHost read(const Device& device, const Points& points);  ///< waits for the queue
 
 /// Visibility per point, one float32 each: 1 lit, 0 in shadow; filtered techniques write values between.
 class Visibility {
 public:
-    Visibility(const Device& device, std::size_t count);
+    Visibility(const Device& device, std::size_t count);  ///< a new buffer of `count` floats
     /// Uses `count` floats of the caller's buffer (retained) from `first_float` on: the device writes the result there,
     /// and no copy goes through the host. first_float * 4 must be a multiple of the device's
     /// CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8 (gnomon makes a sub-buffer), else the constructor throws InvalidArgument.
@@ -410,8 +413,8 @@ public:
     /// there after fetch(), from then on until the next run; where device and host share memory, nothing is copied.
     static Visibility share(const Device& device, std::span<float> values);
 
-    std::size_t count() const { return count_; }
-    cl_mem buffer() const;
+    std::size_t count() const { return count_; }  ///< of values
+    cl_mem buffer() const;                        ///< not retained for the caller
     /// Waits for the queue and copies to the host.
     std::vector<float> read() const;
     /// Waits for the queue and brings the values to the place that share() was given. Throws InvalidArgument if this
@@ -428,7 +431,7 @@ private:
 /// A directional light or a point light. Float32 as given, never normalised.
 struct Light {
     std::array<float, 4> xyzw{};  ///< w = 0: minus the direction of travel; w = 1: the position
-    bool is_directional() const { return xyzw[3] == 0.0f; }
+    bool is_directional() const { return xyzw[3] == 0.0f; }  ///< else it is a point light
 
     /// A directional light that travels along `direction`. Throws InvalidArgument if zero or not finite.
     static Light directional(const Float3& direction);
@@ -457,6 +460,7 @@ struct WorldLattice {
     /// around the scene fit too.
     static WorldLattice fit(std::span<const double> positions);
 
+    /// What snap() returns.
     struct Snapped {
         std::vector<float> positions;  ///< relative to the origin; NaN where a position is not finite
         double largest_move = 0;       ///< of any coordinate: at most half a step
@@ -473,6 +477,7 @@ struct WorldLattice {
     /// more than a right angle), or tilts them by more than `degrees`, 0 to 90. Triangles that have no area before, or
     /// are not finite, are `none`. Throws as snap() does.
     enum class Change : std::uint8_t { none, zero_area, turned_over, tilted };
+    /// One value for each triangle.
     std::vector<Change> changes(std::span<const double> triangles, double degrees = 1) const;
     /// For each corner of these triangles (9 numbers each) another triangle that it touches: one within a step of the
     /// corner, before snapping, that has no corner there, after snapping (a T-junction, a wall that stands on terrain,
@@ -541,10 +546,10 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
 /// allocates nothing, and repeats no stage because a list was too short. Same bits.
 class CameraPass {
 public:
-    explicit CameraPass(const Device& device);
+    explicit CameraPass(const Device& device);  ///< allocates nothing before the first look()
     ~CameraPass();
-    CameraPass(CameraPass&&) noexcept;
-    CameraPass& operator=(CameraPass&&) noexcept;
+    CameraPass(CameraPass&&) noexcept;             ///< the other one may only be assigned to or destroyed
+    CameraPass& operator=(CameraPass&&) noexcept;  ///< the same
     /// As look(). A view's buffers are used for a later picture only when no copy of its points is left.
     /// Statistics::device_memory_bytes counts all that the pass keeps.
     View look(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
@@ -567,7 +572,7 @@ struct ViewOnHost {
     std::vector<float> normal;            ///< 3 per pixel, unit geometric normal facing the camera; sky: 0
     std::vector<std::uint32_t> receiver;  ///< sky: no_receiver
 };
-ViewOnHost read(const Device& device, const Triangles& triangles, const View& view);
+ViewOnHost read(const Device& device, const Triangles& triangles, const View& view);  ///< waits for the queue
 
 /// Base colours for shade(): one material id per triangle, and linear RGB per material.
 struct Materials {
@@ -601,6 +606,7 @@ struct SurfaceDetail {
 /// not finite.
 std::uint32_t pack_normal(const Float3& normal);
 
+/// What Surfaces::read() returns: 3 floats per pixel each.
 struct SurfacesOnHost {
     std::vector<float> albedo;  ///< linear RGB per pixel; sky: 0
     std::vector<float> normal;  ///< unit shading normal on the eye's side of the triangle; sky: 0
@@ -619,10 +625,10 @@ public:
     /// be as they were. Throws InvalidArgument if arrays and numbers do not fit together.
     Surfaces(const Device& device, const Triangles& triangles, const View& view, const Materials& materials,
              const SurfaceDetail& detail = {}, SurfaceTextures* kept = nullptr);
-    std::size_t count() const;  ///< pixels
-    cl_mem normals() const;     ///< the shading normals, 3 floats per pixel
-    std::uint64_t texture_bytes() const;
-    std::uint32_t left_out_levels() const;
+    std::size_t count() const;              ///< pixels
+    cl_mem normals() const;                 ///< the shading normals, 3 floats per pixel
+    std::uint64_t texture_bytes() const;    ///< device memory of the textures
+    std::uint32_t left_out_levels() const;  ///< the finest ones, of each texture; 0: none
     /// `materials`: those given to the constructor.
     SurfacesOnHost read(const Materials& materials) const;
 
@@ -633,6 +639,7 @@ private:
     std::shared_ptr<const Inside> inside_;
 };
 
+/// How shade() exposes, and where the sky lights.
 struct ShadeOptions {
     /// All light times 2^this. None: metered, so that 95 % of the surfaces' pixels are no brighter than .8.
     std::optional<double> exposure_ev = 0;
@@ -640,6 +647,7 @@ struct ShadeOptions {
     /// light everywhere.
     std::span<const float> sky_shares{};
 };
+/// What shade() returns: width * height pixels.
 struct Picture {
     std::vector<std::uint8_t> rgba;  ///< 8-bit sRGB, 4 bytes per pixel
     double exposure_ev = 0;          ///< as given or metered
@@ -655,6 +663,7 @@ Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 std::span<const Visibility> visibilities, const Materials& materials,
                                 std::span<const Light> lights);
+/// The same for one light.
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 const Visibility& visibility, const Materials& materials, const Light& light);
 
@@ -675,11 +684,11 @@ public:
     /// the numbers differ.
     explicit Lights(std::vector<Light> lights, std::vector<float> weights = {});
 
-    std::size_t count() const { return lights_.size(); }
-    std::span<const Light> lights() const { return lights_; }
-    std::span<const float> weights() const { return weights_; }
-    std::span<const std::int64_t> whole_weights() const { return whole_; }
-    int exponent() const { return exponent_; }
+    std::size_t count() const { return lights_.size(); }                    ///< of lights
+    std::span<const Light> lights() const { return lights_; }               ///< in the order in which they were given
+    std::span<const float> weights() const { return weights_; }             ///< one per light, as given or 1
+    std::span<const std::int64_t> whole_weights() const { return whole_; }  ///< one per light, in units of 2^exponent()
+    int exponent() const { return exponent_; }                              ///< of whole_weights()
     /// The most by which a weight was rounded.
     double largest_rounding() const { return largest_rounding_; }
 
@@ -894,6 +903,7 @@ struct DiagnosticDescription {
     std::string meaning;  ///< one line
 };
 
+/// One technique, as `gnomon techniques` lists it.
 struct TechniqueDescription {
     std::string name;
     std::string summary;  ///< one line
@@ -941,7 +951,7 @@ struct Explanation {
     /// predicate, "float", "double" and "integers" (the hardest of the point's pairs); "exact": one of these levels.
     std::string arithmetic;
 
-    bool is_lit() const { return visibility != 0.0f; }
+    bool is_lit() const { return visibility != 0.0f; }  ///< by the technique's output
     /// True if the technique's visibility agrees with the signs. If it does not, gnomon is wrong.
     bool is_consistent() const { return is_lit() == (!is_backfacing && occluders.empty()); }
 };
