@@ -145,23 +145,28 @@ awk '$1 > 14 { print $3 ": " $2 ": " $1 " arguments" }' <<<"$arguments" | sort |
 awk '$1 > 12 { lines = lines $3 ": " $2 ": " $1 " arguments\n"; ++count } END { if (count > 4) printf "%s", lines }' \
     <<<"$arguments" | sort | complain 'at most 4 kernels have more than 12 arguments'
 
-# What a visitor reads stays short. Proofs (docs/numerics.md) and the tutorials of interfaces may be long.
+# What a visitor reads stays short. Proofs (docs/numerics.md), the tutorials of interfaces and the notebook may be long.
 if [ -f README.md ] && [ "$(wc -c <README.md)" -gt 6000 ]; then
     echo "README.md: $(wc -c <README.md) bytes" | complain 'README.md has at most 6 kB'
 fi
+lines_of '^CONTRIBUTING\.md$' | awk '$1 > 120 { print $2 ": " $1 " lines" }' |
+    complain 'CONTRIBUTING.md has at most 120 lines'
 files_matching '^docs/.*\.md$' | xargs -0 -r awk '
-    FILENAME !~ /^docs\/(numerics|python|studies|embedding|gltf|many_lights)\.md$/ { words += NF }
+    FILENAME !~ /^docs\/(notebook\/|(numerics|python|studies|embedding|gltf)\.md$)/ { words += NF }
+    FILENAME == "docs/many_lights.md" { words_of_many_lights += NF }
     FILENAME == "docs/performance.md" { ++lines }
-    END { if (words > 14400) print "docs: " words " words"
+    END { if (words > 8300) print "docs: " words " words"
+          if (words_of_many_lights > 1500) print "docs/many_lights.md: " words_of_many_lights " words"
           if (lines > 150) print "docs/performance.md: " lines " lines" }' |
-    complain 'docs/ without numerics.md, gltf.md, many_lights.md and the tutorials has at most 14400 words, docs/performance.md at most 150 lines'
+    complain 'docs/ without numerics.md, gltf.md, the tutorials and the notebook has at most 8300 words, docs/many_lights.md at most 1500, docs/performance.md at most 150 lines'
 
-# The README is true: what it names is there.
-if [ -f README.md ]; then
-    { grep -oE '`(kernels|host|tests|tools|docs|scenes)/[^` ]+`' README.md | tr -d '`'
-      grep -oE '\]\((kernels|host|tests|tools|docs|scenes)/[^) ]+\)' README.md | sed -E 's/^..(.*).$/\1/'; } |
+# README and CONTRIBUTING are true: what they name is there.
+for page in README.md CONTRIBUTING.md; do
+    [ -f $page ] || continue
+    { grep -oE '`(kernels|host|tests|tools|docs|scenes)/[^` ]+`' $page | tr -d '`'
+      grep -oE '\]\((kernels|host|tests|tools|docs|scenes)/[^) ]+\)' $page | sed -E 's/^..(.*).$/\1/'; } |
         sort -u | while IFS= read -r path; do [ -e "$path" ] || echo "$path"; done |
-        complain 'README.md names files that are not there'
-fi
+        complain "$page names files that are not there"
+done
 
 exit $broken

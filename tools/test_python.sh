@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Builds the Python package's wheel, installs it into a fresh virtual environment and tests it there: with PyPI's PoCL
-# alone, as if the system had no OpenCL driver, then with the system's. Needs python3 with venv and its headers, and
-# PyPI. usage: test_python.sh [BUILD-FOLDER]
+# alone, as if the system had no OpenCL driver, then with the system's. Makes the API pages (tools/api_pages.sh), where
+# there is doxygen. Needs python3 with venv and its headers, and PyPI. usage: test_python.sh [BUILD-FOLDER]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=$(realpath -m "${1:-build-python}")
@@ -19,8 +19,9 @@ fi
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 "${pip[@]}" wheel . --no-deps --wheel-dir "$build/wheel" --config-settings=build-dir="$build/objects"
 wheel=$(echo "$build"/wheel/gnomon-*.whl)
-"${pip[@]}" install "$wheel[pocl,test,study]"
+"${pip[@]}" install "$wheel[pocl,test,study]" pdoc
 ls -l "$wheel"
+if command -v doxygen >/dev/null; then tools/api_pages.sh "$build/venv/bin/python"; fi
 
 tests() { "$build/venv/bin/python" -m pytest -q -p no:cacheprovider "$@" tests/python; }
 drivers=("$build"/venv/lib/python3*/site-packages/pyopencl/.libs/libpocl*.so)

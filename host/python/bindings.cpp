@@ -94,7 +94,8 @@ void bind_devices(nb::module_& m) {
     using gnomon::DeviceDescription;
     m.def("load_opencl", &gnomon::load_opencl, "library"_a = "");
     m.def("devices", &gnomon::devices, Released());
-    nb::class_<DeviceDescription>(m, "DeviceDescription")
+    nb::class_<DeviceDescription>(m, "DeviceDescription",
+                                  "One OpenCL device of this machine: its names, its memory, what it lacks.")
         .def_ro("selector", &DeviceDescription::selector)
         .def_ro("name", &DeviceDescription::name)
         .def_ro("platform", &DeviceDescription::platform)
@@ -205,14 +206,16 @@ void bind_inputs(nb::module_& m) {
 
 void bind_techniques(nb::module_& m) {
     using gnomon::Technique;
-    nb::class_<gnomon::SettingDescription>(m, "SettingDescription")
+    nb::class_<gnomon::SettingDescription>(
+        m, "SettingDescription", "A setting of a technique: its name, its default, one line with range and unit.")
         .def_ro("name", &gnomon::SettingDescription::name)
         .def_ro("default", &gnomon::SettingDescription::default_value)
         .def_ro("meaning", &gnomon::SettingDescription::meaning)
         .def("__repr__", [](const gnomon::SettingDescription& s) {
             return "<gnomon.SettingDescription " + s.name + "=" + s.default_value + ": " + s.meaning + ">";
         });
-    nb::class_<gnomon::TechniqueDescription>(m, "TechniqueDescription")
+    nb::class_<gnomon::TechniqueDescription>(
+        m, "TechniqueDescription", "A technique: its name, a line about it, whether it is exact, its settings.")
         .def_ro("name", &gnomon::TechniqueDescription::name)
         .def_ro("summary", &gnomon::TechniqueDescription::summary)
         .def_ro("exact", &gnomon::TechniqueDescription::exact)

@@ -21,18 +21,30 @@ endif()
 
 # The OpenCL library is loaded when it is needed, and one sentence names what is wrong with it.
 if(GNOMON_COMMAND)
-  gnomon_check(opencl_library_is_loaded_lazily LABELS build COMMAND "${here}/opencl_library_test.sh" "$<TARGET_FILE:gnomon_command>")
+  gnomon_check(opencl_library_is_loaded_lazily LABELS build
+               COMMAND "${here}/opencl_library_test.sh" "$<TARGET_FILE:gnomon_command>")
 endif()
 
 gnomon_check(layout LABELS build quick COMMAND "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
-gnomon_check(layout_rules_bite LABELS build exhaustive COMMAND "${here}/check_layout_test.sh" "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
+gnomon_check(layout_rules_bite LABELS build exhaustive
+             COMMAND "${here}/check_layout_test.sh" "${PROJECT_SOURCE_DIR}/tools/check_layout.sh")
 
-gnomon_check(readme_shows_the_example LABELS build
-         COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/README.md
-                 -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/example.cpp -P "${here}/readme_shows_example.cmake")
-gnomon_check(embedding_md_shows_the_example LABELS build
-         COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/docs/embedding.md -D LANGUAGE=c
-                 -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/embedding.c -P "${here}/readme_shows_example.cmake")
+# Six programs show how gnomon is used. Each is shown by a page, run by the tests (the Python ones by
+# tests/python/test_examples.py), and checks its own answer.
+function(gnomon_page_shows page language example)
+  get_filename_component(name ${page} NAME_WE)
+  string(TOLOWER ${name}_shows_${example} test)
+  string(REPLACE "." "_" test ${test})
+  gnomon_check(${test} LABELS build
+               COMMAND "${CMAKE_COMMAND}" -D README=${PROJECT_SOURCE_DIR}/${page} -D LANGUAGE=${language}
+                   -D EXAMPLE=${PROJECT_SOURCE_DIR}/tests/consumer/${example} -P "${here}/readme_shows_example.cmake")
+endfunction()
+gnomon_page_shows(README.md cpp example.cpp)
+gnomon_page_shows(docs/embedding.md c embedding.c)
+gnomon_page_shows(docs/many_lights.md cpp many_lights.cpp)
+gnomon_page_shows(docs/python.md python lit_points.py)
+gnomon_page_shows(docs/python.md python on_device.py)
+gnomon_page_shows(docs/studies.md python sun_study.py)
 
 # The example as a user builds it: against an installed static library, an installed shared one, and as a subproject.
 # A sanitized library is of no use to a program built without the sanitizers.

@@ -11,7 +11,7 @@ failures=0
 
 make_good_tree() {
     rm -rf "${tree:?}"/*
-    mkdir -p "$tree"/{kernels/exact,kernels/trace,host/cl,host/trace,host/include,host/app,tests/reference,tests/trace,docs}
+    mkdir -p "$tree"/{kernels/exact,kernels/trace,host/cl,host/trace,host/include,host/app,tests/reference,tests/trace,docs/notebook}
     printf '%s\n' '# SPDX-License-Identifier: MIT' 'gnomon_wing(cl session)' 'gnomon_wing(exact sum)' \
         'gnomon_wing(trace trace' '            again)' >"$tree/host/stages.cmake"
     printf '%s\n' "$licence" '// The prelude.' '#ifdef __cplusplus' '#include <cstdint>' '#endif' \
@@ -98,6 +98,7 @@ must_catch tests/reference/truth.cpp '#include <gnomon.hpp>'
 must_catch tests/reference/truth.cpp '#include "trace/trace.hpp"'
 must_catch README.md 'The promise is in `kernels/missing.h`.'
 must_catch README.md '![a picture](docs/missing.png)'
+must_catch CONTRIBUTING.md 'The promise is in `kernels/missing.h`.' kernels/missing.h
 
 # The order of the wings: from kernels/, from host/, out of the order, and out of the wings.
 must_catch kernels/exact/sum.h '#include "trace/trace.h"'
@@ -142,10 +143,13 @@ must_catch kernels/trace/trace.cl "$(for f in a b c d e; do kernel_of 13 $f; don
 must_accept kernels/trace/trace.cl "$(for f in a b c d; do kernel_of 13 $f; done; kernel_of 12 e)"
 must_catch kernels/trace/trace.cl "$(printf '#define MORE , uint x, \\\n    uint y\n__kernel void f(uint a MORE'
                                      repeated 12 ', uint b'; echo ') {}')"
-must_catch docs/page.md "$(repeated 14401 'word')" 'docs: 14'
+must_catch docs/page.md "$(repeated 8301 'word')" 'docs: 8'
+must_catch docs/many_lights.md "$(repeated 1501 'word')"
+must_catch CONTRIBUTING.md "$(repeated 120 'word')"
 must_catch docs/performance.md "$(repeated 150 '-')"
 must_catch README.md "$(repeated 600 '123456789')"
-must_accept docs/numerics.md "$(repeated 14401 'word')"
+must_accept docs/numerics.md "$(repeated 8301 'word')"
+must_accept docs/notebook/page.md "$(repeated 8301 'word')"
 must_catch tests/trace/trace_test.cpp '    EXPECT_NEAR(a, b, 1e-6);'
 must_catch tests/trace/trace_test.cpp 'constexpr float epsilon = 1e-6f;'
 must_catch tests/trace/trace_test.cpp 'TEST(trace, EqualsReference) {'

@@ -49,6 +49,10 @@ endfunction()
 set(example_prints "point 0 is in shadow\npoint 1 is in shadow\npoint 2 is in the light\n")
 expect("${build}/example" "${example_prints}")
 expect("${build}/embedding" "point 0 is 0.25 bright\npoint 1 is 0.25 bright\npoint 2 is 1.00 bright\n")
+expect("${build}/many_lights" "point 0: 8 hours of sun, from 7 to 14 o'clock
+point 1: 8 hours of sun, from 10 to 17 o'clock
+point 2: 11 hours of sun, from 7 to 17 o'clock
+")
 set(c_prints "2048 of 4096 points are in the light\n")
 expect("${build}/embedding_in_c" "${c_prints}")
 expect("${build}/failures" "InvalidArgument\nDeviceNotFound\nOutOfDeviceMemory\nOpenClError\nError\nruntime_error\n")

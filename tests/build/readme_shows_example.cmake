@@ -1,27 +1,33 @@
 # SPDX-License-Identifier: MIT
-# A document's listing is a part of the example that the tests compile and run, to the letter, and at most 14 lines long:
-# the lines between "// README begins" and "// README ends".
-# cmake -D README=... -D EXAMPLE=... [-D LANGUAGE=c] -P readme_shows_example.cmake
+# A document's listing is a part of the example that the tests run, to the letter, and at most 14 lines long: the lines
+# between the comments "README begins" and "README ends".
+# cmake -D README=... -D EXAMPLE=... [-D LANGUAGE=c|cpp|python] -P readme_shows_example.cmake
 if(NOT LANGUAGE)
   set(LANGUAGE cpp)
 endif()
-string(HEX "${LANGUAGE}" language)
+set(begins "    // README begins\n")
+set(ends "    // README ends\n")
+if(LANGUAGE STREQUAL "python")
+  set(begins "# README begins\n")
+  set(ends "# README ends\n")
+endif()
+# Hex, because as text CMake would take semicolons and brackets for lists.
+foreach(text IN ITEMS LANGUAGE begins ends)
+  string(HEX "${${text}}" ${text}_hex)
+endforeach()
 file(READ "${README}" readme HEX)
 file(READ "${EXAMPLE}" example HEX)
-# Hex, because as text CMake would take semicolons and brackets for lists.
-set(begins "2f2f20524541444d4520626567696e730a")
-set(ends "202020202f2f20524541444d4520656e6473")
-string(FIND "${example}" "${begins}" first)
-string(FIND "${example}" "${ends}" last)
+string(FIND "${example}" "${begins_hex}" first)
+string(FIND "${example}" "${ends_hex}" last)
 if(first EQUAL -1 OR last EQUAL -1)
-  message(FATAL_ERROR "${EXAMPLE} must hold the lines \"// README begins\" and \"// README ends\"")
+  message(FATAL_ERROR "${EXAMPLE} must hold the lines\n${begins}${ends}")
 endif()
-string(LENGTH "${begins}" length)
+string(LENGTH "${begins_hex}" length)
 math(EXPR first "${first} + ${length}")
 math(EXPR length "${last} - ${first}")
 string(SUBSTRING "${example}" ${first} ${length} excerpt)
 # "```cpp\n", the excerpt, "```\n".
-string(FIND "${readme}" "606060${language}0a${excerpt}6060600a" at)
+string(FIND "${readme}" "606060${LANGUAGE_hex}0a${excerpt}6060600a" at)
 if(at EQUAL -1)
   message(FATAL_ERROR "${README} does not show the lines that ${EXAMPLE} marks: copy them into the ```${LANGUAGE} block")
 endif()

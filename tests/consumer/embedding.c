@@ -139,5 +139,5 @@ int main(void) {
     clReleaseProgram(program);
     clReleaseCommandQueue(queue);
     clReleaseContext(context);
-    return 0;
+    return lit == cells / 2 ? 0 : 1;
 }

@@ -22,6 +22,7 @@ int main() try {
     for (std::size_t i = 0; i < lit.size(); ++i)
         std::printf("point %zu is %s\n", i, lit[i] == 1 ? "in the light" : "in shadow");
     std::printf("%s\n", device.description().name.c_str());
+    return lit == std::vector<float>{0, 0, 1} ? 0 : 1;
 } catch (const gnomon::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

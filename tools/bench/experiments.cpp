@@ -321,7 +321,7 @@ std::vector<Block> soft(const SceneShelf& shelf, const Limits& all_limits) {
 
 // ---- Many lights ----------------------------------------------------------------------------------------------------
 
-// The table of docs/many_lights.md; small, it is a sign of life.
+// The table of docs/notebook/many_lights.md; small, it is a sign of life.
 std::vector<Block> many_lights(const SceneShelf& shelf, const Limits& limits) {
     std::vector<Block> blocks;
     const auto add = [&](const std::string& scene, const char* lights) {

@@ -110,6 +110,7 @@ class Settings:
 
     @classmethod
     def from_json(cls, values: dict[str, Any]) -> Settings:
+        """The settings from what json.loads() makes of as_json(); lists become tuples."""
         taken: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in values.items()}
         return cls(**taken)
 
