@@ -450,7 +450,6 @@ TEST_F(SceneFile, GlassIsNamed) {
 TEST_F(SceneFile, UnknownRequiredExtensionIsAnError) {
     std::vector<std::string> unknown{"ACME_warp"};
     if (!GNOMON_TEST_DRACO) unknown.emplace_back("KHR_draco_mesh_compression");
-    if (!GNOMON_TEST_MESHOPT) unknown.emplace_back("EXT_meshopt_compression");
     for (const std::string& name : unknown) {
         Gltf gltf = triangle_file();
         gltf.set("/extensionsRequired", R"(["KHR_materials_unlit", ")" + name + "\"]");
@@ -462,27 +461,22 @@ TEST_F(SceneFile, UnknownRequiredExtensionIsAnError) {
     EXPECT_EQ(load(gltf).triangles, one_triangle);
 }
 
-// What a build without the libraries says (GNOMON_DRACO=OFF, GNOMON_MESHOPT=OFF).
+// What a build without the library says (GNOMON_DRACO=OFF).
 TEST_F(SceneFile, CompressedWithoutFallbackIsAnError) {
     Gltf gltf = triangle_file();
     gltf.set("/meshes/0/primitives/0/extensions", R"({"KHR_draco_mesh_compression": {"bufferView": 0}})");
     gltf.set("/accessors/0/bufferView", "");
     if (!GNOMON_TEST_DRACO) expect_error(gltf, {"primitive 0 of mesh 'thing'", "KHR_draco_mesh_compression"});
-
-    gltf = triangle_file();
-    gltf.set("/buffers", R"([{"byteLength": 36, "extensions": {"EXT_meshopt_compression": {"fallback": true}}}])");
-    if (!GNOMON_TEST_MESHOPT) expect_error(gltf, {"buffers[0]", "EXT_meshopt_compression"});
 }
 
 TEST_F(SceneFile, UncompressedDataStandsInForAMissingLibrary) {
     Gltf gltf = triangle_file();
-    gltf.set("/extensionsUsed", R"(["KHR_draco_mesh_compression", "EXT_meshopt_compression"])");
+    gltf.set("/extensionsUsed", R"(["KHR_draco_mesh_compression"])");
     if (!GNOMON_TEST_DRACO)
         gltf.set("/meshes/0/primitives/0/extensions", R"({"KHR_draco_mesh_compression": {"bufferView": 0}})");
     const Scene scene = load(gltf);
     EXPECT_EQ(scene.triangles, one_triangle);
     if (!GNOMON_TEST_DRACO) expect_warning(scene, {"KHR_draco_mesh_compression (the uncompressed data is read)"});
-    if (!GNOMON_TEST_MESHOPT) expect_warning(scene, {"EXT_meshopt_compression (the uncompressed data is read)"});
 }
 
 TEST_F(SceneFile, NoTrianglesIsAWarning) {
