@@ -1023,24 +1023,24 @@ TEST(Defaults, LightTravelsAsStated) {
 // ---- Real scenes ----------------------------------------------------------------------------------------------------
 
 struct RealScene {
-    const char* file;
+    const char *file, *unpacked;
     std::size_t triangles;
+    std::uint64_t digest;  ///< of the unpacked file's triangles
+
+    friend std::ostream& operator<<(std::ostream& out, const RealScene& scene) { return out << scene.file; }
 };
 
-class SharedScene : public testing::TestWithParam<RealScene> {};
+/// FNV-1a of 64 bits over the little-endian bytes.
+std::uint64_t digest(const std::vector<float>& triangles) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(triangles.data());
+    std::uint64_t hash = 0xCBF29CE484222325u;
+    for (std::size_t i = 0; i < triangles.size() * sizeof(float); ++i) hash = (hash ^ bytes[i]) * 0x100000001B3u;
+    return hash;
+}
 
-/// Both are one identity node and one mesh of uint32 triangles over one float32 position accessor, one buffer: the
-/// expected triangles are gathered here from the .glb's bytes, with nothing but a JSON parser.
-TEST_P(SharedScene, LoadsWithTheFilesOwnBits) {
-    const char* elsewhere = std::getenv("GNOMON_SCENES");
-    const std::filesystem::path file =
-        std::filesystem::path(elsewhere ? elsewhere : GNOMON_SHARED_SCENES) / GetParam().file;
-    if (!std::filesystem::exists(file))
-        GTEST_SKIP() << "NOT TESTED: " << file << " is missing; set GNOMON_SCENES to the folder that has it";
-    const Scene scene = gnomon::scene::load(file);
-    EXPECT_EQ(scene.triangle_count(), GetParam().triangles);
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
-
+/// The triangles of an unpacked file. It is one identity node and one mesh of uint32 triangles over float32 positions,
+/// with one buffer, so that a JSON parser is enough to gather them from the bytes of the .glb.
+std::vector<float> triangles_in(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     std::uint32_t json_size;
@@ -1062,12 +1062,37 @@ TEST_P(SharedScene, LoadsWithTheFilesOwnBits) {
             std::memcpy(&expected[expected.size() - 3], positions + std::size_t(12) * index, 12);
         }
     }
-    EXPECT_TRUE(same_bits(scene.triangles, expected));
+    return expected;
 }
 
-const auto real_name = [](const auto& info) { return std::filesystem::path(info.param.file).stem().string(); };
-INSTANTIATE_TEST_SUITE_P(Shared, SharedScene,
-                         testing::Values(RealScene{"crytek_sponza.glb", 262267}, RealScene{"lost_empire.glb", 224998}),
-                         real_name);
+class PackedScene : public testing::TestWithParam<RealScene> {};
+
+// The digests are those of the unpacked files, by this Python program:
+//   import json, struct, sys
+//   b = open(sys.argv[1], "rb").read()
+//   n, h = struct.unpack_from("<I", b, 12)[0], 0xCBF29CE484222325
+//   g = json.loads(b[20 : 20 + n])
+//   def at(a): return 28 + n + g["bufferViews"][a["bufferView"]]["byteOffset"] + a.get("byteOffset", 0)
+//   for p in g["meshes"][0]["primitives"]:
+//       v, i = (g["accessors"][k] for k in (p["attributes"]["POSITION"], p["indices"]))
+//       for (k,) in struct.iter_unpack("<I", b[at(i) : at(i) + 4 * i["count"]]):
+//           for byte in b[at(v) + 12 * k : at(v) + 12 * k + 12]: h = (h ^ byte) * 0x100000001B3 % 2**64
+//   print(f"{h:x}")
+TEST_P(PackedScene, HasTheTrianglesOfTheUnpackedFileInTheirOrder) {
+    const Scene scene = gnomon::scene::load(std::filesystem::path(GNOMON_SCENES) / GetParam().file);
+    EXPECT_EQ(scene.triangle_count(), GetParam().triangles);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    EXPECT_EQ(digest(scene.triangles), GetParam().digest);
+
+    const auto unpacked = std::filesystem::path(GNOMON_SHARED_SCENES) / GetParam().unpacked;
+    if (!std::filesystem::exists(unpacked)) return;
+    EXPECT_TRUE(same_bits(scene.triangles, triangles_in(unpacked)));
+    EXPECT_TRUE(same_bits(scene.triangles, gnomon::scene::load(unpacked).triangles));
+}
+
+INSTANTIATE_TEST_SUITE_P(Real, PackedScene,
+                         testing::Values(RealScene{"sponza.glb", "crytek_sponza.glb", 262267, 0x05b469bfedb7f498},
+                                         RealScene{"lost_empire.glb", "lost_empire.glb", 224998, 0x8964eb61c895f123}),
+                         [](const auto& test) { return std::filesystem::path(test.param.file).stem().string(); });
 
 }  // namespace

@@ -27,7 +27,7 @@ struct Comparison {
 
 /// "frustum-traced map-size=1024", and the mode if it is not animated
 std::string name_of(const Row& row);
-/// "crytek_sponza atrium_floor.noon_slant 1920x1080, DEVICE"
+/// "sponza atrium_floor.noon_slant 1920x1080, DEVICE"
 std::string view_of(const Row& row);
 
 /// The rows of an experiment, view by view, in the order they were measured.
