@@ -3,8 +3,8 @@
 # Tests and measures gnomon on a machine that has a GPU with its driver and CMake, but no network and no packages. What
 # is missing there travels with the source tree in the folder .device/, which git ignores.
 #
-#   tools/device.sh fetch [SCENES]   here: fills .device/ with Debian packages and with the scenes (*.glb, views.json)
-#                                    of the folder SCENES (default ../shared/scenes)
+#   tools/device.sh fetch [FILE...]  here: fills .device/ with Debian packages, and with FILEs that the repository does
+#                                    not have, such as a larger scene
 #   tools/device.sh build            here, if this system is no newer than there and the time there is dear: builds in
 #                                    /tmp/gnomon_device and packs programs, tests and sources into .device/built.tar.xz
 #   tools/device.sh run [CTEST ARGS] there, as root: unpacks; builds with the compiler there if .device/ has nothing
@@ -27,16 +27,16 @@ work=/tmp/gnomon_device
 packages=(
     ocl-icd-libopencl1 ocl-icd-opencl-dev opencl-c-headers opencl-clhpp-headers  # OpenCL's loader and headers
     libtinygltf-dev libtinygltf2d libstb0 libstb-dev nlohmann-json3-dev libcli11-dev  # scene loader and tools
-    libglm-dev                                                                   # the scene loader's poses
+    libglm-dev libmeshoptimizer-dev libmeshoptimizer2d                           # the scene loader's poses, packed scenes
     libgtest-dev libboost1.74-dev                                                # tests and references
 )
 # The whole tree that travels must stay under 64 MiB.
 largest_tree_mib=60
 
 fetch() {
-    local scenes=${1:-../shared/scenes} deb
+    local deb
     rm -rf .device
-    mkdir -p .device/packages .device/scenes
+    mkdir -p .device/packages
     (cd .device/packages && apt-get -o APT::Sandbox::User=root download -qq "${packages[@]}")
     for deb in .device/packages/*.deb; do
         if dpkg-deb --fsys-tarfile "$deb" | tar -t | grep -vE '^\./(usr/.*|usr)?$'; then
@@ -44,7 +44,7 @@ fetch() {
             exit 1
         fi
     done
-    cp "$scenes"/*.glb "$scenes"/views.json .device/scenes/
+    [ $# -eq 0 ] || cp "$@" .device/
     check_size
 }
 
@@ -54,7 +54,7 @@ check_size() {
         du --files0-from=- --apparent-size --block-size=1K --total | tail -1 | cut -f1)
     echo "$((tree_kib / 1024)) MiB travel, $(du -sm .device | cut -f1) MiB of them in .device/"
     if [ $((tree_kib / 1024)) -ge $largest_tree_mib ]; then
-        echo "that is more than $largest_tree_mib MiB: leave out a scene" >&2
+        echo "that is more than $largest_tree_mib MiB: leave out a FILE" >&2
         exit 1
     fi
 }
@@ -72,7 +72,7 @@ compile() {
 
 build() {
     mkdir -p .device
-    compile -D CMAKE_DISABLE_FIND_PACKAGE_embree=ON  # its library is not there
+    compile -D CMAKE_DISABLE_FIND_PACKAGE_embree=ON -D GNOMON_DRACO=OFF  # their libraries are not there
     # What runs, and what tells ctest of it. Whole or not at all: half an archive would be taken for one.
     find "$work/build/tests" "$work/build/tools" -type f -executable -not -name '*.sh' -exec strip {} +
     find "$work/src" "$work/build/tests" "$work/build/tools" -type f \
@@ -107,7 +107,6 @@ make_ready() {
     unpack
     # Compiled kernels of an earlier run are kept there; the first start of this run must compile.
     export GNOMON_CACHE_DIR=/tmp/gnomon_cache
-    export GNOMON_SHARED_SCENES="$PWD/.device/scenes"
     if [ -e .device/built.tar.xz ]; then
         tar --absolute-names -xJf .device/built.tar.xz
         # Some tests are CMake scripts, by the path that CMake has on Debian.
@@ -117,9 +116,9 @@ make_ready() {
     fi
 }
 
-# With the scenes that travelled, wherever an experiment wants them.
+# With the real scenes, wherever an experiment wants them.
 bench() {
-    "$work/build/tools/bench" --scenes-folder .device/scenes "$@"
+    "$work/build/tools/bench" --scenes-folder scenes "$@"
 }
 
 bench_alone() {
@@ -132,7 +131,7 @@ run() {
     make_ready
     ctest --test-dir "$work/build" --output-on-failure --no-tests=error --output-log "$out/ctest.log" "$@" || status=$?
     # Every view of the scenes with its hash and stages, then all experiments.
-    bench .device/scenes/*.glb --size 1920x1080 --size 3840x2160 --stages --json "$out/views.json" |
+    bench scenes/sponza.glb scenes/lost_empire.glb --size 1920x1080 --size 3840x2160 --stages --json "$out/views.json" |
         tee "$out/bench.txt" || status=$?
     bench --experiment all --full --seconds 1 --json "$out/bench.json" --csv "$out/bench.csv" |
         tee -a "$out/bench.txt" || status=$?
@@ -143,7 +142,7 @@ case ${1:-} in
     fetch | build | run) "$@" ;;
     bench) bench_alone "${@:2}" ;;
     *)
-        echo "usage: $0 fetch [SCENES] | build | run [CTEST ARGUMENTS] | bench [BENCH ARGUMENTS]" >&2
+        echo "usage: $0 fetch [FILES] | build | run [CTEST ARGUMENTS] | bench [BENCH ARGUMENTS]" >&2
         exit 2
         ;;
 esac

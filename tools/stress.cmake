@@ -17,6 +17,7 @@ add_library(gnomon_stress STATIC
   ${CMAKE_CURRENT_LIST_DIR}/stress/$<IF:$<BOOL:${embree_FOUND}>,embree,no_embree>.cpp
 )
 target_include_directories(gnomon_stress PUBLIC ${CMAKE_CURRENT_LIST_DIR})
+target_compile_definitions(gnomon_stress PRIVATE GNOMON_SCENES="${PROJECT_SOURCE_DIR}/scenes")
 target_link_libraries(gnomon_stress
   PUBLIC gnomon_inside gnomon_reference
   PRIVATE gnomon_build_flags gnomon_scene gnomon_scene_recipes nlohmann_json::nlohmann_json
@@ -24,5 +25,4 @@ target_link_libraries(gnomon_stress
 
 add_executable(gnomon_stress_tool ${CMAKE_CURRENT_LIST_DIR}/stress/stress.cpp)
 set_target_properties(gnomon_stress_tool PROPERTIES OUTPUT_NAME stress)
-target_compile_definitions(gnomon_stress_tool PRIVATE GNOMON_SHARED_SCENES="${PROJECT_SOURCE_DIR}/../shared/scenes")
 target_link_libraries(gnomon_stress_tool PRIVATE gnomon_stress gnomon_build_flags CLI11::CLI11)

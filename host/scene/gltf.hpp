@@ -78,17 +78,12 @@ bool concerns_shading_only(std::string_view extension);
 
 // ---- Compressed meshes ----------------------------------------------------------------------------------------------
 // Both decoders add plain buffers, bufferViews and accessors to the model, so that the code after them knows nothing of
-// compression. Each needs a library that may be missing when gnomon is built.
+// compression. libdraco may be missing when gnomon is built.
 
 #ifdef GNOMON_HAS_DRACO
 inline constexpr bool has_draco = true;
 #else
 inline constexpr bool has_draco = false;
-#endif
-#ifdef GNOMON_HAS_MESHOPT
-inline constexpr bool has_meshopt = true;
-#else
-inline constexpr bool has_meshopt = false;
 #endif
 
 /// A bufferView with EXT_meshopt_compression. The sums of its numbers may overflow.

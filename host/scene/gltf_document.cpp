@@ -139,17 +139,12 @@ std::vector<BufferSource> take_buffer_sources(const std::filesystem::path& file,
         source.byte_length = buffer["byteLength"].get<std::uint64_t>();
         if (buffer.contains("uri")) source.uri = std::move(buffer["uri"].get_ref<std::string&>());
         const bool is_chunk = index == 0 && container.binary_chunk && !buffer.contains("uri");
-        const bool compressed =
-            buffer.contains("extensions") && buffer["extensions"].contains("EXT_meshopt_compression");
-        source.is_fallback = has_meshopt && compressed;
+        source.is_fallback = buffer.contains("extensions") && buffer["extensions"].contains("EXT_meshopt_compression");
         if (source.is_fallback) {
             source.byte_length = 1;
             buffer["byteLength"] = 1;
         } else if (source.uri.empty() && !is_chunk) {
-            fail(file, buffer_text(index) +
-                           (compressed ? " is compressed with EXT_meshopt_compression and has no uncompressed data; "
-                                         "export without compression"
-                                       : " has no data: neither a uri nor a binary chunk"));
+            fail(file, buffer_text(index) + " has no data: neither a uri nor a binary chunk");
         }
         buffer["uri"] = std::string(buffer_name_prefix) + std::to_string(index);
         sources.push_back(std::move(source));
@@ -174,7 +169,7 @@ tinygltf::FsCallbacks callbacks(BufferReader& reader) {
 
 std::vector<MeshoptView> meshopt_views(const json& root) {
     std::vector<MeshoptView> views;
-    if (!has_meshopt || !root.contains("bufferViews")) return views;
+    if (!root.contains("bufferViews")) return views;
     for (std::size_t i = 0; i < root["bufferViews"].size(); ++i) {
         const json& view = root["bufferViews"][i];
         if (!view.contains("extensions") || !view["extensions"].contains("EXT_meshopt_compression")) continue;
@@ -373,8 +368,6 @@ std::set<std::string> not_supported(const json& root) {
     if (!root.contains("extensionsUsed")) return phrases;
     for (const json& entry : root["extensionsUsed"]) {
         const auto& name = entry.get_ref<const std::string&>();
-        if (name == "EXT_meshopt_compression" && !has_meshopt)
-            phrases.insert("EXT_meshopt_compression (the uncompressed data is read)");
         if (std::ranges::find(named_elsewhere, name) == named_elsewhere.end() && !concerns_shading_only(name))
             phrases.insert("the extension " + in_quotes(name) + " (ignored)");
     }

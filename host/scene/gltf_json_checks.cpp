@@ -198,13 +198,12 @@ private:
         for (const json& entry : *required) {
             const auto& name = entry.get_ref<const std::string&>();
             if (name == "KHR_mesh_quantization" || name == "KHR_lights_punctual" || name == "EXT_mesh_gpu_instancing" ||
-                concerns_shading_only(name))
+                name == "EXT_meshopt_compression" || concerns_shading_only(name))
                 continue;
-            const bool is_draco = name == "KHR_draco_mesh_compression", is_meshopt = name == "EXT_meshopt_compression";
-            if ((is_draco && has_draco) || (is_meshopt && has_meshopt)) continue;
-            const bool compression = is_draco || is_meshopt;
+            const bool is_draco = name == "KHR_draco_mesh_compression";
+            if (is_draco && has_draco) continue;
             fail(file_, "requires the extension " + in_quotes(name) + ", which gnomon does not support; export it " +
-                            (compression ? "without compression" : "without this extension"));
+                            (is_draco ? "without compression" : "without this extension"));
         }
     }
 

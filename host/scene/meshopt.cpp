@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 // EXT_meshopt_compression by libmeshoptimizer. Its decoders are safe on any bytes, but assert what the extension
 // promises about strides and counts; so these are checked first.
+#include <meshoptimizer.h>
+
 #include "gltf.hpp"
 
-#ifdef GNOMON_HAS_MESHOPT
-#include <meshoptimizer.h>
-#endif
-
 namespace gnomon::scene {
-
-#ifdef GNOMON_HAS_MESHOPT
 namespace {
 
 /// What the extension requires of a view, in words; null if it is met.
@@ -73,11 +69,5 @@ void unpack_meshopt(tinygltf::Model& model, const std::vector<MeshoptView>& view
         model.buffers.push_back(std::move(unpacked));
     }
 }
-
-#else
-
-void unpack_meshopt(tinygltf::Model&, const std::vector<MeshoptView>&, DecodingBudget&) {}
-
-#endif
 
 }  // namespace gnomon::scene

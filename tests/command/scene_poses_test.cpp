@@ -10,12 +10,10 @@
 #include <string>
 #include <vector>
 
+#include <meshoptimizer.h>
 #if GNOMON_TEST_DRACO
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
-#endif
-#if GNOMON_TEST_MESHOPT
-#include <meshoptimizer.h>
 #endif
 
 #include <gnomon.hpp>
@@ -470,8 +468,6 @@ TEST_F(Poses, InstancesTake48BytesPerTriangleOnTheDevice) {
 
 // ---- Packed files ---------------------------------------------------------------------------------------------------
 
-#if GNOMON_TEST_MESHOPT
-
 /// A square of four vertices of shorts and two triangles; all packed, with a fallback buffer that does not exist.
 Gltf meshopt_file() {
     const std::array<std::int16_t, 16> vertices{0, 0, 0, 0, 4, 0, 0, 0, 4, 4, 0, 0, 0, 4, 0, 0};
@@ -528,8 +524,6 @@ TEST_F(Poses, DamagedMeshoptIsNamed) {
     damaged("/mode", "\"INDICES\"", "a byteStride of 2 or 4");
     damaged("/mode", "\"WHAT\"", "mode is 'WHAT'");
 }
-
-#endif
 
 #if GNOMON_TEST_DRACO
 

@@ -450,7 +450,6 @@ TEST_F(SceneFile, GlassIsNamed) {
 TEST_F(SceneFile, UnknownRequiredExtensionIsAnError) {
     std::vector<std::string> unknown{"ACME_warp"};
     if (!GNOMON_TEST_DRACO) unknown.emplace_back("KHR_draco_mesh_compression");
-    if (!GNOMON_TEST_MESHOPT) unknown.emplace_back("EXT_meshopt_compression");
     for (const std::string& name : unknown) {
         Gltf gltf = triangle_file();
         gltf.set("/extensionsRequired", R"(["KHR_materials_unlit", ")" + name + "\"]");
@@ -462,27 +461,22 @@ TEST_F(SceneFile, UnknownRequiredExtensionIsAnError) {
     EXPECT_EQ(load(gltf).triangles, one_triangle);
 }
 
-// What a build without the libraries says (GNOMON_DRACO=OFF, GNOMON_MESHOPT=OFF).
+// What a build without the library says (GNOMON_DRACO=OFF).
 TEST_F(SceneFile, CompressedWithoutFallbackIsAnError) {
     Gltf gltf = triangle_file();
     gltf.set("/meshes/0/primitives/0/extensions", R"({"KHR_draco_mesh_compression": {"bufferView": 0}})");
     gltf.set("/accessors/0/bufferView", "");
     if (!GNOMON_TEST_DRACO) expect_error(gltf, {"primitive 0 of mesh 'thing'", "KHR_draco_mesh_compression"});
-
-    gltf = triangle_file();
-    gltf.set("/buffers", R"([{"byteLength": 36, "extensions": {"EXT_meshopt_compression": {"fallback": true}}}])");
-    if (!GNOMON_TEST_MESHOPT) expect_error(gltf, {"buffers[0]", "EXT_meshopt_compression"});
 }
 
 TEST_F(SceneFile, UncompressedDataStandsInForAMissingLibrary) {
     Gltf gltf = triangle_file();
-    gltf.set("/extensionsUsed", R"(["KHR_draco_mesh_compression", "EXT_meshopt_compression"])");
+    gltf.set("/extensionsUsed", R"(["KHR_draco_mesh_compression"])");
     if (!GNOMON_TEST_DRACO)
         gltf.set("/meshes/0/primitives/0/extensions", R"({"KHR_draco_mesh_compression": {"bufferView": 0}})");
     const Scene scene = load(gltf);
     EXPECT_EQ(scene.triangles, one_triangle);
     if (!GNOMON_TEST_DRACO) expect_warning(scene, {"KHR_draco_mesh_compression (the uncompressed data is read)"});
-    if (!GNOMON_TEST_MESHOPT) expect_warning(scene, {"EXT_meshopt_compression (the uncompressed data is read)"});
 }
 
 TEST_F(SceneFile, NoTrianglesIsAWarning) {
@@ -1029,24 +1023,24 @@ TEST(Defaults, LightTravelsAsStated) {
 // ---- Real scenes ----------------------------------------------------------------------------------------------------
 
 struct RealScene {
-    const char* file;
+    const char *file, *unpacked;
     std::size_t triangles;
+    std::uint64_t digest;  ///< of the unpacked file's triangles
+
+    friend std::ostream& operator<<(std::ostream& out, const RealScene& scene) { return out << scene.file; }
 };
 
-class SharedScene : public testing::TestWithParam<RealScene> {};
+/// FNV-1a of 64 bits over the little-endian bytes.
+std::uint64_t digest(const std::vector<float>& triangles) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(triangles.data());
+    std::uint64_t hash = 0xCBF29CE484222325u;
+    for (std::size_t i = 0; i < triangles.size() * sizeof(float); ++i) hash = (hash ^ bytes[i]) * 0x100000001B3u;
+    return hash;
+}
 
-/// Both are one identity node and one mesh of uint32 triangles over one float32 position accessor, one buffer: the
-/// expected triangles are gathered here from the .glb's bytes, with nothing but a JSON parser.
-TEST_P(SharedScene, LoadsWithTheFilesOwnBits) {
-    const char* elsewhere = std::getenv("GNOMON_SCENES");
-    const std::filesystem::path file =
-        std::filesystem::path(elsewhere ? elsewhere : GNOMON_SHARED_SCENES) / GetParam().file;
-    if (!std::filesystem::exists(file))
-        GTEST_SKIP() << "NOT TESTED: " << file << " is missing; set GNOMON_SCENES to the folder that has it";
-    const Scene scene = gnomon::scene::load(file);
-    EXPECT_EQ(scene.triangle_count(), GetParam().triangles);
-    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
-
+/// The triangles of an unpacked file. It is one identity node and one mesh of uint32 triangles over float32 positions,
+/// with one buffer, so that a JSON parser is enough to gather them from the bytes of the .glb.
+std::vector<float> triangles_in(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     std::uint32_t json_size;
@@ -1068,12 +1062,37 @@ TEST_P(SharedScene, LoadsWithTheFilesOwnBits) {
             std::memcpy(&expected[expected.size() - 3], positions + std::size_t(12) * index, 12);
         }
     }
-    EXPECT_TRUE(same_bits(scene.triangles, expected));
+    return expected;
 }
 
-const auto real_name = [](const auto& info) { return std::filesystem::path(info.param.file).stem().string(); };
-INSTANTIATE_TEST_SUITE_P(Shared, SharedScene,
-                         testing::Values(RealScene{"crytek_sponza.glb", 262267}, RealScene{"lost_empire.glb", 224998}),
-                         real_name);
+class PackedScene : public testing::TestWithParam<RealScene> {};
+
+// The digests are those of the unpacked files, by this Python program:
+//   import json, struct, sys
+//   b = open(sys.argv[1], "rb").read()
+//   n, h = struct.unpack_from("<I", b, 12)[0], 0xCBF29CE484222325
+//   g = json.loads(b[20 : 20 + n])
+//   def at(a): return 28 + n + g["bufferViews"][a["bufferView"]]["byteOffset"] + a.get("byteOffset", 0)
+//   for p in g["meshes"][0]["primitives"]:
+//       v, i = (g["accessors"][k] for k in (p["attributes"]["POSITION"], p["indices"]))
+//       for (k,) in struct.iter_unpack("<I", b[at(i) : at(i) + 4 * i["count"]]):
+//           for byte in b[at(v) + 12 * k : at(v) + 12 * k + 12]: h = (h ^ byte) * 0x100000001B3 % 2**64
+//   print(f"{h:x}")
+TEST_P(PackedScene, HasTheTrianglesOfTheUnpackedFileInTheirOrder) {
+    const Scene scene = gnomon::scene::load(std::filesystem::path(GNOMON_SCENES) / GetParam().file);
+    EXPECT_EQ(scene.triangle_count(), GetParam().triangles);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    EXPECT_EQ(digest(scene.triangles), GetParam().digest);
+
+    const auto unpacked = std::filesystem::path(GNOMON_SHARED_SCENES) / GetParam().unpacked;
+    if (!std::filesystem::exists(unpacked)) return;
+    EXPECT_TRUE(same_bits(scene.triangles, triangles_in(unpacked)));
+    EXPECT_TRUE(same_bits(scene.triangles, gnomon::scene::load(unpacked).triangles));
+}
+
+INSTANTIATE_TEST_SUITE_P(Real, PackedScene,
+                         testing::Values(RealScene{"sponza.glb", "crytek_sponza.glb", 262267, 0x05b469bfedb7f498},
+                                         RealScene{"lost_empire.glb", "lost_empire.glb", 224998, 0x8964eb61c895f123}),
+                         [](const auto& test) { return std::filesystem::path(test.param.file).stem().string(); });
 
 }  // namespace

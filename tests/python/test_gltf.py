@@ -20,7 +20,7 @@ SHARED = Path(__file__).resolve().parents[3] / "shared" / "gltf"
 TIMES = [-1.0, 0.0, 0.1, 0.37, 1.0, 1.234567, 100.0]
 
 pytestmark = pytest.mark.skipif(
-    not hasattr(gnomon._gnomon, "load_scene"), reason="this build reads no glTF files: tinygltf was missing"
+    not hasattr(gnomon._gnomon, "load_scene"), reason="this build reads no glTF files: a library was missing"
 )
 
 

@@ -19,7 +19,7 @@ struct Case {
 };
 
 struct NamedScene {
-    std::string name;  ///< "crytek_sponza", "city_6500000", "sundial"
+    std::string name;  ///< "sponza", "city_6500000", "sundial"
     scene::Scene scene;
     std::vector<Case> cases;
 };
@@ -27,9 +27,9 @@ struct NamedScene {
 /// Loads scenes: a glTF file, `sundial` (built in), or RECIPE:TRIANGLES (of make_scenes: `city:6500000`).
 class SceneShelf {
 public:
-    /// `views`: views and lights by scene name, as in ../shared/scenes/views.json; a scene that is not named there is
+    /// `views`: views and lights by scene name, as in scenes/views.json; a scene that is not named there is
     /// seen by each of its own cameras in each of its own lights.
-    /// `folder`: of the two scenes that are not ours to give away, crytek_sponza.glb and lost_empire.glb; may be empty.
+    /// `folder`: of the two real scenes, sponza.glb and lost_empire.glb; may be empty.
     SceneShelf(const std::filesystem::path& views_file, std::filesystem::path folder);
 
     /// The scene last asked for is kept, so ask for all of one scene in a row.

@@ -38,7 +38,7 @@ struct SceneView {
     std::string scene, only;
 };
 std::vector<SceneView> usual_views(const SceneShelf& shelf, const Limits& limits) {
-    const std::string sponza = shelf.in_folder("crytek_sponza.glb"), empire = shelf.in_folder("lost_empire.glb");
+    const std::string sponza = shelf.in_folder("sponza.glb"), empire = shelf.in_folder("lost_empire.glb");
     if (sponza.empty() || empire.empty()) return {{made("colonnade", 300'000, limits), "v1.sun"}};
     if (!limits.all_views) return {{sponza, "atrium_floor.noon_slant"}};
     return {{sponza, "atrium_floor.noon_slant"}, {sponza, "balcony_down.along_atrium"}, {empire, "hillside.grazing"}};
@@ -94,7 +94,7 @@ std::vector<Block> techniques_and_settings(const SceneShelf& shelf, const Limits
         blocks.back().errors = true;
     };
     // Of the small report, Sponza is in `errors` already, and two more scenes are enough.
-    if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty() && limits.all_views) {
+    if (const std::string sponza = shelf.in_folder("sponza.glb"); !sponza.empty() && limits.all_views) {
         add({sponza, "atrium_floor.noon_slant"});
         add({sponza, "atrium_floor.position"});
         blocks.back().light = {"position", Light::point({-100, 700, -30})};
@@ -119,7 +119,7 @@ std::vector<Block> bias(const SceneShelf& shelf, const Limits& all_limits) {
 
 std::vector<Block> rivals(const SceneShelf& shelf, const Limits& limits) {
     std::vector<SceneView> views = usual_views(shelf, limits);
-    if (!shelf.in_folder("crytek_sponza.glb").empty() && limits.all_views)
+    if (!shelf.in_folder("sponza.glb").empty() && limits.all_views)
         views.push_back({made("colonnade", 300'000, limits), "v1.sun"});
     std::ranges::copy(large_views(limits), std::back_inserter(views));
     std::vector<Block> blocks;
@@ -207,7 +207,7 @@ Settings papers_grid(Size size) { return {{"map-size", size.width > 1920 ? "2048
 
 std::vector<SceneView> papers_views(const SceneShelf& shelf, const Limits& limits) {
     std::vector<SceneView> views;
-    if (const std::string sponza = shelf.in_folder("crytek_sponza.glb"); !sponza.empty())
+    if (const std::string sponza = shelf.in_folder("sponza.glb"); !sponza.empty())
         views = {{sponza, "atrium_floor.noon_slant"}, {sponza, "balcony_down.along_atrium"}};
     for (const char* view : {"v0.sun", "v1.sun"}) views.push_back({made("foliage", 5'300'000, limits), view});
     for (const char* view : {"v0.sun", "v1.sun"}) views.push_back({made("pipes", 12'800'000, limits), view});
@@ -333,7 +333,7 @@ std::vector<Block> many_lights(const SceneShelf& shelf, const Limits& limits) {
         asked.lights = lights;
         asked.points = std::min(points, limits.largest_points);
     };
-    const std::string sponza = shelf.in_folder("crytek_sponza.glb"), empire = shelf.in_folder("lost_empire.glb"),
+    const std::string sponza = shelf.in_folder("sponza.glb"), empire = shelf.in_folder("lost_empire.glb"),
                       town = made("town", 60'000, limits), city = made("city", 1'000'000, limits);
     if (!limits.all_views) {
         add(town, "suns:256");

@@ -213,7 +213,7 @@ int main(int argc, char** argv) {
     app.add_option("scenes", options.scenes, "glTF files, sundial, or RECIPE:TRIANGLES of make_scenes (city:1000000)");
     app.add_option("--experiment", options.experiments, "repeatable: " + experiment_names());
     app.add_option("--scenes-folder", options.scenes_folder,
-                   "where crytek_sponza.glb, lost_empire.glb and views.json are, for the experiments")
+                   "where sponza.glb, lost_empire.glb and views.json are (scenes), for the experiments")
         ->check(CLI::ExistingDirectory);
     app.add_flag("--full", options.full,
                  "the experiments at their full size, which on a CPU take hours; else all of them take some minutes");
@@ -223,7 +223,7 @@ int main(int argc, char** argv) {
         "--largest-points", options.largest_points,
         "the experiments' views have no more pixels; default 921600 (230400 where every technique runs), with "
         "--full 33177600 (2073600)");
-    app.add_option("--views", options.views_file, "views and lights by scene, as in ../shared/scenes/views.json");
+    app.add_option("--views", options.views_file, "views and lights by scene, as in scenes/views.json");
     app.add_option("--only", options.only, "only cases whose VIEW.LIGHT contains this");
     app.add_option("--size", options.sizes, "WIDTHxHEIGHT, repeatable")->capture_default_str();
     app.add_option("--technique", options.techniques, "as in gnomon techniques, repeatable")->capture_default_str();

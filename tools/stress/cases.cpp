@@ -461,60 +461,50 @@ void add_borders(std::vector<Case>& list, const CaseOptions& options) {
                     1});
 }
 
-void add_shared_scenes(Cases& cases, const CaseOptions& options) {
-    const auto file = [&](const char* name) { return options.shared_scenes / name; };
-    const auto is_there = [&](const char* name) {
-        const bool there = std::filesystem::exists(file(name));
-        if (!there)
-            cases.left_out.push_back("NOT TESTED: " + file(name).string() +
-                                     " is missing; name its folder with --scenes");
-        return there;
-    };
-    if (is_there("crytek_sponza.glb"))
-        cases.list.push_back({"Sponza", "views and lights of views.json, and a point light",
-                              [path = file("crytek_sponza.glb")](auto) {
-                                  Subject subject = shared_scene(path);
-                                  subject.lights.push_back(at(-100, 700, -30));
-                                  subject.lights.push_back(along(0, -1, 0));
-                                  return subject;
-                              },
-                              scene_points, 6, 2, 2'000'000});
-    if (!is_there("lost_empire.glb")) return;
-    cases.list.push_back({"lost_empire", "a city on a 16-bit lattice, its views and lights, and a point light",
-                          [path = file("lost_empire.glb")](auto) {
-                              Subject subject = shared_scene(path);
-                              subject.lights.push_back(at(10, 45, 40));
-                              return subject;
-                          },
-                          scene_points, 6, 2, 2'000'000});
-    cases.list.push_back({"lost_empire, exact ties",
-                          "the same under axes, diagonals and a point light on the lattice; points on its lattice too",
-                          [path = file("lost_empire.glb")](auto) {
-                              Subject subject = shared_scene(path);
-                              subject.lights = {along(1, -1, 1), along(-1, -1, -1), along(0, -1, 0),
-                                                along(1, -1, 0), along(-1, 0, 0),   at(10, 45, 40)};
-                              return subject;
-                          },
-                          {points_of_a_view, points_on_lattice, points_exactly_behind},
-                          3,
-                          2,
-                          2'000'000});
+void add_real_scenes(std::vector<Case>& cases) {
+    cases.push_back({"Sponza", "views and lights of views.json, and a point light",
+                     [](auto) {
+                         Subject subject = real_scene("sponza");
+                         subject.lights.push_back(at(-100, 700, -30));
+                         subject.lights.push_back(along(0, -1, 0));
+                         return subject;
+                     },
+                     scene_points, 6, 2, 2'000'000});
+    cases.push_back({"lost_empire", "a city on a 16-bit lattice, its views and lights, and a point light",
+                     [](auto) {
+                         Subject subject = real_scene("lost_empire");
+                         subject.lights.push_back(at(10, 45, 40));
+                         return subject;
+                     },
+                     scene_points, 6, 2, 2'000'000});
+    cases.push_back({"lost_empire, exact ties",
+                     "the same under axes, diagonals and a point light on the lattice; points on its lattice too",
+                     [](auto) {
+                         Subject subject = real_scene("lost_empire");
+                         subject.lights = {along(1, -1, 1), along(-1, -1, -1), along(0, -1, 0),
+                                           along(1, -1, 0), along(-1, 0, 0),   at(10, 45, 40)};
+                         return subject;
+                     },
+                     {points_of_a_view, points_on_lattice, points_exactly_behind},
+                     3,
+                     2,
+                     2'000'000});
 }
 
 }  // namespace
 
-Cases all_cases(const CaseOptions& options) {
-    Cases cases;
+std::vector<Case> all_cases(const CaseOptions& options) {
+    std::vector<Case> cases;
     const std::uint64_t seed = 1000 * options.seed;
-    add_soups(cases.list, seed);
-    add_closed_meshes(cases.list, seed);
-    add_lattices(cases.list, seed);
-    add_places(cases.list, seed);
-    add_made_scenes(cases.list, options);
-    add_extremes(cases.list, seed);
-    add_borders(cases.list, options);
-    add_cut_outs(cases.list, seed);
-    add_shared_scenes(cases, options);
+    add_soups(cases, seed);
+    add_closed_meshes(cases, seed);
+    add_lattices(cases, seed);
+    add_places(cases, seed);
+    add_made_scenes(cases, options);
+    add_extremes(cases, seed);
+    add_borders(cases, options);
+    add_cut_outs(cases, seed);
+    add_real_scenes(cases);
     return cases;
 }
 

@@ -3,8 +3,6 @@
 // seed makes the same on every machine.
 #pragma once
 
-#include <filesystem>
-
 #include "points.hpp"
 
 namespace stress {
@@ -22,19 +20,11 @@ struct Case {
 
 struct CaseOptions {
     std::uint64_t seed = 1;
-    /// Where crytek_sponza.glb, lost_empire.glb and views.json are. Cases whose file is missing are left out, and named
-    /// in `left_out`.
-    std::filesystem::path shared_scenes;
     std::uint32_t slivers = 1'000'000;  ///< through one texel
     std::uint32_t longest_side = 4096;  ///< of the large square view, up to 16384
 };
 
-struct Cases {
-    std::vector<Case> list;
-    std::vector<std::string> left_out;  ///< a sentence each
-};
-
-Cases all_cases(const CaseOptions& options);
+std::vector<Case> all_cases(const CaseOptions& options);
 void add_cut_outs(std::vector<Case>& list, std::uint64_t seed);  ///< cut_out_cases.cpp
 
 }  // namespace stress

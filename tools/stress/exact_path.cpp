@@ -50,16 +50,14 @@ ExactPathRow measured(const gnomon::Device& device, const gnomon::Triangles& tri
 
 }  // namespace
 
-std::vector<ExactPathRow> exact_path_costs(std::string_view selector, const std::filesystem::path& shared_scenes) {
+std::vector<ExactPathRow> exact_path_costs(std::string_view selector) {
     gnomon::DeviceOptions options;
     options.profile = true;
     const gnomon::Device device(selector, options);
     std::vector<ExactPathRow> rows;
-    for (const char* name : {"crytek_sponza", "lost_empire"}) {
-        const auto file = shared_scenes / (std::string(name) + ".glb");
-        if (!std::filesystem::exists(file)) continue;
-        Subject subject = shared_scene(file);
-        if (std::string_view(name) == "lost_empire")
+    for (const std::string name : {"sponza", "lost_empire"}) {
+        Subject subject = real_scene(name);
+        if (name == "lost_empire")
             for (const Light& tie : {support::along(1, -1, 1), support::along(1, -1, 0), support::along(0, -1, 0),
                                      support::along(-1, 0, 0)})
                 subject.lights.push_back(tie);

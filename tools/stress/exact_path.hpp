@@ -2,7 +2,6 @@
 // What the exact path costs on real scenes: its share of the time of trace and exact_trace together.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,7 +15,7 @@ struct ExactPathRow {
 };
 
 /// Views of Sponza and lost_empire at 1920 x 1080, under their own lights and, for lost_empire, under lights that make
-/// exact ties. Empty where the scenes are missing.
-std::vector<ExactPathRow> exact_path_costs(std::string_view device, const std::filesystem::path& shared_scenes);
+/// exact ties.
+std::vector<ExactPathRow> exact_path_costs(std::string_view device);
 
 }  // namespace stress

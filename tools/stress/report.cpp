@@ -178,7 +178,6 @@ std::string markdown(const Report& report) {
                        " questions, " + fixed(report.seconds / 60, 1) + " minutes. gnomon ran on " + report.device +
                        " (driver " + report.driver + "), the others on " +
                        std::to_string(std::thread::hardware_concurrency()) + " threads of " + processor() + ".\n";
-    for (const std::string& reason : report.left_out) text += "\n" + reason + ".\n";
     text += "\n## Wrong answers\n\n" + who_answered(sum) + "\n" + answers_table(report) + "\n" + closed_meshes(sum);
     text +=
         "\n## Who decided\n\nShares of the points that face away or that the map decided, and of the pairs of a point "

@@ -14,7 +14,6 @@ struct Report {
     std::string command, device, driver;
     RunOptions options;
     std::vector<CaseResult> cases;
-    std::vector<std::string> left_out;
     std::vector<ExactPathRow> exact_path;
     double seconds = 0;
 

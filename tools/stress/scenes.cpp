@@ -62,10 +62,11 @@ Subject made_scene(std::string_view name, std::uint64_t seed, std::uint32_t tria
     return subject;
 }
 
-Subject shared_scene(const std::filesystem::path& file) {
-    Subject subject = subject_of(file);
-    std::ifstream stream(file.parent_path() / "views.json");
-    const nlohmann::json views = nlohmann::json::parse(stream).at(file.stem().string());
+Subject real_scene(const std::string& name) {
+    const std::filesystem::path folder = GNOMON_SCENES;
+    Subject subject = subject_of(folder / (name + ".glb"));
+    std::ifstream stream(folder / "views.json");
+    const nlohmann::json views = nlohmann::json::parse(stream).at(name);
     subject.views.clear();
     subject.lights.clear();
     for (const auto& view : views.at("views"))

@@ -29,24 +29,21 @@ stress::Report report_of(const Options& options, const std::string& command) {
     const gnomon::Device device(options.device);
     stress::Report report{command, device.description().name, device.description().driver_version, options.run, {}, {},
                           {}};
-    stress::Cases cases = stress::all_cases(options.cases);
-    report.left_out = cases.left_out;
-    for (const std::string& reason : report.left_out) std::cerr << "stress: " << reason << '\n';
     const bool with_embree = !options.without_embree && !stress::embree_version().empty();
-    for (const stress::Case& a_case : cases.list) {
+    for (const stress::Case& a_case : stress::all_cases(options.cases)) {
         if (!is_wanted(a_case, options)) continue;
         stress::Judge judge(device, with_embree);
         report.cases.push_back(stress::run_case(a_case, device, judge, options.run));
         std::cout << stress::line_of(report.cases.back()) << std::endl;
     }
-    if (options.exact_path) report.exact_path = stress::exact_path_costs(options.device, options.cases.shared_scenes);
+    if (options.exact_path) report.exact_path = stress::exact_path_costs(options.device);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
 }
 
 int run(const Options& options, const std::string& command) {
     if (options.list) {
-        for (const stress::Case& a_case : stress::all_cases(options.cases).list)
+        for (const stress::Case& a_case : stress::all_cases(options.cases))
             std::printf("%-32s %s\n", a_case.name.c_str(), a_case.idea.c_str());
         return 0;
     }
@@ -65,7 +62,6 @@ int run(const Options& options, const std::string& command) {
 
 int main(int argc, char** argv) {
     Options options;
-    options.cases.shared_scenes = GNOMON_SHARED_SCENES;
     CLI::App app{"Asks gnomon what is known to break shadows, and an exact oracle whether it was right."};
     app.add_option("--points", options.run.points, "points of an ordinary case")
         ->capture_default_str()
@@ -74,9 +70,6 @@ int main(int argc, char** argv) {
     app.add_option("--device", options.device, "as in gnomon devices");
     app.add_option("--only", options.only, "only cases whose name contains this");
     app.add_option("--without", options.without, "no cases whose name contains this");
-    app.add_option("--scenes", options.cases.shared_scenes,
-                   "the folder of crytek_sponza.glb, lost_empire.glb, views.json")
-        ->capture_default_str();
     app.add_option("--slivers", options.cases.slivers, "slivers through one texel")
         ->capture_default_str()
         ->check(CLI::Range(10, 20'000'000));

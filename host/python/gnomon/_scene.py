@@ -256,7 +256,7 @@ class Scene:
             raise FileNotFoundError(f"{file}: does not exist")
         if not hasattr(_gnomon, "load_scene"):
             raise RuntimeError(
-                "this build of gnomon reads no glTF files (tinygltf or GLM was missing when it was built): use "
+                "this build of gnomon reads no glTF files (tinygltf, GLM or meshoptimizer was missing when it was built): use "
                 "gnomon.Scene(trimesh.load(path, force='mesh'))"
             )
         if blend not in BLENDS:
