@@ -46,13 +46,13 @@ __kernel void field_counts(const HeightField field, __global const float* vertic
     GN_FOR_EACH(i, field.triangles.count) {
         Triangle t = triangle_over_ground(field, vertices, i);
         CellBox box = box_of(field, t, 0.5f * field.halves, field.columns, field.rows);
-        if ((long)(box.x.y - box.x.x + 1) * (box.y.y - box.y.x + 1) > MOST_CELLS_OF_TRIANGLE) {
+        if ((long)(box.x.y - box.x.x + 1) * (box.y.y - box.y.x + 1) > MAX_CELLS_OF_TRIANGLE) {
             atomic_max(&counters->unfit, 1u);
             continue;
         }
         for (int y = box.y.x; y <= box.y.y; ++y)
             for (int x = box.x.x; x <= box.x.y; ++x)
-                if (atomic_inc(&counts[y * (size_t)field.columns + x]) >= MOST_TRIANGLES_OF_CELL)
+                if (atomic_inc(&counts[y * (size_t)field.columns + x]) >= MAX_TRIANGLES_OF_CELL)
                     atomic_max(&counters->unfit, 1u);
     }
 }

@@ -15,10 +15,10 @@
 // Of triangles: differences of coordinates stay within the bounds of rounding.
 #define FIELD_LARGEST_COORDINATE 0x1p19f
 // A triangle over more cells than this is no part of a height field.
-#define MOST_CELLS_OF_TRIANGLE 4096
+#define MAX_CELLS_OF_TRIANGLE 4096
 // More triangles than this in a cell would be met one by one by each point near it; more entries for each triangle than
 // this take too much memory.
-#define MOST_TRIANGLES_OF_CELL 128u
+#define MAX_TRIANGLES_OF_CELL 128u
 #define MOST_ENTRIES_OF_TRIANGLE 16u
 // Heights are whole numbers of units; a triangle's are from FIELD_LOWEST on, so that bounds may round.
 #define FIELD_UNITS 65535.0f

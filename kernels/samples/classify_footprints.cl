@@ -49,24 +49,24 @@ typedef struct FootprintClasses {
 
 // Triangles that may shadow a part of each lane's footprint. An entry is 4 slot + edge if the footprint lies below the
 // triangle, except for a part that may be beyond that single edge. Any other entry is 4 slot + 3.
-#define MOST_UNDECIDED 6
+#define MAX_UNDECIDED 6
 typedef struct UndecidedOccluders {
     LaneInt counts;  // may exceed the capacity
-    LaneInt kept[MOST_UNDECIDED];
+    LaneInt kept[MAX_UNDECIDED];
 } UndecidedOccluders;
 
 static uint undecided_slot(int entry) { return (uint)entry >> 2; }
 
 static void clear_undecided(UndecidedOccluders* undecided) {
     undecided->counts = (LaneInt)(0);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) undecided->kept[i] = (LaneInt)(-1);
+    for (int i = 0; i < MAX_UNDECIDED; ++i) undecided->kept[i] = (LaneInt)(-1);
 }
 
 // Every bin that a footprint and a triangle share lists the triangle; the footprint keeps the triangle once.
 static void keep_undecided(UndecidedOccluders* undecided, uint slot, LaneInt lanes, LaneInt lone_edges) {
     LaneInt entry = (LaneInt)((int)(slot << 2)) | (lone_edges & 3);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) lanes &= ~LANE_COMPARE(undecided->kept[i], ==, entry);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) {
+    for (int i = 0; i < MAX_UNDECIDED; ++i) lanes &= ~LANE_COMPARE(undecided->kept[i], ==, entry);
+    for (int i = 0; i < MAX_UNDECIDED; ++i) {
         LaneInt here = lanes & LANE_COMPARE(undecided->counts, ==, (LaneInt)(i));
         undecided->kept[i] = LANES_SELECT(undecided->kept[i], entry, here);
     }
@@ -165,7 +165,7 @@ static ProjectedFootprints project_footprints(__constant const Projection* proje
 // A GPU stops at so many occluders that may shadow a part of a footprint: tracing its samples takes less time than
 // looking for a triangle that shadows all of it. (H100, classifying, points and trace, Sponza's balcony: 1, 2, 4, all
 // .87, .87, .84, 1.2 ms.)
-#define MOST_PARTIAL_OCCLUDERS 4u
+#define MAX_PARTIAL_OCCLUDERS 4u
 
 // Tests a record of a list; true if the triangle blocks the whole footprint. Counts it if it may shadow a part.
 static bool test_record(OccluderLists lists, __constant const Projection* projection, uint slot,
@@ -192,7 +192,7 @@ static void walk_lists(OccluderLists lists, __constant const Projection* project
     int x = span->x0, y = span->y0;
     uint2 range = (uint2)(0u);
     uint next = 0u, first = 0u, meeting = 0u, partial = 0u;
-    while (!classes->shadowed && partial < MOST_PARTIAL_OCCLUDERS) {
+    while (!classes->shadowed && partial < MAX_PARTIAL_OCCLUDERS) {
         if (meeting == 0u && next >= range.y) {
             if (y > span->y1) break;
             range = lists.ranges[first_bin + (uint)y * projection->bins_x + (uint)x];
@@ -298,9 +298,9 @@ static bool meet_at_edge(float4 light, Triangle s, int edge_of_s, Triangle t, in
 // it: one's function of that edge is the other's times a factor below 0, so that nowhere both are negative.
 static bool below_a_pair(OccluderLists lists, __global const float* vertices, __constant const Projection* projection,
                          const CellSpan* span, float4 light, const UndecidedOccluders* undecided, int lane) {
-    Triangle others[MOST_UNDECIDED];
-    int edges[MOST_UNDECIDED], count = 0;
-    for (int i = 0; i < min(LANE_OF_INT(undecided->counts, lane), MOST_UNDECIDED); ++i) {
+    Triangle others[MAX_UNDECIDED];
+    int edges[MAX_UNDECIDED], count = 0;
+    for (int i = 0; i < min(LANE_OF_INT(undecided->counts, lane), MAX_UNDECIDED); ++i) {
         int entry = LANE_OF_INT(undecided->kept[i], lane), edge = entry & 3;
         if (edge == 3) continue;
         TriangleBounds bounds = lists.bounds[undecided_slot(entry)];
@@ -324,10 +324,10 @@ static void decide_undecided(OccluderLists lists, __global const float* vertices
     for (int lane = 0; lane < GN_LANES; ++lane)
         if (LANE_OF_INT(lanes, lane) && below_a_pair(lists, vertices, projection, span, light, undecided, lane))
             LANE_OF_INT(classes->shadowed, lane) = -1;
-    lanes &= ~classes->shadowed & LANE_COMPARE(undecided->counts, <=, (LaneInt)(MOST_UNDECIDED));
+    lanes &= ~classes->shadowed & LANE_COMPARE(undecided->counts, <=, (LaneInt)(MAX_UNDECIDED));
     if (!LANES_ANY(lanes)) return;
     ReceiverPlanes planes = find_receiver_planes(vertices, ids, lanes, eye, light, centres, around);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) {
+    for (int i = 0; i < MAX_UNDECIDED; ++i) {
         LaneInt active = lanes & LANE_COMPARE(undecided->counts, >, (LaneInt)(i)), occluders = (LaneInt)(0);
         if (!LANES_ANY(active)) break;
         for (int lane = 0; lane < GN_LANES; ++lane)

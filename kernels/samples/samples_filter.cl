@@ -47,7 +47,7 @@ static bool is_masked(const TileLists* lists, uint slot) {
 
 static void keep_open_pair(uint sample, uint slot, __local FragmentGroup* group) {
     uint at = atomic_inc(&group->open_count);
-    if (at >= MOST_OPEN_PAIRS) return;
+    if (at >= MAX_OPEN_PAIRS) return;
     group->open_samples[at] = sample;
     group->open_slots[at] = slot;
 }
@@ -143,7 +143,7 @@ static void store_open_pixel(const FilterWork* work, uint pixel, OpenSamples ope
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), samples = work->pattern->count;
     uint count = group->open_count;
     if (item == 0u) {
-        uint at = count <= MOST_OPEN_PAIRS ? reserve_slots(1u, &counters->open_pixels) : open.capacities.pixels;
+        uint at = count <= MAX_OPEN_PAIRS ? reserve_slots(1u, &counters->open_pixels) : open.capacities.pixels;
         uint pair = at < open.capacities.pixels ? reserve_slots(count, &counters->open_pairs) : 0u;
         group->open_pixel = at;
         group->open_pair = pair;

@@ -72,7 +72,7 @@ static QuantisedBlock box_of_group(const GpuMasksWork* work, const PixelMasks* p
 static uint copy_records(const GpuMasksWork* work, uint first, uint end, QuantisedBlock box) {
     __local MasksGroup* group = work->group;
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), copied = 0u;
-    while (first < end && copied + items <= MOST_COPIED) {
+    while (first < end && copied + items <= MAX_COPIED) {
         EntryWords entry = *(__global const EntryWords*)&work->lists.entries[min(first + item, end - 1u)];
         if (first + item < end && entry_meets(entry, box)) {
             uint at = atomic_inc(&group->copied), slot = slot_of_words(entry);
@@ -91,9 +91,9 @@ static uint copy_records(const GpuMasksWork* work, uint first, uint end, Quantis
 // True if a copied record may be that of a receiver of the item's pixel.
 static bool may_be_receiver(__local const float4* copy, const PixelMasks* pixel) {
     float4 x = copy[0], y = copy[1], c = copy[2], plane = copy[3];  // (edges, margin), (.., z_low), (plane, z_high)
-    bool may = !(most_in_box(x.x, y.x, c.x, &pixel->box) < -x.w) && !(most_in_box(x.y, y.y, c.y, &pixel->box) < -x.w) &&
-               !(most_in_box(x.z, y.z, c.z, &pixel->box) < -x.w);
-    float high = most_in_box(plane.x, plane.y, plane.z, &pixel->box) + y.w;
+    bool may = !(max_in_box(x.x, y.x, c.x, &pixel->box) < -x.w) && !(max_in_box(x.y, y.y, c.y, &pixel->box) < -x.w) &&
+               !(max_in_box(x.z, y.z, c.z, &pixel->box) < -x.w);
+    float high = max_in_box(plane.x, plane.y, plane.z, &pixel->box) + y.w;
     return may && !(high < pixel->farthest) && !(plane.w < pixel->farthest);
 }
 
@@ -163,13 +163,13 @@ static void store_open(const GpuMasksWork* work, OpenSamples open, uint i, uint 
     uint item = (uint)get_local_id(0);
     bool is_open = pixel->is_open && !pixel->is_left;
     uint at = append_in_group(is_open ? 1u : 0u, group->reserved, &counters->open_pixels);
-    uint count = min(group->opens, MOST_OPEN_OF_GROUP);
+    uint count = min(group->opens, MAX_OPEN_OF_GROUP);
     uint first = reserve_for_group(count, group->reserved, &counters->open_pairs);
-    bool has_place = is_open && at < open.capacities.pixels;
-    if (is_open && (!has_place || first + count > open.capacities.pairs)) leave_pixel(pixel);
-    group->open_pixels[item] = has_place && !pixel->is_left ? at : GN_NO_ID;
-    if (has_place) open.pixels[at] = pixel->is_left ? GN_NO_ID : i;
-    if (has_place && !pixel->is_left)
+    bool has_slot = is_open && at < open.capacities.pixels;
+    if (is_open && (!has_slot || first + count > open.capacities.pairs)) leave_pixel(pixel);
+    group->open_pixels[item] = has_slot && !pixel->is_left ? at : GN_NO_ID;
+    if (has_slot) open.pixels[at] = pixel->is_left ? GN_NO_ID : i;
+    if (has_slot && !pixel->is_left)
         for (uint sample = 0; sample < work->pattern->count; ++sample) {
             uint slot = GN_NO_ID;
             EACH_RECEIVER(k)

@@ -77,13 +77,13 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
     }
 #if GN_LANES > 1
     EDGE_ROWS_OF_LEAF(rows);
-    PUT_EDGES(rows, e);
+    STORE_EDGES(rows, e);
     uint open[GN_LANES];
     vstore16(as_uint16(work->open), 0, open);
     LaneInt dark = (LaneInt)(0);  // lane by lane a CPU would wait for its stores
     while (bits != 0u) {
         int lane = take_lane(&bits);
-        PointEdges edges = EDGES_AT(rows, lane);
+        PointEdges edges = LOAD_EDGES(rows, lane);
         uint blocked = lights_blocked(work, bundle, lane, open[lane], &edges, triangle, scene, mine);
         dark |= LANE_COMPARE(LANE_INDEX, ==, (LaneInt)(lane)) & (int)blocked;
     }
@@ -107,10 +107,10 @@ GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bun
     triangle.is_masked = false;
     __global const uint* ids = scene->ids + (size_t)leaf * SHAFT_WIDTH;
     ShaftHits hits = triangles_in_shaft(triangle.leaf, &shaft->all);
-    SHARE_LEAST(hits);
+    SHARE_MINIMA(hits);
     uint bits = SHAFT_BITS(hits.some);
     if (bits == 0u) return;
-    PUT_TRIANGLES(triangle_rows, triangle.leaf);
+    STORE_TRIANGLES(triangle_rows, triangle.leaf);
     while (bits != 0u) {
         triangle.i = take_lowest_bit(&bits);
         triangle.id = ids[triangle.i];
@@ -122,7 +122,7 @@ GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bun
             LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)triangle.id));
 #pragma unroll
         for (uint k = 0; k < 6u; ++k)
-            lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, triangle.i)), <=, shaft->point_limits[k]);
+            lanes &= LANE_COMPARE((LaneFloat)(MIN_OF(hits, k, triangle.i)), <=, shaft->point_limits[k]);
         if (lane_bits(lanes) == 0u) continue;
         triangle.in_lanes = TRIANGLE_AT(triangle_rows, triangle.leaf, triangle.i);
         test_triangle(work, bundle, &shaft->all, &triangle, lanes, scene, mine);
@@ -142,7 +142,7 @@ static BlockShaft shaft_of_open(const ShaftWork* work, uint lights, const ShaftS
 }
 
 // Walks the block's shaft. False if it gave up after so many nodes and leaves, or was too wide.
-GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visits, __global const LightBundle* bundle,
+GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint max_visits, uint* visits, __global const LightBundle* bundle,
                                    const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
     BlockShaft shaft = shaft_of_open(work, SHAFT_ANY_BIT(work->open), scene, bundle SHARED);
     if (IS_WIDE(&shaft.all)) return false;
@@ -151,7 +151,7 @@ GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visi
     SHAFT_PUSH_BLOCKING(stack, top, blocking);
     while (top != 0u) {
         uint code = stack[--top];
-        if ((*visits)++ == most_visits) return false;
+        if ((*visits)++ == max_visits) return false;
         if ((code & SHAFT_LEAF) == 0u) {
             top = push_children_in_shaft(stack, top, code, &shaft.all, scene SHARED);
             continue;
@@ -283,9 +283,9 @@ static bool are_blocks_too_large(__global ShaftCounters* counters) {
 static void trace_block(ShaftWork* work, uint task, __global const LightBundle* bundle, const ShaftScene* scene,
                         uint* blocking, Reservation* mine SHARED_PARAMETER) {
     bool is_first = get_local_id(0) == 0, is_try = task % TASKS_A_TRY == 0u;
-    uint most_visits = BLOCK_VISITS, visits = 0u;
-    if (group_bits(is_first && !is_try && are_blocks_too_large(scene->counters), shared) != 0u) most_visits = 0u;
-    bool ended = walk_shaft(work, most_visits, &visits, bundle, scene, blocking, mine SHARED);
+    uint max_visits = BLOCK_VISITS, visits = 0u;
+    if (group_bits(is_first && !is_try && are_blocks_too_large(scene->counters), shared) != 0u) max_visits = 0u;
+    bool ended = walk_shaft(work, max_visits, &visits, bundle, scene, blocking, mine SHARED);
     if (is_first && is_try) {
         atomic_inc(&scene->counters->tried);
         if (!ended) atomic_inc(&scene->counters->gave_up);
