@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// The receivers of the edge pixels' samples on a GPU, by records alone: an item takes a pixel, and makes a mask of
-// samples of each triangle. (An item for each sample took eight times the instructions.) A group's pixels are
-// neighbours in their list, mostly of one tile: the group copies the records that may meet one of its pixels to local
-// memory, each item marks those that may meet its own pixel, and then makes the masks of these alone. As on a CPU
-// (coverage_masks.clh, where it says why this is exact) the receivers of the neighbours in the picture come first, and
-// hide most of the list. What records leave open becomes pairs for samples_open_pairs (samples_filter.cl). A pixel with
-// more receivers or open pairs than there is room for, with a masked triangle, or in a tile with a long list, is left
-// to samples_filter.
+// Finds the receivers of the edge pixels' samples on a GPU, from records only: an item takes a pixel, and makes a mask
+// of the samples that meet each triangle. (An item for each sample took eight times the instructions.) A group's pixels
+// are neighbours in their list, mostly of one tile: the group copies the records that may meet one of its pixels to
+// local memory, each item marks the records that may meet its own pixel, and then makes only their masks. As on a CPU
+// (coverage_masks.clh explains why this is exact) the receivers of the neighbours in the picture come first, and hide
+// most of the list. What records leave open becomes pairs for samples_open_pairs (samples_filter.cl). A pixel is left
+// to samples_filter if it has more receivers or open pairs than fit, has a masked triangle, or lies in a tile with a
+// long list.
 #include "samples/pixel_masks_gpu.clh"
 
 #if GN_LANES == 1
 
-// Pixels of tiles with longer lists are left: a group would walk these lists while all others have ended. (H100,
+// Pixels of tiles with longer lists are left: a group would walk these lists while all other groups have ended. (H100,
 // Sponza, this kernel and samples_filter: 150, 300, 600 entries, all .67, .67, .71, 1.02 ms.)
 #define LONGEST_LIST 256u
 
@@ -103,8 +103,8 @@ static bool was_tried(const PixelMasks* pixel, uint slot) {
     return was;
 }
 
-// Tries some copied records, a bit each, for the item's pixel. Every item must call this. (The loop ends at its end
-// alone: PoCL 3.0 loses `wanted` where a loop with barriers is left in the middle.)
+// Tries the copied records in `marks`, a bit each, for the item's pixel. Every item must call this. (The loop is left
+// only at its end: PoCL 3.0 loses `wanted` if a loop with barriers is left in the middle.)
 static void try_marked(const GpuMasksWork* work, uint marks, PixelMasks* pixel) {
     __local MasksGroup* group = work->group;
     uint pairs;
@@ -155,8 +155,8 @@ static void try_lists(const GpuMasksWork* work, uint tile, bool searches, PixelM
 
 // ---- What is found --------------------------------------------------------------------------------------------------
 
-// Writes the open pairs of the group's pixels, and the receivers of their samples so far. Pixels for which there is no
-// room are left. Every item must call this.
+// Writes the open pairs of the group's pixels, and the receivers of their samples so far. Pixels that do not fit are
+// left to samples_filter. Every item must call this.
 static void store_open(const GpuMasksWork* work, OpenSamples open, uint i, uint own, PixelMasks* pixel,
                        __global SampleCounters* counters) {
     __local MasksGroup* group = work->group;
@@ -190,7 +190,7 @@ static void store_open(const GpuMasksWork* work, OpenSamples open, uint i, uint 
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// Writes the fragments of a pixel, those on further receivers from extra slot `extra` on.
+// Writes the fragments of a pixel; the fragments on further receivers go to the extra slots from `extra` on.
 static void store_masks(const GpuMasksWork* work, Fragments fragments, uint i, uint extra, const PixelMasks* pixel) {
     fragments.masks[i] = pixel->own_mask;
     fragments.lit[i] = popcount(pixel->rest & ~pixel->covered);
