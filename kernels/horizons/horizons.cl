@@ -2,8 +2,8 @@
 // Decides the lights of sectors by the horizon of a height field (horizons.h). Every bound is taken on the safe side;
 // lights between the bounds stay open.
 //
-// Lit. A ray whose slope is above the greatest slope at which its strip meets any triangle meets none. A triangle with
-// a corner at the point, and the point's receiver, do not block and are left out.
+// Lit. A ray meets no triangle if its slope is above the greatest slope at which its strip meets any triangle. The
+// point's receiver, and triangles with a corner at the point, do not block it and are left out.
 //
 // Dark. Over the rectangle in which the field has one height at each position (height_field.cl), a ray that is above
 // the field at one position and below it at a farther one meets the field in between; so does a ray that is first below

@@ -280,7 +280,7 @@ static void resolve_fragment(PixelBatch batch, Fragments fragments, uint slot, f
 }
 
 // visibility: the class of each fragment's footprint. Appends to `mixed` and `squares`. With params.extra_count, the
-// fragments are those of the pixels of that many squares.
+// fragments are those of the pixels of extra_count squares.
 __kernel void samples_resolve(SamplesParams params, __global uint* fragment_words, __global const float* visibility,
                               __global uint* mixed, __global uint* squares, __global SampleCounters* counters) {
     Fragments fragments = fragments_of(fragment_words, params.batch);

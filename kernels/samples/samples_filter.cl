@@ -77,7 +77,7 @@ static void begin_search(const FilterWork* work, uint2 at, uint own_slot, Sample
         atomic_inc(&group->searching);
 }
 
-// Tests a candidate's record. See test_in_search().
+// Tests a candidate's record, as test_in_search() does (camera/nearest_gpu.clh).
 static void test_candidate(const FilterWork* work, uint slot, SampleSearch* search, __local FragmentGroup* group) {
     TriangleRecord record = work->lists.records[slot];
     NearestFilter found = filter_nearest(&record, &search->ray, search->searching, &search->best);
