@@ -13,8 +13,8 @@
 
 #ifndef __cplusplus
 
-// A compiler for CPUs must not join work-items to vectors: kernels for CPUs are written with vectors. Intel's compiler
-// crashes or gives wrong bits where it does so (docs/drivers.md), and takes six times as long.
+// A compiler for CPUs must not join work-items to vectors: kernels for CPUs are written with vectors. If Intel's
+// compiler joins them, it crashes or gives wrong bits (docs/drivers.md), and takes six times as long.
 #ifdef GN_KEEP_ITEMS_APART
 #define __kernel __attribute__((intel_vec_len_hint(1))) kernel
 #endif
@@ -72,8 +72,8 @@ static ItemRange item_range(size_t n) {
 #define GN_NOINLINE_ON_CPU static
 #endif
 
-// A part of a kernel that is a function only for the reader. On an NVIDIA GPU samples_guess reads and writes addresses
-// out of range if such a part is not inlined (driver 580).
+// A part of a kernel that is a function only for the reader. On an NVIDIA GPU (driver 580) a kernel of the samples wing
+// read and wrote addresses out of range when such parts were not inlined.
 #define GN_INLINE __attribute__((always_inline)) static
 
 // A function for the innermost loops. PoCL's compiler does not inline a function with several callers, and then passes
@@ -99,7 +99,7 @@ static float key_to_float(uint key) { return as_float((key & 0x80000000u) ? key 
 #define GN_RELAXED_LOAD(address) (*(address))
 #endif
 
-// Prefetches these bytes where a CPU's compiler can. Changes no value.
+// Prefetches the bytes at an address if a CPU's compiler can. Changes no value.
 #if defined(GN_CPU) && defined(__has_builtin) && !defined(__SPIRV__) && !defined(__SPIR__)
 #if __has_builtin(__builtin_prefetch)
 #define GN_PREFETCH(address) __builtin_prefetch(address)

@@ -33,16 +33,17 @@
 // A pixel tile is a bin of the camera's projection.
 #define CAMERA_TILE_LOG2 4
 
-// On a GPU a tile's list of more than CameraParams::long_list entries is walked by several work-groups, each a chunk of
-// at most so many. A list is long only if it is a good part of all lists of the last frame, since the chunks do not see
-// what hides their triangles in others: the 1 / LONG_LISTS th. (H100: 200,000 triangles within 30 x 30 pixels take 2.1
-// ms unsplit, .73 in chunks of 2048; but if every list of more than 2048 or 4096 entries is split, the pipes' 6.6 ms
-// become 9.6 or 8.2, a city's 3.3 4.1 or 3.8. As a number that kernels compute it costs registers: 8.2 and 4.1, too.)
+// On a GPU a tile's list of more than CameraParams::long_list entries is walked by several work-groups, each of which
+// takes a chunk of at most that many. A list is long only if it is a good part, 1 / LONG_LISTS, of all lists of the
+// last frame, since a chunk does not see what hides its triangles in other chunks. (H100: 200,000 triangles within 30 x
+// 30 pixels take 2.1 ms unsplit, .73 in chunks of 2048; but if every list of over 2048 or 4096 entries is split, the
+// pipes' 6.6 ms become 9.6 or 8.2, a city's 3.3 4.1 or 3.8. As a number that kernels compute it costs registers: 8.2
+// and 4.1, too.)
 #define FIRST_LONG_LIST 16384u
 #define LEAST_LONG_LIST 2048u
 #define LONG_LISTS 256u
 
-// On a GPU there is room for an open pair (camera_filter.cl) for every so many pixels. (Sponza has one for 200.)
+// On a GPU there is a slot for an open pair (camera_filter.cl) per this number of pixels. (Sponza: one pair per 200.)
 #define OPEN_PAIRS_EVERY 16u
 #define OPEN_PAIRS_EVERY_WITH_CUT_OUTS 2u
 #define LEAST_OPEN_PAIRS 4096u

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Camera, on a GPU: the visibility buffer by records alone, and then the pairs of a pixel and a triangle that these
-// leave open. The order of hits is total (camera.h), so a pixel's nearest triangle is the nearest of its certain one
-// and of its open ones, in whatever order they are compared. A masked triangle is always open. Searches that begin with
-// receivers, and looks with more open pairs than fit, take camera_visibility, which decides in place.
+// Camera, on a GPU: finds the visibility buffer from records only, then decides the pairs of a pixel and a triangle
+// that records leave open. The order of hits is total (camera.h), so a pixel's nearest triangle is the nearest of its
+// certain one and of its open ones, in whatever order they are compared. A masked triangle is always open. Searches
+// that begin with receivers, and views with more open pairs than fit, take camera_visibility, which decides in place.
 #define GN_OPEN_PAIRS
 #include "camera/pixel_rays.clh"
 

@@ -11,12 +11,12 @@
 // Normals that are farther apart than this sine (30 degrees) are meant to show edges.
 #define MOST_SHIFT 0.5f
 
-// The light of the whole sky, beside the 1 - AMBIENT of a light that shines from above; and the part of the ambient
-// light that stays beside it.
+// The light of the whole sky, compared with the 1 - AMBIENT of a light that shines from above; and the part of the
+// ambient light that is added to the light of the sky.
 #define SKY_LIGHT 0.45f
 #define REFLECTED_AMBIENT 0.5f
 
-// ---- Light of a lamp or a direction ---------------------------------------------------------------------------------
+// ---- Light of a point light or a direction --------------------------------------------------------------------------
 
 // Three floats for each point, one after the other.
 static PointsLayout packed_layout(PointsLayout of) {
@@ -40,10 +40,10 @@ static PointBlock unit_of(PointBlock d) {
 
 // Adds one light's part to `lambert`; at pixels that show the sky it may be anything.
 //
-// Visibility is that of the triangle: it ends where the light lies in the triangle's plane, and there a shading normal
-// would still get light, up to the sine of its angle to the triangle's (`spreads`), so that the edges of triangles
-// would show. So the cosine is shifted: it is 0 from that sine on, and 1 where it is 1, as appleseed (F. Beaune 2019)
-// and Blender's Cycles ("Shading Offset") shift it; here the triangle tells by how much.
+// Visibility is decided for the triangle: it ends where the light lies in the triangle's plane. A shading normal would
+// still get light there, up to the sine of its angle to the triangle's normal (`spreads`), so that the edges of
+// triangles would show. So the cosine is shifted: it is 0 from that sine on, and 1 where it is 1, as in appleseed (F.
+// Beaune 2019) and Blender's Cycles ("Shading Offset"); here the triangle determines the shift.
 __kernel void shade_light(ShadeParams params, __global const float* positions, __global const float* normals,
                           __global const float* spreads, __global const float* visibility, __global float* lambert) {
     PointsLayout layout = params.layout;
@@ -90,8 +90,8 @@ static PointBlock base_colors_of(const PictureInputs* from, LaneInt ids) {
     return same_point(color.x, color.y, color.z);
 }
 
-// The light that the lanes `seen` show, at least one, linear. With shares of the sky, the light of the sky takes the
-// place of most of the ambient light; a little stays for what surfaces reflect.
+// The linear light that the lanes `seen`, at least one, show. With shares of the sky, the light of the sky replaces
+// most of the ambient light; a little stays for what surfaces reflect.
 static PointBlock light_of_surfaces(PictureParams params, const PictureInputs* from, size_t block, LaneInt ids,
                                     LaneInt seen) {
     PointsLayout layout = params.layout, packed = packed_layout(layout);

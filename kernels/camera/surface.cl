@@ -46,7 +46,7 @@ static float2 blended_coordinates(__global const SurfaceRecord* record, float3 o
     return (float2)(uv[0] * of.x + uv[2] * of.y + uv[4] * of.z, uv[1] * of.x + uv[3] * of.y + uv[5] * of.z);
 }
 
-// A corner's normal from the octahedral map; 0 where there is none.
+// A corner's normal from the octahedral map; 0 if there is none.
 static float3 unpacked_normal(uint bits) {
     if (bits == 0u) return (float3)(0.0f);
     float x = (float)(bits & 0xFFFFu) * (2.0f / 65534.0f) - (65536.0f / 65534.0f);
@@ -58,7 +58,7 @@ static float3 unpacked_normal(uint bits) {
     return (float3)(x, y, z) / sqrt(x * x + y * y + z * z);
 }
 
-// The interpolated normal, on the eye's side of the triangle; the geometric one where corners have none.
+// The interpolated normal, on the eye's side of the triangle; the geometric normal if corners have none.
 static float3 shading_normal(__global const SurfaceRecord* record, float3 at, float3 geometric) {
     if (record->normals[0] == 0u || record->normals[1] == 0u || record->normals[2] == 0u) return geometric;
     float3 n = unpacked_normal(record->normals[0]) * at.x + unpacked_normal(record->normals[1]) * at.y +
@@ -70,7 +70,7 @@ static float3 shading_normal(__global const SurfaceRecord* record, float3 at, fl
     return fabs(side) > 1e-3f ? (side < 0.0f ? -n : n) : geometric;
 }
 
-// The sine of the largest angle between the triangle's normal and a corner's; 0 where corners have none.
+// The sine of the largest angle between the triangle's normal and a corner's; 0 if corners have none.
 static float spread_of_normals(__global const SurfaceRecord* record, float3 geometric) {
     float least = 1.0f;
     for (int i = 0; i < 3; ++i) {
@@ -97,7 +97,7 @@ static float3 albedo_of(__global const SurfaceRecord* record, const Barycentric*
     return albedo * filtered(&texture, &area, material.is_nearest != 0u);
 }
 
-// `slots`: of each pixel the record, or GN_NO_ID. Sky: 0.
+// `slots`: the record's slot for each pixel, or GN_NO_ID. Sky: 0.
 __kernel void surfaces(SurfaceParams params, __global const float* vertices, __global const uint* visible,
                        __global const uint* slots, __global const float* normals, __global const SurfaceRecord* records,
                        __global const SurfaceMaterial* materials, __global const SurfaceTexture* textures,

@@ -13,7 +13,7 @@
 
 #include "simd/points.h"
 
-// Of a texture coordinate outside of 0..1, as TextureWrap.
+// What happens to a texture coordinate outside of 0..1, as in TextureWrap.
 #define SURFACE_REPEAT 0u
 #define SURFACE_MIRROR 1u
 #define SURFACE_CLAMP 2u

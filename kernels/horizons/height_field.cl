@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Finds out whether triangles are a height field, and makes its grid and pyramid (height_field.h).
 //
-// Over a rectangle each place has one triangle above it if these hold. All triangles have one winding over the ground.
-// All edges but those outside of the rectangle are shared by two triangles, which go along them in opposite directions,
-// so that in the sum of all triangles' borders nothing is left within the rectangle; then each place in it is under as
-// many triangles as any other. And one place is under one triangle. The host checks the last.
+// Over a rectangle each position lies under one triangle if these conditions hold. All triangles have one winding, seen
+// from above. All edges but those outside of the rectangle are shared by two triangles, which run along them in
+// opposite directions, so that the borders of all triangles cancel within the rectangle; then all positions in it lie
+// under the same number of triangles. And one position lies under one triangle. The host checks the last condition.
 #include "horizons/height_field.h"
 
 static Triangle triangle_over_ground(const HeightField field, __global const float* vertices, size_t i) {
@@ -12,7 +12,8 @@ static Triangle triangle_over_ground(const HeightField field, __global const flo
     return (Triangle){over_ground(field.axis, t.a), over_ground(field.axis, t.b), over_ground(field.axis, t.c)};
 }
 
-// Bit k: some triangle is not counter-clockwise for certain, seen against axis k; bit 3 + k: not clockwise.
+// Sets bit k if some triangle, seen against axis k, is not certainly counter-clockwise, bit 3 + k if not certainly
+// clockwise.
 __kernel void field_windings(const TrianglesLayout layout, __global const float* vertices, __global uint* found) {
     uint bits = 0u;
     GN_FOR_EACH(i, layout.count) {
@@ -20,7 +21,7 @@ __kernel void field_windings(const TrianglesLayout layout, __global const float*
         for (uint axis = 0u; axis < 3u; ++axis) {
             float3 e = over_ground(axis, t.b - t.a), f = over_ground(axis, t.c - t.a);
             float left = e.x * f.y, right = e.y * f.x;
-            // Four roundings of the products' size.
+            // The area rounds four times, relative to the size of the products.
             float area = left - right, bound = 0x1p-20f * (fabs(left) + fabs(right)) + 0x1p-100f;
             if (!(area > bound)) bits |= 1u << axis;
             if (!(area < -bound)) bits |= 8u << axis;
@@ -46,18 +47,18 @@ __kernel void field_counts(const HeightField field, __global const float* vertic
     GN_FOR_EACH(i, field.triangles.count) {
         Triangle t = triangle_over_ground(field, vertices, i);
         CellBox box = box_of(field, t, 0.5f * field.halves, field.columns, field.rows);
-        if ((long)(box.x.y - box.x.x + 1) * (box.y.y - box.y.x + 1) > MOST_CELLS_OF_TRIANGLE) {
+        if ((long)(box.x.y - box.x.x + 1) * (box.y.y - box.y.x + 1) > MAX_CELLS_OF_TRIANGLE) {
             atomic_max(&counters->unfit, 1u);
             continue;
         }
         for (int y = box.y.x; y <= box.y.y; ++y)
             for (int x = box.x.x; x <= box.x.y; ++x)
-                if (atomic_inc(&counts[y * (size_t)field.columns + x]) >= MOST_TRIANGLES_OF_CELL)
+                if (atomic_inc(&counts[y * (size_t)field.columns + x]) >= MAX_TRIANGLES_OF_CELL)
                     atomic_max(&counters->unfit, 1u);
     }
 }
 
-// Lists them. `slots`: the number of the next entry of each cell.
+// Lists the triangles of each cell. `slots`: the slot of the next entry of each cell.
 __kernel void field_lists(const HeightField field, __global const float* vertices, __global uint* slots,
                           __global uint* list) {
     GN_FOR_EACH(i, field.triangles.count) {
@@ -76,7 +77,7 @@ static bool has_edge(Triangle t, float3 from, float3 to) {
            (are_equal(t.c, from) && are_equal(t.a, to));
 }
 
-// Whether exactly one triangle goes along an edge of triangle i the other way, and no other one this way.
+// True if exactly one triangle runs along an edge of triangle i the other way, and no other triangle the same way.
 static bool has_neighbour(const HeightField field, __global const float* vertices, __global const uint* starts,
                           __global const uint* list, uint i, float3 from, float3 to) {
     float2 at = 0.5f * (from.xy + to.xy), snap = (float2)(2.0f * FIELD_SNAP / field.halves);
@@ -98,7 +99,7 @@ static bool has_neighbour(const HeightField field, __global const float* vertice
     return neighbour != GN_NO_ID;
 }
 
-// Lists the edges without such a neighbour: the places of both ends.
+// Lists the edges without such a neighbour, by the positions of both ends.
 __kernel void field_borders(const HeightField field, __global const float* vertices, __global const uint* starts,
                             __global const uint* list, uint capacity, __global float4* borders,
                             __global FieldCounters* counters) {
@@ -116,13 +117,13 @@ __kernel void field_borders(const HeightField field, __global const float* verti
 
 // ---- Heights --------------------------------------------------------------------------------------------------------
 
-// A triangle over the ground, in half cells and units, and what bounds its shares. The share of corner k at a place
-// is the height there of the plane that is 1 at corner k and 0 at the others: (edge k x place) / area.
+// A triangle over the ground, in half cells and units, and what bounds its shares (barycentric coordinates). The share
+// of corner k is linear, 1 at corner k and 0 at the others: at a position it is (edge k x position) / area.
 typedef struct FieldTriangle {
     float3 corners[3];
     float2 edges[3];  // from corner k + 1 to corner k + 2
     float area_inverse;
-    float area_error;  // at most this part of the area is wrong
+    float area_error;  // bound of the area's relative error
 } FieldTriangle;
 
 static FieldTriangle field_triangle(const HeightField field, Triangle t) {
@@ -140,8 +141,7 @@ static FieldTriangle field_triangle(const HeightField field, Triangle t) {
     return made;
 }
 
-// Bounds of the shares of corner k over a half cell. The half cell is taken to be wider by four times what coordinates
-// round.
+// Bounds of the share of corner k over a half cell, which is enlarged by four times the rounding of coordinates.
 static float2 shares_over(const FieldTriangle* t, uint k, float2 middle) {
     float2 e = t->edges[k], from = middle - t->corners[(k + 1u) % 3u].xy;
     float left = e.x * from.y * t->area_inverse, right = e.y * from.x * t->area_inverse;
@@ -151,15 +151,15 @@ static float2 shares_over(const FieldTriangle* t, uint k, float2 middle) {
     return (float2)(left - right - radius, left - right + radius);
 }
 
-// Notes the least and the greatest height of a triangle over a half cell. Corner k's height, plus the shares of both
-// other corners times how much higher they are, is the height at a place, so bounds of shares bound it; three times.
+// Notes bounds of a triangle's heights over a half cell. The height at a position is the height of corner k, plus for
+// each other corner its share times how much higher it is than corner k. So bounds of shares bound it, in three ways.
 static void note_heights(const FieldTriangle* t, float2 middle, __global uint* least, __global uint* greatest) {
     float2 shares[3];
     for (uint k = 0u; k < 3u; ++k) {
         shares[k] = shares_over(t, k, middle);
-        // A triangle may have no area here, for coordinates are rounded. Then all shares are between 0 and 1.
+        // A triangle may have no area here, since coordinates are rounded. Its shares are then only known to be 0 to 1.
         bool is_flat = !(t->area_error < 0.25f);
-        if (!is_flat && shares[k].y < 0.0f) return;  // the triangle does not meet it
+        if (!is_flat && shares[k].y < 0.0f) return;  // the triangle does not meet the half cell
         shares[k].x = !is_flat && shares[k].x > 0.0f ? shares[k].x : 0.0f;
         shares[k].y = !is_flat && shares[k].y < 1.0f ? shares[k].y : 1.0f;
     }
@@ -197,10 +197,10 @@ __kernel void field_heights(const HeightField field, __global const float* verti
 
 // ---- Pyramid --------------------------------------------------------------------------------------------------------
 
-// Greatest heights in the upper half of a word, least ones in the lower.
+// Joins two words, each with a greatest height in the upper half and a least height in the lower half.
 static uint joined(uint a, uint b) { return (max(a >> 16, b >> 16) << 16) | min(a & 0xFFFFu, b & 0xFFFFu); }
 
-// The lowest level, of half cells.
+// Makes the lowest level, of half cells.
 __kernel void field_lowest_level(const FieldLevel level, __global const uint* least, __global const uint* greatest,
                                  __global uint* pyramid) {
     GN_FOR_EACH(i, level.columns * (size_t)level.rows) {
@@ -214,7 +214,7 @@ __kernel void field_lowest_level(const FieldLevel level, __global const uint* le
     }
 }
 
-// Each further one, of the one below.
+// Makes each further level from the level below.
 __kernel void field_level(const FieldLevel below, const FieldLevel level, __global uint* pyramid) {
     GN_FOR_EACH(i, level.columns * (size_t)level.rows) {
         uint x = 2u * (uint)(i % level.columns), y = 2u * (uint)(i / level.columns), bounds = 0xFFFFu;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 // Decides the lights of sectors by the horizon of a height field (horizons.h). Every bound is taken on the safe side;
-// what lies between them stays open.
+// lights between the bounds stay open.
 //
-// Lit. A ray whose slope is above the greatest slope at which its strip meets any triangle meets none. A triangle with
-// a corner at the point, and the point's receiver, do not block and are left out.
+// Lit. A ray meets no triangle if its slope is above the greatest slope at which its strip meets any triangle. The
+// point's receiver, and triangles with a corner at the point, do not block it and are left out.
 //
-// Dark. Over the rectangle in which the field has one height at each place (height_field.cl), a ray that is above the
-// field at one place and below it at a farther one meets it in between; so does one that is first below and then above.
-// The triangle that it meets blocks it: the ray comes from one side of its plane, so it is not in the plane. Where a
-// ray is first known to be above or below is the end of its first triangle, the one under the point. This is the
-// receiver itself, or it has, as the receiver has, a corner at the point; so the ray cannot meet the receiver farther
-// on. Where neither holds, no light is found to be dark.
+// Dark. Over the rectangle in which the field has one height at each position (height_field.cl), a ray that is above
+// the field at one position and below it at a farther one meets the field in between; so does a ray that is first below
+// and then above the field. The triangle that it meets blocks it: the ray comes from one side of the triangle's plane,
+// so it is not in the plane. The first position at which a ray is known to be above or below the field is the end of
+// its first triangle, the triangle under the point. This is the receiver itself, or it has a corner at the point, as
+// the receiver has; so the ray cannot meet the receiver farther on. If neither holds, no light is found to be dark.
 #include "horizons/strip_walk.clh"
 
-// Slopes of the pyramid round three times.
+// Slopes from the pyramid round three times.
 #define SLOPE_ABOVE (1.0f + 0x1p-18f)
 #define SLOPE_BELOW (1.0f - 0x1p-18f)
 #define SLOPE_WELL_BELOW (1.0f - 0x1p-16f)
@@ -38,7 +38,7 @@ static FieldBlock load_field_block(const HorizonParams* params, size_t block, __
     return made;
 }
 
-// Within the rectangle with one height at each place.
+// The lanes whose points are within the rectangle with one height at each position.
 static LaneInt lanes_inside(const FieldBlock* block, const HeightField* field) {
     const float* sides = field->inside;
     return LANE_COMPARE(block->at.x, >=, (LaneFloat)(sides[0])) & LANE_COMPARE(block->at.y, >=, (LaneFloat)(sides[1])) &
@@ -47,7 +47,7 @@ static LaneInt lanes_inside(const FieldBlock* block, const HeightField* field) {
 
 // ---- Strips ---------------------------------------------------------------------------------------------------------
 
-// Lower bounds, of one part of each stretch.
+// Updates the lower bounds by one part of each stretch.
 static void meet_first_parts(Horizon* horizon, const FieldBlock* block, uint stretch_count, const FieldScene* scene) {
     for (uint g = 0; g < stretch_count; ++g) {
         __global const HorizonStep* part = &scene->steps[g * (1u + STEPS_OF_STRETCH) + 1u];
@@ -70,7 +70,8 @@ static LaneInt have_lights_between(__global const HorizonSector* sector, LaneFlo
     return found;
 }
 
-// Both bounds, of all steps of a stretch; where lights depend on it, triangle by triangle if the stretch is near.
+// Updates both bounds by all steps of a stretch. If the stretch is near, lanes with lights between the bounds test its
+// triangles instead, one by one.
 static void meet_stretch(Horizon* horizon, uint g, const FieldBlock* block, __global const HorizonSector* sector,
                          const FieldScene* scene, LaneInt lanes) {
     __global const HorizonStep* stretch = &scene->steps[g * (1u + STEPS_OF_STRETCH)];
@@ -90,7 +91,7 @@ static void meet_stretch(Horizon* horizon, uint g, const FieldBlock* block, __gl
                    closer);
 }
 
-// Both bounds, of the stretches that could raise the horizon.
+// Updates both bounds by the stretches that could raise the horizon.
 static void meet_stretches(Horizon* horizon, const FieldBlock* block, __global const HorizonSector* sector,
                            const FieldScene* scene) {
     for (uint g = 0; g < sector->stretch_count; ++g) {
@@ -119,8 +120,8 @@ static Horizon horizon_of(const FieldBlock* block, __global const HorizonSector*
 
 // ---- Lights ---------------------------------------------------------------------------------------------------------
 
-// Of a block's points, the lights that reach them for certain, those that do not, and, of all others, those that may be
-// below the horizon's lower bound.
+// For each point of a block, the lights that certainly reach it, the lights that certainly do not, and, among all
+// others, the lights that may be below the horizon's lower bound.
 typedef struct SectorLights {
     LaneInt lit, dark, low;
 } SectorLights;
@@ -179,8 +180,8 @@ GN_NOINLINE_ON_CPU void decide_horizons(ItemRange items, const HorizonParams par
     }
 }
 
-// masks: the lights that points face; then those that are still open. lit: those that reach them. begins: how far along
-// the ground the open lights' rays meet nothing.
+// masks: the lights that each point faces; afterwards those that are still open. lit: the lights that reach the point.
+// begins: the distance along the ground within which the rays to the open lights meet nothing.
 __kernel void horizons(const HorizonParams params, __global const HorizonSector* sectors,
                        __global const HorizonStep* steps, __global const uint* starts, __global const uint* list,
                        __global const uint* pyramid, __global const float* vertices, __global const float* positions,
@@ -190,7 +191,7 @@ __kernel void horizons(const HorizonParams params, __global const HorizonSector*
                     starts, list, pyramid, vertices, positions, receivers, masks, lit, begins);
 }
 
-// Adds the lights that reach points to those that did after they were traced.
+// Adds the lights that the horizons found to reach the points to the masks, after the open lights were traced.
 __kernel void horizons_join(const HorizonParams params, __global uint* masks, __global const uint* lit) {
     GN_FOR_EACH(i, params.points.count * (size_t)params.bundle_count) {
         size_t at = i / params.points.count * params.mask_stride + i % params.points.count;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Contract of bundles: up to 32 lights whose bits are one mask word of each point, and cones that contain their
-// directions, or boxes that contain their positions, where they are neighbours. All lights of a run are of one kind;
-// kernels with GN_POINT_LIGHTS take positions.
+// Contract of bundles: up to 32 lights whose bits are one mask word of each point and, if the lights are neighbours,
+// cones that contain their directions, or boxes that contain their positions. All lights of a run are of one kind;
+// kernels with GN_POINT_LIGHTS take point lights.
 #pragma once
 
 #include "simd/points.h"
@@ -9,37 +9,37 @@
 #define MOST_BUNDLE_LIGHTS 32u
 
 // All directions are scaled by powers of two, exactly, so that the largest coordinate of each is between 1/2 and 1. A
-// cone holds the directions of some lights: for each of these, D, there are s > 0 and u, v in [-1, 1] with
-// s D = middle + u across + v along; middle, across and along have coordinates of at most 1.
+// cone contains the directions of some lights: for each direction D there are s > 0 and u, v in [-1, 1] with s D =
+// middle + u across + v along; middle, across and along have coordinates of at most 1.
 //
-// Of point lights, S is taken as it is, and the box has u, v and w in [-1, 1] with S = middle + u across + v along + w
-// depth; planes[0] is depth.
+// The position S of a point light is not scaled. A box contains the positions of some point lights: for each S there
+// are u, v and w in [-1, 1] with S = middle + u across + v along + w depth; planes[0] is depth.
 GN_STRUCT_BEGIN(LightCone)
     // Outward normals of the shaft's four sides and of its near side: n . D < 0 for each light.
     float planes[5][3];
     float middle[3], across[3], along[3];
 GN_STRUCT_END(LightCone, 96)
 
-// The axes of a light. w points towards it, u and v are at right angles to it but for rounding: |u . D| and |v . D| are
-// at most 5.2e-8 |D|. No coordinate of u, v and w exceeds 1.
+// The axes of a directional light. w points towards the light; u and v are perpendicular to D but for rounding: |u . D|
+// and |v . D| are at most 5.2e-8 |D|. No coordinate of u, v and w exceeds 1.
 GN_STRUCT_BEGIN(LightAxes)
     float u[3], v[3], w[3];
     float padding;
 GN_STRUCT_END(LightAxes, 40)
 
-// Neighbouring lights, and cones of all of them, of each half of the slots, of each half of these, and so on down to
-// single lights. Where all open lights lie in one part, its cone is thinner.
+// Neighbouring lights, and a tree of cones: of all lights, of each half of the slots, of each quarter, and so on down
+// to single lights. If all open lights lie in one part, the cone of that part is thinner.
 #define LIGHT_CONES 63u
 GN_STRUCT_BEGIN(LightBundle)
     LightCone cones[LIGHT_CONES];
-    float directions[3][MOST_BUNDLE_LIGHTS];  // D or S, coordinate by coordinate; of lights past the last: 0
+    float directions[3][MOST_BUNDLE_LIGHTS];  // D or S, coordinate by coordinate; 0 past the last light
     LightAxes axes[MOST_BUNDLE_LIGHTS];
     uint light_count;
-    float ground[3];  // of a sector (horizons/horizons.h): its middle along the ground, of length 1; else 0
+    float ground[3];  // for a sector (horizons/horizons.h) the unit vector of its middle along the ground; else 0
 GN_STRUCT_END(LightBundle, 7728)
 
 #ifndef __cplusplus
-// The cone of the smallest part that has all lights of a mask.
+// The cone of the smallest part that contains all lights of a mask.
 static __global const LightCone* cone_of(__global const LightBundle* bundle, uint lights) {
     uint part = 0u;
     for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; part < LIGHT_CONES / 2u; size /= 2u) {
@@ -51,8 +51,8 @@ static __global const LightCone* cone_of(__global const LightBundle* bundle, uin
     return &bundle->cones[part];
 }
 
-// Of lights, those in the lower half of the smallest part that has all of them; 0 where that part has no cones of
-// halves.
+// Splits `lights` at the level of the cone tree where they first differ; returns the lower half, or 0 if that level
+// stores no cones.
 static uint lower_lights(uint lights) {
     for (uint size = MOST_BUNDLE_LIGHTS / 2u, first = 0u; size >= 2u * MOST_BUNDLE_LIGHTS / (LIGHT_CONES + 1u);
          size /= 2u) {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Decides facing for many lights at once (light_sides.h), exactly. The sign of a light against a receiver's plane is
-// that of n . D, which lanes_side() decides; against a normal, lanes_normal_faces().
+// Decides facing for many lights at once (light_sides.h), exactly. The side of a light relative to a receiver's plane
+// is the sign of n . D, which lanes_side() decides; relative to a normal, lanes_normal_faces() decides it.
 //
-// Before, a filter decides all lights of a cone. With s D = m + u a + v b, s > 0 and |u|, |v| <= 1 (light_bundle.h),
-// n . D is positive for all of them if n . m > |n . a| + |n . b|. S is the sum of the sizes of n's coordinates, for a
-// receiver's normal of both products of each. In units of 2^-24 S: the errors of such a normal (two differences, a
-// product, a difference: 4 of a coordinate's size) make each of the three products wrong by 4, as no coordinate of m, a
-// and b exceeds 1; each rounds by 3, and their sums by 5. Together 26, less than 32.
+// First, a filter decides all lights of a cone together. With s D = m + u a + v b, s > 0 and |u|, |v| <= 1
+// (light_bundle.h), n . D is positive for all of them if n . m > |n . a| + |n . b|. S is the sum of the sizes of n's
+// coordinates; for a receiver's normal, of the sizes of both products of each coordinate. In units of 2^-24 S: the
+// errors of such a normal (two differences, a product, a difference: 4 of a coordinate's size) make each of the three
+// dot products wrong by 4, since no coordinate of m, a and b exceeds 1; each dot product rounds by 3, and their sums by
+// 5. Together this is 26, less than 32.
 //
-// A point light is on the side of n . (S - base), base a point of the plane. Of a box of lights the four products, of m
-// - base and of three axes, are wrong by 8 of a reach together that bounds the sum of their largest coordinates, and
-// their sums by 4.
+// The side of a point light is the sign of n . (S - base), where base is a point of the plane. For a box of lights the
+// four dot products, with m - base and with three axes, are together wrong by 8 times a reach that bounds the sum of
+// their largest coordinates, and their sums by 4 times that reach.
 #include "exact/normal_side.clh"
 #include "lights/light_sides.h"
 #include "receivers/facing.clh"
@@ -22,11 +23,11 @@ typedef struct SidedPoints {
     PointBlock normals;
     LaneInt sided;  // the lanes with a side
     LaneInt eye_side;
-    PointBlock base;       // of point lights, a point of the plane; else 0
-    LaneFloat cone_bound;  // of the filter of a cone; infinite: never certain
+    PointBlock base;       // for point lights a point of the plane; else 0
+    LaneFloat cone_bound;  // error bound of the cone's filter; infinite: the filter is never certain
 } SidedPoints;
 
-// The lights of a part of a bundle, which one cone holds.
+// The number of lights in a quarter of a bundle, which has a cone of its own.
 #define LIGHTS_OF_CONE (MOST_BUNDLE_LIGHTS / 4u)
 #define FIRST_SMALL_CONE 3u
 
@@ -78,7 +79,7 @@ static SidedPoints load_sided(const LightSidesParams params, size_t block, __glo
     return s;
 }
 
-// The lanes that face a light.
+// The lanes whose points face a light.
 static LaneInt lanes_face(const SidedPoints* s, uint side, float3 direction, uint* exact) {
     if (side == SIDE_NORMALS) return lanes_normal_faces(&s->normals, direction, &s->base, s->sided);
     PointBlock towards = same_point(direction.x, direction.y, direction.z);
@@ -90,7 +91,7 @@ static LaneFloat normals_along(const PointBlock* n, __global const float* d) {
     return fma(n->x, d[0], fma(n->y, d[1], n->z * d[2]));
 }
 
-// Of n . D, over the lights of a cone: the middle, by how much they differ from it, and the bound of its error.
+// The values of n . D over the lights of a cone: their middle, the largest difference from it, the bound of its error.
 typedef struct ConeAlongNormals {
     LaneFloat middle, radius, bound;
 } ConeAlongNormals;
@@ -104,7 +105,7 @@ static ConeAlongNormals cone_along_normals(const SidedPoints* s, __global const 
     found.radius += fabs(normals_along(&s->normals, cone->planes[0]));
     float3 sizes = fabs(vload3(0, cone->across)) + fabs(vload3(0, cone->along)) + fabs(light_box_depth(cone));
     LaneFloat reach = fabs(d.x) + fabs(d.y) + fabs(d.z) + (sizes.x + sizes.y + sizes.z + 1.0f);
-    // Where a product may overflow, terms that cancel do not: nothing is certain.
+    // If a product may overflow, terms that should cancel do not: nothing is certain.
     LaneFloat bound = s->cone_bound * reach;
     found.bound = LANES_SELECT((LaneFloat)(INFINITY), bound, LANE_COMPARE(bound, <, (LaneFloat)(0x1p100f)));
 #else
@@ -114,7 +115,7 @@ static ConeAlongNormals cone_along_normals(const SidedPoints* s, __global const 
     return found;
 }
 
-// The lanes that face all lights of a cone, or none. Returns whether that is certain for all lanes that have a side.
+// *face: the lanes that face all lights of a cone; other lanes face none. True if that is certain for all sided lanes.
 static bool cone_is_certain(const SidedPoints* s, __global const LightCone* cone, LaneInt* face) {
     ConeAlongNormals n = cone_along_normals(s, cone);
     LaneInt front = LANE_COMPARE(n.middle - n.radius, >, n.bound),
@@ -124,7 +125,7 @@ static bool cone_is_certain(const SidedPoints* s, __global const LightCone* cone
     return !LANES_ANY(s->sided & ~(front | back));
 }
 
-// Of the lights of a bundle, those that each point faces.
+// The lights of a bundle that each point faces.
 static LaneInt lights_faced(const SidedPoints* s, uint side, __global const LightBundle* bundle, uint* exact) {
     uint count = bundle->light_count;
     LaneInt face, mask = (LaneInt)((int)(count < 32u ? (1u << count) - 1u : GN_NO_ID));

@@ -5,11 +5,11 @@
 
 #include "lights/light_bundle.h"
 
-// Which side of its surface a point lies on.
+// What tells the side of its surface on which a point lies.
 #define SIDE_NONE 0u     // unknown: a receiver only excludes its triangle
-#define SIDE_EYE 1u      // of its receiver's plane, the side of the eye
-#define SIDE_WINDING 2u  // of its receiver, the side from which the vertices are counter-clockwise
-#define SIDE_NORMALS 3u  // the side of its normal
+#define SIDE_EYE 1u      // the side of its receiver's plane on which the eye is
+#define SIDE_WINDING 2u  // the side of its receiver from which the vertices are counter-clockwise
+#define SIDE_NORMALS 3u  // the side to which its normal points
 
 GN_STRUCT_BEGIN(LightSidesParams)
     TrianglesLayout triangles;

@@ -4,7 +4,7 @@
 #include "lists/whole_to_float.clh"
 #include "simd/lanes.clh"
 
-// Bit `slot` of a mask for each point that the technique found lit, for one light: for techniques of one light.
+// Sets bit `slot` of the mask of each point that the technique found lit: for techniques that take one light at a time.
 __kernel void light_bits(const LightSumsParams params, __global const float* visibility, uint slot,
                          __global uint* masks) {
     GN_FOR_EACH(i, params.point_count) {
@@ -13,9 +13,9 @@ __kernel void light_bits(const LightSumsParams params, __global const float* vis
     }
 }
 
-// The weighted cosine of one light as a whole number: max(0, n . l), at most 1, times the weight; three products and
-// two sums, each rounded once, in this order; the product with the weight rounded once; that times 2^-exponent to the
-// nearest whole number, ties to even.
+// The weighted cosine of one light as a whole number: max(0, n . l), at most 1, times the weight. The three products
+// and two sums are each rounded once, in this order; the product with the weight is rounded once; the result times
+// 2^-exponent is rounded to the nearest whole number, ties to even.
 static long cosine_term(float3 n, LightSlot slot, int exponent) {
     float x = fma(n.x, slot.direction[0], 0.0f), y = fma(n.y, slot.direction[1], 0.0f);
     float cosine = clamp(x + y + fma(n.z, slot.direction[2], 0.0f), 0.0f, 1.0f);
@@ -69,7 +69,7 @@ __kernel void light_means(uint point_count, __global const uint* counts, __globa
     GN_FOR_EACH(i, point_count) mean[i] = shares[counts[i]];
 }
 
-// Turns whole sums into float64, in place.
+// Converts the whole sums to float64, in place.
 __kernel void light_sums_finish(const LightSumsParams params, __global long* sums) {
     GN_FOR_EACH(i, params.point_count) sums[i] = double_bits_of_whole(sums[i], params.exponent);
 }

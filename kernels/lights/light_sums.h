@@ -16,20 +16,20 @@
 GN_STRUCT_BEGIN(LightSumsParams)
     uint first_point;  // of the sorted points
     uint point_count;
-    uint first_bundle;  // of these masks
+    uint first_bundle;  // the first bundle of the masks
     uint bundle_count;
     uint mask_stride;
     uint wants;
-    uint words;      // of packed bits per point
+    uint words;      // of packed bits, per point
     uint is_sorted;  // `order` has the number of each sorted point; else a point's index is its number
     int exponent;    // a weight is its whole number times 2^exponent
     uint padding;
-    PointsLayout normals;  // `first` and the strides
+    PointsLayout normals;  // only `first` and the strides are used
 GN_STRUCT_END(LightSumsParams, 88)
 
-// A light of a bundle: slot MOST_BUNDLE_LIGHTS bundle + l.
+// A light of a bundle. Light l of a bundle has the slot MOST_BUNDLE_LIGHTS bundle + l.
 GN_STRUCT_BEGIN(LightSlot)
-    float direction[3];  // of length 1, towards the light: for cosines
+    float direction[3];  // the unit vector towards the light, for cosines
     float weight;
     uint light;  // its index; GN_NO_ID: none
     uint padding[3];
@@ -37,4 +37,4 @@ GN_STRUCT_END(LightSlot, 32)
 
 // weight_tables[(4 bundle + b) 256 + m]: the sum of the whole weights of the lights 8 b + i with bit i set in m.
 #define WEIGHT_TABLE 256u
-#define WEIGHT_TABLES (MOST_BUNDLE_LIGHTS / 8u)  // of a bundle
+#define WEIGHT_TABLES (MOST_BUNDLE_LIGHTS / 8u)  // per bundle

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bounds, codes and gathered copies of points (point_order.h).
+// Finds bounds and codes of points, and gathers their sorted copies (point_order.h).
 #include "lights/point_order.h"
 #include "simd/point_blocks.clh"
 
@@ -20,8 +20,8 @@ __kernel void point_bounds(const PointOrderParams params, __global const float* 
     }
 }
 
-// The normal of a point's surface, of any length: the given one, or its receiver's on the side of the eye, if there is
-// one. Zero: there is none.
+// The normal of a point's surface, of any length: the given normal, or else the receiver's, on the side of the eye if
+// there is an eye. Zero: the point has none.
 static float3 surface_normal(const PointOrderParams params, __global const float* vertices, float3 p, uint receiver,
                              float3 given) {
     if (params.has_normals != 0u) return is_present(given) ? given : (float3)(0.0f);
@@ -63,8 +63,8 @@ __kernel void point_codes(const PointOrderParams params, __global const float* v
     }
 }
 
-// The square of 4 x 4 pixels that is number i: four side by side at a time, then the last column and the last row,
-// where their numbers are odd.
+// The square of 4 x 4 pixels that is number i: first groups of 2 x 2 squares; then, if their number is odd, the squares
+// of the last column and of the last row.
 static uint square_in_order(uint i, uint columns, uint rows) {
     uint across = columns / 2u, fours = across * (rows / 2u), four = i / 4u;
     if (four < fours) return (four / across * 2u + i / 2u % 2u) * columns + four % across * 2u + i % 2u;
@@ -76,7 +76,7 @@ static uint square_in_order(uint i, uint columns, uint rows) {
     return (rows - 1u) * columns + i;
 }
 
-// The points of a picture, 4 x 4 pixels after 4 x 4 pixels: neighbours are there already.
+// Orders the points of a picture by squares of 4 x 4 pixels, without sorting: neighbours are together already.
 __kernel void picture_order(const PointOrderParams params, __global uint* numbers) {
     uint columns = params.points.picture_width / 4u, rows = params.points.count / 16u / columns;
     GN_FOR_EACH(i, params.points.count) {
@@ -92,7 +92,7 @@ __kernel void point_reorder(uint count, __global const uint* values, __global co
     GN_FOR_EACH(i, count) gathered[i] = values[numbers[i]];
 }
 
-// numbers[i]: of the sorted points, one run of POINTS_OF_RUN out of `share`.
+// numbers[i]: every share-th run of POINTS_OF_RUN neighbours among the sorted points.
 __kernel void point_sample(uint count, uint share, __global const uint* order, __global uint* numbers) {
     GN_FOR_EACH(i, count) numbers[i] = order[(i / POINTS_OF_RUN * share) * POINTS_OF_RUN + i % POINTS_OF_RUN];
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Contract of the point order: points sorted so that neighbours in memory are neighbours in space on surfaces that face
-// the same way: by the axis that their surface's normal follows most, then along a space-filling curve, absent points
-// last; those of a picture by squares of its pixels. The order, and the surface normals, affect speed alone.
+// the same way. The order is by the axis that the surface's normal follows most, then along a space-filling curve;
+// absent points come last. The points of a picture are ordered by squares of its pixels. The order and the surface
+// normals affect only speed.
 #pragma once
 
 #include "lists/morton.h"
@@ -10,7 +11,7 @@
 GN_STRUCT_BEGIN(PointOrderParams)
     TrianglesLayout triangles;  // of the receivers
     PointsLayout points;
-    PointsLayout normals;  // `first` and the strides
+    PointsLayout normals;  // only `first` and the strides are used
     MortonGrid grid;
     uint has_normals;
     uint padding[3];
@@ -23,6 +24,6 @@ GN_STRUCT_END(PointOrderParams, 144)
 // other.
 #define POINT_CODE_BITS 8u
 
-// A sample of sorted points takes this many neighbours at a time, as many as a packet (shafts/ray_packets.clh), so that
-// shafts of blocks and packets are as thick as in the whole.
+// A sample of the sorted points has runs of this many neighbours, as many as a packet (shafts/ray_packets.clh), so that
+// its shafts and packets are as thick as those of all points.
 #define POINTS_OF_RUN 64u

@@ -44,29 +44,29 @@ typedef struct OccluderLists {
 // The classification of a block's footprints so far.
 typedef struct FootprintClasses {
     LaneInt shadowed;
-    LaneInt not_lit;  // as a whole
+    LaneInt not_lit;  // the footprint is not lit as a whole
 } FootprintClasses;
 
 // Triangles that may shadow a part of each lane's footprint. An entry is 4 slot + edge if the footprint lies below the
 // triangle, except for a part that may be beyond that single edge. Any other entry is 4 slot + 3.
-#define MOST_UNDECIDED 6
+#define MAX_UNDECIDED 6
 typedef struct UndecidedOccluders {
     LaneInt counts;  // may exceed the capacity
-    LaneInt kept[MOST_UNDECIDED];
+    LaneInt kept[MAX_UNDECIDED];
 } UndecidedOccluders;
 
 static uint undecided_slot(int entry) { return (uint)entry >> 2; }
 
 static void clear_undecided(UndecidedOccluders* undecided) {
     undecided->counts = (LaneInt)(0);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) undecided->kept[i] = (LaneInt)(-1);
+    for (int i = 0; i < MAX_UNDECIDED; ++i) undecided->kept[i] = (LaneInt)(-1);
 }
 
 // Every bin that a footprint and a triangle share lists the triangle; the footprint keeps the triangle once.
 static void keep_undecided(UndecidedOccluders* undecided, uint slot, LaneInt lanes, LaneInt lone_edges) {
     LaneInt entry = (LaneInt)((int)(slot << 2)) | (lone_edges & 3);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) lanes &= ~LANE_COMPARE(undecided->kept[i], ==, entry);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) {
+    for (int i = 0; i < MAX_UNDECIDED; ++i) lanes &= ~LANE_COMPARE(undecided->kept[i], ==, entry);
+    for (int i = 0; i < MAX_UNDECIDED; ++i) {
         LaneInt here = lanes & LANE_COMPARE(undecided->counts, ==, (LaneInt)(i));
         undecided->kept[i] = LANES_SELECT(undecided->kept[i], entry, here);
     }
@@ -123,14 +123,14 @@ static FootprintFilter filter_footprints(__global const TriangleRecord* r, const
     return found;
 }
 
-// If the footprint is below the triangle except for a part that may lie beyond exactly one edge: that edge; else -1. If
-// the sum of the three masks, each 0 or -1, is -2, two masks are -1, and the third mask gives the edge.
+// The single edge that a part of the footprint may lie beyond, if the footprint is below the triangle otherwise; else
+// -1. If the sum of the three masks, each 0 or -1, is -2, two masks are -1, and the third mask gives the edge.
 static LaneInt lone_edges_of(const FootprintFilter* f) {
     LaneInt one_open = f->below & LANE_COMPARE(f->within[0] + f->within[1] + f->within[2], ==, (LaneInt)(-2));
     return LANES_SELECT((LaneInt)(-1), 3 + f->within[1] + 2 * f->within[2], one_open);
 }
 
-// The square of texels and the least height that the footprints of some lanes span.
+// The rectangle of texels and the least height that the footprints of `lanes` span.
 static QuantisedBlock quantised_footprints(__constant const Projection* projection, const GridFootprint* grid,
                                            LaneInt lanes) {
     const float most = 65535.0f;
@@ -162,12 +162,12 @@ static ProjectedFootprints project_footprints(__constant const Projection* proje
 
 #if GN_LANES == 1
 
-// A GPU stops at so many occluders that may shadow a part of a footprint: tracing its samples takes less time than
-// looking for a triangle that shadows all of it. (H100, classifying, points and trace, Sponza's balcony: 1, 2, 4, all
-// .87, .87, .84, 1.2 ms.)
-#define MOST_PARTIAL_OCCLUDERS 4u
+// A GPU stops at this number of occluders that may shadow a part of a footprint: tracing its samples takes less time
+// than looking for a triangle that shadows all of it. (H100, classifying, points and trace, Sponza's balcony: 1, 2, 4,
+// all .87, .87, .84, 1.2 ms.)
+#define MAX_PARTIAL_OCCLUDERS 4u
 
-// Tests a record of a list; true if the triangle blocks the whole footprint. Counts it if it may shadow a part.
+// Tests a record of a list. Returns true if the triangle blocks the whole footprint; counts it if it may shadow a part.
 static bool test_record(OccluderLists lists, __constant const Projection* projection, uint slot,
                         const GridFootprint* grid, int receiver, uint* partial) {
     TriangleBounds bounds = lists.bounds[slot];
@@ -183,7 +183,7 @@ static bool test_record(OccluderLists lists, __constant const Projection* projec
 }
 
 // Tests the lists of all bins that the footprint touches. All items of a warp test a record together. No predicate
-// runs: tracing samples is less work than its registers, and the wait for the few items that run it.
+// runs: tracing samples costs less than the predicate's registers and the wait for the few items that would run it.
 static void walk_lists(OccluderLists lists, __constant const Projection* projection, uint first_bin,
                        const ProjectedFootprints* projected, int receiver, FootprintClasses* classes) {
     const GridFootprint* grid = &projected->grid;
@@ -192,7 +192,7 @@ static void walk_lists(OccluderLists lists, __constant const Projection* project
     int x = span->x0, y = span->y0;
     uint2 range = (uint2)(0u);
     uint next = 0u, first = 0u, meeting = 0u, partial = 0u;
-    while (!classes->shadowed && partial < MOST_PARTIAL_OCCLUDERS) {
+    while (!classes->shadowed && partial < MAX_PARTIAL_OCCLUDERS) {
         if (meeting == 0u && next >= range.y) {
             if (y > span->y1) break;
             range = lists.ranges[first_bin + (uint)y * projection->bins_x + (uint)x];
@@ -212,7 +212,7 @@ static void walk_lists(OccluderLists lists, __constant const Projection* project
 }
 #else
 
-// Tests one bin's list against some of the footprints that touch the bin.
+// Tests one bin's list against the footprints in `lanes`, which touch the bin.
 static void walk_bin(OccluderLists lists, __constant const Projection* projection, uint bin, LaneInt lanes,
                      const GridFootprint* grid, LaneInt receivers, FootprintClasses* classes,
                      UndecidedOccluders* undecided) {
@@ -245,7 +245,7 @@ static void walk_bin(OccluderLists lists, __constant const Projection* projectio
     }
 }
 
-// Tests the lists of all bins that the footprints of one frame touch; first_bin: of the frame.
+// Tests the lists of all bins that the footprints of one frame touch; first_bin: the first bin of the frame.
 static void walk_footprints(OccluderLists lists, __constant const Projection* projection, uint first_bin, LaneInt lanes,
                             const ProjectedFootprints* projected, LaneInt receivers, FootprintClasses* classes,
                             UndecidedOccluders* undecided) {
@@ -294,13 +294,13 @@ static bool meet_at_edge(float4 light, Triangle s, int edge_of_s, Triangle t, in
     return opposed ? product > 0 : product < 0;
 }
 
-// If two triangles meet at an edge and each covers a footprint except for the part beyond that edge, both cover all of
-// it: one's function of that edge is the other's times a factor below 0, so that nowhere both are negative.
+// If two triangles meet at an edge and each covers a footprint except for the part beyond that edge, both together
+// cover all of it: their functions of that edge differ by a factor below 0, so they are nowhere both negative.
 static bool below_a_pair(OccluderLists lists, __global const float* vertices, __constant const Projection* projection,
                          const CellSpan* span, float4 light, const UndecidedOccluders* undecided, int lane) {
-    Triangle others[MOST_UNDECIDED];
-    int edges[MOST_UNDECIDED], count = 0;
-    for (int i = 0; i < min(LANE_OF_INT(undecided->counts, lane), MOST_UNDECIDED); ++i) {
+    Triangle others[MAX_UNDECIDED];
+    int edges[MAX_UNDECIDED], count = 0;
+    for (int i = 0; i < min(LANE_OF_INT(undecided->counts, lane), MAX_UNDECIDED); ++i) {
         int entry = LANE_OF_INT(undecided->kept[i], lane), edge = entry & 3;
         if (edge == 3) continue;
         TriangleBounds bounds = lists.bounds[undecided_slot(entry)];
@@ -314,7 +314,7 @@ static bool below_a_pair(OccluderLists lists, __global const float* vertices, __
     return false;
 }
 
-// Decides lanes that have undecided occluders.
+// Decides the lanes that have undecided occluders.
 static void decide_undecided(OccluderLists lists, __global const float* vertices,
                              __constant const Projection* projection, LaneInt ids, LaneInt lanes, float3 eye,
                              float4 light, PointBlock centres, const FootprintBlock* around, const CellSpan* span,
@@ -324,10 +324,10 @@ static void decide_undecided(OccluderLists lists, __global const float* vertices
     for (int lane = 0; lane < GN_LANES; ++lane)
         if (LANE_OF_INT(lanes, lane) && below_a_pair(lists, vertices, projection, span, light, undecided, lane))
             LANE_OF_INT(classes->shadowed, lane) = -1;
-    lanes &= ~classes->shadowed & LANE_COMPARE(undecided->counts, <=, (LaneInt)(MOST_UNDECIDED));
+    lanes &= ~classes->shadowed & LANE_COMPARE(undecided->counts, <=, (LaneInt)(MAX_UNDECIDED));
     if (!LANES_ANY(lanes)) return;
     ReceiverPlanes planes = find_receiver_planes(vertices, ids, lanes, eye, light, centres, around);
-    for (int i = 0; i < MOST_UNDECIDED; ++i) {
+    for (int i = 0; i < MAX_UNDECIDED; ++i) {
         LaneInt active = lanes & LANE_COMPARE(undecided->counts, >, (LaneInt)(i)), occluders = (LaneInt)(0);
         if (!LANES_ANY(active)) break;
         for (int lane = 0; lane < GN_LANES; ++lane)
@@ -342,7 +342,7 @@ static void decide_undecided(OccluderLists lists, __global const float* vertices
 
 #endif
 
-// Lanes with a footprint below all texels of the map that the footprint touches.
+// The lanes with a footprint below all texels of the map that the footprint touches.
 static LaneInt footprints_below_map(__constant const Projection* projection, const GridFootprint* grid, LaneInt lanes,
                                     __global const uint* map) {
     CellSpan texels = footprint_cells(projection, grid, 0);
@@ -360,8 +360,8 @@ static LaneInt footprints_below_map(__constant const Projection* projection, con
 }
 
 // Removes the lanes whose footprints a prepared light's lists do not cover as a whole (they are mixed), and the lanes
-// of a frame without triangles (they are lit). A domain is made of intervals of what samples are moved along, and their
-// roundings are monotone: it contains a footprint that has both its extreme corners in it.
+// of a frame without triangles (they are lit). A domain is made of intervals of coordinates, which round monotonically
+// as a sample moves along them: so it contains a footprint if it contains both its extreme corners.
 static LaneInt lanes_in_domain(ClassifyParams params, __global const uint2* ranges, uint frame, PointBlock centres,
                                const FootprintBlock* around, LaneInt lanes, FootprintClasses* classes) {
     __global const PreparedDomain* domain =

@@ -12,5 +12,5 @@ GN_STRUCT_BEGIN(ClassifyParams)
     PointsLayout layout;  // of the footprints' centres
     uint first_frame, frame_count;
     uint has_map;  // 0: the map's buffer is ignored
-    uint domains;  // of a prepared light: where its domains lie behind the ranges (PreparedTables); else 0
+    uint domains;  // for a prepared light the offset of its domains behind the ranges (PreparedTables); else 0
 GN_STRUCT_END(ClassifyParams, 144)

@@ -3,13 +3,13 @@
 // samples_mean. The kernels in the order of their launches:
 //
 // samples_rays            the tables of the samples' rays
-// samples_slots           where the records of triangles are
+// samples_slots           the slots of the triangles' records
 // samples_whole           the whole pixels and their footprints; lists the edge pixels
-// samples_masks           a CPU's: finds the receivers of the edge pixels' samples and writes their fragments
-// samples_fragments       a GPU's: the same for pixels that samples_masks_gpu.cl, then samples_filter.cl leave out
+// samples_masks           on a CPU: finds the receivers of the edge pixels' samples and writes their fragments
+// samples_fragments       on a GPU: the same for pixels that samples_masks_gpu.cl, then samples_filter.cl leave
 // samples_bound           the footprints of the edge pixels' fragments
 // samples_resolve         after the footprints are classified: adds up the decided samples, lists the mixed fragments
-// samples_split           a CPU's: the pixels of mixed squares, which are classified and resolved one by one
+// samples_split           on a CPU: the pixels of mixed squares, which are classified and resolved one by one
 // samples_points          the samples of mixed fragments and their shading points
 // samples_count_lit       adds up the samples that the trace found lit
 // samples_mean_of_sums    the pixels' means
@@ -280,7 +280,7 @@ static void resolve_fragment(PixelBatch batch, Fragments fragments, uint slot, f
 }
 
 // visibility: the class of each fragment's footprint. Appends to `mixed` and `squares`. With params.extra_count, the
-// fragments are those of the pixels of that many squares.
+// fragments are those of the pixels of extra_count squares.
 __kernel void samples_resolve(SamplesParams params, __global uint* fragment_words, __global const float* visibility,
                               __global uint* mixed, __global uint* squares, __global SampleCounters* counters) {
     Fragments fragments = fragments_of(fragment_words, params.batch);
@@ -313,7 +313,7 @@ __kernel void samples_resolve(SamplesParams params, __global uint* fragment_word
 }
 
 #if GN_LANES == SQUARE_PIXELS
-// Splits the mixed squares into the fragments of their pixels, which are to be classified.
+// Splits the mixed squares into the fragments of their pixels, which are classified next.
 __kernel void samples_split(SamplesParams params, __constant const SamplePattern* pattern,
                             __global const TriangleRecord* records, __global const TriangleBounds* bounds,
                             __global const uint* slots, __global const uint* squares, __global uint* fragment_words,

@@ -25,7 +25,7 @@ GN_STRUCT_BEGIN(SamplePattern)
     uint count;
     uint all;                        // the mask of all samples
     float low[2], high[2];           // the box around all samples, in pixels from the pixel's upper left corner
-    float position_x[MOST_SAMPLES];  // of each sample, likewise
+    float position_x[MOST_SAMPLES];  // of each sample, from the same corner
     float position_y[MOST_SAMPLES];
 GN_STRUCT_END(SamplePattern, 280)
 
@@ -37,11 +37,11 @@ GN_STRUCT_BEGIN(PixelBatch)
     uint tiles_x;        // camera tiles per band
     uint bands;
     uint slots;       // of fragments: one for each pixel, then the extra slots
-    uint edge_slots;  // of the list of edge pixels; on a GPU those of left and of unproven pixels follow, of the same
-                      // size
+    uint edge_slots;  // of the list of edge pixels; on a GPU the lists of left and of unproven pixels follow, of the
+                      // same size
 GN_STRUCT_END(PixelBatch, 32)
 
-// Of an extra slot's pixel: the fragment has the samples of all pixels of its square, which begins with this pixel.
+// A bit of an extra slot's pixel: the fragment has the samples of all pixels of the square that begins with this pixel.
 #define IS_SQUARE 0x80000000u
 #define SQUARE_PIXELS 16u
 
@@ -87,6 +87,6 @@ GN_STRUCT_BEGIN(SampleCounters)
     uint in_shadow;    // samples decided by their footprint
     uint lit;          // samples decided by their footprint, including samples of the sky
     uint open_pixels;  // samples_filter: pixels with open pairs (may exceed the capacity)
-    uint open_pairs;   // samples_filter: open pairs of these pixels (likewise)
+    uint open_pairs;   // samples_filter: open pairs of these pixels (may exceed the capacity)
     uint points;       // written for a part of the mixed fragments; zeroed for each part
 GN_STRUCT_END(SampleCounters, 60)

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
-// The receivers of the samples of edge pixels that samples_masks_gpu.cl leaves, by records alone; then the pairs of a
-// sample and a triangle that records leave open. (With the exact predicates in it the search would take three times the
-// registers, and a third of the groups would run at once.) The kernels in the order of their launches:
+// Finds the receivers of the samples of edge pixels that samples_masks_gpu.cl leaves, from records only; then decides
+// the pairs of a sample and a triangle that records leave open. (With the exact predicates in it the search would take
+// three times the registers, and a third of the groups would run at once.) The kernels in the order of their launches:
 //
 // samples_filter          finds receivers; writes the fragments of pixels without an open pair, lists the others
 // samples_open_pairs      decides the open pairs of listed pixels
 // samples_open_fragments  writes the fragments of the listed pixels
 //
-// A sample that meets the pixel's own receiver has that receiver, whatever hides it; else the nearest triangle that it
-// meets. The order of hits is total (camera.h): it does not matter in which order open pairs are decided. A
-// masked triangle is always open. Pixels with more open pairs than there is room for are left to samples_fragments.
+// A sample that meets the pixel's own receiver has that receiver, whatever hides it; any other sample has the nearest
+// triangle that it meets. The order of hits is total (camera.h): it does not matter in which order open pairs are
+// decided. A masked triangle is always open. Pixels with more open pairs than fit are left to samples_fragments.
 #include "samples/find_receivers_gpu.clh"
 #include "samples/footprints.clh"
 #include "samples/open_samples.clh"
 
 #if GN_LANES == 1
 
-// What a group of samples_filter works on.
+// The inputs of a group of samples_filter.
 typedef struct FilterWork {
     SamplesParams params;
     TileLists lists;
@@ -47,7 +47,7 @@ static bool is_masked(const TileLists* lists, uint slot) {
 
 static void keep_open_pair(uint sample, uint slot, __local FragmentGroup* group) {
     uint at = atomic_inc(&group->open_count);
-    if (at >= MOST_OPEN_PAIRS) return;
+    if (at >= MAX_OPEN_PAIRS) return;
     group->open_samples[at] = sample;
     group->open_slots[at] = slot;
 }
@@ -77,7 +77,7 @@ static void begin_search(const FilterWork* work, uint2 at, uint own_slot, Sample
         atomic_inc(&group->searching);
 }
 
-// Tests a candidate's record. See test_in_search().
+// Tests a candidate's record, as test_in_search() does (camera/nearest_gpu.clh).
 static void test_candidate(const FilterWork* work, uint slot, SampleSearch* search, __local FragmentGroup* group) {
     TriangleRecord record = work->lists.records[slot];
     NearestFilter found = filter_nearest(&record, &search->ray, search->searching, &search->best);
@@ -143,7 +143,7 @@ static void store_open_pixel(const FilterWork* work, uint pixel, OpenSamples ope
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), samples = work->pattern->count;
     uint count = group->open_count;
     if (item == 0u) {
-        uint at = count <= MOST_OPEN_PAIRS ? reserve_slots(1u, &counters->open_pixels) : open.capacities.pixels;
+        uint at = count <= MAX_OPEN_PAIRS ? reserve_slots(1u, &counters->open_pixels) : open.capacities.pixels;
         uint pair = at < open.capacities.pixels ? reserve_slots(count, &counters->open_pairs) : 0u;
         group->open_pixel = at;
         group->open_pair = pair;
@@ -181,7 +181,7 @@ __kernel void samples_filter(SamplesParams params, __constant const SamplePatter
     uint count = counters->left;
     __global uint *left = edges + params.batch.edge_slots, *unproven = left + params.batch.edge_slots;
     begin_group(pattern, &group);
-    // (H100: 8 neighbours for each group took .29 ms where one takes .10.)
+    // (H100: with 8 neighbouring pixels for each group this took .29 ms, with one pixel .10.)
     for (uint k = (uint)get_group_id(0); k < count; k += (uint)get_num_groups(0)) {
         uint i = left[k];
         uint2 at = place_of_pixel(params.batch, i);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
-// The receivers of the edge pixels' samples on a GPU, by records alone: an item takes a pixel, and makes a mask of
-// samples of each triangle. (An item for each sample took eight times the instructions.) A group's pixels are
-// neighbours in their list, mostly of one tile: the group copies the records that may meet one of its pixels to local
-// memory, each item marks those that may meet its own pixel, and then makes the masks of these alone. As on a CPU
-// (coverage_masks.clh, where it says why this is exact) the receivers of the neighbours in the picture come first, and
-// hide most of the list. What records leave open becomes pairs for samples_open_pairs (samples_filter.cl). A pixel with
-// more receivers or open pairs than there is room for, with a masked triangle, or in a tile with a long list, is left
-// to samples_filter.
+// Finds the receivers of the edge pixels' samples on a GPU, from records only: an item takes a pixel, and makes a mask
+// of the samples that meet each triangle. (An item for each sample took eight times the instructions.) A group's pixels
+// are neighbours in their list, mostly of one tile: the group copies the records that may meet one of its pixels to
+// local memory, each item marks the records that may meet its own pixel, and then makes only their masks. As on a CPU
+// (coverage_masks.clh explains why this is exact) the receivers of the neighbours in the picture come first, and hide
+// most of the list. What records leave open becomes pairs for samples_open_pairs (samples_filter.cl). A pixel is left
+// to samples_filter if it has more receivers or open pairs than fit, has a masked triangle, or lies in a tile with a
+// long list.
 #include "samples/pixel_masks_gpu.clh"
 
 #if GN_LANES == 1
 
-// Pixels of tiles with longer lists are left: a group would walk these lists while all others have ended. (H100,
+// Pixels of tiles with longer lists are left: a group would walk these lists while all other groups have ended. (H100,
 // Sponza, this kernel and samples_filter: 150, 300, 600 entries, all .67, .67, .71, 1.02 ms.)
 #define LONGEST_LIST 256u
 
@@ -72,7 +72,7 @@ static QuantisedBlock box_of_group(const GpuMasksWork* work, const PixelMasks* p
 static uint copy_records(const GpuMasksWork* work, uint first, uint end, QuantisedBlock box) {
     __local MasksGroup* group = work->group;
     uint item = (uint)get_local_id(0), items = (uint)get_local_size(0), copied = 0u;
-    while (first < end && copied + items <= MOST_COPIED) {
+    while (first < end && copied + items <= MAX_COPIED) {
         EntryWords entry = *(__global const EntryWords*)&work->lists.entries[min(first + item, end - 1u)];
         if (first + item < end && entry_meets(entry, box)) {
             uint at = atomic_inc(&group->copied), slot = slot_of_words(entry);
@@ -91,9 +91,9 @@ static uint copy_records(const GpuMasksWork* work, uint first, uint end, Quantis
 // True if a copied record may be that of a receiver of the item's pixel.
 static bool may_be_receiver(__local const float4* copy, const PixelMasks* pixel) {
     float4 x = copy[0], y = copy[1], c = copy[2], plane = copy[3];  // (edges, margin), (.., z_low), (plane, z_high)
-    bool may = !(most_in_box(x.x, y.x, c.x, &pixel->box) < -x.w) && !(most_in_box(x.y, y.y, c.y, &pixel->box) < -x.w) &&
-               !(most_in_box(x.z, y.z, c.z, &pixel->box) < -x.w);
-    float high = most_in_box(plane.x, plane.y, plane.z, &pixel->box) + y.w;
+    bool may = !(max_in_box(x.x, y.x, c.x, &pixel->box) < -x.w) && !(max_in_box(x.y, y.y, c.y, &pixel->box) < -x.w) &&
+               !(max_in_box(x.z, y.z, c.z, &pixel->box) < -x.w);
+    float high = max_in_box(plane.x, plane.y, plane.z, &pixel->box) + y.w;
     return may && !(high < pixel->farthest) && !(plane.w < pixel->farthest);
 }
 
@@ -103,8 +103,8 @@ static bool was_tried(const PixelMasks* pixel, uint slot) {
     return was;
 }
 
-// Tries some copied records, a bit each, for the item's pixel. Every item must call this. (The loop ends at its end
-// alone: PoCL 3.0 loses `wanted` where a loop with barriers is left in the middle.)
+// Tries the copied records in `marks`, a bit each, for the item's pixel. Every item must call this. (The loop is left
+// only at its end: PoCL 3.0 loses `wanted` if a loop with barriers is left in the middle.)
 static void try_marked(const GpuMasksWork* work, uint marks, PixelMasks* pixel) {
     __local MasksGroup* group = work->group;
     uint pairs;
@@ -155,21 +155,21 @@ static void try_lists(const GpuMasksWork* work, uint tile, bool searches, PixelM
 
 // ---- What is found --------------------------------------------------------------------------------------------------
 
-// Writes the open pairs of the group's pixels, and the receivers of their samples so far. Pixels for which there is no
-// room are left. Every item must call this.
+// Writes the open pairs of the group's pixels, and the receivers of their samples so far. Pixels that do not fit are
+// left to samples_filter. Every item must call this.
 static void store_open(const GpuMasksWork* work, OpenSamples open, uint i, uint own, PixelMasks* pixel,
                        __global SampleCounters* counters) {
     __local MasksGroup* group = work->group;
     uint item = (uint)get_local_id(0);
     bool is_open = pixel->is_open && !pixel->is_left;
     uint at = append_in_group(is_open ? 1u : 0u, group->reserved, &counters->open_pixels);
-    uint count = min(group->opens, MOST_OPEN_OF_GROUP);
+    uint count = min(group->opens, MAX_OPEN_OF_GROUP);
     uint first = reserve_for_group(count, group->reserved, &counters->open_pairs);
-    bool has_place = is_open && at < open.capacities.pixels;
-    if (is_open && (!has_place || first + count > open.capacities.pairs)) leave_pixel(pixel);
-    group->open_pixels[item] = has_place && !pixel->is_left ? at : GN_NO_ID;
-    if (has_place) open.pixels[at] = pixel->is_left ? GN_NO_ID : i;
-    if (has_place && !pixel->is_left)
+    bool has_slot = is_open && at < open.capacities.pixels;
+    if (is_open && (!has_slot || first + count > open.capacities.pairs)) leave_pixel(pixel);
+    group->open_pixels[item] = has_slot && !pixel->is_left ? at : GN_NO_ID;
+    if (has_slot) open.pixels[at] = pixel->is_left ? GN_NO_ID : i;
+    if (has_slot && !pixel->is_left)
         for (uint sample = 0; sample < work->pattern->count; ++sample) {
             uint slot = GN_NO_ID;
             EACH_RECEIVER(k)
@@ -190,7 +190,7 @@ static void store_open(const GpuMasksWork* work, OpenSamples open, uint i, uint 
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// Writes the fragments of a pixel, those on further receivers from extra slot `extra` on.
+// Writes the fragments of a pixel; the fragments on further receivers go to the extra slots from `extra` on.
 static void store_masks(const GpuMasksWork* work, Fragments fragments, uint i, uint extra, const PixelMasks* pixel) {
     fragments.masks[i] = pixel->own_mask;
     fragments.lit[i] = popcount(pixel->rest & ~pixel->covered);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The binary tree over a scene's triangles (binary_tree.h), round by round.
+// Makes the binary tree over a scene's triangles (binary_tree.h), round by round.
 #include "shafts/binary_tree.h"
 #include "simd/lanes.clh"
 
-// The row's value of the first cluster.
+// The first cluster's value in a row.
 static __global float* box_row(__global float* clusters, const BinaryTreeParams params, uint row) {
     return clusters + (size_t)row * params.stride + TREE_REACH;
 }
@@ -11,7 +11,7 @@ static __global uint* word_row(__global float* clusters, const BinaryTreeParams 
     return (__global uint*)box_row(clusters, params, TREE_BOX_ROWS + row);
 }
 
-// A cluster for each of the first `count` triangles along the curve.
+// Makes a cluster of each of the first `count` triangles along the curve.
 __kernel void tree_leaves(const BinaryTreeParams params, __global const float* vertices, __global const uint* numbers,
                           __global float* clusters) {
     GN_FOR_EACH(i, params.count) {
@@ -34,8 +34,7 @@ __kernel void tree_leaves(const BinaryTreeParams params, __global const float* v
 #define TREE_LOAD(row) (*(row))
 #endif
 
-// Half the areas of the boxes around cluster i and the GN_LANES clusters from `first` on; of those that are no
-// clusters, infinity.
+// Half the areas of the boxes around cluster i and each of GN_LANES clusters from `first` on; infinity past the last.
 static LaneFloat joined_areas(__global float* clusters, const BinaryTreeParams params, int i, int first) {
     LaneFloat size[3];
     for (uint c = 0; c < 3u; ++c) {
@@ -49,8 +48,8 @@ static LaneFloat joined_areas(__global float* clusters, const BinaryTreeParams p
     return LANES_SELECT((LaneFloat)(INFINITY), area, are_clusters);
 }
 
-// nearest[i]: the cluster with which i has the box of the least area. Of equal ones the one whose index differs from
-// i in the lowest bits: then two choose each other also where all boxes are the same.
+// nearest[i]: the cluster that has the box of the least area together with cluster i. Among equal areas the kernel
+// takes the index that differs from i in the lowest bits: then clusters choose each other even if all boxes are equal.
 __kernel void tree_nearest(const BinaryTreeParams params, __global float* clusters, __global uint* nearest) {
     GN_FOR_EACH(item, params.count) {
         int i = (int)item;
@@ -88,14 +87,14 @@ __kernel void tree_kept(const BinaryTreeParams params, __global const uint* near
     GN_FOR_EACH(i, params.count) kept[i] = is_second_of_pair(nearest, (uint)i) ? 0u : 1u;
 }
 
-// Of a node with children of these ranks. Beside a unit of a higher level, one of a lower level is one part.
+// The rank of a node with children of the ranks a and b. A child whose unit has the lower level is one part.
 static uint joined_rank(uint a, uint b, uint width) {
     uint level = max(RANK_LEVEL(a), RANK_LEVEL(b));
     uint parts = (RANK_LEVEL(a) == level ? RANK_PARTS(a) : 1u) + (RANK_LEVEL(b) == level ? RANK_PARTS(b) : 1u);
     return parts <= width ? TREE_RANK(level, parts) : TREE_RANK(level + 1u, 2u);
 }
 
-// The clusters of the next round, at slots[i] each, and the nodes of the new ones with their ranks.
+// Writes the clusters of the next round, cluster i to slots[i], and the nodes and ranks of the joined clusters.
 __kernel void tree_join(const BinaryTreeParams params, __global float* clusters, __global const uint* nearest,
                         __global const uint* slots, __global float* joined, __global BinaryNode* nodes,
                         __global uint* ranks) {

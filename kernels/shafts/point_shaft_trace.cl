@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The trace of point shafts (point_shaft.clh) alone: of all points, or of the tasks that shaft_trace left.
+// Traces point shafts (point_shaft.clh) only: those of all points, or of the points of the tasks that shaft_trace left.
 #include "shafts/point_shaft.clh"
 
 #if GN_LANES > 1
@@ -8,8 +8,8 @@
 #define POINT_GROUPS POINT_GROUPS_ON_GPU
 #endif
 
-// planes: the points' surface normals or, where bundles are sectors, how far along the ground each mask's lights meet
-// nothing.
+// planes: the points' surface normals or, if bundles are sectors, for each mask the distance along the ground within
+// which the rays to its lights meet nothing.
 static PointPlane plane_of(const ShaftParams params, __global const LightBundle* bundle, __global const float* planes,
                            size_t point, size_t mask) {
     if (params.are_sectors == 0u) return (PointPlane){vload3(point, planes), false, 0.0f};

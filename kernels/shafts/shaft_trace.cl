@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The trace of shafts (shaft.h): for each block of points and each bundle of lights, the tree's triangles, near ones
-// first, until no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
+// Traces shafts (shaft.h): for each block of points and each bundle of lights, walks the BVH, near boxes first, until
+// no pair is open. A pair that the filter leaves undecided is queued; shaft_exact decides it.
 #include "exact/decide_pair.clh"
 #include "shafts/point_shaft.clh"
 #if GN_LANES > 1
@@ -23,11 +23,11 @@ static void queue_pairs_of_lane(const ShaftWork* work, int lane, uint undecided,
                 mine);
 }
 
-// From so many points on, the triangle is first tested against the cones of 16 points at once.
+// A triangle that may meet the rays of this many points is first tested against the cone, for all points at once.
 #define POINTS_WORTH_CONES 8u
 
 #if GN_LANES > 1
-// A bundle of so many lights or fewer: each light is tested for all points of the block at once.
+// In a bundle of at most this many lights, each light is tested for all points of the block at once.
 #define FEW_LIGHTS 8u
 
 GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundle* bundle, const LeafTriangle* triangle,
@@ -46,7 +46,7 @@ GN_INLINE_ON_CPU void test_few_lights(ShaftWork* work, __global const LightBundl
 }
 #endif
 
-// The open lights of one point of the block that a triangle blocks, by its edges as that point sees them.
+// The open lights of one point of the block that a triangle certainly blocks; undecided pairs are queued.
 GN_INLINE_ON_CPU uint lights_blocked(const ShaftWork* work, __global const LightBundle* bundle, int lane, uint open,
                                      const PointEdges* edges, const LeafTriangle* triangle, const ShaftScene* scene,
                                      Reservation* mine) {
@@ -77,13 +77,13 @@ GN_INLINE_ON_CPU void test_triangle(ShaftWork* work, __global const LightBundle*
     }
 #if GN_LANES > 1
     EDGE_ROWS_OF_LEAF(rows);
-    PUT_EDGES(rows, e);
+    STORE_EDGES(rows, e);
     uint open[GN_LANES];
     vstore16(as_uint16(work->open), 0, open);
-    LaneInt dark = (LaneInt)(0);  // lane by lane a CPU would wait for its stores
+    LaneInt dark = (LaneInt)(0);  // a CPU would wait for stores to single lanes
     while (bits != 0u) {
         int lane = take_lane(&bits);
-        PointEdges edges = EDGES_AT(rows, lane);
+        PointEdges edges = LOAD_EDGES(rows, lane);
         uint blocked = lights_blocked(work, bundle, lane, open[lane], &edges, triangle, scene, mine);
         dark |= LANE_COMPARE(LANE_INDEX, ==, (LaneInt)(lane)) & (int)blocked;
     }
@@ -107,10 +107,10 @@ GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bun
     triangle.is_masked = false;
     __global const uint* ids = scene->ids + (size_t)leaf * SHAFT_WIDTH;
     ShaftHits hits = triangles_in_shaft(triangle.leaf, &shaft->all);
-    SHARE_LEAST(hits);
+    SHARE_MINIMA(hits);
     uint bits = SHAFT_BITS(hits.some);
     if (bits == 0u) return;
-    PUT_TRIANGLES(triangle_rows, triangle.leaf);
+    STORE_TRIANGLES(triangle_rows, triangle.leaf);
     while (bits != 0u) {
         triangle.i = take_lowest_bit(&bits);
         triangle.id = ids[triangle.i];
@@ -122,7 +122,7 @@ GN_INLINE_ON_CPU void test_leaf(ShaftWork* work, __global const LightBundle* bun
             LANE_COMPARE(work->open, !=, (LaneInt)(0)) & LANE_COMPARE(work->receivers, !=, (LaneInt)((int)triangle.id));
 #pragma unroll
         for (uint k = 0; k < 6u; ++k)
-            lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, k, triangle.i)), <=, shaft->point_limits[k]);
+            lanes &= LANE_COMPARE((LaneFloat)(MIN_OF(hits, k, triangle.i)), <=, shaft->point_limits[k]);
         if (lane_bits(lanes) == 0u) continue;
         triangle.in_lanes = TRIANGLE_AT(triangle_rows, triangle.leaf, triangle.i);
         test_triangle(work, bundle, &shaft->all, &triangle, lanes, scene, mine);
@@ -141,8 +141,8 @@ static BlockShaft shaft_of_open(const ShaftWork* work, uint lights, const ShaftS
                            cone_of(bundle, lights) SHARED);
 }
 
-// Walks the block's shaft. False if it gave up after so many nodes and leaves, or was too wide.
-GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visits, __global const LightBundle* bundle,
+// Walks the block's shaft. Returns false if the walk gave up after max_visits nodes and leaves, or the shaft is wide.
+GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint max_visits, uint* visits, __global const LightBundle* bundle,
                                    const ShaftScene* scene, uint* blocking, Reservation* mine SHARED_PARAMETER) {
     BlockShaft shaft = shaft_of_open(work, SHAFT_ANY_BIT(work->open), scene, bundle SHARED);
     if (IS_WIDE(&shaft.all)) return false;
@@ -151,17 +151,17 @@ GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visi
     SHAFT_PUSH_BLOCKING(stack, top, blocking);
     while (top != 0u) {
         uint code = stack[--top];
-        if ((*visits)++ == most_visits) return false;
+        if ((*visits)++ == max_visits) return false;
         if ((code & SHAFT_LEAF) == 0u) {
             top = push_children_in_shaft(stack, top, code, &shaft.all, scene SHARED);
             continue;
         }
         test_leaf(work, bundle, &shaft, code & ~SHAFT_LEAF, scene, mine SHARED);
         uint still_open = SHAFT_BITS(LANE_COMPARE(work->open, !=, (LaneInt)(0)));
-        // Also a leaf after the one that blocked: it is near, and to note the blocking ones alone takes as long.
+        // Leaves after the one that blocked are noted as well: they are near, and leaving them out takes as long.
         if (still_open != points_before) note_blocking(blocking, code);
         if (still_open == 0u) return true;
-        // A shaft of fewer points, or of the lights in one part of the bundle, is thinner.
+        // A shaft around fewer points, or to the lights in one part of the bundle, is thinner.
         uint lights = SHAFT_ANY_BIT(work->open);
         if (2u * popcount(still_open) > popcount(points_before) && cone_of(bundle, lights) == shaft.all.cone) continue;
         points_before = still_open;
@@ -171,16 +171,17 @@ GN_NOINLINE_ON_CPU bool walk_shaft(ShaftWork* work, uint most_visits, uint* visi
 }
 
 #if GN_LANES > 1
-// A visit of a block takes so many times as long as one of a point or a packet.
+// The time of a visit by a block's shaft, in visits by a point shaft or a packet.
 #define BLOCK_VISIT 2.0f
-// Where shafts of blocks do not pay, one block in so many is tried.
+// While shafts of blocks lose, still try 1 block in BLOCKS_A_TRY.
 #define BLOCKS_A_TRY 4u
-// Of the blocks that go on apart, one in so many goes the way that took more visits.
+// Among the blocks that are traced separately, by points or packets, 1 in APARTS_A_TRY uses the method with the worse
+// average, to keep its average fresh.
 #define APARTS_A_TRY 128u
 
-// What a work-item remembers of the blocks before: neighbouring blocks are alike.
+// Averages that a work-item keeps over the blocks before: neighbouring blocks are alike.
 typedef struct BlockMemory {
-    float visits_of_point, visits_of_packet;  // that one takes
+    float visits_of_point, visits_of_packet;  // visits by one point shaft; by one packet
     float gain;                               // the visits that a block's shaft saves
     uint blocks_apart;
     uint blocking[BLOCKING_LEAVES];
@@ -201,7 +202,7 @@ static uint open_points(const ShaftWork* work) {
     return popcount(lane_bits(LANE_COMPARE(work->open, !=, (LaneInt)(0))));
 }
 
-// The visits of a block's open pairs point by point, and light by light.
+// The visits that a block's open pairs are expected to take by point shafts, and by packets.
 static float visits_by_points(const ShaftWork* work, const BlockMemory* memory) {
     return memory->visits_of_point * (float)open_points(work);
 }
@@ -209,7 +210,7 @@ static float visits_by_packets(const ShaftWork* work, const BlockMemory* memory)
     return memory->visits_of_packet * (float)popcount(SHAFT_ANY_BIT(work->open));
 }
 
-// Returns how many nodes and leaves that visits.
+// Traces a block's open points by point shafts. Returns the number of nodes and leaves that they visit.
 GN_NOINLINE_ON_CPU uint trace_points(ShaftWork* work, __global const LightBundle* bundle,
                                      __global const float* surface_normals, const ShaftScene* scene, uint* blocking,
                                      Reservation* mine) {
@@ -231,7 +232,8 @@ GN_NOINLINE_ON_CPU uint trace_points(ShaftWork* work, __global const LightBundle
     return visits;
 }
 
-// Walks the block's shaft, where that pays, until it has taken as long as its pairs would apart.
+// Traces the block as one shaft; gives up once that has cost as much as tracing its points or lights separately is
+// expected to. Returns false if it gave up, or if BLOCKS_A_TRY leaves the block out.
 GN_INLINE_ON_CPU bool try_block(ShaftWork* work, __global const LightBundle* bundle, const ShaftScene* scene,
                                 BlockMemory* memory, Reservation* mine) {
     if (memory->gain < 0.0f && work->block % BLOCKS_A_TRY != 0u) return false;
@@ -243,8 +245,8 @@ GN_INLINE_ON_CPU bool try_block(ShaftWork* work, __global const LightBundle* bun
     return ended;
 }
 
-// Decides a block by its shaft or by those of its points. False where packets take it, since blocks before took fewer
-// visits by them.
+// Decides a block by its shaft or by point shafts. Returns false if it leaves the block to packets, which took fewer
+// visits for earlier blocks.
 GN_INLINE_ON_CPU bool trace_block(ShaftWork* work, __global const LightBundle* bundle,
                                   __global const float* surface_normals, const ShaftScene* scene, BlockMemory* memory,
                                   Reservation* mine) {
@@ -265,15 +267,16 @@ GN_INLINE_ON_CPU void trace_blocks_left(ShaftWork* left, uint count, __global co
     note(&memory->visits_of_packet, (float)trace_packets(left, count, bundle, scene, &memory->packets, mine) / packets);
 }
 #else
-// Nodes and leaves that the shaft of a block may visit. After that each open point has its own, in a launch of its own,
-// point_shaft_trace, so that no group takes much longer than the others.
+// The number of nodes and leaves that a block's shaft may visit. After that each open point has a shaft of its own, in
+// a second launch, point_shaft_trace, so that no group takes much longer than the others.
 #define BLOCK_VISITS 96u
-// One task in so many is always tried. Where too many of these gave up, the others go by points at once.
+// 1 task in TASKS_A_TRY is always tried. If too many tries give up, the other tasks go straight to point shafts.
 #define TASKS_A_TRY 16u
 #define TRIES_TO_LEARN 256u
 
-// Whether so many blocks of this launch give up that all walks take more than the others save. (A terrain's vertices:
-// half of them, 803 M pairs/s by points, 613 by blocks; all other scenes: 3 to 20 %, and blocks are faster.)
+// True if blocks of this launch give up so often that all walks together cost more than the successful ones save. (On a
+// terrain's vertices half of the blocks give up: 803 M pairs/s by points, 613 by blocks. In all other scenes 3 to 20 %
+// give up, and blocks are faster.)
 static bool are_blocks_too_large(__global ShaftCounters* counters) {
     uint tried = GN_RELAXED_LOAD((volatile __global uint*)&counters->tried);
     return tried >= TRIES_TO_LEARN && GN_RELAXED_LOAD((volatile __global uint*)&counters->gave_up) > tried / 5u * 2u;
@@ -283,9 +286,9 @@ static bool are_blocks_too_large(__global ShaftCounters* counters) {
 static void trace_block(ShaftWork* work, uint task, __global const LightBundle* bundle, const ShaftScene* scene,
                         uint* blocking, Reservation* mine SHARED_PARAMETER) {
     bool is_first = get_local_id(0) == 0, is_try = task % TASKS_A_TRY == 0u;
-    uint most_visits = BLOCK_VISITS, visits = 0u;
-    if (group_bits(is_first && !is_try && are_blocks_too_large(scene->counters), shared) != 0u) most_visits = 0u;
-    bool ended = walk_shaft(work, most_visits, &visits, bundle, scene, blocking, mine SHARED);
+    uint max_visits = BLOCK_VISITS, visits = 0u;
+    if (group_bits(is_first && !is_try && are_blocks_too_large(scene->counters), shared) != 0u) max_visits = 0u;
+    bool ended = walk_shaft(work, max_visits, &visits, bundle, scene, blocking, mine SHARED);
     if (is_first && is_try) {
         atomic_inc(&scene->counters->tried);
         if (!ended) atomic_inc(&scene->counters->gave_up);
@@ -294,7 +297,7 @@ static void trace_block(ShaftWork* work, uint task, __global const LightBundle* 
 }
 #endif
 
-// The points of a block, in the order of the lanes, and their open lights.
+// Loads the points of a block, in the order of the lanes, and their open lights.
 static ShaftWork load_work(const ShaftParams params, size_t block, uint bundle, __global const float* positions,
                            __global const uint* receivers, __global const float* surface_normals,
                            __global const uint* masks) {
@@ -320,13 +323,13 @@ static ShaftWork load_work(const ShaftParams params, size_t block, uint bundle, 
     work.receivers = params.points.has_receivers != 0u && is_valid ? (int)receivers[params.points.first / 3u + i] : -1;
 #endif
     work.given = work.open &= valid & present_lanes(work.points);
-    // Of the block's middle point.
+    // The normal at the block's middle point.
     work.normal = vload3(params.points.first / 3u + min((uint)first + SHAFT_WIDTH / 2u, params.points.count - 1u),
                          surface_normals);
     return work;
 }
 
-// Takes the lights that are dark from the masks of a block.
+// Clears the dark lights in the masks of a block.
 static void store_dark(const ShaftParams params, const ShaftWork* work, __global uint* masks) {
     LaneInt dark = work->given & ~work->open;
     __global uint* mask = masks + work->bundle * (size_t)params.mask_stride + work->block * SHAFT_WIDTH;
@@ -337,7 +340,7 @@ static void store_dark(const ShaftParams params, const ShaftWork* work, __global
 #endif
 }
 
-// On a CPU a work-item takes PACKET_BLOCKS neighbouring blocks at a time: those that are left to packets share them.
+// On a CPU a work-item takes PACKET_BLOCKS neighbouring blocks at a time, which share packets if left to these.
 __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* bundles, __global const float* nodes,
                           __global const float* leaves, __global const uint* ids, __global const float* positions,
                           __global const uint* receivers, __global const float* surface_normals, __global uint* masks,
@@ -385,7 +388,8 @@ __kernel void shaft_trace(const ShaftParams params, __global const LightBundle* 
 #define LIGHT_W 0.0f
 #endif
 
-// Decides the queued pairs on the triangles' own vertices. Several entries may name one point and bundle.
+// Decides the queued pairs by the exact predicate on the triangles' own vertices. Several entries may name one point
+// and bundle.
 __kernel void shaft_exact(const ShaftParams params, __global const LightBundle* bundles, __global const float* vertices,
                           __global const float* positions, __global const ShaftPairs* queue,
                           volatile __global uint* masks, __global ShaftCounters* counters) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The tree of a shaft's triangles (shaft.h): nodes of SHAFT_WIDTH children, level by level from the root of a binary
-// tree (binary_tree.h), and the leaves.
+// Makes the BVH that shafts walk (shaft.h): nodes of SHAFT_WIDTH children, level by level from the root of a binary
+// tree (binary_tree.h), then the leaves.
 #include "exact/cut_outs.clh"
 #include "shafts/binary_tree.h"
 #include "shafts/shaft.h"
@@ -11,11 +11,11 @@
 #define SHAFT_WIDTH SHAFT_WIDTH_ON_GPU
 #endif
 
-// Replaces child k by the parts of its unit. Returns the number of children.
+// Replaces child k by the parts of its unit. Returns the new number of children.
 static uint open_unit(__global const BinaryNode* binary, __global const uint* ranks, uint* children, uint count,
                       uint k) {
     uint level = RANK_LEVEL(rank_of_child(ranks, children[k]));
-    // Child k first, then those that were added for it.
+    // Child k first, then the children that were added for it.
     for (uint added = count; k < count; k = k < added ? added : k + 1u)
         while (RANK_LEVEL(rank_of_child(ranks, children[k])) == level) {
             BinaryNode opened = binary[children[k]];
@@ -25,15 +25,15 @@ static uint open_unit(__global const BinaryNode* binary, __global const uint* ra
     return count;
 }
 
-// The children that take the place of child k where it is opened: all parts of a unit of leaves, so that the lowest
-// nodes are full; else its two children in the binary tree. 0: it is a leaf.
+// The number of children that replace a child when it is opened. A unit of leaves is replaced by all its parts, so that
+// the lowest nodes are full; a higher unit by its two children in the binary tree. 0: the child is a leaf.
 static uint parts_of_child(__global const uint* ranks, uint child) {
     uint rank = rank_of_child(ranks, child), level = RANK_LEVEL(rank);
     return level == 0u ? 0u : level == 1u ? RANK_PARTS(rank) : 2u;
 }
 
-// The children of a node whose root in the binary tree is `root`: as long as there is room, the child with the largest
-// box is opened. Returns their number.
+// Finds the children of the node whose root in the binary tree is `root`: as long as the node has room, opens the child
+// with the largest box. Returns their number.
 static uint open_children(__global const BinaryNode* binary, __global const uint* ranks, uint root, uint* children) {
     uint count = 1u;
     children[0] = root;
@@ -77,8 +77,8 @@ static void write_box_of_child(const ShaftTreeParams params, __global const floa
     }
 }
 
-// The nodes of one level, and the roots of their children: of the next level's nodes, and of leaves. Counters that
-// exceed a capacity tell the host to make room and begin again.
+// Makes the nodes of one level, and lists the roots of their children: of the next level's nodes, and of leaves. If a
+// counter exceeds its capacity, the host enlarges the buffers and begins again.
 __kernel void shaft_nodes(const ShaftTreeParams params, __global const float* vertices, __global const uint* numbers,
                           __global const BinaryNode* binary, __global const uint* ranks, __global float* nodes,
                           __global uint* node_roots, __global uint* leaf_roots, __global ShaftTreeCounters* counters) {
@@ -103,8 +103,8 @@ __kernel void shaft_nodes(const ShaftTreeParams params, __global const float* ve
     }
 }
 
-// Row by row, the triangles of each leaf. With cut-outs, clear ones are absent and masked ones have SHAFT_MASKED in
-// their ids.
+// Writes the triangles of each leaf, row by row. With cut-outs, clear triangles are absent, and masked triangles have
+// SHAFT_MASKED in their ids.
 __kernel void shaft_leaves(const ShaftTreeParams params, __global const float* vertices, __global const uint* numbers,
                            __global const BinaryNode* binary, __global const uint* leaf_roots, __global float* leaves,
                            __global uint* ids) {
