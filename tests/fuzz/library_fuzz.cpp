@@ -272,7 +272,7 @@ void choose_output(Choices& choices, const Scene& scene, const Places& places, O
         std::size_t bytes = 0;
         clGetMemObjectInfo(memory, CL_MEM_SIZE, sizeof(bytes), &bytes, nullptr);
         const std::size_t room = std::min(count, bytes / sizeof(float));
-        output.visibility.emplace(device(), memory, room);
+        output.visibility = gnomon::Visibility::wrap(device(), memory, room);
         output.overlaps = overlaps && count != 0;
     };
     switch (choices.below(16)) {

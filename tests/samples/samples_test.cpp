@@ -275,9 +275,9 @@ class EverySample final : public gnomon::Technique {
 public:
     explicit EverySample(const gnomon::Device& device) : technique_(gnomon::make_technique("frustum-traced", device)) {}
     const gnomon::Device& device() const override { return technique_->device(); }
-    gnomon::Statistics run(const gnomon::Triangles& triangles, const gnomon::Points& points, const gnomon::Light& light,
-                           const gnomon::Visibility& visibility) override {
-        return technique_->run(triangles, points, light, visibility);
+    gnomon::Statistics run_light(const gnomon::Triangles& triangles, const gnomon::Points& points,
+                                 const gnomon::Light& light, const gnomon::Visibility& visibility) override {
+        return gnomon::Internals::run_light(*technique_, triangles, points, light, visibility);
     }
     void set(std::string_view name, std::string_view value) override { technique_->set(name, value); }
 
@@ -390,8 +390,8 @@ class EveryFragmentMixed final : public gnomon::Technique,
 public:
     explicit EveryFragmentMixed(const gnomon::Device& device) : device_(device) {}
     const gnomon::Device& device() const override { return device_; }
-    gnomon::Statistics run(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
-                           const gnomon::Visibility&) override {
+    gnomon::Statistics run_light(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
+                                 const gnomon::Visibility&) override {
         throw std::logic_error("footprints alone are classified");
     }
     gnomon::Statistics run_fragments(const gnomon::SampledView& in) override { return samples_.run(*this, in); }
