@@ -23,7 +23,7 @@ make_good_tree() {
     printf '%s\n' "$licence" '// A stage.' '#include "trace/trace.h"' 'float half_width, nomad(int);' \
         >"$tree/kernels/trace/trace.cl"
     printf '%s\n' "$licence" '// The door.' '#include <CL/cl.h>' >"$tree/host/cl/session.cpp"
-    mkdir -p "$tree/host/include/gnomon"
+    mkdir -p "$tree/host/include/gnomon" "$tree/tools/check_layout"
     printf '%s\n' "$licence" '// The face.' '#include <gnomon/device.hpp>' >"$tree/host/include/gnomon.hpp"
     printf '%s\n' "$licence" '// Devices.' '#include <CL/cl.h>' >"$tree/host/include/gnomon/device.hpp"
     printf '%s\n' "$licence" '// In C.' >"$tree/host/include/gnomon.h"
@@ -125,7 +125,10 @@ must_catch kernels/trace/trace.h '#include "exact/wide.clh"'
 must_catch kernels/trace/trace.cl "$(repeated 450 '//')"
 must_catch kernels/exact/wide.clh "$(repeated 450 '//')"
 must_accept kernels/exact/wide.clh "$(repeated 447 '//')"
-must_catch host/gnomon.cpp "$(repeated 48324 '//')" 'kernels and host: 4'
+all_wings=$(printf '%s 99\n' app cl exact include root)
+must_accept tools/check_layout/budgets.txt "$all_wings"$'\ntrace 99'
+must_catch tools/check_layout/budgets.txt "$all_wings"$'\ntrace 7' 'trace: 13 lines, 7 allowed'
+must_catch tools/check_layout/budgets.txt "$all_wings" 'trace: no budget'
 for head in 'int f(int a)' 'static void f(uint a, __global uint* b)' 'Stage::Stage() : a_{1}, b_(2)' 'auto f() -> int' \
             'template <typename T> int f(T a = {})' 'namespace x { struct Y { bool operator==(int a) const'; do
     must_catch host/trace/trace.hpp "$(function_of 61 "$head")"

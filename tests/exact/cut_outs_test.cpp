@@ -225,7 +225,8 @@ void expect_shafts_and_explain_honour_masks(const std::vector<Family>& families)
 }
 
 TEST(CutOuts, ShaftsAndExplainHonourThem) {
-    expect_shafts_and_explain_honour_masks({{"cpu", Device()}, {"cpu without double", Device({}, {.hide_fp64 = true})}});
+    expect_shafts_and_explain_honour_masks(
+        {{"cpu", Device()}, {"cpu without double", Device({}, {.hide_fp64 = true})}});
 }
 
 // PoCL compiles the eight programs of shafts for GPUs in 8 to 14 seconds each.
