@@ -5,18 +5,15 @@
 
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <set>
 
 #include "shafts/shaft_tree.hpp"
 #include "support/device.hpp"
-#include "support/light_scenes.hpp"
+#include "support/tree_scenes.hpp"
 
 namespace {
 
 using namespace support;
-
-constexpr float NAN_FLOAT = std::numeric_limits<float>::quiet_NaN();
 
 struct Box {
     Float3 low, high;
@@ -84,68 +81,17 @@ private:
     std::vector<std::uint32_t> ids_;
 };
 
-struct Case {
-    std::string name;
-    Floats triangles;
-};
-
-Floats random_triangles(std::size_t count, float size, std::uint64_t seed) {
-    Random random(seed);
-    Floats made;
-    for (std::size_t i = 0; i < count; ++i) {
-        const float at[3] = {float(random.below(1000)), float(random.below(1000)), float(random.below(1000))};
-        for (int k = 0; k < 9; ++k) made.push_back(at[k % 3] + size * float(random.below(1000)) / 1000);
-    }
-    return made;
-}
-
-/// Each triangle's box contains those of all before it, and is larger by the factor.
-Floats nested_triangles(std::size_t count, float factor) {
-    Floats made;
-    float size = 1e-30f;
-    for (std::size_t i = 0; i < count; ++i, size = std::min(size * factor, 1e5f))
-        append(made, {-size, -size, -size, size, size, -size, -size, size, size});
-    return made;
-}
-
-std::vector<Case> cases() {
-    std::vector<Case> made{{"one", random_triangles(1, 1, 1)},
-                           {"two", random_triangles(2, 1, 2)},
-                           {"a leaf and one", random_triangles(17, 1, 3)},
-                           {"small ones", random_triangles(5000, 3, 4)},
-                           {"large ones", random_triangles(3000, 900, 5)},
-                           {"nested, by tenths", nested_triangles(2500, 1.1f)},
-                           {"nested, twice as large each", nested_triangles(300, 2)},
-                           {"coincident", {}},
-                           {"some not finite", random_triangles(700, 3, 6)},
-                           {"none finite", Floats(9 * 40, NAN_FLOAT)}};
-    for (int i = 0; i < 2000; ++i) append(made[7].triangles, {1, 2, 3, 4, 2, 3, 1, 5, 3});
-    for (std::size_t i = 0; i < made[8].triangles.size(); i += 50)
-        made[8].triangles[i] = i % 100 == 0 ? NAN_FLOAT : std::numeric_limits<float>::infinity();
-    return made;
-}
-
-std::multiset<std::uint32_t> finite_ones(const Floats& triangles) {
-    std::multiset<std::uint32_t> ids;
-    for (std::size_t i = 0; i < triangles.size(); i += 9)
-        if (std::all_of(&triangles[i], &triangles[i] + 9, [](float x) { return std::isfinite(x); }))
-            ids.insert(static_cast<std::uint32_t>(i / 9));
-    return ids;
-}
-
 TEST(ShaftTree, HoldsEachFiniteTriangleOnceAndIsLow) {
     for (const bool gpu_kernels : {false, true}) {
-        gnomon::DeviceOptions options;
-        options.gpu_kernels = gpu_kernels;
-        const gnomon::Device device({}, options);
+        const gnomon::Device device = device_of(gpu_kernels);
         const std::uint32_t width = gnomon::shaft_width(gnomon::session_of(device));
-        for (const Case& one : cases()) {
+        for (const TreeScene& one : tree_scenes()) {
             SCOPED_TRACE(one.name + (gpu_kernels ? ", kernels for GPUs" : ""));
             const gnomon::BuiltShaftTree tree(device, gnomon::Triangles::upload(device, one.triangles));
             const ReadTree read(device, tree, one.triangles);
             if (HasFailure()) return;
-            const auto finite = finite_ones(one.triangles);
-            EXPECT_EQ(read.found, finite);
+            const auto finite = finite_triangles(one.triangles);
+            EXPECT_EQ(read.found, (std::multiset<std::uint32_t>(finite.begin(), finite.end())));
             EXPECT_LE(read.levels * (width - 1) + 2, MOST_SHAFT_ENTRIES);
             EXPECT_LE(read.leaves, finite.size() / 4 + 64);
         }
@@ -154,7 +100,7 @@ TEST(ShaftTree, HoldsEachFiniteTriangleOnceAndIsLow) {
 
 TEST(ShaftTree, IsNotMadeForCoordinatesOutOfTheFiltersRange) {
     const gnomon::Device device = device_with();
-    Floats triangles = random_triangles(20, 3, 7);
+    Floats triangles = strewn_triangles(20, 3, 7);
     triangles[5] = 0x1p20f;
     const gnomon::BuiltShaftTree tree(device, gnomon::Triangles::upload(device, triangles));
     EXPECT_EQ(tree.largest_coordinate(), 0x1p20f);

@@ -23,6 +23,13 @@ inline gnomon::Device device_with(std::uint32_t work_group_size = 0) {
     return gnomon::Device({}, options);
 }
 
+/// With the kernels that are made for GPUs, or with those of its kind.
+inline gnomon::Device device_of(bool gpu_kernels) {
+    gnomon::DeviceOptions options;
+    options.gpu_kernels = gpu_kernels;
+    return gnomon::Device({}, options);
+}
+
 template <typename Value>
 gnomon::cl::Buffer uploaded(gnomon::cl::Session& session, const std::vector<Value>& values) {
     gnomon::cl::Buffer buffer(session, values.size() * sizeof(Value));
