@@ -85,7 +85,7 @@ std::vector<gnomon::Light> lights() {
             gnomon::Light::directional({1, 0.3f, -0.01f})};  // grazing
 }
 
-void expect_law(const gnomon::Device& device, Classify classify, const char* map_size,
+void expect_law(const gnomon::Device& device, Classify classify, std::uint32_t map_size,
                 const std::vector<std::size_t>& of_lights) {
     Tally tally;
     for (const CameraScene& scene : scenes())
@@ -103,20 +103,20 @@ void expect_law(const gnomon::Device& device, Classify classify, const char* map
 }
 
 TEST(ClassifyFootprints, EqualsReferenceAtEverySample) {
-    expect_law(device_with(), Classify::by_frustum_traced, "auto", {0, 1, 2, 3, 4, 5});
+    expect_law(device_with(), Classify::by_frustum_traced, 0, {0, 1, 2, 3, 4, 5});
 }
 // Texels that are smaller than most triangles, so that many footprints lie below several of them.
 TEST(ClassifyFootprints, EqualsReferenceBelowTheMap) {
-    expect_law(device_with(), Classify::by_frustum_traced, "256", {0, 3});
+    expect_law(device_with(), Classify::by_frustum_traced, 256, {0, 3});
 }
 TEST(ClassifyFootprints, EqualsReferenceOverPreparedLists) {
-    expect_law(device_with(), Classify::prepared, "128", {0, 2, 3});
+    expect_law(device_with(), Classify::prepared, 128, {0, 2, 3});
 }
 TEST(ClassifyFootprints, EqualsReferenceByKernelsForGpus) {
     gnomon::DeviceOptions options;
     options.gpu_kernels = true;
     options.work_group_size = 33;  // of which samples_test has the kernels
-    expect_law(gnomon::Device({}, options), Classify::by_frustum_traced, "auto", {1, 2, 3});
+    expect_law(gnomon::Device({}, options), Classify::by_frustum_traced, 0, {1, 2, 3});
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ void expect_triangles_met(const std::vector<BlockCase>& cases, const std::vector
 constexpr const char* KERNELS = "shafts/shaft_sides_test.cl";
 
 gnomon::cl::Kernel kernel_of(const char* name, bool are_positions) {
-    return {KERNELS, name, are_positions ? "GN_POINT_LIGHTS" : ""};
+    return {KERNELS, name, {.point_lights = are_positions}};
 }
 
 const gnomon::cl::LocalBytes LOCAL{SHAFT_LOCAL_WORDS * sizeof(cl_uint)};

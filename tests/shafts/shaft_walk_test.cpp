@@ -57,7 +57,7 @@ std::vector<Walk> walk_blocks(gnomon::cl::Session& session, const Floats& positi
     layout.count = cl_uint(positions.size() / 3);
     const gnomon::cl::Buffer leaves(session, count * most_leaves * 4), counts(session, count * 4),
         highest(session, count * 4);
-    session.launch({KERNELS, "walk_blocks", are_positions ? "GN_POINT_LIGHTS" : ""},
+    session.launch({KERNELS, "walk_blocks", {.point_lights = are_positions}},
                    gnomon::shaft_range(session, count), count, layout, shaft_rounding(largest, are_positions),
                    uploaded(session, std::vector{bundles.bundles[0].cones[0]}), uploaded(session, positions), nodes,
                    most_leaves, leaves, counts, highest, gnomon::cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});

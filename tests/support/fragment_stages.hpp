@@ -7,6 +7,7 @@
 
 #include "camera_scenes.hpp"
 #include "kernels/receivers/footprint.h"
+#include "samples/footprint_session.hpp"
 #include "samples/samples.hpp"
 
 namespace support {
@@ -65,58 +66,65 @@ void RecordedSamples::for_samples(const ClassifiedFragments& of, std::size_t slo
 }
 
 /// Classifies as frustum-traced does, or calls all footprints mixed.
-class FragmentRecorder final : public gnomon::Technique, public gnomon::ClassifiesFootprints {
+class FragmentRecorder final : public gnomon::Technique,
+                               public gnomon::TracesFragments,
+                               private gnomon::FootprintSession {
 public:
-    FragmentRecorder(const gnomon::Device& device, bool classifies, RecordedSamples& to)
-        : technique_(gnomon::make_technique("frustum-traced", device)), classifies_(classifies), to_(to) {}
-    const gnomon::Device& device() const override { return technique_->device(); }
-    gnomon::Statistics run(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
-                           const gnomon::Visibility&) override {
+    FragmentRecorder(const gnomon::Device& device, bool classifies, std::uint32_t map_size, RecordedSamples& to)
+        : device_(device), tracer_(device), classifies_(classifies), to_(to) {
+        gnomon::TracerSettings settings{};
+        settings.map_mode = gnomon::MapMode::on;  // `auto` takes none for so few points
+        settings.map_size = map_size;
+        tracer_.set(settings);
+    }
+    const gnomon::Device& device() const override { return device_; }
+    gnomon::Statistics run_light(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
+                                 const gnomon::Visibility&) override {
         throw std::logic_error("footprints alone are classified");
     }
-    gnomon::Statistics classify_footprints(const gnomon::Triangles& triangles, const gnomon::Points& centres,
-                                           const gnomon::cl::Buffer& footprints, const gnomon::Light& light,
-                                           const gnomon::Visibility& classes) override {
-        gnomon::Statistics statistics;
-        if (classifies_)
-            statistics = inner().classify_footprints(triangles, centres, footprints, light, classes);
-        else
-            call_all_mixed(classes);
-        record(centres, footprints, classes);
+    gnomon::Statistics run_fragments(const gnomon::SampledView& in) override {
+        gnomon::TracedFootprints inner(tracer_, prepared_, in.triangles, in.light);
+        inner_ = &inner;
+        gnomon::Statistics statistics = samples_.run(*this, in);
+        inner_ = nullptr;
         return statistics;
     }
-    gnomon::Statistics classify_parts(const gnomon::Triangles& triangles, const gnomon::Points& centres,
-                                      const gnomon::cl::Buffer& footprints, const gnomon::Light& light,
-                                      const gnomon::Visibility& classes) override {
+    gnomon::Statistics prepare(const gnomon::Triangles& triangles, const gnomon::Light& light) override {
+        return prepared_.prepare(triangles, light);
+    }
+    void set(std::string_view, std::string_view) override {}
+
+private:
+    gnomon::Statistics classify(const gnomon::Footprints& footprints) override {
         gnomon::Statistics statistics;
         if (classifies_)
-            statistics = inner().classify_parts(triangles, centres, footprints, light, classes);
+            statistics = inner_->classify(footprints);
         else
-            call_all_mixed(classes);
-        record(centres, footprints, classes);
+            call_all_mixed(footprints.classes);
+        record(footprints);
+        return statistics;
+    }
+    gnomon::Statistics classify_parts(const gnomon::Footprints& footprints) override {
+        gnomon::Statistics statistics;
+        if (classifies_)
+            statistics = inner_->classify_parts(footprints);
+        else
+            call_all_mixed(footprints.classes);
+        record(footprints);
         return statistics;
     }
     /// Nobody asks for the mean.
-    gnomon::Statistics trace_mixed(const gnomon::Triangles&, const gnomon::Points&, const gnomon::Light&,
-                                   const gnomon::Visibility&) override {
-        return {};
-    }
-    gnomon::Statistics prepare(const gnomon::Triangles& triangles, const gnomon::Light& light) override {
-        return technique_->prepare(triangles, light);
-    }
-    void set(std::string_view name, std::string_view value) override { technique_->set(name, value); }
+    gnomon::Statistics trace(const gnomon::Points&, const gnomon::Visibility&) override { return {}; }
 
-private:
-    ClassifiesFootprints& inner() { return dynamic_cast<ClassifiesFootprints&>(*technique_); }
-    gnomon::cl::Session& session() const { return session_of(technique_->device()); }
+    gnomon::cl::Session& session() const { return session_of(device_); }
     void call_all_mixed(const gnomon::Visibility& classes) {
         const std::vector<float> mixed(classes.count(), VISIBILITY_MIXED);
         session().write(classes.buffer(), mixed.data(), mixed.size() * sizeof(float));
     }
 
     /// The receivers of the footprints' centres are the first of the fragments' arrays (kernels/samples/fragments.clh).
-    void record(const gnomon::Points& centres, const gnomon::cl::Buffer& footprints,
-                const gnomon::Visibility& classes) {
+    void record(const gnomon::Footprints& footprints) {
+        const gnomon::Points& centres = footprints.centres;
         ClassifiedFragments found{};
         found.pixels = std::size_t((to_.width + 15) / 16) * ((to_.height + 15) / 16) * 256;
         found.slots = centres.layout().coordinate_stride;
@@ -131,12 +139,16 @@ private:
         found.extra_pixels = part(2 * found.slots, found.slots - found.pixels);
         found.lit = part(3 * found.slots - found.pixels, found.pixels);
         found.centres = session().read_values<float>(centres.positions(), 3 * found.slots);
-        found.footprints = session().read_values<float>(footprints.get(), FOOTPRINT_FLOATS * found.slots);
-        found.classes = session().read_values<float>(classes.buffer(), found.used);
+        found.footprints = session().read_values<float>(footprints.buffer.get(), FOOTPRINT_FLOATS * found.slots);
+        found.classes = session().read_values<float>(footprints.classes.buffer(), found.used);
         to_.classified.push_back(std::move(found));
     }
 
-    std::unique_ptr<gnomon::Technique> technique_;
+    gnomon::Device device_;
+    gnomon::FrustumTracer tracer_;
+    gnomon::PreparedRuns prepared_{tracer_};
+    gnomon::SamplesByFragments samples_;
+    gnomon::FootprintSession* inner_ = nullptr;
     bool classifies_;
     RecordedSamples& to_;
 };
@@ -145,7 +157,7 @@ enum class Classify { nothing, by_frustum_traced, prepared };
 
 inline RecordedSamples record_samples(const gnomon::Device& device, const CameraScene& scene,
                                       const gnomon::Light& light, std::uint32_t samples, Classify classify,
-                                      const char* map_size = "auto") {
+                                      std::uint32_t map_size = 0) {
     gnomon::cl::Session& session = session_of(device);
     auto triangles = gnomon::Triangles::upload(device, scene.triangles);
     if (classify == Classify::prepared) triangles.keep_clusters(device);
@@ -160,11 +172,9 @@ inline RecordedSamples record_samples(const gnomon::Device& device, const Camera
         const auto ids = session.read_values<std::uint32_t>(points.receivers(), count);
         recorded.receivers.insert(recorded.receivers.end(), ids.begin(), ids.end());
     };
-    FragmentRecorder recorder(device, classify != Classify::nothing, recorded);
-    recorder.set("conservative-map", "on");  // `auto` takes none for so few points
-    recorder.set("map-size", map_size);
+    FragmentRecorder recorder(device, classify != Classify::nothing, map_size, recorded);
     if (classify == Classify::prepared) recorder.prepare(triangles, light);
-    recorded.statistics = gnomon::run_samples(recorder, device, triangles, view, light, samples, mean, keep);
+    recorded.statistics = gnomon::run_samples(recorder, triangles, view, light, samples, mean, keep);
     recorded.pixel_receivers = session.read_values<std::uint32_t>(view.points.receivers(), view.points.count());
     return recorded;
 }

@@ -15,9 +15,8 @@ namespace support {
 namespace {
 
 gnomon::LightBundles bundles_of(ShaftMethod method, std::span<const gnomon::Light> lights, std::uint32_t most) {
-    auto bundles =
-        method == ShaftMethod::packets ? gnomon::make_plain_bundles(lights) : gnomon::make_light_bundles(lights, most);
-    return bundles.value();
+    gnomon::LightBundles coned = gnomon::make_light_bundles(lights, most).value();
+    return method == ShaftMethod::packets ? gnomon::make_plain_bundles(coned) : coned;
 }
 
 const char* kernel_of(ShaftMethod method) {
