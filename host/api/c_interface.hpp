@@ -153,11 +153,13 @@ private:
 class HostSceneArgument {
 public:
     explicit HostSceneArgument(const gnomon_host_scene* scene)
-        : vertices_(array(sized_at(scene, "scene").vertices, scene->count, 9, "scene.vertices")),
-          cut_outs_(scene->cut_outs, scene->count) {}
+        : from_(sized_at(scene, "scene")),
+          vertices_(array(from_.vertices, from_.count, 9, "scene.vertices")),
+          cut_outs_(from_.cut_outs, from_.count) {}
     SceneOnHost get() const { return {vertices_, cut_outs_.get()}; }
 
 private:
+    const gnomon_host_scene& from_;
     std::span<const float> vertices_;
     CutOutsArgument cut_outs_;
 };

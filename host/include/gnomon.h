@@ -37,6 +37,7 @@
 //   all that was enqueued before; `large`, only where it makes a buffer of 4 MiB or more for a CPU; `never`. What is
 //   not in the table never waits, but gnomon_device_kernel_builds() after a first launch, gnomon_device_wrap() as
 //   gnomon_device_open(), and the gnomon_*_share() as gnomon_*_upload() where the device has memory of its own.
+//
 // WAITS
 //   gnomon_device_open                       always
 //   gnomon_device_finish                     always

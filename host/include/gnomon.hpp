@@ -18,9 +18,9 @@
 //
 // A point is "in shadow" by the visibility contract of docs/numerics.md, which is decided in exact real arithmetic on
 // the float32 inputs: the same bits on every device. Objects are cheap handles (shared ownership). One Device and the
-// objects made from it may be used from one thread at a time. A failure throws one of the exceptions below. The library
-// never prints, never exits, and has no global state but the OpenCL functions that it has loaded (and gnomon.h's error
-// texts, one per thread).
+// objects made from it may be used from one thread at a time. A failure throws one of the exceptions of
+// gnomon/device.hpp. The library never prints, never exits, and has no global state but the OpenCL functions that it
+// has loaded (and gnomon.h's error texts, one per thread).
 //
 // Waits. All work is enqueued on the device's in-order queue. Which functions then wait for the queue, and so for all
 // that was enqueued before (tests/api/waits_test.cpp counts the blocking calls and compares them with this table):
@@ -29,8 +29,10 @@
 //   never    no call waits
 // What is not in the table never waits; share() does as wrap() where device and host share memory, else as upload(). A
 // kernel that is launched for the first time may wait for its build, and a queue that profiles for each stage.
-// Device::kernel_builds() waits after a first launch. A run of another technique may wait less: not to wait is no
-// promise of `always`. WAITS
+// Device::kernel_builds() waits after a first launch. `always` is measured with frustum-traced: another technique may
+// wait less.
+//
+// WAITS
 //   Device::Device                   always
 //   Device::finish                   always
 //   Triangles::upload                always

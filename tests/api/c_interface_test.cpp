@@ -72,7 +72,7 @@ std::vector<std::uint32_t> receivers() {
 
 /// The same facing for C and for C++.
 gnomon_run_options options_by(gnomon_facing_kind kind) {
-    gnomon_run_options options = GNOMON_ & by_eye_INIT;
+    gnomon_run_options options = GNOMON_RUN_OPTIONS_INIT;
     options.facing.kind = kind;
     std::copy(eye.begin(), eye.end(), options.facing.eye);
     return options;
@@ -598,7 +598,7 @@ TEST_F(BesideCpp, StructsOfAnotherSizeAreRefused) {
     const auto table = made<gnomon_lights>([&](auto out) { return gnomon_lights_create(lights, nullptr, 1, out); });
     gnomon_triangles* made_triangles = nullptr;
     const gnomon_view_of_parts* parts = nullptr;
-    gnomon_run_options run = GNOMON_ & by_eye_INIT;
+    gnomon_run_options run = GNOMON_RUN_OPTIONS_INIT;
     gnomon_light_table_buffers buffers = GNOMON_LIGHT_TABLE_BUFFERS_INIT;
     gnomon_light_table_arrays arrays = GNOMON_LIGHT_TABLE_ARRAYS_INIT;
     gnomon_samples_options samples = GNOMON_SAMPLES_OPTIONS_INIT;

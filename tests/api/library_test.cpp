@@ -925,7 +925,7 @@ TEST(Statistics, CountEveryPointOnce) {
                 // The first run's room depends on the device; lists then keep their length.
                 gnomon::Statistics roomy = s;
                 for (int run = 0; run < 5 && roomy.count("lists_grown") != 0; ++run)
-                    roomy = technique->run(triangles, points, light, visibility);
+                    roomy = technique->run(triangles, points, light, visibility, options_of_run);
                 EXPECT_EQ(roomy.count("lists_grown"), 0u) << what;
                 EXPECT_EQ(roomy.count("points_in_shadow"), in_shadow) << what;
                 if (light.is_directional()) {

@@ -91,6 +91,14 @@ std::vector<std::uint32_t> some_receivers() {
 }
 constexpr Float3 eye{0, 1, 4}, origin{}, up{0, 1, 0};
 
+template <typename Make>
+auto quietly(const Make& make) {
+    testing::internal::CaptureStderr();
+    auto made = make();
+    testing::internal::GetCapturedStderr();
+    return made;
+}
+
 /// What the cases of both languages are made of.
 class Waits : public testing::Test {
 protected:
@@ -99,14 +107,6 @@ protected:
     const std::vector<std::uint32_t> receivers = some_receivers();
     const Light light = Light::directional({0.3f, -1, 0.2f});
     const Camera camera = Camera::look_at(eye, origin, up, 50);
-
-    template <typename Make>
-    static auto quietly(const Make& make) {
-        testing::internal::CaptureStderr();
-        auto made = make();
-        testing::internal::GetCapturedStderr();
-        return made;
-    }
 };
 
 TEST_F(Waits, OfCppAreThoseOfTheTable) {
@@ -130,12 +130,13 @@ TEST_F(Waits, OfCppAreThoseOfTheTable) {
     const Visibility& counts = second;  // as many bytes
     const Points opaque =
         quietly([&] { return Points::upload(device, Floats(900), std::vector<std::uint32_t>(300, no_cut_out)); });
+    CutOutBuffers cut_outs;
+    cut_outs.material_of_triangle = opaque.receivers();
     const std::vector<Case> cases{
         {"Device::Device", [&] { Device(); }},
         {"Device::finish", [&] { device.finish(); }},
         {"Triangles::upload", [&] { Triangles::upload(device, vertices); }},
-        {"Triangles::copy",
-         [&] { Triangles::copy(device, triangles.buffer(), 300, 0, {.material_of_triangle = opaque.receivers()}); }},
+        {"Triangles::copy", [&] { Triangles::copy(device, triangles.buffer(), 300, 0, cut_outs); }},
         {"Triangles::wrap", [&] { Triangles::wrap(device, triangles.buffer(), 300); }},
         {"Triangles::keep_clusters", [&] { triangles.keep_clusters(device); }},
         {"Points::upload", [&] { Points::upload(device, positions, receivers); }},

@@ -219,8 +219,11 @@ TEST(ManyLights, SidesOfSliversAreThoseOfOneLight) {
     for (const bool has_eye : {false, true}) {
         scene.eye.reset();
         if (has_eye) scene.eye = Float3{5, 4, 3};
-        const auto one = run(device, scene, lights, "one-by-one", {.front = !has_eye});
-        EXPECT_EQ(one.bits, run(device, scene, lights, "shafts", {.front = !has_eye}).bits);
+        const auto one = run(device, scene, lights, "one-by-one",
+                             {.facing = has_eye ? gnomon::Facing::none() : gnomon::Facing::winding()});
+        EXPECT_EQ(one.bits, run(device, scene, lights, "shafts",
+                                {.facing = has_eye ? gnomon::Facing::none() : gnomon::Facing::winding()})
+                                .bits);
         std::size_t partly = 0;
         for (const std::uint32_t count : one.counts) partly += count != 0 && count != 32;
         EXPECT_GT(partly, 20u);
@@ -530,8 +533,8 @@ TEST(ManyLights, RefusesWhatHasNoMeaning) {
     EXPECT_EQ(done, 1);
     const auto technique = gnomon::make_technique("frustum-traced", device);
     const gnomon::Visibility small(device, 3);
-    EXPECT_THROW(technique->run(gnomon::Triangles::upload(device, scene.triangles), upload_points(device, scene),
-                                Lights({sun}), {.counts = small.buffer()}),
+    EXPECT_THROW(technique->run_light_table(gnomon::Triangles::upload(device, scene.triangles),
+                                            upload_points(device, scene), Lights({sun}), {.counts = small.buffer()}),
                  gnomon::InvalidArgument);
 }
 
@@ -648,7 +651,8 @@ TEST(ManyLights, LargeNormalsDoNotDecideTheSideOfALamp) {
     const gnomon::Points normals = gnomon::Points::upload(device, Floats{0, -1e38f, 1e38f});
     const Lights lamp({gnomon::Light::point({0, 4.0001f, 4})});
     for (const char* way : {"one-by-one", "shafts", "point-shafts", "rays"})
-        EXPECT_EQ(run(device, scene, lamp, way, {.normals = normals.positions()}).counts[0], 0u) << way;
+        EXPECT_EQ(run(device, scene, lamp, way, {.facing = gnomon::Facing::normals(normals.positions())}).counts[0], 0u)
+            << way;
 }
 
 // A lamp among its points, and a triangle whose box touches, but for rounding, the plane through the lamp that a

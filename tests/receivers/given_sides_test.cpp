@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "receivers/given_sides.hpp"
 #include "reference/exact.hpp"
 #include "support/device.hpp"
 

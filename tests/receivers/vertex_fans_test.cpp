@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "receivers/given_sides.hpp"
 #include "support/device.hpp"
 
 namespace {

@@ -49,7 +49,8 @@ ColoredAnswer answer_with_colors(const gnomon::Device& device, const LightScene&
         EXPECT_EQ(rgba[i + 3], 255);
     }
     // The diagnostic changes no result of the run.
-    EXPECT_EQ(answer(device, *watched, triangles, points, light).visibility, found.run.visibility);
+    EXPECT_EQ(answer(device, *watched, triangles, points, light, facing_of(scene.eye)).visibility,
+              found.run.visibility);
     return found;
 }
 
