@@ -224,6 +224,7 @@ typedef struct gnomon_stage {
     const char* skipped;  ///< why it did not run, "" if it did
 } gnomon_stage;
 
+/// One number of a run: of points, triangles, tests and so on.
 typedef struct gnomon_count {
     const char* name;  ///< in snake_case, stable
     uint64_t value;
@@ -271,6 +272,7 @@ typedef struct gnomon_device_description {
     bool is_default;          ///< gnomon_device_open() without a selector opens this one
 } gnomon_device_description;
 
+/// What gnomon_devices() returns.
 typedef struct gnomon_device_list {
     const gnomon_device_description* devices;
     size_t count;
@@ -289,6 +291,7 @@ typedef struct gnomon_device_options {
     bool hide_fp64;               ///< use no double precision on the device. Same bits
     bool gpu_kernels;             ///< use the kernels made for GPUs on a CPU as well, for tests. Same bits
 } gnomon_device_options;
+/// The defaults, and the struct's size.
 #define GNOMON_DEVICE_OPTIONS_INIT \
     { sizeof(gnomon_device_options), 0, 0, false, false, false }
 
@@ -308,8 +311,9 @@ void gnomon_device_destroy(gnomon_device* device);
 
 /// Valid until the device is destroyed.
 gnomon_status gnomon_device_describe(const gnomon_device* device, const gnomon_device_description** description_out);
+/// Not retained for the caller.
 gnomon_status gnomon_device_context(const gnomon_device* device, cl_context* context_out);
-gnomon_status gnomon_device_queue(const gnomon_device* device, cl_command_queue* queue_out);
+gnomon_status gnomon_device_queue(const gnomon_device* device, cl_command_queue* queue_out);  ///< the same
 /// Waits until the device has executed all that was enqueued.
 gnomon_status gnomon_device_finish(const gnomon_device* device);
 /// Bytes of device memory that gnomon's own buffers occupy now, and the largest number so far.
@@ -347,7 +351,7 @@ void gnomon_triangles_destroy(gnomon_triangles* triangles);
 // Cut-outs: triangles with holes, by the alpha of a texture. All is decided exactly (docs/numerics.md, 15).
 
 #define GNOMON_NO_CUT_OUT 0xFFFFFFFFu  ///< the material of an opaque triangle
-#define GNOMON_NO_TEXTURE 0xFFFFFFFFu
+#define GNOMON_NO_TEXTURE 0xFFFFFFFFu  ///< a material's alpha is 255 everywhere
 
 /// What a texture coordinate outside of 0..1 stands for.
 typedef uint32_t gnomon_texture_wrap;
@@ -379,6 +383,7 @@ typedef struct gnomon_alpha_texture {
     uint32_t width, height;
     const uint8_t* alpha;
 } gnomon_alpha_texture;
+/// gnomon_alpha_texture in a buffer of width * height bytes.
 typedef struct gnomon_alpha_texture_buffer {
     uint32_t width, height;
     cl_mem alpha;
@@ -426,6 +431,7 @@ gnomon_status gnomon_triangles_upload_cut_outs(const gnomon_device* device, cons
 gnomon_status gnomon_triangles_copy_cut_outs(const gnomon_device* device, cl_mem vertices, size_t count,
                                              size_t first_float, const gnomon_cut_out_buffers* cut_outs,
                                              gnomon_triangles** triangles_out);
+/// What became of the triangles that have a material; zeros without cut-outs.
 gnomon_status gnomon_triangles_cut_out_counts(const gnomon_triangles* triangles, gnomon_cut_out_counts* counts_out);
 
 /// For a mesh that does not change: builds boxes around clusters of triangles on the device, so that stages skip
@@ -433,7 +439,7 @@ gnomon_status gnomon_triangles_cut_out_counts(const gnomon_triangles* triangles,
 /// now on; after a change, call this again.
 gnomon_status gnomon_triangles_keep_clusters(gnomon_triangles* triangles, cl_event* event_out);
 
-gnomon_status gnomon_triangles_count(const gnomon_triangles* triangles, size_t* count_out);
+gnomon_status gnomon_triangles_count(const gnomon_triangles* triangles, size_t* count_out);  ///< of triangles
 /// The buffer, and the float in it where the triangles begin.
 gnomon_status gnomon_triangles_buffer(const gnomon_triangles* triangles, cl_mem* buffer_out, size_t* first_float_out);
 
@@ -467,7 +473,8 @@ gnomon_status gnomon_points_set_camera(gnomon_points* points, const gnomon_camer
 gnomon_status gnomon_points_set_lifted_off(gnomon_points* points, const gnomon_triangles* triangles,
                                            const float eye[3]);
 
-gnomon_status gnomon_points_count(const gnomon_points* points, size_t* count_out);
+gnomon_status gnomon_points_count(const gnomon_points* points, size_t* count_out);  ///< of points
+/// The buffer, not retained for the caller, and how the coordinates lie in it.
 gnomon_status gnomon_points_positions(const gnomon_points* points, cl_mem* buffer_out, gnomon_point_layout* layout_out);
 /// NULL if no point has a receiver.
 gnomon_status gnomon_points_receivers(const gnomon_points* points, cl_mem* buffer_out);
@@ -484,6 +491,7 @@ gnomon_status gnomon_points_lift(const gnomon_points* points, const gnomon_trian
 /// Visibility per point, one float32 each: 1 lit, 0 in shadow; filtered techniques write values between.
 typedef struct gnomon_visibility gnomon_visibility;
 
+/// A new buffer of `count` floats on the device.
 gnomon_status gnomon_visibility_create(const gnomon_device* device, size_t count, gnomon_visibility** visibility_out);
 /// Uses `count` floats of the caller's buffer (retained) from `first_float` on: the device writes the result there.
 /// first_float * 4 must be a multiple of the device's CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8 (gnomon makes a sub-buffer).
@@ -498,7 +506,7 @@ gnomon_status gnomon_visibility_share(const gnomon_device* device, float* values
 /// Waits for the queue. Fails if gnomon_visibility_share() did not make the visibility.
 gnomon_status gnomon_visibility_fetch(const gnomon_visibility* visibility);
 void gnomon_visibility_destroy(gnomon_visibility* visibility);
-gnomon_status gnomon_visibility_count(const gnomon_visibility* visibility, size_t* count_out);
+gnomon_status gnomon_visibility_count(const gnomon_visibility* visibility, size_t* count_out);  ///< of values
 /// The buffer whose first `count` floats are the visibility: the caller's own, or gnomon's (sub-)buffer.
 gnomon_status gnomon_visibility_buffer(const gnomon_visibility* visibility, cl_mem* buffer_out);
 /// Waits for the queue and copies `count` floats to the host.
@@ -583,11 +591,13 @@ typedef struct gnomon_setting_description {
     const char* default_value;
     const char* meaning;  ///< one line with range and unit
 } gnomon_setting_description;
+/// A picture that gnomon_technique_diagnose() draws.
 typedef struct gnomon_diagnostic_description {
     const char* name;
     const char* meaning;  ///< one line
 } gnomon_diagnostic_description;
 
+/// One technique: its name, what it is, its settings and pictures.
 typedef struct gnomon_technique_description {
     const char* name;
     const char* summary;  ///< one line
@@ -598,6 +608,7 @@ typedef struct gnomon_technique_description {
     bool exact;
 } gnomon_technique_description;
 
+/// What gnomon_techniques() returns.
 typedef struct gnomon_technique_list {
     const gnomon_technique_description* techniques;
     size_t count;
@@ -671,7 +682,7 @@ gnomon_status gnomon_lights_area(const float corner[3], const float edge_a[3], c
 gnomon_status gnomon_lights_sky(const float up[3], const float north[3], uint32_t division, gnomon_lights** lights_out);
 void gnomon_lights_destroy(gnomon_lights* lights);
 
-gnomon_status gnomon_lights_count(const gnomon_lights* lights, size_t* count_out);
+gnomon_status gnomon_lights_count(const gnomon_lights* lights, size_t* count_out);  ///< of lights
 /// Copies the lights and their weights, as they were given. Either may be NULL.
 gnomon_status gnomon_lights_read(const gnomon_lights* lights, gnomon_light* lights_out, float* weights_out);
 /// A weight counts as a whole number times 2^exponent; `largest` is the most by which one was rounded.
@@ -762,8 +773,10 @@ gnomon_status gnomon_view_shade(const gnomon_view* view, const gnomon_triangles*
 /// gnomon_view_look() for picture after picture: keeps lists and buffers, so that the next picture of the same size
 /// allocates nothing. Same bits. A view's buffers are used again when it is destroyed.
 typedef struct gnomon_camera_pass gnomon_camera_pass;
+/// A pass that keeps nothing yet.
 gnomon_status gnomon_camera_pass_create(const gnomon_device* device, gnomon_camera_pass** pass_out);
 void gnomon_camera_pass_destroy(gnomon_camera_pass* pass);
+/// As gnomon_look().
 gnomon_status gnomon_camera_pass_look(gnomon_camera_pass* pass, const gnomon_triangles* triangles,
                                       const gnomon_camera* camera, uint32_t width, uint32_t height,
                                       gnomon_view** view_out, cl_event* event_out,
@@ -862,6 +875,7 @@ gnomon_status gnomon_host_scene_look(const gnomon_device* device, const gnomon_h
                                      const gnomon_view_of_parts** view_out);
 void gnomon_view_of_parts_destroy(const gnomon_view_of_parts* view);
 
+/// A technique's setting and its value, as gnomon_technique_set() takes them.
 typedef struct gnomon_setting {
     const char* name;
     const char* value;

@@ -262,16 +262,6 @@ std::optional<std::vector<Direction>> directions_of(std::span<const Light> light
     return directions;
 }
 
-std::optional<LightBundles> make_direction_bundles(std::span<const Light> lights, std::uint32_t most) {
-    const auto directions = directions_of(lights);
-    if (!directions) return {};
-    std::vector<std::uint32_t> order(lights.size());
-    std::iota(order.begin(), order.end(), 0u);
-    LightBundles made;
-    add_chained(made, std::move(order), *directions, most);
-    return made;
-}
-
 }  // namespace
 
 std::span<const std::uint32_t> lights_of_cone(std::span<const std::uint32_t> bundle, std::size_t cone) {
@@ -292,25 +282,17 @@ std::size_t LightBundles::light_count() const {
 LightBundles make_plain_bundles(const LightBundles& coned) {
     if (coned.are_positions) return coned;
     LightBundles made;
-    LightBundle bundle{};
-    std::vector<std::uint32_t> slots;
-    const auto close = [&] {
-        if (slots.empty()) return;
-        made.add(bundle, slots);
-        bundle = {};
-        slots.clear();
-    };
-    for (std::size_t b = 0; b < coned.bundles.size(); ++b) {
-        const LightBundle& from = coned.bundles[b];
-        for (std::uint32_t l = 0; l < from.light_count; ++l) {
-            const std::uint32_t slot = bundle.light_count++;
-            for (int c = 0; c < 3; ++c) bundle.directions[c][slot] = from.directions[c][l];
-            bundle.axes[slot] = from.axes[l];
-            slots.push_back(coned.lights[b * MOST_BUNDLE_LIGHTS + l]);
-            if (slots.size() == MOST_BUNDLE_LIGHTS) close();
-        }
+    for (std::size_t i = 0, count = 0; i < coned.lights.size(); ++i) {
+        if (coned.lights[i] == no_light) continue;
+        const std::size_t from = i % MOST_BUNDLE_LIGHTS, slot = count++ % MOST_BUNDLE_LIGHTS;
+        if (slot == 0) made.add({}, {});
+        LightBundle& bundle = made.bundles.back();
+        const LightBundle& given = coned.bundles[i / MOST_BUNDLE_LIGHTS];
+        for (int c = 0; c < 3; ++c) bundle.directions[c][slot] = given.directions[c][from];
+        bundle.axes[slot] = given.axes[from];
+        bundle.light_count = static_cast<std::uint32_t>(slot + 1);
+        made.lights[count - 1] = coned.lights[i];
     }
-    close();
     return made;
 }
 
@@ -322,7 +304,13 @@ bool can_be_bundled(std::span<const Light> lights) {
 
 std::optional<LightBundles> make_light_bundles(std::span<const Light> lights, std::uint32_t most) {
     if (std::ranges::none_of(lights, &Light::is_directional)) return make_position_bundles(lights, most);
-    return make_direction_bundles(lights, most);
+    const auto directions = directions_of(lights);
+    if (!directions) return {};
+    std::vector<std::uint32_t> order(lights.size());
+    std::iota(order.begin(), order.end(), 0u);
+    LightBundles made;
+    add_chained(made, std::move(order), *directions, most);
+    return made;
 }
 
 std::optional<LightBundles> make_sector_bundles(std::span<const Light> lights, std::uint32_t most, std::uint32_t axis) {

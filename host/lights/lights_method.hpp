@@ -18,46 +18,50 @@ enum class LightsMethod { automatic, one_by_one, shafts, point_shafts, rays, hor
 inline constexpr std::string_view lights_method_names[] = {"auto",         "one-by-one", "shafts",
                                                            "point-shafts", "rays",       "horizons"};
 
-/// The constants by which `automatic` measures and chooses. docs/many_lights.md has the tables that they come from.
+/// The constants by which `automatic` measures and chooses, with the machine and the commit that they were measured by.
+/// docs/many_lights.md has what each method takes. "Two cores" are those of an EPYC.
 struct LightsTuning {
     // ---- Rules
-    /// Fewer lights are decided one by one.
+    /// Fewer lights are decided one by one (two cores, dba3afc).
     std::size_t min_shared_lights = 4;
-    /// Fewer pairs take some milliseconds by shafts, and a sample of them would take as long.
+    /// Fewer pairs take some milliseconds by shafts, and a sample of them as long (two cores, dba3afc).
     std::size_t min_measured_pairs = std::size_t(1) << 20;
-    /// Pairs for each triangle from which on a height field is searched for: that takes as long as to decide some.
+    /// Pairs of each triangle from which on a height field is searched for: that takes as long as to decide some
+    /// (H200, ec9c821).
     std::size_t min_field_pairs_per_triangle = 8;
-    /// Pairs from which on one light by itself is worth measuring.
+    /// Pairs from which on it pays to time one light by itself (H200, e471466).
     std::size_t min_single_light_pairs = std::size_t(1) << 25;
-    /// From this number of lights on, single lights were never the fastest (two cores of an EPYC).
+    /// From this number of lights on, single lights were never the fastest (two cores, a2c3aef).
     std::size_t cpu_many_lights = 32;
-    /// Thousands of lights are dense, and single lights were never the fastest (H200).
+    /// Thousands of lights are dense, and single lights were never the fastest (H200, 2ed168f).
     std::size_t gpu_many_lights = 2048;
-    /// A scattered point light takes a millisecond by itself, as shafts do for this number of points (H200).
+    /// A scattered point light takes a millisecond by itself, as shafts do for this number of points (cd6b871).
     std::size_t gpu_points_of_single_lights = std::size_t(1) << 18;
     /// Shafts took longer than estimated where the estimates were close: 256 suns on a city were estimated at 206 ms by
-    /// shafts and 216 one by one, and took 263 and 229 (H200).
+    /// shafts and 216 one by one, and took 263 and 229 (H200, d261765).
     double gpu_shafts_over_estimate = 1.1;
     /// A cone is thin below some 2 degrees, and a box of point lights below this share of the largest coordinate: then
-    /// shafts were the fastest (H200).
+    /// shafts were the fastest (H200, 814bed1).
     double thin_cone = 0.02, thin_box = 1 / 16.0;
-    /// The next runs that a measured choice serves. Measuring takes a tenth of many runs, and of those with few lights
-    /// more; it may be misled by what else the machine does, so that a choice expires.
+    /// The next runs that a choice serves. Measuring takes a tenth of many runs, and of those with few lights more; it
+    /// may be misled by what else the machine does, so that a choice expires (H200, eae2532).
     std::uint32_t runs_of_choice = 7;
 
     // ---- Samples
-    /// A CPU measures this number of points, but at most one in cpu_sample_share and at least cpu_min_sample_points.
+    /// A CPU measures this number of points, but at most one in cpu_sample_share and at least cpu_min_sample_points
+    /// (two cores, e0f58fe).
     std::size_t cpu_sample_points = 16384, cpu_sample_share = 32, cpu_min_sample_points = 512;
-    /// A CPU measures packets on at most this number of bundles.
+    /// A CPU measures packets on at most this number of bundles (two cores, ca22a3d).
     std::size_t cpu_sample_bundles = 8;
-    /// A GPU measures one in 128 of a picture's points: these are many, and much alike.
+    /// A GPU measures one in 128 of a picture's points: these are many, and much alike (H200, 2ed168f).
     std::size_t gpu_picture_share = 128;
     /// It measures one in 16 of other points: one in 128 of a million points on a town's faces does not fill an H100,
-    /// and seemed to take more than twice the time.
+    /// and seemed to take more than twice the time (1c38620).
     std::size_t gpu_points_share = 16;
-    /// The second sample of a GPU has one in 8 of the first one's points.
+    /// The second sample of a GPU has one in 8 of the first one's points (H200, 2ed168f).
     std::size_t gpu_launch_share = 8;
-    /// A GPU times one light by itself thrice from this number of lights on: its run is short and easily disturbed.
+    /// A GPU times one light by itself thrice from this number of lights on: its run is short and easily disturbed
+    /// (H200, 38177c3).
     std::size_t gpu_lights_timed_thrice = 64;
 };
 inline constexpr LightsTuning lights_tuning;

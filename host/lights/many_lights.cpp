@@ -7,7 +7,6 @@
 
 #include "api/statistics.hpp"
 #include "cl/opencl.hpp"
-#include "lights/lights_method.hpp"
 #include "receivers/given_sides.hpp"
 
 namespace gnomon {
@@ -77,25 +76,6 @@ Triangles with_clusters(const Device& device, const Triangles& triangles) {
     if (Internals::clusters(triangles) == nullptr && triangles.count() >= triangles_worth_clusters)
         clustered.keep_clusters(device);
     return clustered;
-}
-
-double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted) {
-    const cl::Session& session = session_of(run.device);
-    const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
-    const Visibility visibility(run.device, run.points.count());
-    const Light& middle = run.lights.lights()[run.lights.count() / 2];
-    const auto timed_ms = [&] {
-        const double builds_ms = session.build_ms();
-        return Internals::run_light(technique, run.triangles, ordered, middle, visibility).total_wall_ms -
-               (session.build_ms() - builds_ms);
-    };
-    const double first_ms = timed_ms();
-    if (session.is_cpu()) return first_ms;
-    // On a GPU the first run takes many times as long as the light itself: it makes room, and its lists grow. The next
-    // ones are short, so that anything may disturb them.
-    const double warm_ms = timed_ms();
-    return run.lights.count() < lights_tuning.gpu_lights_timed_thrice ? warm_ms
-                                                                      : std::min({warm_ms, timed_ms(), timed_ms()});
 }
 
 void report_progress(const LightsOptions& options, double done) {

@@ -57,10 +57,6 @@ SortedPoints sampled_points(const LightsRun& run, const SortedPoints& sorted, st
 /// `triangles` with clusters, if they are worth it for a run over many lights and the caller keeps none.
 Triangles with_clusters(const Device& device, const Triangles& triangles);
 
-/// The time of one light of the table, the middle one, for all points in the order of run_one_by_one(), in ms, without
-/// builds of kernels.
-double time_of_one_light(Technique& technique, const LightsRun& run, const SortedPoints* sorted);
-
 /// One light at a time, as every technique can. `sorted`: the points in the order in which the technique takes them,
 /// null for the order of the run's points. Adds its stages to `statistics`.
 void run_one_by_one(Technique& technique, const LightsRun& run, const SortedPoints* sorted, Statistics& statistics);

@@ -12,18 +12,11 @@ Statistics PreparedRuns::prepare(const Triangles& triangles, const Light& light)
         session, measured.stages, triangles, light, grid,
         ListSettings{settings.map_mode != MapMode::off, false, settings.cover_test}, settings.first_capacity);
     merge_stages(measured.stages);
-    const FrameCounters& c = light_->counted();
-    return measured.finish({{"triangles", triangles.count()},
-                            {"triangles_not_finite", c.not_finite},
-                            {"triangles_edge_on", c.edge_on},
-                            {"triangles_outside", c.outside},
-                            {"triangles_kept", c.survivors - c.edge_on},
-                            {"triangles_hidden", c.hidden},
-                            {"map_candidates", c.map_candidates},
-                            {"map_texels_written", c.map_texels},
-                            {"references", c.references},
-                            {"prepared", light_->is_usable()},
-                            {"prepared_bytes", light_->bytes()}});
+    auto& counts = measured.stages.counts;
+    counts = {{"triangles", triangles.count()}};
+    add_list_counts(counts, light_->counted());
+    counts.insert(counts.end(), {{"prepared", light_->is_usable()}, {"prepared_bytes", light_->bytes()}});
+    return measured.finish();
 }
 
 TraceInputs PreparedRuns::inputs(const FramedInputs& in) const {
@@ -42,10 +35,11 @@ TraceInputs PreparedRuns::inputs(const FramedInputs& in) const {
 Statistics PreparedRuns::run(const Triangles& triangles, const PointInputs& points, const Light& light,
                              cl_mem visibility) {
     if (!serves(triangles, light)) return tracer_.run(triangles, points, light, visibility);
-    return tracer_.run(triangles, points, light, visibility, [&](const FramedInputs& in, TracedRun& run) {
+    const TracePlan plan{.decide = [&](const FramedInputs& in, TracedRun& run) {
         run.used_prepared = decide(in, run);
         if (!run.used_prepared) tracer_.run_frames(in, run);
-    });
+    }};
+    return tracer_.run(triangles, points, light, visibility, plan);
 }
 
 // Runs only the stages that depend on the points; false if there are fallback points.

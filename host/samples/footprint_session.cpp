@@ -18,11 +18,11 @@ PointInputs inputs_of(const Footprints& footprints) {
 Statistics TracedFootprints::classify(const Footprints& footprints) {
     require_run(triangles_, footprints.centres, light_, footprints.classes);
     lists_.reset();
-    return tracer_.run(triangles_, inputs_of(footprints), light_, footprints.classes.buffer(),
-                       [&](const FramedInputs& in, TracedRun& run) {
-                           run.last_stage = classify_stage();
-                           is_prepared_ ? classify_prepared(in, run) : classify_frames(in, run);
-                       });
+    TracePlan plan = plan_of_classes();
+    plan.decide = [&](const FramedInputs& in, TracedRun& run) {
+        is_prepared_ ? classify_prepared(in, run) : classify_frames(in, run);
+    };
+    return tracer_.run(triangles_, inputs_of(footprints), light_, footprints.classes.buffer(), plan);
 }
 
 void TracedFootprints::classify_frames(const FramedInputs& in, TracedRun& run) {
@@ -36,7 +36,7 @@ void TracedFootprints::classify_prepared(const FramedInputs& in, TracedRun& run)
     const TraceInputs inputs = prepared_.inputs(in);
     tracer_.frames().start_facing(tracer_.session(), run.statistics,
                                   {in.triangles, in.points, inputs.light_frame, in.visibility}, tracer_.counters());
-    run.last_stage(inputs, run.statistics);
+    run.plan.last_stage(inputs, run.statistics);
     run.facing = tracer_.session().read_value<FrameCounters>(tracer_.counters());
     run.frames = inputs.frame_count;
     run.used_prepared = true;
@@ -46,7 +46,7 @@ void TracedFootprints::classify_prepared(const FramedInputs& in, TracedRun& run)
 Statistics TracedFootprints::classify_parts(const Footprints& footprints) {
     if (!lists_) return classify(footprints);
     require_run(triangles_, footprints.centres, light_, footprints.classes);
-    return run_on_lists(inputs_of(footprints), footprints.classes, classify_stage());
+    return run_on_lists(inputs_of(footprints), footprints.classes, plan_of_classes());
 }
 
 Statistics TracedFootprints::trace(const Points& samples, const Visibility& visibility) {
@@ -58,21 +58,21 @@ Statistics TracedFootprints::trace(const Points& samples, const Visibility& visi
 }
 
 Statistics TracedFootprints::run_on_lists(const PointInputs& points, const Visibility& visibility,
-                                          const LastStage& last_stage) {
+                                          const TracePlan& plan) {
     MeasuredRun measured(tracer_.session(), tracer_.kept_bytes());
     const FramedInputs in{triangle_inputs(triangles_), points, lists_->light_frame, visibility.buffer()};
-    TracedRun run{measured.stages, last_stage};
+    TracedRun run{measured.stages, plan};
     FrameCounters read;
     tracer_.clear_counters();
-    tracer_.decide(is_prepared_ ? prepared_.inputs(in) : tracer_.frame_inputs(in, 0, lists_->map), run, read);
+    tracer_.run_last_stages(is_prepared_ ? prepared_.inputs(in) : tracer_.frame_inputs(in, 0, lists_->map), run, read);
     return measured.finish();
 }
 
-LastStage TracedFootprints::classify_stage() {
-    return [&](const TraceInputs& inputs, Statistics& statistics) {
+TracePlan TracedFootprints::plan_of_classes() {
+    return {.last_stage = [&](const TraceInputs& inputs, Statistics& statistics) {
         const cl::StageTimer timer(tracer_.session(), statistics, "classify_footprints");
         run_classify_footprints(tracer_.session(), inputs);
-    };
+    }};
 }
 
 }  // namespace gnomon

@@ -50,8 +50,8 @@ private:
     };
     void classify_frames(const FramedInputs& in, TracedRun& run);
     void classify_prepared(const FramedInputs& in, TracedRun& run);
-    Statistics run_on_lists(const PointInputs& points, const Visibility& visibility, const LastStage& last_stage);
-    LastStage classify_stage();
+    Statistics run_on_lists(const PointInputs& points, const Visibility& visibility, const TracePlan& plan);
+    TracePlan plan_of_classes();
 
     FrustumTracer& tracer_;
     PreparedRuns& prepared_;

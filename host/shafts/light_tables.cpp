@@ -20,27 +20,28 @@ const char* missing_for_tree(const TreeRun& run) {
                           ": use many-lights=auto");
 }
 
-LightsTraits traits_of(const TableRun& run, bool can_be_bundled) {
+LightsTraits traits_of(const TableRun& table, bool can_be_bundled) {
+    const TreeRun& run = table.run;
     return {.is_cpu = session_of(run.device).is_cpu(),
             .points = run.points.count(),
             .lights = run.lights.count(),
             .triangles = run.triangles.count(),
             .is_picture = run.points.camera().has_value(),
-            .keeps_clusters = Internals::clusters(run.given) != nullptr,
+            .keeps_clusters = Internals::clusters(table.given) != nullptr,
             .can_be_bundled = can_be_bundled,
             .are_point_lights = !run.lights.lights().front().is_directional()};
 }
 
-double widest_bundle(const TableRun& run) {
+double widest_bundle(const TableRun& table) {
     double widest = 0;
-    for (const LightBundle& bundle : run.bundles.coned().bundles) {
+    for (const LightBundle& bundle : table.bundles.coned().bundles) {
         const LightCone& cone = bundle.cones[0];
         double square = 0;
         for (int c = 0; c < 3; ++c)
             square += double(cone.across[c]) * cone.across[c] + double(cone.along[c]) * cone.along[c];
         widest = std::max(widest, std::sqrt(square));
     }
-    return run.bundles.coned().are_positions ? widest / run.largest_coordinate() : widest;
+    return table.bundles.coned().are_positions ? widest / table.run.largest_coordinate() : widest;
 }
 
 MethodCache::Key key_of(const LightsRun& run) {
@@ -66,7 +67,7 @@ Statistics LightTables::run(Technique& one_light, const LightsRun& given, Lights
     TableRun table{
         {run, sorted, kept_of(tree_, given.triangles)}, given.triangles, bundles, one_light, measured.stages};
     timer.next(nullptr);
-    const char* missing = missing_for_tree(table);
+    const char* missing = missing_for_tree(table.run);
     if (missing != nullptr && !is_automatic) throw_missing(method, missing);
     method = is_automatic ? automatic_method(table, missing == nullptr) : method;
     if (method == LightsMethod::one_by_one) {
@@ -78,39 +79,40 @@ Statistics LightTables::run(Technique& one_light, const LightsRun& given, Lights
     return measured.finish();
 }
 
-LightsMethod LightTables::automatic_method(TableRun& run, bool can_be_bundled) {
-    MethodCache::Key key = key_of(run);
+LightsMethod LightTables::automatic_method(TableRun& table, bool can_be_bundled) {
+    MethodCache::Key key = key_of(table.run);
     if (const auto found = methods_.find(key)) return *found;
-    LightsTraits traits = traits_of(run, can_be_bundled);
+    LightsTraits traits = traits_of(table, can_be_bundled);
     if (wants_height_field(traits)) {
         try {
-            find_field(run);
+            find_field(table);
         } catch (const OutOfDeviceMemory&) {  // other methods take its place
         }
-        traits.is_height_field = run.field != nullptr;
+        traits.is_height_field = table.field != nullptr;
     }
-    if (wants_widest_bundle(traits)) traits.widest_bundle = widest_bundle(run);
+    if (wants_widest_bundle(traits)) traits.widest_bundle = widest_bundle(table);
     LightsCosts costs;
-    for (const LightsMethod method : methods_to_measure(traits)) costs[method] = measured_ms(run, method);
+    for (const LightsMethod method : methods_to_measure(traits)) costs[method] = measured_ms(method, table);
     const LightsMethod chosen = choose_method(traits, costs);
     methods_.keep(std::move(key), chosen);
     return chosen;
 }
 
-void LightTables::decide(TableRun& run, LightsMethod method, bool is_automatic) {
+void LightTables::decide(TableRun& table, LightsMethod method, bool is_automatic) {
     if (method == LightsMethod::rays && !session_.is_cpu()) method = LightsMethod::point_shafts;
     if (method == LightsMethod::horizons) {
-        if (!run.lights.lights().front().is_directional()) throw_missing(method, "directional lights");
-        if (run.field == nullptr) find_field(run);
-        if (run.field == nullptr) throw_missing(method, "a height field: triangles that lie side by side over a plane");
+        if (!table.run.lights.lights().front().is_directional()) throw_missing(method, "directional lights");
+        if (table.field == nullptr) find_field(table);
+        if (table.field == nullptr)
+            throw_missing(method, "a height field: triangles that lie side by side over a plane");
     }
     try {
-        passes_of(run, method).run();
+        passes_of(method, table, table.run).run();
     } catch (const OutOfDeviceMemory&) {
         // Shafts take less memory than horizons.
         if (method != LightsMethod::horizons || !is_automatic) throw;
-        methods_.keep(key_of(run), LightsMethod::shafts);
-        passes_of(run, LightsMethod::shafts).run();
+        methods_.keep(key_of(table.run), LightsMethod::shafts);
+        passes_of(LightsMethod::shafts, table, table.run).run();
     }
 }
 
@@ -133,10 +135,10 @@ const SortedPoints& LightTables::sort_points(const LightsRun& run) {
     return sorted_points_;
 }
 
-void LightTables::find_field(TableRun& run) {
-    const cl::StageTimer timer(session_, run.statistics, "height_field");
-    const BuiltHeightField& built = kept_of(field_, run.given);
-    run.field = built.is_field() ? &built : nullptr;
+void LightTables::find_field(TableRun& table) {
+    const cl::StageTimer timer(session_, table.statistics, "height_field");
+    const BuiltHeightField& built = kept_of(field_, table.given);
+    table.field = built.is_field() ? &built : nullptr;
 }
 
 void LightTables::release() {

@@ -23,9 +23,9 @@ private:
     const SortedPoints& sort_points(const LightsRun& run);
     template <typename Built>
     const Built& kept_of(std::unique_ptr<Built>& kept, const Triangles& triangles);
-    void find_field(TableRun& run);
-    LightsMethod automatic_method(TableRun& run, bool can_be_bundled);
-    void decide(TableRun& run, LightsMethod method, bool is_automatic);
+    void find_field(TableRun& table);
+    LightsMethod automatic_method(TableRun& table, bool can_be_bundled);
+    void decide(TableRun& table, LightsMethod method, bool is_automatic);
 
     Device device_;
     cl::Session& session_;

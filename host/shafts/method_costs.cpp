@@ -9,24 +9,19 @@ constexpr const LightsTuning& tuning = lights_tuning;
 /// The same run over every share-th run of neighbouring points. It writes no outputs.
 class SampledRun {
 public:
-    SampledRun(const TableRun& whole, std::size_t share)
+    SampledRun(const TreeRun& whole, std::size_t share)
         : sorted_(sampled_points(whole, whole.sorted, share)),
           points_(sorted_.as_points(whole.device, whole.points)),
-          run_{{{whole.device, whole.triangles, points_, whole.lights, whole.outputs, whole.options},
-                sorted_,
-                whole.tree},
-               whole.given,
-               whole.bundles,
-               whole.one_light,
-               whole.statistics,
-               whole.field} {}
-    const TableRun& run() const { return run_; }
+          run_{{whole.device, whole.triangles, points_, whole.lights, whole.outputs, whole.options},
+               sorted_,
+               whole.tree} {}
+    const TreeRun& run() const { return run_; }
     std::size_t count() const { return points_.count(); }
 
 private:
     SortedPoints sorted_;
     Points points_;
-    TableRun run_;
+    TreeRun run_;
 };
 
 std::size_t share_of_cpu_sample(std::size_t points) {
@@ -34,63 +29,83 @@ std::size_t share_of_cpu_sample(std::size_t points) {
     return std::max<std::size_t>(std::min(share, points / tuning.cpu_min_sample_points), 1);
 }
 
-/// Some bundles of a table.
+/// At most `most` bundles of a table.
 LightBundles sampled_bundles(const LightBundles& all, std::size_t most) {
     LightBundles sample;
     sample.are_positions = all.are_positions;
     const std::size_t count = all.bundles.size(), some = std::min(count, most);
     for (std::size_t k = 0; k < some; ++k) {
-        const std::size_t bundle = k * count / some;
-        sample.add(all.bundles[bundle],
-                   std::span(all.lights).subspan(bundle * MOST_BUNDLE_LIGHTS, all.bundles[bundle].light_count));
+        const LightBundle& bundle = all.bundles[k * count / some];
+        sample.add(bundle, std::span(all.lights).subspan(k * count / some * MOST_BUNDLE_LIGHTS, bundle.light_count));
     }
     return sample;
 }
 
-double measured_on_cpu_ms(const TableRun& run, LightsMethod method) {
-    const SampledRun sample(run, share_of_cpu_sample(run.points.count()));
-    const double points_per_sample = double(run.points.count()) / double(sample.count());
-    if (method != LightsMethod::rays) return passes_of(sample.run(), method).timed_ms() * points_per_sample;
-    const LightBundles bundles = sampled_bundles(run.bundles.plain(), tuning.cpu_sample_bundles);
-    return ShaftPasses(sample.run(), bundles, ShaftShape::packet, run.statistics).timed_ms() * points_per_sample *
-           double(run.lights.count()) / double(bundles.light_count());
+double measured_on_cpu_ms(LightsMethod method, const TableRun& table) {
+    const SampledRun sample(table.run, share_of_cpu_sample(table.run.points.count()));
+    const double points_per_sample = double(table.run.points.count()) / double(sample.count());
+    if (method != LightsMethod::rays) return passes_of(method, table, sample.run()).timed_ms() * points_per_sample;
+    const LightBundles bundles = sampled_bundles(table.bundles.plain(), tuning.cpu_sample_bundles);
+    return ShaftPasses(sample.run(), bundles, ShaftShape::packet, table.statistics).timed_ms() * points_per_sample *
+           double(table.run.lights.count()) / double(bundles.light_count());
 }
 
 // A sample's longest work-groups take much of its time on a GPU, so what more points take is the difference of two
 // samples. (They differ: a run that is measured has 2^14 points or more.)
-double measured_on_gpu_ms(const TableRun& run, LightsMethod method) {
-    const std::size_t share = run.points.camera() ? tuning.gpu_picture_share : tuning.gpu_points_share;
-    const SampledRun small(run, share * tuning.gpu_launch_share), large(run, share);
-    const auto warm_ms = [&](const TableRun& sample) {
-        ShaftPasses passes = passes_of(sample, method);
+double measured_on_gpu_ms(LightsMethod method, const TableRun& table) {
+    const std::size_t points = table.run.points.count();
+    const std::size_t share = table.run.points.camera() ? tuning.gpu_picture_share : tuning.gpu_points_share;
+    const SampledRun small(table.run, share * tuning.gpu_launch_share), large(table.run, share);
+    const auto warm_ms = [&](const TreeRun& sample) {
+        ShaftPasses passes = passes_of(method, table, sample);
         passes.timed_ms();  // first launches load kernels, and the queue grows
         return passes.timed_ms();
     };
     const double small_ms = warm_ms(small.run()), large_ms = warm_ms(large.run());
-    return large_ms + std::max(large_ms - small_ms, 0.0) / double(large.count() - small.count()) *
-                          double(run.points.count() - large.count());
+    return large_ms +
+           std::max(large_ms - small_ms, 0.0) / double(large.count() - small.count()) * double(points - large.count());
+}
+
+/// The time of the middle light of the table for all points, without builds of kernels.
+double one_light_ms(const TableRun& table) {
+    const LightsRun& run = table.run;
+    const cl::Session& session = session_of(run.device);
+    const SortedPoints* sorted = table.order_of_one_light();
+    const Points ordered = sorted != nullptr ? sorted->as_points(run.device, run.points) : run.points;
+    const Visibility visibility(run.device, run.points.count());
+    const Light& middle = run.lights.lights()[run.lights.count() / 2];
+    const auto timed_ms = [&] {
+        const double builds_ms = session.build_ms();
+        return Internals::run_light(table.one_light, run.triangles, ordered, middle, visibility).total_wall_ms -
+               (session.build_ms() - builds_ms);
+    };
+    const double first_ms = timed_ms();
+    if (session.is_cpu()) return first_ms;
+    // On a GPU the first run takes many times as long as the light itself: it makes room, and its lists grow. The next
+    // ones are short, so that anything may disturb them.
+    const double warm_ms = timed_ms();
+    return run.lights.count() < tuning.gpu_lights_timed_thrice ? warm_ms : std::min({warm_ms, timed_ms(), timed_ms()});
 }
 
 }  // namespace
 
-ShaftPasses passes_of(const TableRun& run, LightsMethod method) {
+ShaftPasses passes_of(LightsMethod method, const TableRun& table, const TreeRun& run) {
+    BundleTables& bundles = table.bundles;
     switch (method) {
         case LightsMethod::rays:
-            return {run, run.bundles.plain(), ShaftShape::packet, run.statistics};
+            return {run, bundles.plain(), ShaftShape::packet, table.statistics};
         case LightsMethod::horizons:
-            return {run, run.bundles.sectors(run.field->field().axis), ShaftShape::point, run.statistics, run.field};
-        case LightsMethod::point_shafts:
-            return {run, run.bundles.coned(), ShaftShape::point, run.statistics};
+            return {run, bundles.sectors(table.field->field().axis), ShaftShape::point, table.statistics, table.field};
         default:
-            return {run, run.bundles.coned(), ShaftShape::block, run.statistics};
+            const bool are_points = method == LightsMethod::point_shafts;
+            return {run, bundles.coned(), are_points ? ShaftShape::point : ShaftShape::block, table.statistics};
     }
 }
 
-double measured_ms(const TableRun& run, LightsMethod method) {
+double measured_ms(LightsMethod method, const TableRun& table) {
     try {
-        if (method == LightsMethod::one_by_one)
-            return time_of_one_light(run.one_light, run, run.order_of_one_light()) * double(run.lights.count());
-        return session_of(run.device).is_cpu() ? measured_on_cpu_ms(run, method) : measured_on_gpu_ms(run, method);
+        if (method == LightsMethod::one_by_one) return one_light_ms(table) * double(table.run.lights.count());
+        return (session_of(table.run.device).is_cpu() ? measured_on_cpu_ms : measured_on_gpu_ms)(method, table);
     } catch (const OutOfDeviceMemory&) {
         return LightsCosts::infinite;
     }

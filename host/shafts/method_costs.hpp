@@ -7,8 +7,9 @@
 
 namespace gnomon {
 
-/// A run over a table of lights that can be bundled, with what its methods read.
-struct TableRun : TreeRun {
+/// A run over lights that can be bundled, with what its methods read.
+struct TableRun {
+    TreeRun run;
     const Triangles& given;  ///< the triangles with the clusters that the caller keeps, if it does
     BundleTables& bundles;
     Technique& one_light;                     ///< decides single lights
@@ -16,14 +17,15 @@ struct TableRun : TreeRun {
     const BuiltHeightField* field = nullptr;  ///< null: the triangles are none, or it was not searched for
 
     /// The points in the order in which `one_light` takes them; null for the order of the run's points.
-    const SortedPoints* order_of_one_light() const { return points.camera() ? nullptr : &sorted; }
+    const SortedPoints* order_of_one_light() const { return run.points.camera() ? nullptr : &run.sorted; }
 };
 
-/// The passes of shafts, point_shafts, rays (on a CPU) or horizons (with a field).
-ShaftPasses passes_of(const TableRun& run, LightsMethod method);
+/// The passes of shafts, point_shafts, rays (on a CPU) or horizons (with a field) for the table's run, or for a sample
+/// of it.
+ShaftPasses passes_of(LightsMethod method, const TableRun& table, const TreeRun& run);
 
 /// What shafts, rays, horizons (both on a CPU) or one light after the other would take for the whole run, in ms, as
 /// measured on a sample; infinite if there is not enough memory.
-double measured_ms(const TableRun& run, LightsMethod method);
+double measured_ms(LightsMethod method, const TableRun& table);
 
 }  // namespace gnomon

@@ -12,7 +12,7 @@ public:
 
     static TechniqueDescription describe() {
         return {"conservative-map",
-                "conservative shadow map (Mizoguchi and Tokuyoshi): never wrongly dark, lit wherever it proves nothing",
+                "conservative shadow map (Mizokuchi and Tokuyoshi): never wrongly dark, lit wherever it proves nothing",
                 false, settings({"cover-test", "map-size"})};
     }
 

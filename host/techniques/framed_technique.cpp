@@ -14,7 +14,7 @@ const SettingsTable<FramedSettings>& all_settings() {
         {{"neighbours", "on", "on or off: test the triangles of the 8 texels around the point's as well"},
          setting::on_off(&S::neighbours)},
         {{"cover-test", "tight",
-          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+          "tight (Mizokuchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
          setting::choice(&S::cover_test, cover_test_names)},
         {{"map-size", "1024", "texels per side of the light's grid, 16 to 8192"},
          setting::whole(&S::map_size, smallest_map_size, largest_map_size)},

@@ -29,7 +29,7 @@ const SettingsTable<Settings>& settings_table() {
           "on, off or auto: decide points behind triangles that cover a whole texel at once"},
          setting::choice(&S::map_mode, map_mode_names)},
         {{"cover-test", "tight",
-          "tight (Mizoguchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
+          "tight (Mizokuchi and Tokuyoshi) or circle (Hertel et al. 2009): when a texel counts as covered"},
          setting::choice(&S::cover_test, cover_test_names)},
         {{"map-size", "auto", "texels per side of the light's grid, 16 to 8192, or auto"},
          setting::whole_or_auto(&S::map_size, smallest_map_size, largest_map_size)},

@@ -32,52 +32,44 @@ void mark_skipped(Statistics& statistics, std::string_view stage, const std::str
 void describe_counts(const FramedInputs& in, TracedRun& run) {
     const FrameCounters &t = run.total, &facing = run.facing;
     const std::uint64_t in_shadow = std::uint64_t(facing.facing_away) + t.decided_by_map + t.decided_by_trace;
-    run.statistics.counts = {{"points", in.points.layout.count},
-                             {"points_absent", facing.absent},
-                             {"points_facing_away", facing.facing_away},
-                             {"points_decided_by_map", t.decided_by_map},
-                             {"points_listed", t.listed},
-                             {"points_decided_by_trace", t.decided_by_trace},
-                             {"points_decided_by_exact", t.decided_by_exact},
-                             {"points_in_shadow", in_shadow + t.decided_by_exact},
-                             {"triangles", in.triangles.count},
-                             {"frames", run.frames},
-                             {"clusters", in.triangles.clusters != nullptr ? in.triangles.clusters->count() : 0},
-                             {"clusters_outside", t.clusters_outside},
-                             {"clusters_too_far", t.clusters_too_far},
-                             {"triangles_not_finite", t.not_finite},
-                             {"triangles_edge_on", t.edge_on},
-                             {"triangles_outside", t.outside},
-                             {"triangles_kept", t.survivors - t.edge_on},
-                             {"triangles_hidden", t.hidden},
-                             {"map_candidates", t.map_candidates},
-                             {"map_texels_written", t.map_texels},
-                             {"references", t.references},
-                             {"tests", run.tests},
-                             {"uncertain_pairs", t.uncertain},
-                             {"decided_by_float", t.exact_float},
-                             {"decided_by_double", t.exact_double},
-                             {"decided_by_integers", t.exact_exact},
-                             {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
-                             {"lists_grown", run.lists_grown},
-                             {"points_sorted", run.sorted_points},
-                             {"prepared", run.used_prepared},
-                             {"prepared_fallback_points", run.fallback_points}};
+    auto& counts = run.statistics.counts;
+    counts = {{"points", in.points.layout.count},
+              {"points_absent", facing.absent},
+              {"points_facing_away", facing.facing_away},
+              {"points_decided_by_map", t.decided_by_map},
+              {"points_listed", t.listed},
+              {"points_decided_by_trace", t.decided_by_trace},
+              {"points_decided_by_exact", t.decided_by_exact},
+              {"points_in_shadow", in_shadow + t.decided_by_exact},
+              {"triangles", in.triangles.count},
+              {"frames", run.frames},
+              {"clusters", in.triangles.clusters != nullptr ? in.triangles.clusters->count() : 0},
+              {"clusters_outside", t.clusters_outside},
+              {"clusters_too_far", t.clusters_too_far}};
+    add_list_counts(counts, t);
+    counts.insert(counts.end(), {{"tests", run.tests},
+                                 {"uncertain_pairs", t.uncertain},
+                                 {"decided_by_float", t.exact_float},
+                                 {"decided_by_double", t.exact_double},
+                                 {"decided_by_integers", t.exact_exact},
+                                 {"orientations_by_integers", std::uint64_t(t.setup_exact) + facing.facing_exact},
+                                 {"lists_grown", run.lists_grown},
+                                 {"points_sorted", run.sorted_points},
+                                 {"prepared", run.used_prepared},
+                                 {"prepared_fallback_points", run.fallback_points}});
 }
 
 }  // namespace
 
-void TracedRun::add(const FrameCounters& counted) {
-    add_counters(total, counted);
-    tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
-}
-
-void TracedRun::add(const TracedFrame& frame) {
-    ++frames;
-    lists_grown += frame.lists_grown;
-    maps_drawn += frame.drew_map;
-    map = frame.map;
-    add(frame.counted);
+void add_list_counts(decltype(Statistics::counts)& counts, const FrameCounters& counted) {
+    counts.insert(counts.end(), {{"triangles_not_finite", counted.not_finite},
+                                 {"triangles_edge_on", counted.edge_on},
+                                 {"triangles_outside", counted.outside},
+                                 {"triangles_kept", counted.survivors - counted.edge_on},
+                                 {"triangles_hidden", counted.hidden},
+                                 {"map_candidates", counted.map_candidates},
+                                 {"map_texels_written", counted.map_texels},
+                                 {"references", counted.references}});
 }
 
 void FrustumTracer::set(const TracerSettings& settings) {
@@ -102,26 +94,26 @@ TraceInputs FrustumTracer::frame_inputs(const FramedInputs& in, cl_uint frame, c
             .counters = counters_};
 }
 
-void FrustumTracer::observe(Moment moment, const TraceInputs& inputs) {
-    if (provenance_) provenance_->record(session_, moment, inputs, trace_);
+void FrustumTracer::observe(Moment moment, const TraceInputs& inputs, const TracedRun& run) {
+    if (run.plan.provenance != nullptr) run.plan.provenance->record(session_, moment, inputs, trace_);
 }
 
-std::optional<FrameCounters> FrustumTracer::decide(const TraceInputs& inputs, TracedRun& run,
-                                                   FrameCounters& first_read) {
-    if (run.last_stage) {
-        run.last_stage(inputs, run.statistics);
+std::optional<FrameCounters> FrustumTracer::run_last_stages(const TraceInputs& inputs, TracedRun& run,
+                                                            FrameCounters& first_read) {
+    if (run.plan.last_stage) {
+        run.plan.last_stage(inputs, run.statistics);
     } else {
         cl::StageTimer timer(session_, run.statistics, "trace");
         trace_.run(session_, Task::trace, inputs, frames_.blocks());
-        observe(Moment::after_trace, inputs);
+        observe(Moment::after_trace, inputs, run);
         timer.next("exact_trace");
         trace_.decide_queue(session_, inputs);
-        observe(Moment::after_exact_trace, inputs);
+        observe(Moment::after_exact_trace, inputs, run);
     }
     first_read = session_.read_value<FrameCounters>(counters_);
     if (!lists_.fitted(session_, first_read)) return {};
-    if (run.last_stage || trace_.fitted(session_, inputs.points, first_read)) return first_read;
-    observe(Moment::before_queue_overflow, inputs);
+    if (run.plan.last_stage || trace_.fitted(session_, inputs.points, first_read)) return first_read;
+    observe(Moment::before_queue_overflow, inputs, run);
     return run_queue_overflow(inputs, run.statistics);
 }
 
@@ -131,24 +123,26 @@ FrameCounters FrustumTracer::run_queue_overflow(const TraceInputs& inputs, Stati
     return session_.read_value<FrameCounters>(counters_);
 }
 
-TracedFrame FrustumTracer::run_frame(const FramedInputs& in, cl_uint frame, TracedRun& run, bool counters_hold_facing) {
+void FrustumTracer::run_frame(const FramedInputs& in, cl_uint frame, TracedRun& run, bool counters_hold_facing) {
     if (!counters_hold_facing) clear_counters();
     frames_.reduce_depths(session_, run.statistics, in, frame);
-    TracedFrame result;
     const ListSettings settings = map_choice_.list_settings(in.points, frame, settings_.cover_test);
-    for (;; ++result.lists_grown) {
-        if (result.lists_grown != 0) clear_counters();
-        result.map = lists_.run(session_, run.statistics, in.light_frame, frames_.projection(), in.triangles, settings,
-                                frames_.receiver_depths(), counters_);
-        FrameCounters read{};
-        const auto counted = decide(frame_inputs(in, frame, result.map), run, read);
-        if (result.lists_grown == 0) result.first_attempt = read;
-        if (!counted) continue;
-        result.counted = *counted;
-        result.drew_map = settings.draws_map;
-        map_choice_.note(in.points, frame, settings.draws_map, *counted);
-        return result;
+    for (bool is_first = true;; is_first = false) {
+        if (!is_first) clear_counters();
+        run.map = lists_.run(session_, run.statistics, in.light_frame, frames_.projection(), in.triangles, settings,
+                             frames_.receiver_depths(), counters_);
+        FrameCounters first_read{};
+        const auto counted = run_last_stages(frame_inputs(in, frame, run.map), run, first_read);
+        if (is_first && counters_hold_facing) run.facing = first_read;
+        if (counted) {
+            run.add(*counted);
+            map_choice_.note(in.points, frame, settings.draws_map, *counted);
+            break;
+        }
+        ++run.lists_grown;
     }
+    ++run.frames;
+    run.maps_drawn += settings.draws_map;
 }
 
 // ---- A run ----------------------------------------------------------------------------------------------------------
@@ -158,11 +152,9 @@ TracedFrame FrustumTracer::run_frame(const FramedInputs& in, cl_uint frame, Trac
 void FrustumTracer::run_one_frame(const FramedInputs& in, TracedRun& run) {
     frames_.start_facing(session_, run.statistics, in, counters_);
     frames_.fit_one(session_, run.statistics, in.light_frame);
-    observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
+    observe(Moment::after_facing, frame_inputs(in, 0, nullptr), run);
     const std::size_t stages = run.statistics.stages.size();
-    const TracedFrame frame = run_frame(in, 0, run, true);
-    run.facing = frame.first_attempt;
-    run.add(frame);
+    run_frame(in, 0, run, true);
     if (run.has_open_points(in.points)) return;
     run.frames = 0;
     run.statistics.stages.resize(stages);
@@ -173,30 +165,27 @@ void FrustumTracer::run_frames(const FramedInputs& in, TracedRun& run) {
         return run_one_frame(in, run);
     frames_.start_facing(session_, run.statistics, in, counters_);
     run.facing = session_.read_value<FrameCounters>(counters_);
-    observe(Moment::after_facing, frame_inputs(in, 0, nullptr));
+    observe(Moment::after_facing, frame_inputs(in, 0, nullptr), run);
     if (in.triangles.count == 0 || !run.has_open_points(in.points)) return;
     frames_.for_each(session_, run.statistics, in.light_frame,
-                     [&](cl_uint frame) { run.add(run_frame(in, frame, run, false)); });
-}
-
-// The points of a picture are in order. Footprints and a record of provenance keep the order of their points.
-bool FrustumTracer::may_sort(const PointInputs& points) const {
-    return points.layout.picture_width == 0 && points.footprints == nullptr && !provenance_;
+                     [&](cl_uint frame) { run_frame(in, frame, run, false); });
 }
 
 Statistics FrustumTracer::run(const Triangles& triangles, const PointInputs& points, const Light& light,
-                              cl_mem visibility, const Decide& decide) {
+                              cl_mem visibility, const TracePlan& plan) {
     MeasuredRun measured(session_, kept_bytes_);
     const FrameGrid grid = run_grid(session_, settings_.map_size, triangles.count(), expected_count(points));
     FramedInputs in{triangle_inputs(triangles), points, make_light_frame(light, grid), visibility};
     counters_.reserve(session_, sizeof(FrameCounters));
-    TracedRun run{measured.stages};
-    const auto sorted = may_sort(points)
-                            ? order_.sort(session_, measured.stages, settings_.sort_points, in.light_frame, points)
-                            : std::nullopt;
+    TracedRun run{measured.stages, plan};
+    // The points of a picture are in order. Footprints and a record of provenance keep the order of their points.
+    const bool may_sort =
+        points.layout.picture_width == 0 && points.footprints == nullptr && plan.provenance == nullptr;
+    const auto sorted =
+        may_sort ? order_.sort(session_, measured.stages, settings_.sort_points, in.light_frame, points) : std::nullopt;
     run.sorted_points = sorted.has_value();
     if (sorted) in = {in.triangles, *sorted, in.light_frame, order_.visibility()};
-    if (points.layout.count != 0) decide ? decide(in, run) : run_frames(in, run);
+    if (points.layout.count != 0) plan.decide ? plan.decide(in, run) : run_frames(in, run);
     if (sorted) order_.scatter(session_, measured.stages, points.layout.count, visibility);
     describe_stages(in, run);
     describe_counts(in, run);
@@ -205,15 +194,11 @@ Statistics FrustumTracer::run(const Triangles& triangles, const PointInputs& poi
 
 std::vector<std::uint32_t> FrustumTracer::run_watched(const Triangles& triangles, const Points& points,
                                                       const Light& light, const Visibility& visibility) {
-    struct Watch {
-        explicit Watch(std::optional<Provenance>& provenance) : provenance_(provenance) { provenance_.emplace(); }
-        ~Watch() { provenance_.reset(); }
-        std::optional<Provenance>& provenance_;
-    } const watch(provenance_);
     require_run(triangles, points, light, visibility);
-    run(triangles, point_inputs(points, are_lifted_off(triangles, points)), light, visibility.buffer());
-    if (points.count() == 0) return {};
-    return provenance_->read(session_, points.count());
+    Provenance provenance;
+    run(triangles, point_inputs(points, are_lifted_off(triangles, points)), light, visibility.buffer(),
+        {.provenance = &provenance});
+    return points.count() != 0 ? provenance.read(session_, points.count()) : std::vector<std::uint32_t>{};
 }
 
 void FrustumTracer::describe_stages(const FramedInputs& in, TracedRun& run) const {

@@ -22,34 +22,38 @@ struct TracerSettings {
     SortPoints sort_points = SortPoints::automatic;
 };
 
-/// A stage in place of trace and exact_trace, over the lists of a frame.
-using LastStage = std::function<void(const TraceInputs& inputs, Statistics& statistics)>;
+struct TracedRun;
 
-/// The counts of one frame.
-struct TracedFrame {
-    FrameCounters counted{};
-    FrameCounters first_attempt{};  ///< before lists grew: with the counts of facing, if these were not read before
-    std::uint64_t lists_grown = 0;
-    bool drew_map = false;
-    const cl::Buffer* map = nullptr;  ///< null where no map is drawn
+/// How a run differs from the usual one.
+struct TracePlan {
+    /// Decides all points, in place of run_frames().
+    std::function<void(const FramedInputs& in, TracedRun& run)> decide{};
+    /// A stage over the lists of a frame, in place of trace and exact_trace.
+    std::function<void(const TraceInputs& inputs, Statistics& statistics)> last_stage{};
+    Provenance* provenance = nullptr;  ///< records what decided each point
 };
 
-/// A run: its last stage, and its counts.
+/// The counts of a run.
 struct TracedRun {
-    Statistics& statistics;           ///< of the stages
-    LastStage last_stage{};           ///< none: trace and exact_trace
+    Statistics& statistics;  ///< of the stages
+    const TracePlan& plan;
     FrameCounters facing{}, total{};  ///< total: over the frames
     std::uint64_t tests = 0, frames = 0, lists_grown = 0, maps_drawn = 0;
     std::uint64_t fallback_points = 0;  ///< points that a prepared light did not cover
     bool used_prepared = false, sorted_points = false;
-    const cl::Buffer* map = nullptr;  ///< of the last frame
+    const cl::Buffer* map = nullptr;  ///< of the last frame; null where it drew none
 
-    void add(const FrameCounters& counted);
-    void add(const TracedFrame& frame);
+    void add(const FrameCounters& counted) {
+        add_counters(total, counted);
+        tests += counted.tests_low + (std::uint64_t(counted.tests_high) << 32);
+    }
     bool has_open_points(const PointInputs& points) const {
         return facing.absent + facing.facing_away < points.layout.count;
     }
 };
+
+/// Adds what happened to triangles on the way to lists.
+void add_list_counts(decltype(Statistics::counts)& counts, const FrameCounters& counted);
 
 class FrustumTracer {
 public:
@@ -59,10 +63,9 @@ public:
     /// Bytes of the buffers that are kept from run to run: for MeasuredRun, here and in the wings after this one.
     std::uint64_t& kept_bytes() { return kept_bytes_; }
 
-    /// Decides all points that `decide` is given: these, sorted where that pays. Without it run_frames() decides them.
-    using Decide = std::function<void(const FramedInputs& in, TracedRun& run)>;
+    /// Points that come in no order are sorted first, where that pays.
     Statistics run(const Triangles& triangles, const PointInputs& points, const Light& light, cl_mem visibility,
-                   const Decide& decide = {});
+                   const TracePlan& plan = {});
     /// Decides all points, frame by frame.
     void run_frames(const FramedInputs& in, TracedRun& run);
 
@@ -78,19 +81,17 @@ public:
     void clear_counters() { session_.fill(counters_, 0, sizeof(FrameCounters)); }
     /// The lists and the map of a frame, while no other frame has made lists.
     TraceInputs frame_inputs(const FramedInputs& in, cl_uint frame, const cl::Buffer* map) const;
-    /// The last stages, over lists. No stage runs if a list of a frame was too short; the list is longer now.
-    /// `first_read`: the counters before a queue overflow, in any case.
-    std::optional<FrameCounters> decide(const TraceInputs& inputs, TracedRun& run, FrameCounters& first_read);
+    /// The stages after the lists. No stage runs if a list was too short; the list is longer now. `first_read`: the
+    /// counters before a queue overflow, in any case.
+    std::optional<FrameCounters> run_last_stages(const TraceInputs& inputs, TracedRun& run, FrameCounters& first_read);
     /// Decides the pairs that found no room in the queue.
     FrameCounters run_queue_overflow(const TraceInputs& inputs, Statistics& statistics);
 
 private:
     void run_one_frame(const FramedInputs& in, TracedRun& run);
     /// `counters_hold_facing`: the counts of facing are still to be read, with the counts of the frame.
-    TracedFrame run_frame(const FramedInputs& in, cl_uint frame, TracedRun& run, bool counters_hold_facing);
-    bool may_sort(const PointInputs& points) const;
-    /// Records provenance if the run has a Provenance.
-    void observe(Moment moment, const TraceInputs& inputs);
+    void run_frame(const FramedInputs& in, cl_uint frame, TracedRun& run, bool counters_hold_facing);
+    void observe(Moment moment, const TraceInputs& inputs, const TracedRun& run);
     void describe_stages(const FramedInputs& in, TracedRun& run) const;
 
     Device device_;
@@ -103,7 +104,6 @@ private:
     LightFrames frames_;
     OccluderLists lists_;
     Trace trace_;
-    std::optional<Provenance> provenance_;  ///< while a run records provenance
 };
 
 }  // namespace gnomon

@@ -2,7 +2,7 @@
 // Conservative map: for each texel that ONE triangle covers completely, a height below which every point of the texel
 // is certainly in shadow; the highest such height over all triangles.
 //
-// Method: Mizoguchi and Tokuyoshi, "Accelerating Frustum Traced Shadows Using Conservative Shadow Maps", section 2.
+// Method: Mizokuchi and Tokuyoshi, "Accelerating Frustum Traced Shadows Using Conservative Shadow Maps", section 2.
 // Complete cover, tight (their eq. 1): every edge function is positive at its worst corner, i.e. its value at the
 // centre minus half the sum of the magnitudes of its slopes. Hertel et al. 2009, kept for comparison (their table 2):
 // every edge is at least half a texel's DIAGONAL from the centre. Height, tight: the plane at its lowest corner,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Light frame: fits the grid to the open points (Mizoguchi and Tokuyoshi, section 3: "the light's frustum is fitted to
+// Light frame: fits the grid to the open points (Mizokuchi and Tokuyoshi, section 3: "the light's frustum is fitted to
 // the bounding box of the shading points"). The bounds come from the facing stage, which loads every point anyway, and
 // are not read back.
 //

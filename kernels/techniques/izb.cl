@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Irregular z-buffer. The kernels list the points that the map leaves open by bin of light space, contiguous (count,
 // scan, scatter) and as a structure of arrays (Johnson et al. 2005, Aila and Laine 2004). Then triangles traverse these
-// lists (Wyman et al. 2016; Mizoguchi and Tokuyoshi), with the filter of the trace.
+// lists (Wyman et al. 2016; Mizokuchi and Tokuyoshi), with the filter of the trace.
 //
 // Listed points are lit after izb_scatter; izb_trace puts a point into shadow if a triangle blocks it.
 #include "techniques/izb.h"

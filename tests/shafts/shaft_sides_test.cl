@@ -23,12 +23,12 @@ __kernel void meet_block(uint count, PointsLayout layout, __global const float* 
         LaneFloat nearness;
         uint met = SHAFT_BITS(boxes_in_shaft(nodes + i * (SHAFT_NODE_ROWS * SHAFT_WIDTH), &shaft.all, &nearness));
         ShaftHits hits = triangles_in_shaft(leaves + i * (SHAFT_LEAF_ROWS * SHAFT_WIDTH), &shaft.all);
-        SHARE_LEAST(hits);
+        SHARE_MINIMA(hits);
         uint some = SHAFT_BITS(hits.some);
         for (uint k = 0; k < SHAFT_WIDTH; ++k) {
             LaneInt lanes = (LaneInt)(-1);
             for (uint plane = 0; plane < 6u; ++plane)
-                lanes &= LANE_COMPARE((LaneFloat)(LEAST_OF(hits, plane, k)), <=, shaft.point_limits[plane]);
+                lanes &= LANE_COMPARE((LaneFloat)(MIN_OF(hits, plane, k)), <=, shaft.point_limits[plane]);
             uint of_triangle = SHAFT_BITS(lanes);
             if (get_local_id(0) == 0 || GN_LANES > 1) points[i * SHAFT_WIDTH + k] = of_triangle;
         }

@@ -22,11 +22,11 @@ GN_INLINE_ON_CPU void decide_lanes(const ShaftEdges* e, PointBlock p, __global c
         missed |= one.missed & (int)(1u << l);
     }
     EDGE_ROWS_OF_LEAF(rows);
-    PUT_EDGES(rows, *e);
-    EDGE_ROWS_ARE_PUT;
+    STORE_EDGES(rows, *e);
+    EDGES_BARRIER;
     uint lights = count < 32u ? (1u << count) - 1u : GN_NO_ID;
     for (int lane = 0; lane < GN_LANES; ++lane) {
-        PointEdges edges = EDGES_AT(rows, SHAFT_LANE(lane));
+        PointEdges edges = LOAD_EDGES(rows, SHAFT_LANE(lane));
         LightDecision decision = decide_lights(&edges, lane_point(p, lane), bundle, lights);
         decisions[first + SHAFT_LANE(lane) * step] = (Decisions){
             (LANE_OF_INT(all.blocked, lane) & 1) | (LANE_OF_INT(all.missed, lane) & 2),
@@ -67,7 +67,7 @@ __kernel void filter_by_triangles(uint count, PointsLayout layout, __global cons
         BlockShaft shaft =
             shaft_of_points(&p, present_lanes(p), (float3)(0.0f), roundings[i], &bundles[i].cones[0] SHARED);
         __global const float* leaf = leaves + i * (SHAFT_LEAF_ROWS * SHAFT_WIDTH);
-        PUT_TRIANGLES(rows, leaf);
+        STORE_TRIANGLES(rows, leaf);
         for (uint k = 0; k < SHAFT_WIDTH; ++k) {
             LaneTriangles t = TRIANGLE_AT(rows, leaf, k);
             ShaftEdges e = edges_of(&t, p, REACH_OF(&shaft.all));

@@ -64,8 +64,8 @@ class OpenClError : public Error {
 public:
     /// what(): "CALL failed with NAME (CODE): REMEDY", then the build log.
     OpenClError(std::string_view call, cl_int code, std::string build_log = {}, std::string_view remedy = {});
-    cl_int code() const noexcept { return code_; }
-    const std::string& build_log() const noexcept { return build_log_; }
+    cl_int code() const noexcept { return code_; }                        ///< CL_INVALID_VALUE and so on
+    const std::string& build_log() const noexcept { return build_log_; }  ///< the compiler's; empty if no build failed
 
 private:
     cl_int code_;
@@ -76,6 +76,7 @@ private:
 /// given to Device). No object is left in a partial state: the library stays usable.
 class OutOfDeviceMemory : public OpenClError {
 public:
+    /// As OpenClError.
     OutOfDeviceMemory(std::string_view call, cl_int code, std::string_view remedy = "ask for fewer points at once")
         : OpenClError(call, code, {}, remedy) {}
 };
@@ -158,13 +159,14 @@ public:
     /// if the queue's device cannot be used.
     Device(cl_context context, cl_command_queue queue, const DeviceOptions& options = {});
 
-    const DeviceDescription& description() const;
-    cl_context context() const;
-    cl_command_queue queue() const;
+    const DeviceDescription& description() const;  ///< with what its start-up check found
+    cl_context context() const;                    ///< not retained for the caller
+    cl_command_queue queue() const;                ///< in-order; not retained for the caller
     /// Waits until the device has executed all that was enqueued.
     void finish() const;
     /// Bytes of device memory that gnomon's own buffers occupy now, and the largest number so far.
     std::uint64_t memory_bytes() const;
+    /// The largest memory_bytes() so far.
     std::uint64_t peak_memory_bytes() const;
     /// The builds since the device was opened. Waits for the queue if kernels were launched for the first time since
     /// the last call.

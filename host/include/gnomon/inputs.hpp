@@ -85,6 +85,7 @@ struct CutOuts {
 
 /// The same in buffers of the device's context: one value per element from the beginning, as in CutOuts.
 struct CutOutBuffers {
+    /// AlphaTexture in a buffer.
     struct Texture {
         std::uint32_t width = 0, height = 0;
         cl_mem alpha = nullptr;  ///< width * height bytes
@@ -135,11 +136,11 @@ public:
     /// one pass over the triangles, or about ten with a copy.
     void keep_clusters(const Device& device);
 
-    std::size_t count() const { return count_; }
-    cl_mem buffer() const;
-    std::size_t first_float() const { return first_float_; }
-    const CutOutCounts& cut_out_counts() const { return cut_out_counts_; }
-    bool is_same_as(const Triangles& other) const;  ///< of the same part of the same buffer
+    std::size_t count() const { return count_; }              ///< of triangles
+    cl_mem buffer() const;                                    ///< of the vertices; not retained for the caller
+    std::size_t first_float() const { return first_float_; }  ///< where the first vertex begins in buffer()
+    const CutOutCounts& cut_out_counts() const { return cut_out_counts_; }  ///< zeros without cut-outs
+    bool is_same_as(const Triangles& other) const;                          ///< of the same part of the same buffer
 
 private:
     friend struct Internals;
@@ -189,7 +190,7 @@ public:
         camera_ = PointsCamera{camera, width, height};
         lifted_off_.reset();
     }
-    const std::optional<PointsCamera>& camera() const { return camera_; }
+    const std::optional<PointsCamera>& camera() const { return camera_; }  ///< none until one is set
     /// The caller promises that no point lies on the far side of its receiver as `eye` sees it; receivers are ids in
     /// `triangles`. Runs whose points face by this eye then skip some tests of receivers, which saves time. Views made
     /// by look() have this set, for their camera's eye; it lasts until a camera is set. After a change of the
@@ -197,10 +198,10 @@ public:
     void set_lifted_off(const Triangles& triangles, const Float3& eye);
     bool is_lifted_off(const Triangles& triangles, const Float3& eye) const;
 
-    std::size_t count() const { return count_; }
-    cl_mem positions() const;
-    cl_mem receivers() const;  ///< null if no point has a receiver
-    const PointLayout& layout() const { return layout_; }
+    std::size_t count() const { return count_; }           ///< of points
+    cl_mem positions() const;                              ///< as layout() describes
+    cl_mem receivers() const;                              ///< null if no point has a receiver
+    const PointLayout& layout() const { return layout_; }  ///< of positions()
     /// Waits for the queue and copies to the host.
     PointsOnHost read(const Device& device) const;
 
@@ -221,7 +222,7 @@ private:
 /// Visibility per point, one float32 each: 1 lit, 0 in shadow; filtered techniques write values between.
 class Visibility {
 public:
-    Visibility(const Device& device, std::size_t count);
+    Visibility(const Device& device, std::size_t count);  ///< a new buffer of `count` floats
     /// Uses `count` floats of the caller's buffer (retained) from `first_float` on: the device writes the result there,
     /// and no copy goes through the host. first_float * 4 must be a multiple of the device's
     /// CL_DEVICE_MEM_BASE_ADDR_ALIGN / 8 (gnomon makes a sub-buffer). Throws InvalidArgument if it is not.
@@ -230,8 +231,8 @@ public:
     /// there after fetch(), from then on until the next run; where device and host share memory, nothing is copied.
     static Visibility share(const Device& device, std::span<float> values);
 
-    std::size_t count() const { return count_; }
-    cl_mem buffer() const;
+    std::size_t count() const { return count_; }  ///< of values
+    cl_mem buffer() const;                        ///< not retained for the caller
     /// Waits for the queue and copies to the host.
     std::vector<float> read() const;
     /// Waits for the queue and brings the values to the place that share() was given. Throws InvalidArgument if this

@@ -29,6 +29,7 @@ struct WorldLattice {
     /// around the scene fit too.
     static WorldLattice fit(std::span<const double> positions);
 
+    /// What snap() returns.
     struct Snapped {
         std::vector<float> positions;  ///< relative to the origin; NaN where a position is not finite
         double largest_move = 0;       ///< of any coordinate: at most half a step
@@ -45,6 +46,7 @@ struct WorldLattice {
     /// more than a right angle), or tilts them by more than `degrees`, 0 to 90. Triangles that have no area before, or
     /// are not finite, are `none`. Throws as snap() does.
     enum class Change : std::uint8_t { none, zero_area, turned_over, tilted };
+    /// One value for each triangle.
     std::vector<Change> changes(std::span<const double> triangles, double degrees = 1) const;
     /// For each corner of these triangles (9 numbers each) another triangle that it touches: one within a step of the
     /// corner, before snapping, that has no corner there, after snapping (a T-junction, a wall that stands on terrain,

@@ -13,7 +13,7 @@ namespace gnomon {
 /// A directional light or a point light. Float32 as given, never normalised.
 struct Light {
     std::array<float, 4> xyzw{};  ///< w = 0: minus the direction of travel; w = 1: the position
-    bool is_directional() const { return xyzw[3] == 0.0f; }
+    bool is_directional() const { return xyzw[3] == 0.0f; }  ///< else it is a point light
 
     /// A directional light that travels along `direction`. Throws InvalidArgument if zero or not finite.
     static Light directional(const Float3& direction);
@@ -36,11 +36,11 @@ public:
     /// the numbers differ.
     explicit Lights(std::vector<Light> lights, std::vector<float> weights = {});
 
-    std::size_t count() const { return lights_.size(); }
-    std::span<const Light> lights() const { return lights_; }
-    std::span<const float> weights() const { return weights_; }
-    std::span<const std::int64_t> whole_weights() const { return whole_; }
-    int exponent() const { return exponent_; }
+    std::size_t count() const { return lights_.size(); }                    ///< of lights
+    std::span<const Light> lights() const { return lights_; }               ///< in the order in which they were given
+    std::span<const float> weights() const { return weights_; }             ///< one per light, as given or 1
+    std::span<const std::int64_t> whole_weights() const { return whole_; }  ///< one per light, in units of 2^exponent()
+    int exponent() const { return exponent_; }                              ///< of whole_weights()
     /// The most by which a weight was rounded.
     double largest_rounding() const { return largest_rounding_; }
 

@@ -40,6 +40,7 @@ struct SurfaceDetail {
 /// not finite.
 std::uint32_t pack_normal(const Float3& normal);
 
+/// What Surfaces::read() returns: 3 floats per pixel each.
 struct SurfacesOnHost {
     std::vector<float> albedo;  ///< linear RGB per pixel; sky: 0
     std::vector<float> normal;  ///< unit shading normal on the eye's side of the triangle; sky: 0
@@ -58,10 +59,10 @@ public:
     /// be as they were. Throws InvalidArgument if arrays and numbers do not fit together.
     Surfaces(const Device& device, const Triangles& triangles, const View& view, const Materials& materials,
              const SurfaceDetail& detail = {}, SurfaceTextures* kept = nullptr);
-    std::size_t count() const;  ///< pixels
-    cl_mem normals() const;     ///< the shading normals, 3 floats per pixel
-    std::uint64_t texture_bytes() const;
-    std::uint32_t left_out_levels() const;
+    std::size_t count() const;              ///< pixels
+    cl_mem normals() const;                 ///< the shading normals, 3 floats per pixel
+    std::uint64_t texture_bytes() const;    ///< device memory of the textures
+    std::uint32_t left_out_levels() const;  ///< the finest ones, of each texture; 0: none
     /// `materials`: those given to the constructor.
     SurfacesOnHost read(const Materials& materials) const;
 
@@ -72,6 +73,7 @@ private:
     std::shared_ptr<const Inside> inside_;
 };
 
+/// How shade() exposes, and where the sky lights.
 struct ShadeOptions {
     /// All light times 2^this. None: metered, so that 95 % of the surfaces' pixels are no brighter than .8.
     std::optional<double> exposure_ev = 0;
@@ -79,6 +81,7 @@ struct ShadeOptions {
     /// light everywhere.
     std::span<const float> sky_shares{};
 };
+/// What shade() returns: width * height pixels.
 struct Picture {
     std::vector<std::uint8_t> rgba;  ///< 8-bit sRGB, 4 bytes per pixel
     double exposure_ev = 0;          ///< as given or metered
@@ -94,6 +97,7 @@ Picture shade(const Surfaces& surfaces, std::span<const Visibility> visibilities
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 std::span<const Visibility> visibilities, const Materials& materials,
                                 std::span<const Light> lights);
+/// The same for one light.
 std::vector<std::uint8_t> shade(const Device& device, const Triangles& triangles, const View& view,
                                 const Visibility& visibility, const Materials& materials, const Light& light);
 

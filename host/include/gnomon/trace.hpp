@@ -216,6 +216,7 @@ struct DiagnosticDescription {
     std::string meaning;  ///< one line
 };
 
+/// One technique, as `gnomon techniques` lists it.
 struct TechniqueDescription {
     std::string name;
     std::string summary;  ///< one line
@@ -282,7 +283,7 @@ struct Explanation {
     /// predicate, "float", "double" and "integers" (the hardest of the point's pairs); "exact": one of these levels.
     std::string arithmetic;
 
-    bool is_lit() const { return visibility != 0.0f; }
+    bool is_lit() const { return visibility != 0.0f; }  ///< by the technique's output
     /// True if the technique's visibility agrees with the signs. If it does not, gnomon is wrong.
     bool is_consistent() const { return is_lit() == (!is_backfacing && occluders.empty()); }
 };

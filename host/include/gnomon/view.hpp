@@ -39,10 +39,10 @@ View look(const Device& device, const Triangles& triangles, const Camera& camera
 /// allocates nothing, and repeats no stage because a list was too short. Same bits.
 class CameraPass {
 public:
-    explicit CameraPass(const Device& device);
+    explicit CameraPass(const Device& device);  ///< allocates nothing yet
     ~CameraPass();
-    CameraPass(CameraPass&&) noexcept;
-    CameraPass& operator=(CameraPass&&) noexcept;
+    CameraPass(CameraPass&&) noexcept;             ///< the other one may only be assigned to or destroyed
+    CameraPass& operator=(CameraPass&&) noexcept;  ///< the same
     /// As look(). A view's buffers are used for a later picture only when no copy of its points is left.
     /// Statistics::device_memory_bytes counts all that the pass keeps.
     View look(const Triangles& triangles, const Camera& camera, std::uint32_t width, std::uint32_t height);
