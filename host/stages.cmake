@@ -57,8 +57,7 @@ gnomon_wing(camera camera camera_rays pixel_rays nearest nearest_gpu camera_filt
 gnomon_wing(trace light_order trace coarse_test filter trace_points walk_cpu walk_gpu trace_kernel exact_trace provenance
             map_choice frustum_tracer explain)
 gnomon_wing(prepared prepared_light unshadowed_triangles prepared_facing prepared_trace prepared_runs)
-gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints
-            footprint_session)
+gnomon_wing(samples samples fragments pixel_masks_gpu samples_masks_gpu open_samples samples_filter footprints coverage_masks sample_points find_receivers_gpu clearance classify_footprints)
 gnomon_wing(lights lights light_bundle light_bundles position_bundles light_sides light_sums point_order many_lights
             lights_method)
 gnomon_wing(horizons height_field strip_triangle strip_walk horizons)

@@ -108,6 +108,7 @@ const char* gnomon_version(void);
 
 // ---- Status ---------------------------------------------------------------------------------------------------------
 
+/// What a function returns: one of the values below.
 typedef int32_t gnomon_status;
 enum {
     GNOMON_SUCCESS = 0,
@@ -400,6 +401,7 @@ typedef struct gnomon_cut_outs {
     const gnomon_alpha_texture* textures;
     size_t texture_count;
 } gnomon_cut_outs;
+/// No cut-outs.
 #define GNOMON_CUT_OUTS_INIT \
     { sizeof(gnomon_cut_outs), NULL, NULL, NULL, NULL, 0, NULL, 0 }
 /// The same in buffers of the device's context, each from its beginning.
@@ -411,6 +413,7 @@ typedef struct gnomon_cut_out_buffers {
     const gnomon_alpha_texture_buffer* textures;
     size_t texture_count;
 } gnomon_cut_out_buffers;
+/// No cut-outs.
 #define GNOMON_CUT_OUT_BUFFERS_INIT \
     { sizeof(gnomon_cut_out_buffers), NULL, NULL, NULL, NULL, 0, NULL, 0 }
 
@@ -572,8 +575,10 @@ typedef struct gnomon_run_options {
     gnomon_progress progress;  ///< NULL: none
     void* user_data;           ///< for `progress`
 } gnomon_run_options;
+/// Points face by the eye of their camera, if they have one.
 #define GNOMON_FACING_INIT \
     { GNOMON_FACING_AUTOMATIC, {0, 0, 0}, NULL, NULL, NULL, NULL, NULL }
+/// The same facing, no progress.
 #define GNOMON_RUN_OPTIONS_INIT \
     { sizeof(gnomon_run_options), GNOMON_FACING_INIT, NULL, NULL }
 
@@ -702,6 +707,7 @@ typedef struct gnomon_light_table_buffers {
     cl_mem last_lit;   ///< uint32, n: the largest
     bool cosines;      ///< sums add each weight times max(0, n . l): needs GNOMON_FACING_NORMALS, directional lights
 } gnomon_light_table_buffers;
+/// No outputs.
 #define GNOMON_LIGHT_TABLE_BUFFERS_INIT \
     { sizeof(gnomon_light_table_buffers), NULL, NULL, NULL, NULL, NULL, false }
 /// The same in arrays on the host.
@@ -714,6 +720,7 @@ typedef struct gnomon_light_table_arrays {
     uint32_t* last_lit;
     bool cosines;
 } gnomon_light_table_arrays;
+/// No outputs.
 #define GNOMON_LIGHT_TABLE_ARRAYS_INIT \
     { sizeof(gnomon_light_table_arrays), NULL, NULL, NULL, NULL, NULL, false }
 
@@ -725,6 +732,7 @@ gnomon_status gnomon_technique_run_light_table(gnomon_technique* technique, cons
                                                const gnomon_light_table_buffers* outputs,
                                                const gnomon_run_options* options,
                                                const gnomon_statistics** statistics_out);
+/// The same with outputs on the host.
 gnomon_status gnomon_technique_run_light_table_to_host(gnomon_technique* technique, const gnomon_triangles* triangles,
                                                        const gnomon_points* points, const gnomon_lights* lights,
                                                        const gnomon_light_table_arrays* outputs,
@@ -762,6 +770,7 @@ typedef struct gnomon_materials {
     const float* base_color;
     size_t material_count;
 } gnomon_materials;
+/// No materials.
 #define GNOMON_MATERIALS_INIT \
     { sizeof(gnomon_materials), NULL, 0, NULL, 0 }
 /// Shades the view: the sum of the lights' Lambert terms with visibility, plus ambient, as 4 bytes (8-bit sRGB and
@@ -794,12 +803,14 @@ gnomon_status gnomon_sample_pattern(uint32_t samples, gnomon_sample_offset* offs
 /// Receives the points of some samples before their visibility is computed: sample by sample in the pattern's order,
 /// each pixel by pixel. The points are valid during the call. A result other than 0 stops the run (GNOMON_STOPPED).
 typedef int (*gnomon_sample_sink)(const gnomon_points* points, void* user_data);
+/// How gnomon_technique_run_samples() goes.
 typedef struct gnomon_samples_options {
     size_t struct_size;
     uint32_t samples;         ///< per pixel, as gnomon_sample_pattern() takes them
     gnomon_sample_sink sink;  ///< NULL: none
     void* user_data;          ///< for `sink`
 } gnomon_samples_options;
+/// 4 samples per pixel, no sink.
 #define GNOMON_SAMPLES_OPTIONS_INIT \
     { sizeof(gnomon_samples_options), 4, NULL, NULL }
 /// Anti-aliased shadows: writes to `mean` the mean visibility of each pixel's samples. Points face by the view's eye.
@@ -858,6 +869,7 @@ typedef struct gnomon_host_scene {
     size_t count;
     const gnomon_cut_outs* cut_outs;  ///< of all these triangles; NULL: none
 } gnomon_host_scene;
+/// No triangles.
 #define GNOMON_HOST_SCENE_INIT \
     { sizeof(gnomon_host_scene), NULL, 0, NULL }
 
@@ -880,6 +892,7 @@ typedef struct gnomon_setting {
     const char* name;
     const char* value;
 } gnomon_setting;
+/// How gnomon_host_scene_run() goes.
 typedef struct gnomon_host_scene_options {
     size_t struct_size;
     const char* technique;  ///< NULL: "frustum-traced"
@@ -889,6 +902,7 @@ typedef struct gnomon_host_scene_options {
     size_t id_count;
     const gnomon_run_options* run;  ///< NULL: GNOMON_RUN_OPTIONS_INIT; no GNOMON_FACING_FANS. Progress counts triangles
 } gnomon_host_scene_options;
+/// frustum-traced with its default settings.
 #define GNOMON_HOST_SCENE_OPTIONS_INIT \
     { sizeof(gnomon_host_scene_options), NULL, NULL, 0, NULL, 0, NULL }
 /// gnomon_technique_run() for such a scene; as many points at a time as fit, too. Same bits for an exact technique. The

@@ -5,7 +5,7 @@
 
 #include "camera/camera.hpp"
 #include "kernels/samples/samples.h"
-#include "samples/footprint_session.hpp"
+#include "samples/classify_footprints.hpp"
 
 namespace gnomon {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Technique frustum-traced: exact hard shadows. Its roles are objects of their own: one light (trace/frustum_tracer), a
-// prepared light (prepared/prepared_runs), samples (samples/footprint_session), tables of lights (shafts/light_tables).
+// prepared light (prepared/prepared_runs), samples (samples/classify_footprints), tables of lights
+// (shafts/light_tables).
 #include <limits>
 
 #include "api/settings_table.hpp"

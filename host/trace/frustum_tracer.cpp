@@ -13,7 +13,7 @@
 // Under a prepared light (prepared/prepared_runs.cpp) facing and trace are one pass, prepared_trace, and only
 // exact_trace follows.
 //
-// Footprints (samples/footprint_session.cpp) go through the same stages, with one stage, classify_footprints, instead
+// Footprints (samples/classify_footprints.cpp) go through the same stages, with one stage, classify_footprints, instead
 // of the last two; the last two then decide the samples of mixed footprints, over the same lists.
 //
 // Lists are filled optimistically: a list that turns out too short is grown and the frame is run again; the trace does

@@ -87,6 +87,7 @@ TEST(LightsMethod, AHeightFieldIsSearchedForWhereItMayServe) {
 
 TEST(LightsMethod, ACpuMeasuresWhatMayBeTheFastest) {
     LightsTraits traits = large_run(true);
+    EXPECT_FALSE(gnomon::wants_widest_bundle(traits));
     EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays}));
     traits.is_height_field = true;
     EXPECT_EQ(methods_to_measure(traits), (Methods{Method::shafts, Method::rays, Method::horizons}));
@@ -193,6 +194,8 @@ TEST(LightsMethod, AGpuTakesSingleLightsWithinATenthOfShafts) {
     EXPECT_EQ(chosen(100, 109.9), Method::one_by_one);
     EXPECT_EQ(chosen(100, 110.1), Method::shafts);
     EXPECT_EQ(chosen(100, 90), Method::one_by_one);
+    traits.is_cpu = true;  // its estimates are taken as they are
+    EXPECT_EQ(chosen(100, 100.1), Method::shafts);
 }
 
 // Whatever the traits: a choice by costs is one of the measured methods, and a rule measures nothing.

@@ -78,8 +78,8 @@ std::vector<CameraScene> scenes() {
 
 std::vector<gnomon::Light> lights() {
     return {gnomon::Light::directional({0, 0, -1}),          // straight down
-            gnomon::Light::point({0.2f, 0.3f, 0.5f}),   // among the triangles
-            gnomon::Light::point({3, -2, 9}),           // above them
+            gnomon::Light::point({0.2f, 0.3f, 0.5f}),        // among the triangles
+            gnomon::Light::point({3, -2, 9}),                // above them
             gnomon::Light::directional({0.3f, 0.2f, -1}),    //
             gnomon::Light::directional({1, 0, -1}),          // along the squares' lattice
             gnomon::Light::directional({1, 0.3f, -0.01f})};  // grazing

@@ -83,8 +83,8 @@ void expect_law(const gnomon::Device& device, std::uint32_t samples) {
     for (const CameraScene& scene : scenes())
         for (const bool is_directional : {true, false}) {
             SCOPED_TRACE(scene.name);
-            const gnomon::Light light = is_directional ? gnomon::Light::directional({0.3f, -1, 0.2f})
-                                                       : gnomon::Light::point({1.5f, 2, 1.25f});
+            const gnomon::Light light =
+                is_directional ? gnomon::Light::directional({0.3f, -1, 0.2f}) : gnomon::Light::point({1.5f, 2, 1.25f});
             expect_samples_in_footprints(record_samples(device, scene, light, samples, Classify::nothing), tally);
             if (testing::Test::HasFailure()) return;
         }

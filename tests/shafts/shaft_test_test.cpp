@@ -108,10 +108,10 @@ std::vector<Decisions> decisions_of(gnomon::cl::Session& session, const std::vec
     layout.count = cl_uint(positions.size() / 3);
     const auto count = cl_uint(cases.size());
     const gnomon::cl::Buffer decisions(session, count * width * width * sizeof(Decisions));
-    session.launch({KERNELS, kernel, {.point_lights = are_positions}},
-                   gnomon::shaft_range(session, count * width), count, layout, uploaded(session, roundings),
-                   uploaded(session, bundles), uploaded(session, cones), uploaded(session, positions),
-                   uploaded(session, leaves), decisions, gnomon::cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
+    session.launch({KERNELS, kernel, {.point_lights = are_positions}}, gnomon::shaft_range(session, count * width),
+                   count, layout, uploaded(session, roundings), uploaded(session, bundles), uploaded(session, cones),
+                   uploaded(session, positions), uploaded(session, leaves), decisions,
+                   gnomon::cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
     return downloaded<Decisions>(session, decisions.get(), count * width * width);
 }
 

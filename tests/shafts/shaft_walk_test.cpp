@@ -57,8 +57,8 @@ std::vector<Walk> walk_blocks(gnomon::cl::Session& session, const Floats& positi
     layout.count = cl_uint(positions.size() / 3);
     const gnomon::cl::Buffer leaves(session, count * most_leaves * 4), counts(session, count * 4),
         highest(session, count * 4);
-    session.launch({KERNELS, "walk_blocks", {.point_lights = are_positions}},
-                   gnomon::shaft_range(session, count), count, layout, shaft_rounding(largest, are_positions),
+    session.launch({KERNELS, "walk_blocks", {.point_lights = are_positions}}, gnomon::shaft_range(session, count),
+                   count, layout, shaft_rounding(largest, are_positions),
                    uploaded(session, std::vector{bundles.bundles[0].cones[0]}), uploaded(session, positions), nodes,
                    most_leaves, leaves, counts, highest, gnomon::cl::LocalBytes{SHAFT_LOCAL_WORDS * sizeof(cl_uint)});
     const auto all = downloaded<std::uint32_t>(session, leaves.get(), count * most_leaves);
@@ -78,8 +78,7 @@ std::vector<gnomon::Light> lights_above(bool are_positions) {
     std::vector<gnomon::Light> lights;
     for (int i = 0; i < 20; ++i) {
         const float x = float(i % 4) / 512, y = float(i / 4) / 512;
-        lights.push_back(are_positions ? gnomon::Light::point({x, y, 64})
-                                       : gnomon::Light::directional({-x, -y, -1}));
+        lights.push_back(are_positions ? gnomon::Light::point({x, y, 64}) : gnomon::Light::directional({-x, -y, -1}));
     }
     return lights;
 }

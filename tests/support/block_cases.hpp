@@ -106,8 +106,7 @@ inline void set_lights(Random& random, BlockCase& of, bool are_positions, double
         for (int c = 0; c < 3; ++c)
             v[c] = float(are_positions ? of.middle[c] + of.scale * (away * base[c] + spread * random.between(-1, 1))
                                        : base[c] + spread * random.between(-1, 1));
-        lights.push_back(are_positions ? gnomon::Light::point(v)
-                                       : gnomon::Light::directional({-v[0], -v[1], -v[2]}));
+        lights.push_back(are_positions ? gnomon::Light::point(v) : gnomon::Light::directional({-v[0], -v[1], -v[2]}));
     }
     const gnomon::LightBundles bundles = gnomon::make_light_bundles(lights, MOST_BUNDLE_LIGHTS).value();
     of.bundle = bundles.bundles[0];

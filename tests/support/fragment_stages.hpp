@@ -7,7 +7,7 @@
 
 #include "camera_scenes.hpp"
 #include "kernels/receivers/footprint.h"
-#include "samples/footprint_session.hpp"
+#include "samples/classify_footprints.hpp"
 #include "samples/samples.hpp"
 
 namespace support {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Runs the stages of a light one by one, in the order of frustum_traced.cpp, and copies every stage's output to the
+// Runs the stages of a light one by one, in the order of frustum_tracer.cpp, and copies every stage's output to the
 // host, so that a stage's test can check its inputs and outputs.
 #pragma once
 

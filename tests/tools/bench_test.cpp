@@ -293,7 +293,7 @@ TEST_F(Bench, AShiftedLightIsWrongInTwoColumnsOnEitherSide) {
     EXPECT_EQ(errors.worst_tile, 2.0 * 21 / (32 * 32));
 }
 
-TEST_F(Bench, SoftTruthsMeasurePenumbrae) {
+TEST_F(Bench, SoftTruthsMeasurePenumbraeExhaustive) {
     ASSERT_EQ(run("sundial --sun-angle 3 --size 120x68 --runs 1 --json " + path("a.json")), 0) << errors();
     const Json report = json("a.json");
     std::set<std::string> names;

@@ -196,7 +196,8 @@ public:
     /// by look() have this set, for their camera's eye; it lasts until a camera is set. After a change of the
     /// triangles, call look() again.
     void set_lifted_off(const Triangles& triangles, const Float3& eye);
-    bool is_lifted_off(const Triangles& triangles, const Float3& eye) const;
+    bool is_lifted_off(const Triangles& triangles,
+                       const Float3& eye) const;  ///< set_lifted_off() was called with these
 
     std::size_t count() const { return count_; }           ///< of points
     cl_mem positions() const;                              ///< as layout() describes

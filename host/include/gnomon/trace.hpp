@@ -197,15 +197,17 @@ public:
 
 protected:
     friend struct Internals;
-    // What a technique implements. `points` have the eye by which they face, if any; other facings come afterwards.
+    /// What a technique implements. `points` have the eye by which they face, if any; other facings come afterwards.
     virtual Statistics run_light(const Triangles& triangles, const Points& points, const Light& light,
                                  const Visibility& visibility) = 0;
     /// `after_light`: to be called with each light's index when its visibility is enqueued, in the lights' order.
     virtual std::vector<Statistics> run_lights(const Triangles& triangles, const Points& points,
                                                std::span<const Light> lights, std::span<const Visibility> visibilities,
                                                const std::function<void(std::size_t)>& after_light);
+    /// run_light_table(). The default takes one light at a time.
     virtual Statistics run_table(const Triangles& triangles, const Points& points, const Lights& lights,
                                  const LightsOutputs& outputs, const LightsOptions& options);
+    /// diagnose(). The default has no diagnostic.
     virtual std::vector<std::uint8_t> draw_diagnostic(std::string_view name, const Triangles& triangles,
                                                       const Points& points, const Light& light);
 };
