@@ -2,6 +2,7 @@
 // What the exact path costs on real scenes: its share of the time of trace and exact_trace together.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
