@@ -99,7 +99,8 @@ void expect_law(const gnomon::Device& device, Classify classify, std::uint32_t m
             if (testing::Test::HasFailure()) return;
         }
     std::cout << tally.shadowed << " samples called dark, " << tally.lit << " lit, " << tally.mixed << " mixed\n";
-    for (const std::size_t count : {tally.shadowed, tally.lit, tally.mixed}) EXPECT_GT(count, 5000u);
+    // Each class occurs. How often each does is the device's: an H100 calls a third as many lit below the map as a CPU.
+    for (const std::size_t count : {tally.shadowed, tally.lit, tally.mixed}) EXPECT_GT(count, 1000u);
 }
 
 TEST(ClassifyFootprints, EqualsReferenceAtEverySample) {

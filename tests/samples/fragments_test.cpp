@@ -89,7 +89,7 @@ void expect_receivers(const RecordedSamples& recorded, const CameraScene& scene,
     }
 }
 
-/// A sheet of many triangles at one place over the floor: every sample in it ties.
+/// Many triangles with the same corners over the floor: at every sample on them there is a tie.
 CameraScene copies() {
     Floats triangles;
     for (int i = 0; i < 60; ++i) {
