@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,15 @@ from . import _arrays, _cut_outs, _gnomon, _lights
 from . import _lattice as _world
 from ._devices import Device, default_device, device_of_queue, open_device
 from ._side import EXACT, Side, Technique, VertexSide
+
+if TYPE_CHECKING:
+    from typing import overload
+else:
+
+    def overload(function):
+        """typing's own keeps each function, and with it the devices, until the process ends."""
+        return function
+
 
 #: Points of one run: more are computed in several runs, so that the device's memory is bounded.
 POINTS_AT_ONCE = 1 << 24
@@ -68,8 +77,9 @@ def _no_facing(_: slice) -> _gnomon.Facing:
     return _gnomon.Facing.none()
 
 
-def _facing_by(normals: NDArray[np.float32]) -> _FacingOf:
-    return lambda part: _gnomon.Facing.normals(normals[part])
+def _facing_by(normals: NDArray[np.floating[Any]]) -> _FacingOf:
+    rounded = np.ascontiguousarray(normals, np.float32)  # the library reads it where it lies
+    return lambda part: _gnomon.Facing.normals(rounded[part])
 
 
 @dataclass(frozen=True)
@@ -123,7 +133,7 @@ class _Vertices(NamedTuple):
     world: NDArray[Any]
     up: tuple[float, float, float] | None
     here: NDArray[np.float32]
-    normals: NDArray[np.float32] | None
+    normals: NDArray[np.float64] | None
     touching: NDArray[np.int64]
     fans: list[_gnomon.VertexFans]  # of POINTS_AT_ONCE points each
 
@@ -371,19 +381,19 @@ class Scene:
         nan: Literal["error", "absent"] = "error", out: None = None,
     ) -> AtVertices: ...  # fmt: skip
     @overload
-    def lit(
+    def lit(  # noqa: F811
         self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
         receivers: ArrayLike | None = None, side: Side | None = None, lift: bool = False,
         nan: Literal["error", "absent"] = "error", out: Any = None,
     ) -> NDArray[np.bool_]: ...  # fmt: skip
-    def lit(
+    def lit(  # noqa: F811
         self,
         points: ArrayLike,
         *,
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
         receivers: ArrayLike | None = None,
-        side: Side | None = None,
+        side: Side | VertexSide | None = None,
         lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         out: Any = None,
@@ -421,9 +431,10 @@ class Scene:
             raise ValueError("lift: only for points on the host, in float64")
         if _arrays.is_on_device(points):
             light = _world.light_of(self._native_lattice, direction, position)
-            on_device: Any = self._lit_on_device(points, light, receivers, side or Side.none(), out)
+            on_device: Any = self._lit_on_device(points, light, receivers, side, out)
             return on_device  # type: ignore[no-any-return]
-        found = self.visibility(
+        either: Any = self.visibility  # whichever overload `side` chooses
+        found = either(
             points, direction=direction, position=position, receivers=receivers, side=side, lift=lift, nan=nan
         )
         if isinstance(found, AtVertices):
@@ -437,19 +448,19 @@ class Scene:
         nan: Literal["error", "absent"] = "error", technique: str | Technique = EXACT,
     ) -> AtVertices: ...  # fmt: skip
     @overload
-    def visibility(
+    def visibility(  # noqa: F811
         self, points: ArrayLike, *, direction: ArrayLike | None = None, position: ArrayLike | None = None,
         receivers: ArrayLike | None = None, side: Side | None = None, lift: bool = False,
         nan: Literal["error", "absent"] = "error", technique: str | Technique = EXACT,
     ) -> NDArray[np.float32]: ...  # fmt: skip
-    def visibility(
+    def visibility(  # noqa: F811
         self,
         points: ArrayLike,
         *,
         direction: ArrayLike | None = None,
         position: ArrayLike | None = None,
         receivers: ArrayLike | None = None,
-        side: Side | None = None,
+        side: Side | VertexSide | None = None,
         lift: bool = False,
         nan: Literal["error", "absent"] = "error",
         technique: str | Technique = EXACT,
@@ -465,7 +476,6 @@ class Scene:
         if nan == "error":
             _arrays.require_finite(flat, "points")
         engine = _Engine(self._on(self._device), _technique_of(technique), light)
-        side = _side_of(side)
 
         def shaped(values: NDArray[np.float32]) -> NDArray[np.float32]:
             if nan == "error":
@@ -477,10 +487,10 @@ class Scene:
         if isinstance(side, VertexSide):
             if receivers is not None or lift:
                 raise ValueError("side: Side.vertices() takes no receivers= and no lift=")
-            found = self._at_vertices(engine, flat, side.value)
+            found = self._at_vertices(engine, flat, side.up)
             return found._replace(values=shaped(found.values))
         ids = None if receivers is None else _arrays.receivers_of(receivers, at.shape[:-1], self._count)
-        return shaped(self._on_surfaces(engine, at, ids, side, lift))
+        return shaped(self._on_surfaces(engine, at, ids, _side_of(side), lift))
 
     def lit_by(
         self,
@@ -509,13 +519,11 @@ class Scene:
         Returns a LightsResult: sums, counts, first and last lit light, bits. Raises ValueError with the argument's name
         and the first bad row, MemoryError, DeviceNotFoundError, Cancelled.
         """
-        side = _side_of(side)
+        side = _side_of(side, "is for lit() and visibility()")
         table = _lights.table_of(self._native_lattice, lights)
         at = _arrays.rows_of_triples(points, "points")
         flat = at.reshape(-1, 3)
         _arrays.require_finite(flat, "points")
-        if side.kind == "vertices":
-            raise ValueError("side: Side.vertices() is for lit() and visibility()")
         if self.lattice is not None and side.kind in ("front", "eye"):
             raise ValueError("side: on a scene with a lattice give Side.normals() of the surfaces before snapping")
         if cosines and side.kind != "normals":
@@ -524,7 +532,7 @@ class Scene:
         if cosines:
             facing = _facing_by(_lights.normals_for_cosines(side.value, at.shape))
         elif side.kind == "normals":
-            facing = _facing_by(_arrays.normals_of(side.value, at.shape).astype(np.float32))
+            facing = _facing_by(_arrays.normals_of(side.value, at.shape))
         else:
             facing = self._facing_of(side, ids)
         here = _arrays.float32_of(flat, "points") if self.lattice is None else self.lattice.snap(flat, "points")
@@ -568,7 +576,7 @@ class Scene:
         normals = _arrays.normals_of(side.value, at.shape) if side.kind == "normals" else None
         if lift:
             normals = self._normals_to_lift_along(normals, ids, side)
-        facing = self._facing_of(side, ids) if normals is None else _facing_by(normals.astype(np.float32))
+        facing = self._facing_of(side, ids) if normals is None else _facing_by(normals)
         here = (
             _arrays.float32_of(flat, "points")
             if self.lattice is None
@@ -592,7 +600,7 @@ class Scene:
             eye = np.array(self.lattice.native.world_of(_world.snapped_triple(self._native_lattice, side.value, "eye")))
             seen = np.sign(((eye - world[:, 0]) * normals).sum(axis=1, keepdims=True))
             normals = normals * seen  # an eye in the plane sees no side: a normal of zero faces no light
-        facing = _facing_by(normals.astype(np.float32))
+        facing = _facing_by(normals)
         result[rows] = engine.visibility(_Query(query.here[rows], query.ids[rows], facing))
 
     def _at_vertices(self, engine: _Engine, flat: NDArray[Any], up: Any) -> AtVertices:
@@ -634,7 +642,7 @@ class Scene:
             rows, along = upload.device.call(self.lattice.normals_where_touching, here, up)
             if rows.size:
                 here[rows] = _world.lifted(self.lattice.native, flat[rows].astype(np.float64), "points", along)
-                normals = along.astype(np.float32)
+                normals = along
         return _Vertices(np.array(flat), up, here, normals, rows, fans)
 
     def _normals_to_lift_along(
@@ -655,14 +663,12 @@ class Scene:
             raise ValueError(f"receivers: row {row} names triangle {int(ids[row])}, which has no area")
         return found
 
-    def _lit_on_device(self, points: Any, light: Any, receivers: Any, side: Side, out: Any) -> Any:
+    def _lit_on_device(self, points: Any, light: Any, receivers: Any, side: Side | VertexSide | None, out: Any) -> Any:
         import pyopencl.array
 
-        side = _side_of(side)
+        side = _side_of(side, "is only for points on the host")
         count = points.shape[0]
         _require_on_device(points, "points", (count, 3), np.float32)
-        if side.kind == "vertices":
-            raise ValueError("side: Side.vertices() is only for points on the host")
         if receivers is not None:
             _require_on_device(receivers, "receivers", (count,), np.uint32)
         if side.kind == "normals":
@@ -747,7 +753,9 @@ def _require_on_device(array: Any, name: str, shape: tuple[int, ...], dtype: typ
         raise ValueError(f"{name}: must be C-contiguous {np.dtype(dtype)} of shape {shape}")
 
 
-def _side_of(side: Side | None) -> Side:
+def _side_of(side: Side | VertexSide | None, of_vertices: str = "") -> Side:
+    if isinstance(side, VertexSide):
+        raise ValueError(f"side: Side.vertices() {of_vertices}")
     if side is not None and not isinstance(side, Side):
         raise TypeError(f"side: must be a gnomon.Side, such as gnomon.Side.front(), not {side!r}")
     return side or Side.none()

@@ -17,7 +17,7 @@ class Side:
     exactly. Without a side a point on the far side of its own surface may be lit. Make it by one of the functions
     below; a call takes one side for all of its points."""
 
-    kind: Literal["none", "eye", "normals", "front", "vertices"]
+    kind: Literal["none", "eye", "normals", "front"]
     value: Any = None
 
     @staticmethod
@@ -51,11 +51,14 @@ class Side:
         one or two triangles over which its ray leaves; where it leaves over none, at a border or beside nodata,
         strictly above the planes of all triangles around the point.
         """
-        return VertexSide("vertices", up)
+        return VertexSide(up)
 
 
-class VertexSide(Side):
-    """What Side.vertices() makes: calls with it return AtVertices."""
+@dataclass(frozen=True, eq=False)
+class VertexSide:
+    """What Side.vertices() makes: a call with it returns AtVertices. No Side, so that types tell the two apart."""
+
+    up: Any = None
 
 
 @dataclass(frozen=True)
