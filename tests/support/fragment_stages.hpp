@@ -96,26 +96,24 @@ public:
 
 private:
     gnomon::Statistics classify(const gnomon::Footprints& footprints) override {
-        gnomon::Statistics statistics;
-        if (classifies_)
-            statistics = inner_->classify(footprints);
-        else
-            call_all_mixed(footprints.classes);
-        record(footprints);
-        return statistics;
+        return classify_and_record(&FootprintSession::classify, footprints);
     }
     gnomon::Statistics classify_parts(const gnomon::Footprints& footprints) override {
-        gnomon::Statistics statistics;
-        if (classifies_)
-            statistics = inner_->classify_parts(footprints);
-        else
-            call_all_mixed(footprints.classes);
-        record(footprints);
-        return statistics;
+        return classify_and_record(&FootprintSession::classify_parts, footprints);
     }
     /// Nobody asks for the mean.
     gnomon::Statistics trace(const gnomon::Points&, const gnomon::Visibility&) override { return {}; }
 
+    using Classification = gnomon::Statistics (gnomon::FootprintSession::*)(const gnomon::Footprints&);
+    gnomon::Statistics classify_and_record(Classification classification, const gnomon::Footprints& footprints) {
+        gnomon::Statistics statistics;
+        if (classifies_)
+            statistics = (inner_->*classification)(footprints);
+        else
+            call_all_mixed(footprints.classes);
+        record(footprints);
+        return statistics;
+    }
     gnomon::cl::Session& session() const { return session_of(device_); }
     void call_all_mixed(const gnomon::Visibility& classes) {
         const std::vector<float> mixed(classes.count(), VISIBILITY_MIXED);
