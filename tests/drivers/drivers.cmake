@@ -16,7 +16,7 @@ set(lie_seconds 900)
 # gnomon_lie(NAME LIES COMMAND [ARGUMENT...]): the program must succeed. Its kernels are compiled anew: exhaustive.
 function(gnomon_lie name lies program)
   gnomon_check(lie_${name} TIMEOUT ${lie_seconds} LABELS drivers exhaustive
-               COMMAND "${CMAKE_CURRENT_LIST_DIR}/under_lies.sh" "$<TARGET_FILE:gnomon_lying_layer>" "${lies}" ""
+               COMMAND "${CMAKE_CURRENT_LIST_DIR}/under_lies.sh" "$<TARGET_FILE:gnomon_lying_layer>" "${lies}" -
                        "$<TARGET_FILE:${program}>" ${ARGN})
 endfunction()
 

@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: MIT
 # Runs a program on a device that lies (lying_layer.cpp). Without a sentence the program must succeed, so its answers are
 # right under the lie. With one it must refuse: exit status 1, and on standard error one line that matches.
-# usage: under_lies.sh LAYER LIES SENTENCE PROGRAM [ARGUMENT...]     (SENTENCE: an extended regular expression, or '')
+# usage: under_lies.sh LAYER LIES SENTENCE PROGRAM [ARGUMENT...]     (SENTENCE: an extended regular expression, or -)
 set -uo pipefail
 layer=$1 lies=$2 sentence=$3
 shift 3
 export OPENCL_LAYERS=$layer GNOMON_TEST_LIES=$lies GNOMON_DEVICE=lies
-if [ -z "$sentence" ]; then exec "$@"; fi
+if [ "$sentence" = - ]; then exec "$@"; fi
 
 errors=$(mktemp)
 trap 'rm -f "$errors"' EXIT
