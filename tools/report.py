@@ -37,7 +37,7 @@ from report_tables import PARTS, Row, Rows, digits, good, is_aside, pareto_front
 
 COLOURS = [matplotlib.colormaps["tab20"](i) for i in [*range(0, 20, 2), *range(1, 20, 2)]]
 SKY, TOO_BRIGHT, TOO_DARK = np.array([[214, 228, 245], [255, 140, 0], [26, 115, 255]]) / 255
-matplotlib.rcParams |= {
+CHART_STYLE = {
     "svg.fonttype": "none", "svg.hashsalt": "gnomon", "font.size": 9, "axes.titlesize": 9,
     "axes.titlelocation": "left", "axes.grid": True, "axes.axisbelow": True, "grid.color": "0.87",
     "axes.spines.top": False, "axes.spines.right": False,
@@ -324,10 +324,11 @@ def main(arguments: list[str] | None = None) -> None:
         reports = [read_report(file) for file in options.files]
         if options.markdown:
             options.markdown.write_text("\n".join(document(report, False) for report in reports))
-        if options.html:
-            options.html.write_text(page(reports))
-        for name, svg in chart_files(reports).items() if options.charts else ():
-            Path(f"{options.charts}_{name}.svg").write_text(svg)
+        with matplotlib.rc_context(CHART_STYLE):  # whoever imports this module keeps their own style
+            if options.html:
+                options.html.write_text(page(reports))
+            for name, svg in chart_files(reports).items() if options.charts else ():
+                Path(f"{options.charts}_{name}.svg").write_text(svg)
     except (ValueError, OSError) as error:
         sys.exit(f"report.py: error: {error}")
 

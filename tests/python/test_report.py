@@ -13,6 +13,9 @@ import pytest
 
 for package in ("pandas", "matplotlib", "tabulate", "markdown"):
     pytest.importorskip(package)
+import matplotlib  # noqa: E402
+
+STYLE_OF_OTHERS = {name: value for name, value in matplotlib.rcParams.items() if name != "backend"}
 sys.path.insert(0, str(Path(__file__).parents[2] / "tools"))
 import report  # noqa: E402
 from report_tables import PUBLISHED, TABLES, digits, pareto_front, published, spaced, tables_of  # noqa: E402
@@ -263,6 +266,7 @@ def test_charts_are_written_and_say_what_is_where(write, tmp_path):
     assert {"exact", "filtered maps", "yard v0.sun, 100x10, cpu"} <= set(texts) and "Embree" not in texts
     drawn = "".join(svg.getroot().itertext())
     assert all(f"{k}  {text}" in drawn for k, text in enumerate(front, 1))
+    assert {name: matplotlib.rcParams[name] for name in STYLE_OF_OTHERS} == STYLE_OF_OTHERS
 
 
 class Elements(HTMLParser):
