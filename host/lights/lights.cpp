@@ -7,6 +7,7 @@
 #include <gnomon.hpp>
 #include "api/inputs.hpp"
 #include "api/vectors.hpp"
+#include "lights/whole_weights.hpp"
 
 namespace gnomon {
 namespace {
@@ -41,13 +42,29 @@ double van_der_corput(std::uint32_t i) {
 
 }  // namespace
 
+WholeWeights round_weights(std::span<const double> weights) {
+    double largest = 0;
+    for (const double weight : weights) largest = std::max(largest, std::abs(weight));
+    // Each whole weight is at most 2^(62 - bits of the number of weights), so all of them add up to at most 2^62.
+    int bits = 0;
+    while (bits < 62 && (std::size_t(1) << bits) < weights.size()) ++bits;
+    WholeWeights whole;
+    if (largest != 0) whole.exponent = std::ilogb(largest) + 1 + bits - 62;
+    for (const double weight : weights) {
+        const double scaled = std::ldexp(weight, -whole.exponent);
+        whole.values.push_back(static_cast<std::int64_t>(std::nearbyint(scaled)));
+        const double rounding = std::abs(scaled - double(whole.values.back()));
+        whole.largest_rounding = std::max(whole.largest_rounding, std::ldexp(rounding, whole.exponent));
+    }
+    return whole;
+}
+
 Lights::Lights(std::vector<Light> lights, std::vector<float> weights)
     : lights_(std::move(lights)), weights_(std::move(weights)) {
     if (weights_.empty()) weights_.assign(lights_.size(), 1.0f);
     if (weights_.size() != lights_.size())
         throw InvalidArgument("there are " + std::to_string(weights_.size()) + " weights for " +
                               std::to_string(lights_.size()) + " lights");
-    double largest = 0;
     for (std::size_t i = 0; i < lights_.size(); ++i) {
         try {
             require_light(lights_[i]);
@@ -56,18 +73,11 @@ Lights::Lights(std::vector<Light> lights, std::vector<float> weights)
         }
         if (!std::isfinite(weights_[i]))
             throw InvalidArgument("the weight of light " + std::to_string(i) + " is not a finite number");
-        largest = std::max(largest, std::abs(double(weights_[i])));
     }
-    // Each whole weight is below 2^(62 - bits of the number of lights), so all of them add up to less than 2^62.
-    int bits = 0;
-    while (bits < 62 && (std::size_t(1) << bits) < lights_.size()) ++bits;
-    if (largest != 0) exponent_ = std::ilogb(largest) + 1 + bits - 62;
-    for (const float weight : weights_) {
-        const double scaled = std::ldexp(double(weight), -exponent_);
-        whole_.push_back(static_cast<std::int64_t>(std::nearbyint(scaled)));
-        const double rounding = std::abs(scaled - double(whole_.back()));
-        largest_rounding_ = std::max(largest_rounding_, std::ldexp(rounding, exponent_));
-    }
+    WholeWeights whole = round_weights(std::vector<double>(weights_.begin(), weights_.end()));
+    whole_ = std::move(whole.values);
+    exponent_ = whole.exponent;
+    largest_rounding_ = whole.largest_rounding;
 }
 
 Lights sun_disk(const Float3& direction, double angle_degrees, std::uint32_t samples) {

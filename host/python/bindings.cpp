@@ -13,6 +13,8 @@
 
 #include <gnomon.hpp>
 
+#include "lights/whole_weights.hpp"
+
 #ifdef GNOMON_PYTHON_GLTF
 #include "scene/scene.hpp"
 #endif
@@ -44,9 +46,10 @@ Numpy<Value> numpy_of(std::vector<Value> values, std::vector<std::size_t> shape)
     return Numpy<Value>(owned->data(), shape.size(), shape.data(), owner);
 }
 
-Numpy<std::uint32_t> ids_of(std::vector<std::uint32_t> ids) {
-    const std::size_t count = ids.size();
-    return numpy_of(std::move(ids), {count});
+template <typename Value>
+Numpy<Value> row_of(std::vector<Value> values) {
+    const std::size_t count = values.size();
+    return numpy_of(std::move(values), {count});
 }
 
 // The result of a call for which the GIL is free. A call guard does the same where the result is no Python object.
@@ -197,11 +200,7 @@ void bind_inputs(nb::module_& m) {
                 return gnomon::Visibility::wrap(device, handle_of<cl_mem>(buffer), count, first_float);
             },
             Released())
-        .def("read", [](const gnomon::Visibility& v) {
-            std::vector<float> values = released([&] { return v.read(); });
-            const std::size_t count = values.size();
-            return numpy_of(std::move(values), {count});
-        });
+        .def("read", [](const gnomon::Visibility& v) { return row_of(released([&] { return v.read(); })); });
 }
 
 void bind_techniques(nb::module_& m) {
@@ -254,8 +253,8 @@ void bind_facing(nb::module_& m) {
                 return VertexFans::find(device, span_of(vertices), span_of(points));
             },
             Released())
-        .def("alone", [](const VertexFans& fans) { return ids_of(fans.alone()); })
-        .def("open", [](const VertexFans& fans) { return ids_of(fans.open()); })
+        .def("alone", [](const VertexFans& fans) { return row_of(fans.alone()); })
+        .def("open", [](const VertexFans& fans) { return row_of(fans.open()); })
         .def("extended", &VertexFans::extended, Released());
     nb::class_<Facing>(m, "Facing")
         .def_static("automatic", &Facing::automatic)
@@ -313,18 +312,54 @@ void bind_many_lights(nb::module_& m) {
             gnomon::LightsOnHost answers = released(
                 [&] { return gnomon::run_light_table_to_host(technique, triangles, points, lights, wanted, options); });
             const std::size_t count = answers.counts.size(), words = (lights.count() + 31) / 32;
-            return nb::make_tuple(numpy_of(std::move(answers.sums), {count}), ids_of(std::move(answers.counts)),
-                                  ids_of(std::move(answers.first_lit)), ids_of(std::move(answers.last_lit)),
+            return nb::make_tuple(row_of(std::move(answers.sums)), row_of(std::move(answers.counts)),
+                                  row_of(std::move(answers.first_lit)), row_of(std::move(answers.last_lit)),
                                   numpy_of(std::move(answers.bits), {wants_bits ? count : 0, words}));
         },
         "technique"_a, "triangles"_a, "points"_a, "lights"_a, "facing"_a, "cosines"_a, "wants_bits"_a,
         "progress"_a.none());
 }
 
-// Positions as an array (N, 3).
-Numpy<float> triples_of(std::vector<float> positions) {
-    const std::size_t count = positions.size() / 3;
-    return numpy_of(std::move(positions), {count, 3});
+// Positions or directions as an array (N, 3).
+Numpy<float> triples_of(std::vector<float> coordinates) {
+    const std::size_t count = coordinates.size() / 3;
+    return numpy_of(std::move(coordinates), {count, 3});
+}
+
+Numpy<float> directions_towards(const gnomon::Lights& lights) {
+    std::vector<float> towards;
+    for (const gnomon::Light& light : lights.lights())
+        towards.insert(towards.end(), light.xyzw.begin(), light.xyzw.begin() + 3);
+    return triples_of(std::move(towards));
+}
+
+void bind_made_lights(nb::module_& m) {
+    m.def(
+        "sun_disk",
+        [](const gnomon::Float3& direction, double angle_degrees, std::uint32_t samples) {
+            return directions_towards(gnomon::sun_disk(direction, angle_degrees, samples));
+        },
+        "direction"_a, "angle_degrees"_a, "samples"_a,
+        "(samples, 3) float32: vectors from the ground to samples of a disk in the sky, angle_degrees across, around "
+        "the light that travels along direction (3,). Source: gnomon::sun_disk().");
+    m.def(
+        "sky_patches",
+        [](const gnomon::Float3& up, const gnomon::Float3& north, std::uint32_t division) {
+            const gnomon::Lights sky = gnomon::sky_patches(up, north, division);
+            return nb::make_tuple(directions_towards(sky), row_of(vector_of(sky.weights())));
+        },
+        "up"_a, "north"_a, "division"_a,
+        "(N, 3) float32: vectors from the ground to the N patches of Tregenza's sky, each of its 145 divided into "
+        "division x division; (N,) float32: the patches' weights. Source: gnomon::sky_patches().");
+    m.def(
+        "round_weights",
+        [](const Doubles& weights) {
+            gnomon::WholeWeights whole = gnomon::round_weights(span_of(weights));
+            return nb::make_tuple(row_of(std::move(whole.values)), whole.exponent);
+        },
+        "weights"_a,
+        "(N,) int64: each of the finite weights (N,), float64, rounded once to a whole number times 2^exponent; the "
+        "exponent. Source: gnomon::round_weights(), which gnomon::Lights uses.");
 }
 
 void bind_lattice(nb::module_& m) {
@@ -347,8 +382,7 @@ void bind_lattice(nb::module_& m) {
                  std::vector<std::uint8_t> values;
                  for (const WorldLattice::Change change : lattice.changes(span_of(triangles), degrees))
                      values.push_back(static_cast<std::uint8_t>(change));
-                 const std::size_t count = values.size();
-                 return numpy_of(std::move(values), {count});
+                 return row_of(std::move(values));
              })
         .def("touched_triangles",
              [](const WorldLattice& lattice, const Doubles& triangles) {
@@ -436,10 +470,7 @@ void bind_scenes(nb::module_& m) {
                  return numpy_of(std::move(scene.triangles), {count, 3, 3});
              })
         .def("take_triangle_material",
-             [](Scene& scene) {
-                 const std::size_t count = scene.materials.triangle_material.size();
-                 return numpy_of(std::move(scene.materials.triangle_material), {count});
-             })
+             [](Scene& scene) { return row_of(std::move(scene.materials.triangle_material)); })
         .def("take_cut_outs",
              [](Scene& scene) -> std::optional<OwnedCutOuts> {
                  if (scene.cut_outs.empty()) return std::nullopt;
@@ -511,6 +542,7 @@ NB_MODULE(_gnomon, m) {
     bind_facing(m);
     bind_techniques(m);
     bind_many_lights(m);
+    bind_made_lights(m);
     bind_lattice(m);
     bind_views(m);
     bind_scenes(m);
