@@ -65,6 +65,7 @@ std::string time_text(double days_since_2000, double utc_offset_hours) {
                      std::abs(minutes_ahead) % 60);
 }
 
+/// The row's x, y, z in a scene whose y points up.
 Float3 direction_in(const NumberTable& table, std::size_t row) {
     Float3 direction{};
     const char* const names[] = {"x", "y", "z"};
@@ -74,6 +75,9 @@ Float3 direction_in(const NumberTable& table, std::size_t row) {
         direction[c] = std::strtof(text.c_str(), nullptr);  // from the text, rounded once
     }
     if (direction == Float3{0, 0, 0}) table.refuse(row, "the direction 0,0,0");
+    const std::string up = table.has("up") ? table.text(row, "up") : "y";
+    if (up != "y" && up != "z") table.refuse(row, "up = \"" + up + "\", which is neither y nor z");
+    if (up == "z") return {direction[0], direction[2], 0 - direction[1]};  // 0 - y: no minus zero
     return direction;
 }
 
@@ -180,14 +184,14 @@ SunTable read_suns(const std::filesystem::path& file, double north_degrees) {
 }
 
 std::string table_text(const SunTable& table) {
-    std::string text = "time,azimuth,elevation,x,y,z,weight\n";
+    std::string text = "time,azimuth,elevation,x,y,z,up,weight\n";
     const bool has_angles =
         std::ranges::all_of(table.suns, [](const Sun& sun) { return sun.azimuth_degrees.has_value(); });
-    if (!has_angles) text = "time,x,y,z,weight\n";
+    if (!has_angles) text = "time,x,y,z,up,weight\n";
     for (const Sun& sun : table.suns) {
         text += sun.time + ",";
         if (has_angles) text += formatted("%.9f,%.9f,", *sun.azimuth_degrees, *sun.elevation_degrees);
-        text += float3_text(sun.direction) + "," + float_text(sun.weight) + "\n";
+        text += float3_text(sun.direction) + ",y," + float_text(sun.weight) + "\n";
     }
     return text;
 }

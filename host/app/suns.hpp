@@ -58,13 +58,11 @@ Float3 travel_direction(double azimuth_degrees, double elevation_degrees, double
 /// left out.
 SunTable suns_of_place(const SunsOfPlace& place, double north_degrees);
 
-/// Reads a table: a line of names, then a row per sun. Columns: x, y, z (the way its light travels) or azimuth and
-/// elevation in degrees; weight (default 1); time. Others are passed over, and so are lines that begin with #. Without
-/// a line of names the columns are x, y, z and, if there are four, the weight. Suns with an elevation of at most 0 are
-/// left out. Throws Error with the line's number.
+/// Reads a table of suns; docs/studies.md has its format ("The table of suns"), which studies of the Python package
+/// share. Suns with an elevation of at most 0 are left out. Throws Error with the line's number and the column.
 SunTable read_suns(const std::filesystem::path& file, double north_degrees);
 
-/// A table that read_suns() takes back with the same bits.
+/// A table that read_suns() takes back with the same bits, and so does a study, whose z points up.
 std::string table_text(const SunTable& table);
 
 /// Named columns of numbers in a CSV file. Used for suns and for points.

@@ -171,6 +171,25 @@ TEST_F(Suns, TablesOfAllKinds) {
     EXPECT_TRUE(read_suns(file("x,y,z\n"), 0).suns.empty());
 }
 
+// suns_of_hours.csv and suns_of_study.csv are made by hand: two suns, in a scene whose y points up and in one whose z
+// does. tests/python/study/test_sun_tables.py has the other half.
+TEST_F(Suns, OneTableServesHoursAndStudies) {
+    const fs::path of_hours = GNOMON_TESTS "/command/suns_of_hours.csv";
+    const fs::path of_study = GNOMON_TESTS "/command/suns_of_study.csv";
+    for (const fs::path& path : {of_hours, of_study}) {
+        const SunTable table = read_suns(path, 90);  // x, y, z decide, not the angles and north
+        ASSERT_EQ(table.suns.size(), 2u) << path;
+        EXPECT_EQ(table.suns[0].direction, (gnomon::Float3{-0.6f, -0.8f, 0})) << path;
+        EXPECT_EQ(table.suns[1].direction, (gnomon::Float3{0.5f, -0.25f, -0.75f})) << path;
+        EXPECT_EQ(table.suns[0].weight, 0.5f) << path;
+        EXPECT_EQ(table.suns[1].weight, 2) << path;
+    }
+    std::ostringstream text;
+    text << std::ifstream(of_hours).rdbuf();
+    EXPECT_EQ(table_text(read_suns(of_hours, 0)), text.str());
+    EXPECT_FALSE(std::signbit(read_suns(file("x,y,z,up\n1,0,-1,z\n"), 0).suns[0].direction[2])) << "no minus zero";
+}
+
 TEST_F(Suns, RefusesWhatItCannotRead) {
     expect_refused("a,b,c\n1,2,3\n", "needs the columns x, y, z or azimuth, elevation");
     expect_refused("x,y,z\n1,2\n", "line 2 has 2 columns in place of 3");
@@ -179,6 +198,7 @@ TEST_F(Suns, RefusesWhatItCannotRead) {
     expect_refused("x,y,z\n0,0,0\n", "line 2 has the direction 0,0,0");
     expect_refused("azimuth,elevation\n10,91\n", "an elevation beyond 90 degrees");
     expect_refused("x,y,z,weight\n1,2,3,1e39\n", "a weight beyond float32");
+    expect_refused("up,x,y,z\ny,1,-2,3\nx,1,-2,3\n", "line 3 has up = \"x\", which is neither y nor z");
     EXPECT_THROW(read_suns(folder_ / "none.csv", 0), gnomon::Error);
 }
 
